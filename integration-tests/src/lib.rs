@@ -1,0 +1,1 @@
+//! Whole-system tests and benchmarks live in `tests/` and `benches/`.
