@@ -1,2 +1,19 @@
-//! Under construction.
+//! Tool paths as pure shape: no time, no robot.
 #![forbid(unsafe_code)]
+
+pub use nalgebra;
+
+mod basis;
+mod bezier;
+mod curve;
+mod decompose;
+mod error;
+mod knots;
+mod nurbs;
+
+pub use basis::basis_functions;
+pub use bezier::RationalBezier;
+pub use curve::{Curve, Jet};
+pub use error::GeometryError;
+pub use knots::KnotVector;
+pub use nurbs::NurbsCurve;

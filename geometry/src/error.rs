@@ -1,0 +1,205 @@
+//! What can be wrong with a curve, and what to do about it.
+
+use thiserror::Error;
+
+/// Everything that can go wrong in this crate.
+///
+/// Each variant names the place (index or parameter), the value, the rule it breaks and the way out, so that a program
+/// can react to the fields and a person to the text.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum GeometryError {
+    /// The degree is zero.
+    #[error("degree is 0, but a curve needs degree 1 (a polyline) or more")]
+    DegreeZero,
+    /// Fewer control points than degree + 1.
+    #[error("{points} control points are too few for degree {degree}: at least {} are needed; lower the degree or add points", degree + 1)]
+    TooFewPoints {
+        /// Number of control points given.
+        points: usize,
+        /// Degree of the curve.
+        degree: usize,
+    },
+    /// The number of weights differs from the number of control points.
+    #[error(
+        "{weights} weights for {points} control points: give one weight per control point (1 where the curve is not rational)"
+    )]
+    WeightCount {
+        /// Number of weights given.
+        weights: usize,
+        /// Number of control points given.
+        points: usize,
+    },
+    /// The number of knots is not points + degree + 1.
+    #[error("{knots} knots for {points} control points of degree {degree}: the knot vector needs exactly {} entries (points + degree + 1)", points + degree + 1)]
+    KnotCount {
+        /// Number of knots given.
+        knots: usize,
+        /// Number of control points given.
+        points: usize,
+        /// Degree of the curve.
+        degree: usize,
+    },
+    /// A coordinate of a point is NaN or infinite.
+    #[error("{what} {index} has coordinate {axis} = {value}, which is not a finite number of magnitude below 1e100")]
+    PointNotFinite {
+        /// What kind of point: "control point", "data point", ...
+        what: &'static str,
+        /// Index of the point, from 0.
+        index: usize,
+        /// Which coordinate: 0 = x, 1 = y, 2 = z.
+        axis: usize,
+        /// The value found.
+        value: f64,
+    },
+    /// A weight is not finite or not above zero.
+    #[error(
+        "weight {index} is {value}: weights must be finite and above 0 (with a weight of 0 or below the curve leaves the hull of its control points)"
+    )]
+    Weight {
+        /// Index of the weight, from 0.
+        index: usize,
+        /// The value found.
+        value: f64,
+    },
+    /// Weights so far apart that the curve cannot be evaluated in double precision.
+    #[error(
+        "weights range from {smallest} to {largest}, more than a factor of 1e12 apart: the small ones have no effect in double precision; remove those points or scale their weights"
+    )]
+    WeightRange {
+        /// Smallest weight.
+        smallest: f64,
+        /// Largest weight.
+        largest: f64,
+    },
+    /// A knot is NaN or infinite.
+    #[error("knot {index} is {value}, which is not a finite number")]
+    KnotNotFinite {
+        /// Index of the knot, from 0.
+        index: usize,
+        /// The value found.
+        value: f64,
+    },
+    /// The knot vector decreases.
+    #[error("knot {index} is {value}, below knot {} = {previous}: knots must not decrease", index - 1)]
+    KnotsDecrease {
+        /// Index of the offending knot, from 0.
+        index: usize,
+        /// Its value.
+        value: f64,
+        /// The value before it.
+        previous: f64,
+    },
+    /// A knot is repeated more often than degree + 1 times.
+    #[error("knot value {value} stands {multiplicity} times from index {index} on: at most degree + 1 = {} is meaningful", degree + 1)]
+    Multiplicity {
+        /// Index of the first of them.
+        index: usize,
+        /// The knot value.
+        value: f64,
+        /// How often it stands there.
+        multiplicity: usize,
+        /// Degree of the curve.
+        degree: usize,
+    },
+    /// All knots of the domain coincide.
+    #[error("the domain [{start}, {end}] is empty: the knots from index degree to index points must span an interval")]
+    EmptyDomain {
+        /// First knot of the domain.
+        start: f64,
+        /// Last knot of the domain.
+        end: f64,
+    },
+    /// An interior knot of multiplicity degree + 1 tears the curve apart.
+    #[error(
+        "the curve jumps by {gap} at knot {value} (multiplicity degree + 1): a tool cannot follow that; make the two points equal or split it into two curves"
+    )]
+    Jump {
+        /// The knot value.
+        value: f64,
+        /// Distance between the two ends, in the curve's unit.
+        gap: f64,
+    },
+    /// A parameter lies outside the curve's domain.
+    #[error("parameter {value} lies outside the domain [{start}, {end}] of the curve")]
+    OutsideDomain {
+        /// The parameter given.
+        value: f64,
+        /// Start of the domain.
+        start: f64,
+        /// End of the domain.
+        end: f64,
+    },
+    /// A tolerance or a step that has to be positive is not.
+    #[error("{what} is {value}, but has to be a finite number above 0")]
+    NotPositive {
+        /// Which argument.
+        what: &'static str,
+        /// The value given.
+        value: f64,
+    },
+    /// The curve has no length.
+    #[error("the curve has length {length}: all its points coincide, there is nothing to follow")]
+    ZeroLength {
+        /// The measured length.
+        length: f64,
+    },
+    /// The speed |C'(u)| vanishes: a cusp or coincident control points.
+    #[error(
+        "the curve stands still near u = {u} (|C'| = {speed} of a mean of {mean}): there is a cusp or control points coincide; remove repeated control points or split the curve there"
+    )]
+    StandsStill {
+        /// Parameter where the derivative vanishes.
+        u: f64,
+        /// |C'(u)| there.
+        speed: f64,
+        /// Mean of |C'| over the curve.
+        mean: f64,
+    },
+    /// Two consecutive points that have to differ coincide.
+    #[error("data points {index} and {} coincide (distance {distance}): remove one of them", index + 1)]
+    DuplicatePoints {
+        /// Index of the first of the two.
+        index: usize,
+        /// Distance between them.
+        distance: f64,
+    },
+    /// The requested tolerance is not reached.
+    #[error(
+        "the best fit with {control_points} control points deviates by {reached}, above the tolerance {tolerance}: raise the tolerance, or check the points for outliers"
+    )]
+    FitTolerance {
+        /// Deviation reached.
+        reached: f64,
+        /// Tolerance asked for.
+        tolerance: f64,
+        /// Number of control points used.
+        control_points: usize,
+    },
+    /// A linear system of a fit is singular.
+    #[error("the fitting equations are singular: {reason}")]
+    SingularFit {
+        /// Why, in words.
+        reason: &'static str,
+    },
+    /// Keys of an orientation profile are not usable.
+    #[error("orientation key {index} stands at {value}: keys must increase strictly and lie in [{start}, {end}]")]
+    OrientationKey {
+        /// Index of the key.
+        index: usize,
+        /// Its position along the path.
+        value: f64,
+        /// Start of the allowed range.
+        start: f64,
+        /// End of the allowed range.
+        end: f64,
+    },
+    /// The tangent is parallel to the axis about which the tool turns, so that it has no heading.
+    #[error(
+        "at s = {s} the path runs along the tool axis, where \"follow the tangent\" has no direction: use another orientation mode, or another axis"
+    )]
+    NoHeading {
+        /// Arc length of the place.
+        s: f64,
+    },
+}

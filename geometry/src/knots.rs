@@ -1,0 +1,135 @@
+//! Knot vectors: validation, multiplicities, spans.
+
+use crate::error::GeometryError;
+
+/// A validated, non-decreasing knot vector for curves of one degree.
+///
+/// The domain is `[knots[degree], knots[points]]`; clamped vectors (first and last knot repeated degree + 1 times) and
+/// unclamped ones are both allowed. Spans are half-open, so that every parameter belongs to exactly one (Liu et al.
+/// 2023, eq. 2, corrected: printed with both ends closed); the last one includes the end of the domain.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KnotVector {
+    knots: Vec<f64>,
+    degree: usize,
+}
+
+impl KnotVector {
+    /// Checks and wraps `knots` for curves of `degree`.
+    ///
+    /// # Errors
+    /// When the degree is 0, a knot is not finite, the knots decrease, a knot stands more than degree + 1 times, there
+    /// are too few for one span, or the domain is empty.
+    pub fn new(degree: usize, knots: Vec<f64>) -> Result<Self, GeometryError> {
+        if degree == 0 {
+            return Err(GeometryError::DegreeZero);
+        }
+        if knots.len() < 2 * (degree + 1) {
+            return Err(GeometryError::TooFewPoints { points: knots.len().saturating_sub(degree + 1), degree });
+        }
+        if let Some((index, &value)) = knots.iter().enumerate().find(|(_, k)| !k.is_finite()) {
+            return Err(GeometryError::KnotNotFinite { index, value });
+        }
+        for (i, pair) in knots.windows(2).enumerate() {
+            if pair[1] < pair[0] {
+                return Err(GeometryError::KnotsDecrease { index: i + 1, value: pair[1], previous: pair[0] });
+            }
+        }
+        let this = Self { knots, degree };
+        for (index, value, multiplicity) in this.runs() {
+            if multiplicity > degree + 1 {
+                return Err(GeometryError::Multiplicity { index, value, multiplicity, degree });
+            }
+        }
+        let (start, end) = this.domain();
+        // The second condition refuses a domain so wide that its length overflows.
+        if start >= end || !(end - start).is_finite() {
+            return Err(GeometryError::EmptyDomain { start, end });
+        }
+        Ok(this)
+    }
+
+    /// A clamped vector with equally spaced interior knots on [0, 1].
+    ///
+    /// # Errors
+    /// When the degree is 0 or there are fewer than degree + 1 points.
+    pub fn clamped_uniform(degree: usize, points: usize) -> Result<Self, GeometryError> {
+        if degree == 0 {
+            return Err(GeometryError::DegreeZero);
+        }
+        if points < degree + 1 {
+            return Err(GeometryError::TooFewPoints { points, degree });
+        }
+        let spans = points - degree;
+        let mut knots = vec![0.0; degree + 1];
+        knots.extend((1..spans).map(|i| i as f64 / spans as f64));
+        knots.extend(std::iter::repeat_n(1.0, degree + 1));
+        Self::new(degree, knots)
+    }
+
+    /// Degree of the curves on these knots.
+    pub fn degree(&self) -> usize {
+        self.degree
+    }
+
+    /// All knots.
+    pub fn as_slice(&self) -> &[f64] {
+        &self.knots
+    }
+
+    /// Number of control points that go with these knots.
+    pub fn point_count(&self) -> usize {
+        self.knots.len() - self.degree - 1
+    }
+
+    /// First and last parameter.
+    pub fn domain(&self) -> (f64, f64) {
+        (self.knots[self.degree], self.knots[self.point_count()])
+    }
+
+    /// Index `k` of the half-open span `[knots[k], knots[k + 1])` that holds `u`; parameters outside the domain are
+    /// taken to its nearest end.
+    pub fn span(&self, u: f64) -> usize {
+        let (start, end) = self.domain();
+        let u = u.max(start).min(end);
+        let inner = &self.knots[self.degree..=self.point_count()];
+        // Number of knots <= u, but never past the last non-empty span.
+        let above = inner.partition_point(|&k| k <= u);
+        let mut k = self.degree + above.max(1) - 1;
+        if k >= self.point_count() {
+            k = self.point_count() - 1;
+            while self.knots[k] == self.knots[k + 1] {
+                k -= 1;
+            }
+        }
+        k
+    }
+
+    /// Indices `k` of the non-empty spans of the domain, in order.
+    pub fn spans(&self) -> impl Iterator<Item = usize> + '_ {
+        (self.degree..self.point_count()).filter(|&k| self.knots[k] < self.knots[k + 1])
+    }
+
+    /// How often the value `u` stands in the vector (exact comparison).
+    pub fn multiplicity(&self, u: f64) -> usize {
+        self.knots.iter().filter(|&&k| k == u).count()
+    }
+
+    /// Runs of equal knots: index of the first, value, multiplicity.
+    pub fn runs(&self) -> impl Iterator<Item = (usize, f64, usize)> + '_ {
+        let mut i = 0;
+        std::iter::from_fn(move || {
+            let value = *self.knots.get(i)?;
+            let n = self.knots[i..].iter().take_while(|&&k| k == value).count();
+            let first = i;
+            i += n;
+            Some((first, value, n))
+        })
+    }
+
+    /// True where the first and the last knot stand degree + 1 times, so that the curve starts and ends in its first
+    /// and last control point.
+    pub fn is_clamped(&self) -> bool {
+        let (start, end) = self.domain();
+        self.knots[0] == start && self.knots[self.knots.len() - 1] == end
+    }
+}
