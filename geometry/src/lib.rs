@@ -3,6 +3,7 @@
 
 pub use nalgebra;
 
+mod arc_length;
 mod basis;
 mod bezier;
 mod curve;
@@ -10,10 +11,18 @@ mod decompose;
 mod error;
 mod knots;
 mod nurbs;
+mod orientation;
+mod pose_path;
+mod quadrature;
+mod spline;
 
+pub use arc_length::{ArcLengthCurve, Corner};
 pub use basis::basis_functions;
 pub use bezier::RationalBezier;
 pub use curve::{Curve, Jet};
 pub use error::GeometryError;
 pub use knots::KnotVector;
 pub use nurbs::NurbsCurve;
+pub use orientation::{Heading, OrientationJet, OrientationPath, Through};
+pub use pose_path::{PoseJet, PosePath};
+pub use quadrature::{adaptive_gauss_legendre, gauss_legendre};
