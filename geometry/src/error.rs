@@ -138,6 +138,38 @@ pub enum GeometryError {
         /// The value given.
         value: f64,
     },
+    /// A tolerance lost in the rounding of the coordinates.
+    #[error(
+        "the tolerance {tolerance} is below {smallest}, where the rounding of the curve's coordinates begins: raise the tolerance, or move the curve nearer to the origin"
+    )]
+    ToleranceTooSmall {
+        /// The tolerance given.
+        tolerance: f64,
+        /// The smallest meaningful one for this curve.
+        smallest: f64,
+    },
+    /// A tolerance that asks for more pieces than fit in memory.
+    #[error(
+        "with the tolerance {tolerance} the curve needs about {estimate:.2e} segments, and the limit is {limit}: raise the tolerance (check its unit: the curve's), or split the curve"
+    )]
+    TooManySegments {
+        /// The tolerance given.
+        tolerance: f64,
+        /// Estimated number of segments.
+        estimate: f64,
+        /// Largest number allowed.
+        limit: usize,
+    },
+    /// The parameter has no numbers left between the ends of a piece that is still too long.
+    #[error(
+        "near u = {u} the curve moves by more than the tolerance {tolerance} between neighbouring parameter values: spread its knots over a wider range, or raise the tolerance"
+    )]
+    ParameterTooCoarse {
+        /// Parameter of the place.
+        u: f64,
+        /// The tolerance given.
+        tolerance: f64,
+    },
     /// The curve has no length.
     #[error("the curve has length {length}: all its points coincide, there is nothing to follow")]
     ZeroLength {

@@ -1,0 +1,32 @@
+//! The three segmentations of the butterfly at 0.001 mm.
+#![allow(missing_docs)]
+
+#[path = "published.rs"]
+mod published;
+
+use std::hint::black_box;
+
+use arcfeed_geometry::SegmentationMethod;
+use criterion::{Criterion, criterion_group, criterion_main};
+use published::published;
+
+fn segmentation(c: &mut Criterion) {
+    let curve = published("butterfly");
+    let mut group = c.benchmark_group("butterfly at 0.001 mm");
+    for (name, method) in [
+        ("hull", SegmentationMethod::Hull),
+        ("C type", SegmentationMethod::CType),
+        ("longest within knots", SegmentationMethod::Longest { across_knots: false }),
+        ("longest across knots", SegmentationMethod::Longest { across_knots: true }),
+    ] {
+        group.bench_function(name, |b| b.iter(|| black_box(&curve).segment(method, 0.001)));
+    }
+    group.finish();
+}
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default().warm_up_time(std::time::Duration::from_millis(500)).measurement_time(std::time::Duration::from_secs(2)).sample_size(20);
+    targets = segmentation
+}
+criterion_main!(benches);
