@@ -2,11 +2,16 @@
 #![forbid(unsafe_code)]
 
 mod error;
+mod job;
+mod job_file;
 mod path_file;
 mod sample_paths;
+mod trajectory_csv;
 mod unit;
 
 pub use error::InputError;
+pub use job::{FeedLimits, Job, JointOverrides, Scan, ToolOrientation};
 pub use path_file::{PathFile, PathGeometry};
 pub use sample_paths::{SamplePath, butterfly};
+pub use trajectory_csv::{TRAJECTORY_COLUMNS, TrajectoryRow, TrajectoryWriter, read_trajectory, write_trajectory};
 pub use unit::LengthUnit;

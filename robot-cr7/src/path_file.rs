@@ -186,8 +186,11 @@ impl PathFile {
             .collect();
         let warnings = size_warnings(&points, unit);
         let weights = raw.weights.unwrap_or_else(|| vec![1.0; points.len()]);
-        let curve = NurbsCurve::new(raw.degree, points, weights, raw.knots)
-            .map_err(|source| InputError::Curve { file: file.to_owned(), key: key_of(&source), source })?;
+        let curve = NurbsCurve::new(raw.degree, points, weights, raw.knots).map_err(|source| InputError::Curve {
+            file: file.to_owned(),
+            key: key_of(&source),
+            source,
+        })?;
         Ok(Self {
             name: raw.name.unwrap_or_else(|| stem(file)),
             source: raw.source,
@@ -218,7 +221,8 @@ impl PathFile {
             }
             (Some(unit), _) | (None, Some(unit)) => unit,
             (None, None) => {
-                let remedy = "name it in the header, as in x_mm,y_mm (mm, cm, m, in), or give the CSV unit with the job";
+                let remedy =
+                    "name it in the header, as in x_mm,y_mm (mm, cm, m, in), or give the CSV unit with the job";
                 return Err(InputError::MissingUnit { file: file.to_owned(), place, remedy });
             }
         };
@@ -304,13 +308,8 @@ impl Header {
         let mut columns = Vec::new();
         let mut unit = None;
         for (i, cell) in cells.iter().enumerate() {
-            let wrong = |rule| InputError::Column {
-                file: file.to_owned(),
-                line,
-                column: i + 1,
-                name: cell.clone(),
-                rule,
-            };
+            let wrong =
+                |rule| InputError::Column { file: file.to_owned(), line, column: i + 1, name: cell.clone(), rule };
             let name = cell.to_ascii_lowercase();
             let (axis, rest) = match name.chars().next() {
                 Some(c @ 'x'..='z') => (c as usize - 'x' as usize, &name[1..]),
@@ -349,8 +348,7 @@ fn csv_rows(text: &str) -> impl Iterator<Item = (u64, Vec<String>)> {
             return None;
         }
         // One reader a line: the crate's own line count is off after blank lines, and a stray quote stays in its line.
-        let mut reader =
-            csv::ReaderBuilder::new().has_headers(false).trim(csv::Trim::All).from_reader(row.as_bytes());
+        let mut reader = csv::ReaderBuilder::new().has_headers(false).trim(csv::Trim::All).from_reader(row.as_bytes());
         let cells = match reader.records().next() {
             Some(Ok(record)) => record.iter().map(str::to_owned).collect(),
             _ => vec![row.to_owned()],
@@ -423,7 +421,10 @@ fn size_warnings(points: &[Vector3<f64>], unit: LengthUnit) -> Vec<String> {
         vec![format!("the path is {size:.3} m wide when its numbers are read in {symbol}: did you mean {other}?")]
     } else if size > 0.0 && size < 1e-4 {
         let other = if unit == LengthUnit::Millimetre { "m" } else { "a larger unit" };
-        vec![format!("the path is only {:.3} um wide when its numbers are read in {symbol}: did you mean {other}?", size * 1e6)]
+        vec![format!(
+            "the path is only {:.3} um wide when its numbers are read in {symbol}: did you mean {other}?",
+            size * 1e6
+        )]
     } else {
         Vec::new()
     }
