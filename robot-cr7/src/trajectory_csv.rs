@@ -125,6 +125,9 @@ pub fn read_trajectory<R: Read>(reader: R, file: &Path) -> Result<Vec<Trajectory
     for line in 1u64.. {
         match reader.read_record(&mut record) {
             Ok(true) => {}
+            Ok(false) if line == 1 => {
+                return Err(InputError::Empty { file: file.to_owned(), expected: "a trajectory with its header" });
+            }
             Ok(false) => break,
             Err(e) => {
                 return Err(InputError::Read { file: file.to_owned(), source: into_io(e), remedy: "write it again" });
@@ -163,9 +166,6 @@ pub fn read_trajectory<R: Read>(reader: R, file: &Path) -> Result<Vec<Trajectory
             })?;
         }
         rows.push(row_of(&values));
-    }
-    if reader.position().line() <= 1 && rows.is_empty() {
-        return Err(InputError::Empty { file: file.to_owned(), expected: "a trajectory with its header" });
     }
     Ok(rows)
 }
