@@ -1,2 +1,19 @@
-//! Under construction.
+//! The Dobot CR7 on arcfeed: path and job files, plots, reports and the command line.
 #![forbid(unsafe_code)]
+
+mod error;
+mod job;
+mod job_file;
+mod path_file;
+mod report;
+mod sample_paths;
+mod trajectory_csv;
+mod unit;
+
+pub use error::InputError;
+pub use job::{FeedLimits, Job, JointOverrides, Scan, ToolOrientation};
+pub use path_file::{PathFile, PathGeometry};
+pub use report::{LimitLine, LimitUnit, Report, SegmentCount};
+pub use sample_paths::{SamplePath, butterfly};
+pub use trajectory_csv::{TRAJECTORY_COLUMNS, TrajectoryRow, TrajectoryWriter, read_trajectory, write_trajectory};
+pub use unit::LengthUnit;
