@@ -48,8 +48,18 @@ pub(crate) struct Bounds<'a> {
 }
 
 /// One box per interval of the joint path, safe anywhere inside it.
-pub(crate) fn boxes(path: &PosePath, joints: &JointPath, bounds: &Bounds<'_>) -> Result<Vec<Segment>, PlanError> {
-    let steps = acceleration_steps(joints);
+///
+/// At the grid points `stops` the tool stands, so that a jump of the derivatives there needs no bound.
+pub(crate) fn boxes(
+    path: &PosePath,
+    joints: &JointPath,
+    stops: &[usize],
+    bounds: &Bounds<'_>,
+) -> Result<Vec<Segment>, PlanError> {
+    let mut steps = acceleration_steps(joints);
+    for &i in stops {
+        steps[i] = Joints::zeros();
+    }
     (0..joints.intervals())
         .map(|i| {
             let (start, end) = joints.interval(i);
@@ -114,10 +124,10 @@ fn one_box(reach: &Reach, step: &Joints<AXES>, bounds: &Bounds<'_>) -> (f64, f64
     let (tool, joints, scale) = (bounds.tool, bounds.joints, bounds.scale);
     let kappa = reach.curvature;
     let mut v = tool.feed * scale;
-    v = v.min(caps::chord_error(kappa, bounds.chord * scale, bounds.period));
-    v = v.min(caps::normal_acceleration(kappa, tool.normal_acceleration * scale));
+    v = v.min(caps::chord_error_speed(kappa, bounds.chord * scale, bounds.period));
+    v = v.min(caps::normal_acceleration_speed(kappa, tool.normal_acceleration * scale));
     if let Some(jerk) = tool.normal_jerk {
-        v = v.min(caps::normal_jerk(kappa, jerk * scale));
+        v = v.min(caps::normal_jerk_speed(kappa, jerk * scale));
     }
     let mut a = tool.tangential_acceleration * scale;
     let mut j = tool.tangential_jerk * scale;
