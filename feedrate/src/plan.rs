@@ -29,6 +29,19 @@ impl SpeedPlan {
         if sound { Ok(self) } else { Err(FeedError::OutOfRange { what: "duration of the plan" }) }
     }
 
+    /// Plans one after the other, as where a path has corners at which the tool stands. Each is taken to start where the
+    /// one before ends; without any the result is the empty motion.
+    pub fn chain(parts: impl IntoIterator<Item = SpeedPlan>) -> Self {
+        let mut chained = Self { phases: Vec::new(), end: MotionState::default(), duration: 0.0 };
+        for part in parts {
+            let (t0, s0) = (chained.duration, chained.end.p);
+            chained.phases.extend(part.phases.iter().map(|p| Phase { t: t0 + p.t, s: s0 + p.s, ..*p }));
+            chained.end = MotionState { p: s0 + part.end.p, ..part.end };
+            chained.duration = t0 + part.duration;
+        }
+        chained
+    }
+
     /// The constant-jerk phases, by time; each lasts until the next one starts, the last one until [`MotionLaw::duration`].
     pub fn phases(&self) -> &[Phase] {
         &self.phases

@@ -439,8 +439,8 @@ mod tests {
         let p = to_powers(&c);
         for x in [-1.0, -0.37, 0.0, 0.81, 1.0] {
             let exact = (0.3 * x as f64).exp();
-            assert!((clenshaw(&c, x) - exact).abs() < 1e-15);
-            assert!((p.iter().rev().fold(0.0, |s, &k| s * x + k) - exact).abs() < 1e-15);
+            assert!((clenshaw(&c, x) - exact).abs() < 4e-15);
+            assert!((p.iter().rev().fold(0.0, |s, &k| s * x + k) - exact).abs() < 4e-15);
         }
     }
 }

@@ -6,6 +6,7 @@ mod error;
 mod grid;
 mod joint_path;
 mod limits;
+pub mod parameter;
 mod planner;
 mod sampler;
 mod trajectory;
