@@ -4,6 +4,7 @@ use crate::{
     error::KinematicsError,
     joint::{JointRange, Joints},
     traits::InverseKinematics,
+    trig::{floor, round},
 };
 use nalgebra::Isometry3;
 use std::f64::consts::TAU;
@@ -73,10 +74,16 @@ pub fn nearest_turns<const N: usize>(
     let mut worst: Option<LimitExcess> = None;
     for joint in 0..N {
         let (lower, upper) = (range.lower()[joint], range.upper()[joint]);
-        let first = ((lower - LIMIT_ROUNDING - q[joint]) / TAU).ceil();
-        let last = ((upper + LIMIT_ROUNDING - q[joint]) / TAU).floor();
+        let nearest_turn = round((seed[joint] - q[joint]) * (1.0 / TAU));
+        let value = q[joint] + TAU * nearest_turn;
+        if lower <= value && value <= upper {
+            nearest[joint] = value;
+            continue;
+        }
+        let first = -floor((q[joint] - (lower - LIMIT_ROUNDING)) / TAU);
+        let last = floor((upper + LIMIT_ROUNDING - q[joint]) / TAU);
         if first <= last {
-            let turns = ((seed[joint] - q[joint]) / TAU).round().clamp(first, last);
+            let turns = nearest_turn.clamp(first, last);
             nearest[joint] = (q[joint] + TAU * turns).clamp(lower, upper);
             continue;
         }

@@ -5,6 +5,7 @@ use crate::{
     jacobian::Configuration,
     joint::{Joint, JointKind, Joints, checked_pose},
     traits::ForwardKinematics,
+    trig::sin_cos,
 };
 use nalgebra::{Isometry3, Matrix3, Vector3};
 
@@ -123,6 +124,7 @@ struct Normalised<const N: usize> {
     start: Frame,
     links: [Link; N],
     end: Frame,
+    kinds: [JointKind; N],
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -137,6 +139,8 @@ struct Link {
     translation: Vector3<f64>,
     cos_alpha: f64,
     sin_alpha: f64,
+    /// alpha = 0, as between the parallel axes of many arms: nothing to turn.
+    parallel: bool,
     /// Added to a revolute joint's value, the constant angle of a prismatic one.
     offset: f64,
     kind: JointKind,
@@ -166,6 +170,7 @@ impl<const N: usize> Normalised<N> {
             translation: Vector3::zeros(),
             cos_alpha: 1.0,
             sin_alpha: 0.0,
+            parallel: true,
             offset: 0.0,
             kind: joint.kind(),
         });
@@ -184,16 +189,26 @@ impl<const N: usize> Normalised<N> {
                 links[i].translation = first.about_z().transpose() * step.translation;
                 links[i].cos_alpha = alpha.cos;
                 links[i].sin_alpha = alpha.sin;
+                links[i].parallel = alpha.sin == 0.0 && alpha.cos > 0.0;
             }
             carried = Frame { rotation: to_z.transpose(), translation: Vector3::zeros() };
         }
-        Self { start, links, end: carried.then(&Frame::new(end)) }
+        Self { start, links, end: carried.then(&Frame::new(end)), kinds: joints.map(|joint| joint.kind()) }
     }
 
     #[inline]
     fn configuration(&self, q: &Joints<N>) -> Configuration<N> {
-        let mut axes = [Vector3::zeros(); N];
-        let mut points = [Vector3::zeros(); N];
+        let (sines, cosines) = sin_cos(&std::array::from_fn::<f64, N, _>(|i| {
+            let link = &self.links[i];
+            link.offset + if link.kind == JointKind::Revolute { q[i] } else { 0.0 }
+        }));
+        let mut at = Configuration {
+            rotation: self.start.rotation,
+            tool: self.start.translation,
+            axes: [Vector3::zeros(); N],
+            points: [Vector3::zeros(); N],
+            kinds: self.kinds,
+        };
         let mut x: Vector3<f64> = self.start.rotation.column(0).into();
         let mut y: Vector3<f64> = self.start.rotation.column(1).into();
         let mut z: Vector3<f64> = self.start.rotation.column(2).into();
@@ -203,27 +218,21 @@ impl<const N: usize> Normalised<N> {
             if i > 0 {
                 let t = &link.translation;
                 p += x * t.x + y * t.y + z * t.z;
-                (y, z) = (y * link.cos_alpha + z * link.sin_alpha, z * link.cos_alpha - y * link.sin_alpha);
-            }
-            axes[i] = z;
-            points[i] = p;
-            let (sin, cos) = match link.kind {
-                JointKind::Revolute => (q[i] + link.offset).sin_cos(),
-                JointKind::Prismatic => {
-                    p += z * q[i];
-                    link.offset.sin_cos()
+                if !link.parallel {
+                    (y, z) = (y * link.cos_alpha + z * link.sin_alpha, z * link.cos_alpha - y * link.sin_alpha);
                 }
-            };
-            (x, y) = (x * cos + y * sin, y * cos - x * sin);
+            }
+            at.axes[i] = z;
+            at.points[i] = p;
+            if link.kind == JointKind::Prismatic {
+                p += z * q[i];
+            }
+            (x, y) = (x * cosines[i] + y * sines[i], y * cosines[i] - x * sines[i]);
         }
         let rotation = Matrix3::from_columns(&[x, y, z]);
-        Configuration {
-            tool: p + rotation * self.end.translation,
-            rotation: rotation * self.end.rotation,
-            axes,
-            points,
-            kinds: self.links.map(|link| link.kind),
-        }
+        at.tool = p + rotation * self.end.translation;
+        at.rotation = rotation * self.end.rotation;
+        at
     }
 }
 

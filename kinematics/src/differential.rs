@@ -87,10 +87,11 @@ pub fn joint_derivatives<A: ForwardKinematics<6> + ?Sized>(
         condition: condition_number(&jacobian),
     };
     let lu = Lu6::new(&jacobian).ok_or_else(singular)?;
-    // The exact value only where the cheap bound does not settle it.
-    if lu.smallest_singular_value_at_least() < min_singular_value
-        && smallest_singular_value(&jacobian) < min_singular_value
-    {
+    // The product of the other five singular values is at most (|J|_F^2 / 5)^(5/2), mean against geometric mean; so
+    // |det J| bounds the smallest from below. The exact value only where that does not settle it.
+    let mean = jacobian.norm_squared() / 5.0;
+    let at_least = lu.determinant() / (mean * mean * mean.sqrt());
+    if !(at_least >= min_singular_value || smallest_singular_value(&jacobian) >= min_singular_value) {
         return Err(singular());
     }
     let first = lu.solve(&tool.first);

@@ -51,6 +51,7 @@ mod lu;
 pub mod models;
 mod singularity;
 mod traits;
+mod trig;
 
 pub use nalgebra;
 

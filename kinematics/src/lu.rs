@@ -15,11 +15,10 @@ impl Lu6 {
         let mut rows: [[f64; 6]; 6] = std::array::from_fn(|r| std::array::from_fn(|c| matrix[(r, c)]));
         let mut order = [0, 1, 2, 3, 4, 5];
         for k in 0..6 {
-            let mut pivot = k;
+            let (mut pivot, mut largest) = (k, rows[k][k].abs());
             for r in k + 1..6 {
-                if rows[r][k].abs() > rows[pivot][k].abs() {
-                    pivot = r;
-                }
+                let size = rows[r][k].abs();
+                (pivot, largest) = if size > largest { (r, size) } else { (pivot, largest) };
             }
             rows.swap(k, pivot);
             order.swap(k, pivot);
@@ -27,15 +26,17 @@ impl Lu6 {
             if !reciprocal.is_finite() {
                 return None;
             }
-            rows[k][k] = reciprocal;
-            let pivot_row = rows[k];
+            // Whole rows, with zeros where nothing is to be subtracted: fixed lengths make vector instructions.
+            let mut pivot_row = rows[k];
+            pivot_row[..=k].fill(0.0);
             for row in &mut rows[k + 1..] {
                 let factor = row[k] * reciprocal;
-                row[k] = factor;
-                for c in k + 1..6 {
+                for c in 0..6 {
                     row[c] -= factor * pivot_row[c];
                 }
+                row[k] = factor;
             }
+            rows[k][k] = reciprocal;
         }
         Some(Self { rows, order })
     }
@@ -57,31 +58,8 @@ impl Lu6 {
         Vector6::from(x)
     }
 
-    /// A lower bound of A's smallest singular value, 1 / (|L^-1| |U^-1|) in the Frobenius norm: cheap and safe, but up
-    /// to some tens of times too small.
-    pub(crate) fn smallest_singular_value_at_least(&self) -> f64 {
-        let (mut lower, mut upper) = (6.0, 0.0);
-        for k in 0..6 {
-            // Column k of L^-1 below its unit diagonal, and of U^-1.
-            let mut l = [0.0; 6];
-            l[k] = 1.0;
-            for r in k + 1..6 {
-                for c in k..r {
-                    l[r] -= self.rows[r][c] * l[c];
-                }
-                lower += l[r] * l[r];
-            }
-            let mut u = [0.0; 6];
-            u[k] = self.rows[k][k];
-            upper += u[k] * u[k];
-            for r in (0..k).rev() {
-                for c in r + 1..=k {
-                    u[r] -= self.rows[r][c] * u[c];
-                }
-                u[r] *= self.rows[r][r];
-                upper += u[r] * u[r];
-            }
-        }
-        1.0 / (lower * upper).sqrt()
+    /// |det A|.
+    pub(crate) fn determinant(&self) -> f64 {
+        1.0 / (0..6).map(|k| self.rows[k][k]).product::<f64>().abs()
     }
 }

@@ -94,8 +94,8 @@ fn orthogonalise<const D: usize, const K: usize>(vectors: &mut [[f64; D]; K]) {
                 }
                 turned = true;
                 let zeta = (bb - aa) / (2.0 * ab);
-                let tan = zeta.signum() / (zeta.abs() + zeta.hypot(1.0));
-                let cos = 1.0 / tan.hypot(1.0);
+                let tan = zeta.signum() / (zeta.abs() + (1.0 + zeta * zeta).sqrt());
+                let cos = 1.0 / (1.0 + tan * tan).sqrt();
                 let sin = cos * tan;
                 let (head, tail) = vectors.split_at_mut(j);
                 for (a, b) in head[i].iter_mut().zip(&mut tail[0]) {

@@ -20,9 +20,10 @@ use crate::{
     jacobian::Configuration,
     joint::{JointKind, Joints, checked_pose},
     singularity::SingularityKind,
+    trig::{atan2, principal, sin_cos},
 };
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector2, Vector3};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 /// How far a chain may be from the ideal geometry, rad and m; above [`EXACT`] its solutions are polished.
 const ACCEPTED: f64 = 1e-4;
@@ -185,15 +186,15 @@ impl ParallelAxisSolver {
         let slack = r - d.abs();
         if r <= REACH_ROUNDING * self.size && d.abs() <= REACH_ROUNDING * self.size {
             solutions.mark_shoulder_singular();
-            let (sin, cos) = seed[0].sin_cos();
+            let ([sin], [cos]) = sin_cos(&[seed[0]]);
             self.wrist_branches(&undo_first(seed[0], sin, cos, &orientation, &wrist), seed, &mut solutions, &mut miss);
         } else if slack < -REACH_ROUNDING * self.size {
             miss.note(-slack, ReachSide::TooNear);
         } else {
             let root = (slack * (r + d.abs())).max(0.0).sqrt();
-            let middle = wrist.x.atan2(wrist.z);
+            let middle = atan2(wrist.x, wrist.z);
             let branch = |side: f64, root: f64| {
-                let half = root.atan2(d);
+                let half = atan2(root, d);
                 let cos = (wrist.z * d - side * wrist.x * root) / (r * r);
                 let sin = (wrist.x * d + side * wrist.z * root) / (r * r);
                 undo_first(middle + side * half, sin, cos, &orientation, &wrist)
@@ -227,10 +228,10 @@ impl ParallelAxisSolver {
             return;
         }
         let (sin_c, cos_c) = (m[(2, 0)] / sine, m[(2, 1)] / sine);
-        let b = sine.atan2(m[(2, 2)]);
-        let c = sin_c.atan2(cos_c);
+        let b = atan2(sine, m[(2, 2)]);
+        let c = atan2(sin_c, cos_c);
         let (sin_a, cos_a) = self.sum_of_parallel(m, sin_c, cos_c);
-        let a = sin_a.atan2(cos_a);
+        let a = atan2(sin_a, cos_a);
         let phi = a - self.axis5_angle;
         let hand = self.turned_hand(sin_a, cos_a);
         let q5 = b - self.wrist_zero;
@@ -259,9 +260,9 @@ impl ParallelAxisSolver {
         let parallel = m[(2, 2)] > 0.0;
         let b = if parallel { 0.0 } else { PI };
         let mut q6 = seed[5];
-        let (sin_c, cos_c) = (q6 - self.axis5_angle).sin_cos();
+        let ([sin_c], [cos_c]) = sin_cos(&[q6 - self.axis5_angle]);
         let (sin_a, cos_a) = self.sum_of_parallel(m, sin_c, cos_c);
-        let mut phi = sin_a.atan2(cos_a) - self.axis5_angle;
+        let mut phi = atan2(sin_a, cos_a) - self.axis5_angle;
         let mut hand = self.turned_hand(sin_a, cos_a);
         let reach = shoulder.wrist - self.axis2;
 
@@ -279,7 +280,7 @@ impl ParallelAxisSolver {
             if turn != 0.0 {
                 phi += turn;
                 q6 -= if parallel { turn } else { -turn };
-                let (sin, cos) = turn.sin_cos();
+                let ([sin], [cos]) = sin_cos(&[turn]);
                 hand = Vector2::new(cos * hand.x - sin * hand.y, sin * hand.x + cos * hand.y);
             }
         }
@@ -305,7 +306,7 @@ impl ParallelAxisSolver {
         if near < -rounding {
             return miss.note(-near, ReachSide::TooNear);
         }
-        let direction = end.y.atan2(end.x) - self.upper_arm_angle;
+        let direction = atan2(end.y, end.x) - self.upper_arm_angle;
         let mut push = |elbow: f64, offset: f64| {
             let q2 = direction - offset;
             let q3 = elbow - self.elbow_angle;
@@ -325,8 +326,8 @@ impl ParallelAxisSolver {
             let more = near * (length + (l2 - l3).abs()) * scale;
             let sin = (less * more).max(0.0).sqrt();
             let cos = if less < 1.0 { 1.0 - less } else { more - 1.0 };
-            let elbow = sin.atan2(cos);
-            let offset = (l3 * sin).atan2(l2 + l3 * cos);
+            let elbow = atan2(sin, cos);
+            let offset = atan2(l3 * sin, l2 + l3 * cos);
             push(elbow, offset);
             push(-elbow, -offset);
         }
@@ -365,10 +366,4 @@ fn undo_first(q1: f64, sin: f64, cos: f64, orientation: &Matrix3<f64>, wrist: &V
 
 fn rotation_matrix(rotation: &UnitQuaternion<f64>) -> Matrix3<f64> {
     rotation.to_rotation_matrix().into_inner()
-}
-
-/// The same angle in (-pi, pi].
-fn principal(angle: f64) -> f64 {
-    let wrapped = angle - TAU * (angle / TAU).round();
-    if wrapped <= -PI { wrapped + TAU } else { wrapped }
 }
