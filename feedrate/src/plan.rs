@@ -164,9 +164,9 @@ impl PlanBuilder {
         Self { phases: Vec::with_capacity(n), time: 0.0, lost: 0.0 }
     }
 
-    /// Appends a phase that starts in the given state and lasts `dt`; one without duration is dropped.
+    /// Appends a phase that starts in the given state and lasts `dt`; one too short to move the clock is dropped.
     pub fn push(&mut self, s: f64, v: f64, a: f64, j: f64, dt: f64) {
-        if dt > 0.0 {
+        if self.time + dt > self.time {
             self.phases.push(Phase { t: self.time, s, v, a, j });
             // Neumaier's sum is not needed: the time never falls, so Kahan's is enough.
             let y = dt - self.lost;

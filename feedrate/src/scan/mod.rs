@@ -1,6 +1,8 @@
 //! Speed along a path given as a list of segments, each with its own limits.
 
+mod ceiling;
 pub mod joined;
+mod pass;
 pub mod segment;
 
 use crate::error::FeedError;

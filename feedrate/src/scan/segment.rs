@@ -5,7 +5,7 @@ use crate::error::{FeedError, not_negative};
 use crate::limits::MotionLimits;
 use crate::plan::{PlanBuilder, SpeedPlan};
 use crate::scurve::profile::{Adjusted, SProfile};
-use crate::scurve::solve::{distance, lower, lowest, raise};
+use crate::scurve::solve::{distance, fits, lower, lowest, raise};
 
 /// Plans one S-profile per segment with the whole path in view: acceleration is zero at every boundary.
 ///
@@ -121,7 +121,7 @@ fn forward(segment: &Segment, v: f64, bound: f64) -> f64 {
     let (a, j) = (segment.a_max, segment.j_max);
     if bound >= v {
         bound.min(raise(v, segment.length, a, j)).max(v)
-    } else if distance(v, bound, a, j) <= segment.length * (1.0 + 1e-12) {
+    } else if fits(v, bound, segment.length, a, j) {
         bound
     } else {
         slower_than(segment, v, bound)

@@ -1,7 +1,7 @@
 //! The seven-phase S-profile over a given displacement (Liu et al. 2023, section 3.1).
 
 use super::phases::Phase;
-use super::solve::{Leg, distance, lower, peak, raise};
+use super::solve::{Leg, distance, fits, lower, peak, raise};
 use crate::error::{FeedError, not_negative};
 use crate::limits::MotionLimits;
 use crate::state::{MotionLaw, MotionState};
@@ -69,7 +69,7 @@ impl SProfile {
     pub fn new(length: f64, v_start: f64, v_end: f64, limits: &MotionLimits) -> Result<Self, FeedError> {
         check(length, v_start, v_end, limits)?;
         let required = distance(v_start, v_end, limits.a_max(), limits.j_max());
-        if required > length * (1.0 + 1e-12) {
+        if !fits(v_start, v_end, length, limits.a_max(), limits.j_max()) {
             return Err(FeedError::TooShort { length, required, v_start, v_end });
         }
         finish(Self::build(length, v_start, v_end, limits, Adjusted::No))
@@ -91,7 +91,7 @@ impl SProfile {
     ) -> Result<Self, FeedError> {
         check(length, v_start, v_end, limits)?;
         let (a_max, j_max) = (limits.a_max(), limits.j_max());
-        if distance(v_start, v_end, a_max, j_max) <= length * (1.0 + 1e-12) {
+        if fits(v_start, v_end, length, a_max, j_max) {
             return finish(Self::build(length, v_start, v_end, limits, Adjusted::No));
         }
         let (kept, moved) = match adjust {
@@ -116,12 +116,18 @@ impl SProfile {
     pub(crate) fn build(length: f64, v0: f64, v1: f64, limits: &MotionLimits, adjusted: Adjusted) -> Self {
         let (a_max, j_max) = (limits.a_max(), limits.j_max());
         let v = peak(v0, v1, length, limits);
-        let up = Leg::new(v - v0, a_max, j_max);
-        let down = Leg::new(v - v1, a_max, j_max);
+        let mut up = Leg::new(v - v0, a_max, j_max);
+        let mut down = Leg::new(v - v1, a_max, j_max);
+        let legs = (0.5 * v0 + 0.5 * v) * up.duration() + (0.5 * v + 0.5 * v1) * down.duration();
+        if legs > length {
+            // Round-off in the speeds; where they differ by a few units in the last place it matters for the times.
+            let k = length / legs;
+            up = Leg { ramp: up.ramp * k, hold: up.hold * k };
+            down = Leg { ramp: down.ramp * k, hold: down.hold * k };
+        }
         let (t_up, t_down) = (up.duration(), down.duration());
         let d_up = (0.5 * v0 + 0.5 * v) * t_up;
-        let d_down = (0.5 * v + 0.5 * v1) * t_down;
-        let left = (length - d_up - d_down).max(0.0);
+        let left = (length - d_up - (0.5 * v + 0.5 * v1) * t_down).max(0.0);
         let t_cruise = if left > 0.0 { left / v } else { 0.0 };
 
         let mut phases = [Phase::default(); 7];
