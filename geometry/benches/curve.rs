@@ -1,7 +1,6 @@
 //! Evaluation and decomposition of the butterfly.
 #![allow(missing_docs)]
 
-#[path = "published.rs"]
 mod published;
 
 use std::hint::black_box;

@@ -1,7 +1,6 @@
 //! The three segmentations of the butterfly at 0.001 mm.
 #![allow(missing_docs)]
 
-#[path = "published.rs"]
 mod published;
 
 use std::hint::black_box;

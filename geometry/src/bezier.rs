@@ -10,7 +10,7 @@ pub(crate) type Homogeneous = [f64; 4];
 #[inline(always)]
 pub(crate) fn lerp(a: &Homogeneous, b: &Homogeneous, t: f64) -> Homogeneous {
     let s = 1.0 - t;
-    std::array::from_fn(|i| s * a[i] + t * b[i])
+    [s * a[0] + t * b[0], s * a[1] + t * b[1], s * a[2] + t * b[2], s * a[3] + t * b[3]]
 }
 
 /// The Euclidean point of a homogeneous one.
@@ -94,7 +94,7 @@ pub(crate) fn restrict(h: &mut [Homogeneous], t0: f64, t1: f64) {
 }
 
 /// Control points of the part `[0, t]`.
-#[inline]
+#[inline(always)]
 pub(crate) fn keep_left(h: &mut [Homogeneous], t: f64) {
     let n = h.len();
     for r in 1..n {
@@ -105,7 +105,7 @@ pub(crate) fn keep_left(h: &mut [Homogeneous], t: f64) {
 }
 
 /// Control points of the part `[t, 1]`.
-#[inline]
+#[inline(always)]
 pub(crate) fn keep_right(h: &mut [Homogeneous], t: f64) {
     let n = h.len();
     for r in (1..n).rev() {

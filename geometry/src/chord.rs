@@ -2,7 +2,7 @@
 
 use nalgebra::SVector;
 
-use crate::bezier::{Homogeneous, RationalBezier, lerp};
+use crate::bezier::{Homogeneous, RationalBezier, keep_left, keep_right, lerp};
 use crate::error::GeometryError;
 
 /// Splits of one piece after which its bound is accepted as it stands.
@@ -131,7 +131,7 @@ impl ChordMeter {
         self.parts.clear();
         self.order = order;
         self.start = *a;
-        let v: [f64; 3] = std::array::from_fn(|l| b[l] - a[l]);
+        let v = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
         self.length = dot(&v, &v).sqrt();
         let il = if self.length > 0.0 { 1.0 / self.length } else { 0.0 };
         self.direction = v.map(|x| x * il);
@@ -146,13 +146,9 @@ impl ChordMeter {
         let first = self.points.len();
         let a = self.start;
         self.points.extend(h.iter().map(|h| [h[0] - h[3] * a[0], h[1] - h[3] * a[1], h[2] - h[3] * a[2], h[3]]));
+        // As in `run`: the loops unroll for cubics.
         let part = &mut self.points[first..];
-        if t1 < 1.0 {
-            crate::bezier::keep_left(part, t1);
-        }
-        if t0 > 0.0 {
-            crate::bezier::keep_right(part, t0 / t1);
-        }
+        if part.len() == 4 { cut_out(&mut part[..4], t0, t1) } else { cut_out(part, t0, t1) }
         let n = self.order;
         let (d0, d1) = (self.distance2(&self.points[first]), self.distance2(&self.points[first + n - 1]));
         if self.parts.is_empty() {
@@ -177,7 +173,15 @@ impl ChordMeter {
     }
 
     fn run(&mut self, goal: Goal) -> Deviation {
-        let n = self.order;
+        // The same code twice: with the number of control points known, the loops of the cubic case unroll.
+        match self.order {
+            4 => self.run_order(goal, 4),
+            n => self.run_order(goal, n),
+        }
+    }
+
+    #[inline(always)]
+    fn run_order(&mut self, goal: Goal, n: usize) -> Deviation {
         let mut done2 = 0.0f64;
         let mut enough2 = self.enough2(goal);
         let ceiling2 = goal.ceiling * goal.ceiling;
@@ -188,7 +192,7 @@ impl ChordMeter {
                 self.points.truncate(base);
                 continue;
             }
-            let t = self.peak(base, part.farthest as f64 / (n - 1) as f64).unwrap_or(0.5);
+            let t = self.peak(base, n, part.farthest as f64 / (n - 1) as f64).unwrap_or(0.5);
             split(&mut self.points, base, n, t);
             let u = part.u0 + t * (part.u1 - part.u0);
             self.raise(self.distance2(&self.points[base + n]), u);
@@ -229,23 +233,26 @@ impl ChordMeter {
     }
 
     /// Squared distance of a point from the chord.
-    #[inline]
+    #[inline(always)]
     fn distance2(&self, h: &Homogeneous) -> f64 {
         let iw = 1.0 / h[3];
         let v = [h[0] * iw, h[1] * iw, h[2] * iw];
         let s = dot(&v, &self.direction).max(0.0).min(self.length);
-        let q: [f64; 3] = std::array::from_fn(|l| v[l] - s * self.direction[l]);
+        let d = &self.direction;
+        let q = [v[0] - s * d[0], v[1] - s * d[1], v[2] - s * d[2]];
         dot(&q, &q)
     }
 
-    /// Largest squared distance of control points, and whose it is.
-    #[inline]
+    /// Largest squared distance of the inner control points, and whose it is. (The end points lie on the curve: they
+    /// are counted in the lower bound.)
+    #[inline(always)]
     fn bound2(&self, h: &[Homogeneous]) -> (f64, usize) {
         let mut best = (0.0, 0);
-        for (i, p) in h.iter().enumerate() {
+        let inner = &h[1..h.len() - 1];
+        for (i, p) in inner.iter().enumerate() {
             let d = self.distance2(p);
             if d > best.0 {
-                best = (d, i);
+                best = (d, i + 1);
             }
         }
         best
@@ -253,8 +260,9 @@ impl ChordMeter {
 
     /// Local parameter of the distance's largest value inside the part at `base`, by Newton's method from `t`, if
     /// there is one well inside.
-    fn peak(&self, base: usize, t: f64) -> Option<f64> {
-        let h = &self.points[base..base + self.order];
+    #[inline(always)]
+    fn peak(&self, base: usize, n: usize, t: f64) -> Option<f64> {
+        let h = &self.points[base..base + n];
         let mut t = t.max(0.25).min(0.75);
         for _ in 0..6 {
             let (v, v1, v2) = derivatives(h, t)?;
@@ -263,28 +271,45 @@ impl ChordMeter {
             let beside = 0.0 < s && s < self.length;
             let anchor = s.max(0.0).min(self.length);
             let normal = |x: &[f64; 3], along: f64| -> [f64; 3] {
-                if beside { std::array::from_fn(|l| x[l] - along * self.direction[l]) } else { *x }
+                if !beside {
+                    return *x;
+                }
+                let d = &self.direction;
+                [x[0] - along * d[0], x[1] - along * d[1], x[2] - along * d[2]]
             };
-            let q: [f64; 3] = std::array::from_fn(|l| v[l] - anchor * self.direction[l]);
-            let q1 = normal(&v1, dot(&v1, &self.direction));
-            let q2 = normal(&v2, dot(&v2, &self.direction));
-            let r = dot(&q, &q).sqrt();
-            let f1 = dot(&q, &q1) / r;
-            let f2 = dot(&q, &q2) / r + (dot(&q1, &q1) - f1 * f1) / r;
+            let d = &self.direction;
+            let q = [v[0] - anchor * d[0], v[1] - anchor * d[1], v[2] - anchor * d[2]];
+            let q1 = normal(&v1, dot(&v1, d));
+            let q2 = normal(&v2, dot(&v2, d));
+            // Newton's step for |q|' = 0, that is -|q|' / |q|'', with both multiplied by |q|.
+            let slope = dot(&q, &q1);
+            let bend = dot(&q, &q2) + dot(&q1, &q1) - slope * slope / dot(&q, &q);
             // Not `>=`: NaN has to leave as well.
-            if !(f2 < 0.0) {
+            if !(bend < 0.0) {
                 return None;
             }
-            let step = -f1 / f2;
+            let step = -slope / bend;
             t += step;
             if !(0.02 < t && t < 0.98) {
                 return None;
             }
-            if step.abs() < 1e-8 {
+            // The error is about the square of the last step.
+            if step.abs() < 1e-4 {
                 break;
             }
         }
         Some(t)
+    }
+}
+
+/// Restricts control points to the local parameters `[t0, t1]`.
+#[inline(always)]
+fn cut_out(h: &mut [Homogeneous], t0: f64, t1: f64) {
+    if t1 < 1.0 {
+        keep_left(h, t1);
+    }
+    if t0 > 0.0 {
+        keep_right(h, t0 / t1);
     }
 }
 
@@ -301,7 +326,7 @@ pub(crate) fn cartesian(h: &Homogeneous) -> [f64; 3] {
 /// The coordinates of a point in three lanes.
 #[inline(always)]
 pub(crate) fn three<const D: usize>(p: &SVector<f64, D>) -> [f64; 3] {
-    std::array::from_fn(|l| if l < D { p[l] } else { 0.0 })
+    [p[0], p[1], if D > 2 { p[2] } else { 0.0 }]
 }
 
 /// Largest coordinate of a control point, by magnitude.
@@ -315,7 +340,7 @@ pub(crate) fn check_positive(what: &'static str, value: f64) -> Result<(), Geome
 }
 
 /// Splits the control points at `base` at the local parameter `t`: the first part stays there, the second follows.
-#[inline]
+#[inline(always)]
 fn split(points: &mut Vec<Homogeneous>, base: usize, n: usize, t: f64) {
     points.resize(base + 2 * n, [0.0; 4]);
     let (left, right) = points[base..].split_at_mut(n);
@@ -329,32 +354,26 @@ fn split(points: &mut Vec<Homogeneous>, base: usize, n: usize, t: f64) {
 }
 
 /// Position and two derivatives by the local parameter, for degree 2 or more.
-#[inline]
+#[inline(always)]
 fn derivatives(h: &[Homogeneous], t: f64) -> Option<([f64; 3], [f64; 3], [f64; 3])> {
     let p = h.len() - 1;
     if p < 2 {
         return None;
     }
-    // The last three points of de Casteljau's scheme, as Bernstein sums of degree p - 2.
+    // The last three points of de Casteljau's scheme, as Bernstein sums of degree p - 2, each by Horner's scheme.
     let m = p - 2;
     let s = 1.0 - t;
-    let mut b = [h[m], h[m + 1], h[m + 2]];
-    // Horner's scheme for Bernstein polynomials would need a division by s; powers are as cheap for small degrees.
-    if m > 0 {
-        let mut binomial = 1.0;
-        let mut power = 1.0;
-        let mut sums = [[0.0; 4]; 3];
-        for i in 0..=m {
-            let f = binomial * power * s.powi((m - i) as i32);
-            for (j, sum) in sums.iter_mut().enumerate() {
-                for l in 0..4 {
-                    sum[l] += f * h[i + j][l];
-                }
+    let mut b = [h[0], h[1], h[2]];
+    let (mut binomial, mut power) = (1.0, 1.0);
+    for i in 1..=m {
+        binomial *= (m + 1 - i) as f64 / i as f64;
+        power *= t;
+        let f = binomial * power;
+        for (j, sum) in b.iter_mut().enumerate() {
+            for l in 0..4 {
+                sum[l] = sum[l] * s + f * h[i + j][l];
             }
-            binomial *= (m - i) as f64 / (i + 1) as f64;
-            power *= t;
         }
-        b = sums;
     }
     let (c0, c1) = (lerp(&b[0], &b[1], t), lerp(&b[1], &b[2], t));
     let x = lerp(&c0, &c1, t);
@@ -362,9 +381,11 @@ fn derivatives(h: &[Homogeneous], t: f64) -> Option<([f64; 3], [f64; 3], [f64; 3
     let iw = 1.0 / x[3];
     let w1 = k1 * (c1[3] - c0[3]);
     let w2 = k2 * (b[0][3] - 2.0 * b[1][3] + b[2][3]);
-    let v: [f64; 3] = std::array::from_fn(|l| x[l] * iw);
-    let v1: [f64; 3] = std::array::from_fn(|l| (k1 * (c1[l] - c0[l]) - w1 * v[l]) * iw);
-    let v2: [f64; 3] =
-        std::array::from_fn(|l| (k2 * (b[0][l] - 2.0 * b[1][l] + b[2][l]) - 2.0 * w1 * v1[l] - w2 * v[l]) * iw);
+    let (mut v, mut v1, mut v2) = ([0.0; 3], [0.0; 3], [0.0; 3]);
+    for l in 0..3 {
+        v[l] = x[l] * iw;
+        v1[l] = (k1 * (c1[l] - c0[l]) - w1 * v[l]) * iw;
+        v2[l] = (k2 * (b[0][l] - 2.0 * b[1][l] + b[2][l]) - 2.0 * w1 * v1[l] - w2 * v[l]) * iw;
+    }
     Some((v, v1, v2))
 }

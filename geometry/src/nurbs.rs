@@ -12,6 +12,9 @@ use crate::knots::KnotVector;
 /// stays accurate to a few units in the last place whatever the degree.
 const DEGREE_OF_ONE_PIECE: usize = 5;
 
+/// Entries of the table that finds the piece of a parameter, per piece.
+const BUCKETS_PER_PIECE: usize = 16;
+
 /// A non-uniform rational B-spline curve in the plane (`D = 2`) or in space (`D = 3`), of any degree.
 ///
 /// `C(u) = sum w_i N_i(u) P_i / sum w_i N_i(u)` (Liu et al. 2023, eqs. 1-3). A value that exists is valid: finite points,
@@ -271,7 +274,8 @@ impl Pieces {
             }
         }
         let (bucket_start, end) = knots.domain();
-        let n = 4 * frames.len();
+        // Many more buckets than pieces: a parameter that shares its bucket with a knot costs a mispredicted branch.
+        let n = BUCKETS_PER_PIECE * frames.len();
         let bucket_scale = n as f64 / (end - bucket_start);
         let mut buckets = Vec::with_capacity(n);
         let mut piece = 0;
@@ -287,7 +291,7 @@ impl Pieces {
     }
 
     /// Index of the piece that holds `u`; parameters outside are taken to the first or last piece.
-    #[inline]
+    #[inline(always)]
     pub fn find(&self, u: f64) -> usize {
         // A negative or NaN product becomes 0, a large one saturates.
         let b = ((u - self.bucket_start) * self.bucket_scale) as usize;
@@ -299,7 +303,7 @@ impl Pieces {
     }
 
     /// Local parameter in [-1, 1] of `u` on piece `i` (clamped).
-    #[inline]
+    #[inline(always)]
     pub fn local(&self, i: usize, u: f64) -> f64 {
         let f = &self.frames[i];
         // `max` first: NaN becomes the start of the piece.
@@ -324,18 +328,14 @@ impl Pieces {
     }
 
     /// Jet of piece `i` at the local parameter `t`, derivatives by the curve's parameter.
-    #[inline]
+    #[inline(always)]
     pub fn jet<const D: usize>(&self, i: usize, t: f64) -> Jet<D> {
-        // Horner's scheme for the value and the Taylor coefficients of orders 1 to 3 at once.
-        let (mut h0, mut h1, mut h2, mut h3) = ([0.0; 4], [0.0; 4], [0.0; 4], [0.0; 4]);
-        for c in self.coefficients(i).iter().rev() {
-            for l in 0..4 {
-                h3[l] = h3[l] * t + h2[l];
-                h2[l] = h2[l] * t + h1[l];
-                h1[l] = h1[l] * t + h0[l];
-                h0[l] = h0[l] * t + c[l];
-            }
-        }
+        let c = self.coefficients(i);
+        // Unrolled where the degree is one of the usual ones.
+        let [h0, h1, h2, h3] = match c.len() {
+            4 => taylor(c.first_chunk::<4>().unwrap_or(&[[0.0; 4]; 4]), t),
+            _ => taylor_of_any_degree(c, t),
+        };
         let k = self.frames[i].scale;
         let (k1, k2, k3) = (k, 2.0 * k * k, 6.0 * k * k * k);
         if !self.rational {
@@ -384,4 +384,40 @@ impl Pieces {
         let v: [f64; 3] = std::array::from_fn(|l| (h1[l] - r * h0[l]) * iw);
         (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
     }
+}
+
+/// Value and Taylor coefficients of orders 1 to 3 of a polynomial of degree `N - 1 >= 3`, by Horner's scheme.
+#[inline(always)]
+fn taylor<const N: usize>(c: &[Homogeneous; N], t: f64) -> [Homogeneous; 4] {
+    let mut h = [c[N - 1], [0.0; 4], [0.0; 4], [0.0; 4]];
+    for step in 0..N - 1 {
+        for order in (1..4).rev() {
+            if order == step + 1 {
+                h[order] = h[order - 1];
+            } else if order <= step {
+                for l in 0..4 {
+                    h[order][l] = h[order][l] * t + h[order - 1][l];
+                }
+            }
+        }
+        for l in 0..4 {
+            h[0][l] = h[0][l] * t + c[N - 2 - step][l];
+        }
+    }
+    h
+}
+
+/// As [`taylor`], for any degree.
+#[inline(never)]
+fn taylor_of_any_degree(c: &[Homogeneous], t: f64) -> [Homogeneous; 4] {
+    let (mut h0, mut h1, mut h2, mut h3) = ([0.0; 4], [0.0; 4], [0.0; 4], [0.0; 4]);
+    for c in c.iter().rev() {
+        for l in 0..4 {
+            h3[l] = h3[l] * t + h2[l];
+            h2[l] = h2[l] * t + h1[l];
+            h1[l] = h1[l] * t + h0[l];
+            h0[l] = h0[l] * t + c[l];
+        }
+    }
+    [h0, h1, h2, h3]
 }
