@@ -1,7 +1,7 @@
 //! Draws the pictures of a plan from plain numbers, into `target/pictures/`.
 //!
 //! The path is the real butterfly, cut at equal steps of its parameter; feed and joint curves are made up, with the
-//! real speed limit that the chord error asks for: (2/T) sqrt(2 delta/kappa - delta^2).
+//! real speed limit of 100 mm/s and of the chord error, (2/T) sqrt(2 delta/kappa - delta^2).
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -49,7 +49,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         } else {
             2.0 / (kappa * 1e-3)
         };
-        limit.push((s, v));
+        limit.push((s, v.min(0.1)));
     }
     let least: Vec<f64> = limit.chunks(200).map(|c| c.iter().fold(0.1, |a: f64, p| a.min(p.1))).collect();
     let feed: Vec<(f64, f64)> = (0..n)

@@ -10,6 +10,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontStyle, FontTransform, TextStyle};
 
 use super::decimate::min_max;
+use crate::report::clip;
 
 /// Drawing units a pixel: the backend draws at whole units only, and whole pixels make curves look jagged.
 const UNITS: f64 = 10.0;
@@ -158,20 +159,27 @@ impl Canvas<'_> {
         self.styled(text, at, 12.0, SOFT_INK, anchor, (false, false))
     }
 
+    /// Like [`Canvas::text`], in the colour of limits, for what breaks one.
+    pub fn alarm(&self, text: &str, at: (f64, f64), anchor: Anchor) -> Result<(), io::Error> {
+        self.styled(text, at, 12.0, LIMIT, anchor, (true, false))
+    }
+
     /// Title, a line of key numbers and a legend, at the top of the page, where they cover no data.
     pub fn header(&self, title: &str, facts: &str, legend: &[(&str, Pen)]) -> Result<(), io::Error> {
-        self.styled(title, (20.0, 24.0), 17.0, INK, Anchor::Left, (true, false))?;
-        self.styled(facts, (20.0, 47.0), 12.5, SOFT_INK, Anchor::Left, (false, false))?;
+        // The backend measures no text; 0.55 em a letter is a little more than a sans-serif needs on average.
+        let letter = |size: f64| 0.55 * size;
         let mut right = self.width - 24.0;
         for (name, pen) in legend.iter().rev() {
-            // The backend measures no text; 0.55 em a letter is a little more than a sans-serif needs.
-            let left = right - 12.0 * 0.55 * name.chars().count() as f64;
+            let left = right - letter(12.0) * name.chars().count() as f64;
             self.styled(name, (left, 24.0), 12.0, INK, Anchor::Left, (false, false))?;
             let swatch = [(left - 30.0, 24.0), (left - 6.0, 24.0)];
             self.line(&swatch, Pen { width: pen.width.max(2.0), ..*pen })?;
             right = left - 48.0;
         }
-        Ok(())
+        let title = clip(title, ((right - 20.0) / (1.15 * letter(17.0))).max(10.0) as usize);
+        self.styled(&title, (20.0, 24.0), 17.0, INK, Anchor::Left, (true, false))?;
+        let facts = clip(facts, ((self.width - 40.0) / letter(12.5)) as usize);
+        self.styled(&facts, (20.0, 47.0), 12.5, SOFT_INK, Anchor::Left, (false, false))
     }
 }
 
@@ -205,7 +213,7 @@ impl Panel {
                 canvas.text(&tick_text(x, x_step), (px, self.bottom + 14.0), Anchor::Middle)?;
             }
         }
-        let (ys, y_step) = ticks(self.y, ((self.bottom - self.top) / 44.0) as usize);
+        let (ys, y_step) = ticks(self.y, ((self.bottom - self.top) / 44.0).max(4.0) as usize);
         for &y in &ys {
             let (_, py) = self.place((self.x.0, y));
             canvas.line(&[(self.left, py), (self.right, py)], grid)?;
@@ -223,8 +231,10 @@ impl Panel {
     pub fn series(&self, canvas: &Canvas<'_>, points: &[(f64, f64)], pen: Pen) -> Result<(), io::Error> {
         let columns = (self.right - self.left) as usize;
         for run in min_max(points, self.x.0, self.x.1, columns) {
-            let placed: Vec<_> = run.iter().map(|&p| self.place(p)).collect();
-            canvas.line(&placed, pen)?;
+            for inside in clipped(&run, self.y) {
+                let placed: Vec<_> = inside.iter().map(|&p| self.place(p)).collect();
+                canvas.line(&placed, pen)?;
+            }
         }
         Ok(())
     }
@@ -248,6 +258,39 @@ impl Panel {
         }
         canvas.line(&[self.place((self.x.0, y)), self.place((self.x.1, y))], Pen::dashed(LIMIT, 1.4))
     }
+}
+
+/// The parts of a line inside the band `y`, cut where it crosses an edge.
+fn clipped(run: &[(f64, f64)], y: (f64, f64)) -> Vec<Vec<(f64, f64)>> {
+    let inside = |p: &(f64, f64)| (y.0..=y.1).contains(&p.1);
+    if run.iter().all(inside) {
+        return vec![run.to_vec()];
+    }
+    let mut parts: Vec<Vec<(f64, f64)>> = Vec::new();
+    let mut open: Vec<(f64, f64)> = Vec::new();
+    for (i, p) in run.iter().enumerate() {
+        if i > 0 {
+            let a = run[i - 1];
+            let cut = |edge: f64| (a.0 + (p.0 - a.0) * ((edge - a.1) / (p.1 - a.1)), edge);
+            let edge = |v: f64| if v < y.0 { y.0 } else { y.1 };
+            match (inside(&a), inside(p)) {
+                (true, false) => {
+                    open.push(cut(edge(p.1)));
+                    parts.push(std::mem::take(&mut open));
+                }
+                (false, true) => open.push(cut(edge(a.1))),
+                (false, false) if edge(a.1) != edge(p.1) => parts.push(vec![cut(edge(a.1)), cut(edge(p.1))]),
+                _ => {}
+            }
+        }
+        if inside(p) {
+            open.push(*p);
+        }
+    }
+    if !open.is_empty() {
+        parts.push(open);
+    }
+    parts
 }
 
 /// Least and largest of the finite values, widened to an interval that can be drawn; (0, 1) without any value.
@@ -275,11 +318,11 @@ pub(crate) fn widened((low, high): (f64, f64), share: f64) -> (f64, f64) {
     (low - margin, high + margin)
 }
 
-/// Multiples of 1, 2 or 5 times a power of ten inside the range, about `wanted` of them, and their step.
+/// Multiples of 1, 2, 2.5 or 5 times a power of ten inside the range, about `wanted` of them, and their step.
 fn ticks((low, high): (f64, f64), wanted: usize) -> (Vec<f64>, f64) {
     let raw = (high - low) / wanted.max(2) as f64;
     let power = 10f64.powf(raw.log10().floor());
-    let step = [1.0, 2.0, 5.0, 10.0].into_iter().map(|m| m * power).find(|s| *s >= raw * 0.999).unwrap_or(raw);
+    let step = [1.0, 2.0, 2.5, 5.0, 10.0].into_iter().map(|m| m * power).find(|s| *s >= raw * 0.999).unwrap_or(raw);
     let first = (low / step - 1e-9).ceil();
     let values = (0..50).map(|i| (first + f64::from(i)) * step).take_while(|&v| v <= high + 1e-9 * step).collect();
     (values, step)
@@ -290,6 +333,59 @@ fn tick_text(value: f64, step: f64) -> String {
     if value != 0.0 && !(1e-4..1e7).contains(&step) {
         return format!("{value:e}").chars().take(12).collect();
     }
-    let digits = (-step.log10().floor()).clamp(0.0, 6.0) as usize;
+    let whole = |digits: &usize| {
+        let scaled = step * 10f64.powi(*digits as i32);
+        (scaled - scaled.round()).abs() < 1e-6
+    };
+    let digits = (0..6).find(whole).unwrap_or(6);
     format!("{value:.digits$}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_are_round_numbers_inside_the_range() {
+        assert_eq!(ticks((0.0, 10.0), 5), (vec![0.0, 2.0, 4.0, 6.0, 8.0, 10.0], 2.0));
+        let (values, step) = ticks((-0.37, 0.42), 4);
+        assert_eq!(step, 0.2);
+        let texts: Vec<_> = values.iter().map(|&v| tick_text(v, step)).collect();
+        assert_eq!(texts, ["-0.2", "0.0", "0.2", "0.4"]);
+        let (values, step) = ticks((-38.0, 38.0), 4);
+        assert_eq!((values, step), (vec![-25.0, 0.0, 25.0], 25.0));
+        assert_eq!((tick_text(2.5, 2.5), tick_text(0.25, 0.25)), ("2.5".to_owned(), "0.25".to_owned()));
+    }
+
+    #[test]
+    fn ranges_can_always_be_drawn() {
+        for values in [
+            vec![],
+            vec![f64::NAN, f64::INFINITY],
+            vec![3.0],
+            vec![0.0, 0.0],
+            vec![1e99, 1e99],
+            vec![-1e99, 1e99],
+            vec![1e15, 1e15 + 0.125],
+            vec![5e-324],
+        ] {
+            let (low, high) = range(values.iter().copied());
+            assert!(low < high && (high - low).is_finite(), "{values:?}");
+            let (at, step) = ticks((low, high), 5);
+            assert!(at.len() <= 50 && at.iter().all(|&v| tick_text(v, step).len() <= 32), "{values:?}: {at:?}");
+        }
+    }
+
+    #[test]
+    fn a_line_is_cut_at_the_edges_of_its_band() {
+        let run = [(0.0, 0.5), (1.0, 1.5), (2.0, 1.5), (3.0, 0.5), (4.0, -0.5), (5.0, 1.5)];
+        assert_eq!(
+            clipped(&run, (0.0, 1.0)),
+            vec![
+                vec![(0.0, 0.5), (0.5, 1.0)],
+                vec![(2.5, 1.0), (3.0, 0.5), (3.5, 0.0)],
+                vec![(4.25, 0.0), (4.75, 1.0)]
+            ]
+        );
+    }
 }

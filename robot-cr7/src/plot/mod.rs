@@ -10,7 +10,7 @@ use std::io;
 use std::path::Path;
 
 use crate::error::InputError;
-use crate::report::number;
+use crate::report::{number, percent};
 use canvas::{Anchor, LIMIT, PALETTE, Panel, Pen, page, range, widened};
 
 const WIDTH: u32 = 1080;
@@ -216,8 +216,9 @@ pub fn feed_picture(name: &str, along: Along, feed: &[(f64, f64)], limit: &[(f64
     let top = if fastest > 0.0 { 1.3 * fastest } else { 1.0 };
     let mut limit: Vec<_> = limit.iter().map(shown).collect();
     for p in &mut limit {
-        if p.1.is_nan() || p.1 > 2.0 * top {
-            p.1 = 2.0 * top;
+        // Far above the picture but near enough for the cut at its edge to be exact.
+        if p.1.is_nan() || p.1 > 1e3 * top {
+            p.1 = 1e3 * top;
         }
     }
     let mean = mean_speed(&feed, along);
@@ -265,10 +266,14 @@ pub fn joint_picture(
     let degrees = 180.0 / std::f64::consts::PI;
     let x = range(t.iter().copied());
     let peaks: [f64; 6] = std::array::from_fn(|j| values[j].iter().fold(0.0, |a: f64, v| a.max(v.abs())));
-    let used = |j: usize| peaks[j] / limits[j] * 100.0;
+    let used = |j: usize| peaks[j] / limits[j];
     let worst = (0..6).fold(0, |a, j| if used(j) > used(a) { j } else { a });
-    let facts =
-        format!("{words} over {} s; most of its limit: J{} with {:.1} %", number(x.1 - x.0), worst + 1, used(worst));
+    let facts = format!(
+        "{words} over {} s; most of its limit: J{} with {}",
+        number(x.1 - x.0),
+        worst + 1,
+        percent(used(worst))
+    );
     let (top, pitch, height) = (70.0, 116.0, 96.0);
     page(WIDTH, (top + 6.0 * pitch + 32.0) as u32, |canvas| {
         let line = Pen::solid(PALETTE[0], 1.4);
@@ -293,13 +298,17 @@ pub fn joint_picture(
             panel.series(canvas, &points, line)?;
             panel.level(canvas, limit)?;
             panel.level(canvas, -limit)?;
-            let notes = [
-                format!("peak {} {unit}", number(peak)),
-                format!("limit {} {unit}", number(limit)),
-                format!("used {:.1} %", used(j)),
-            ];
-            for (row, note) in (0u8..).zip(&notes) {
-                canvas.text(note, (panel.right + 10.0, panel_top + 26.0 + 20.0 * f64::from(row)), Anchor::Left)?;
+            let beside = |row: f64| (panel.right + 10.0, panel_top + 18.0 + 20.0 * row);
+            canvas.text(&format!("peak {} {unit}", number(peak)), beside(0.0), Anchor::Left)?;
+            canvas.text(&format!("limit {} {unit}", number(limit)), beside(1.0), Anchor::Left)?;
+            let used = format!("used {}", percent(used(j)));
+            if peak > limit {
+                canvas.alarm(&used, beside(2.0), Anchor::Left)?;
+            } else {
+                canvas.text(&used, beside(2.0), Anchor::Left)?;
+            }
+            if !(panel.y.0..=panel.y.1).contains(&limit) {
+                canvas.text("limit is off this scale", beside(3.0), Anchor::Left)?;
             }
         }
         Ok(())
