@@ -352,7 +352,7 @@ mod tests {
         assert_eq!(step, 0.2);
         let texts: Vec<_> = values.iter().map(|&v| tick_text(v, step)).collect();
         assert_eq!(texts, ["-0.2", "0.0", "0.2", "0.4"]);
-        let (values, step) = ticks((-38.0, 38.0), 4);
+        let (values, step) = ticks((-42.0, 42.0), 4);
         assert_eq!((values, step), (vec![-25.0, 0.0, 25.0], 25.0));
         assert_eq!((tick_text(2.5, 2.5), tick_text(0.25, 0.25)), ("2.5".to_owned(), "0.25".to_owned()));
     }
