@@ -3,7 +3,7 @@
 //! The path is the real butterfly, cut at equal steps of its parameter; feed and joint curves are made up, with the
 //! real speed limit of 100 mm/s and of the chord error, (2/T) sqrt(2 delta/kappa - delta^2).
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
 use arcfeed_geometry::Curve;
@@ -68,7 +68,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .map(|j| t.iter().map(|t| (0.3 * f64::from(j)) * (TAU * t / 5.4 * f64::from(j)).sin().powi(3)).collect())
         .collect();
     let values: [&[f64]; 6] = std::array::from_fn(|j| joints[j].as_slice());
-    let svg = joint_picture("Butterfly", JointQuantity::Velocity, &t, &values, &[3.14, 3.14, 3.14, 1.2, 1.6, 1.7])?;
+    let svg = joint_picture("Butterfly", JointQuantity::Velocity, &t, &values, &[PI, PI, PI, 1.2, 1.6, 1.7])?;
     save("joint_velocity.svg", svg)?;
 
     let series: Vec<Vec<(f64, f64)>> =
