@@ -5,6 +5,8 @@ mod error;
 mod job;
 mod job_file;
 mod path_file;
+#[cfg(feature = "plot")]
+pub mod plot;
 mod report;
 mod sample_paths;
 mod trajectory_csv;

@@ -259,7 +259,7 @@ fn more(f: &mut Formatter<'_>, all: usize, shown: usize, what: &str) -> fmt::Res
 }
 
 /// The text on one line, cut to `width` characters.
-fn clip(text: &str, width: usize) -> String {
+pub(crate) fn clip(text: &str, width: usize) -> String {
     let flat = text.chars().map(|c| if c.is_control() { ' ' } else { c });
     if text.chars().count() <= width {
         return flat.collect();
@@ -289,7 +289,7 @@ pub(crate) fn number(v: f64) -> String {
 }
 
 /// A share in percent, rounded so that what is above 100 % is never shown as 100 %.
-fn percent(ratio: f64) -> String {
+pub(crate) fn percent(ratio: f64) -> String {
     let p = ratio * 100.0;
     if p > 100.0 && p < 100.01 {
         ">100 %".to_owned()
