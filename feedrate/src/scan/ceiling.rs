@@ -34,10 +34,16 @@ impl Piece {
 }
 
 /// Builds the ceiling over `segments` in the order given; `s` are their boundaries in that direction.
-pub(super) fn ceiling<'a>(segments: impl Iterator<Item = &'a Segment>, s: impl Fn(usize) -> f64, out: &mut Vec<Piece>) {
+pub(super) fn ceiling<'a>(
+    segments: impl Iterator<Item = &'a Segment>,
+    s: impl Fn(usize) -> f64,
+    jerk: Option<f64>,
+    out: &mut Vec<Piece>,
+) {
     out.clear();
     let mut open: Option<Open> = None;
     for (k, segment) in segments.enumerate() {
+        let segment = &Segment { j_max: jerk.unwrap_or(segment.j_max), ..*segment };
         let (s0, s1) = (s(k), s(k + 1));
         let cap = segment.v_max * segment.v_max;
         if let Some(line) = open.as_mut() {

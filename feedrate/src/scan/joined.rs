@@ -7,31 +7,102 @@ use crate::error::FeedError;
 use crate::plan::{PlanBuilder, SpeedPlan};
 use crate::scurve::phases::Phase;
 
-/// Placeholder.
+/// Plans with continuous acceleration over the segments: as fast as the bounds of each allow where the motion is.
 pub fn plan_joined(segments: &[Segment], v_start: f64, v_end: f64) -> Result<SpeedPlan, FeedError> {
     match try_joined(segments, v_start, v_end) {
-        Some(plan) => Ok(plan),
+        Some((plan, _)) => Ok(plan),
         None => super::segment::plan_per_segment(segments, v_start, v_end),
     }
 }
 
-pub fn try_joined(segments: &[Segment], v_start: f64, v_end: f64) -> Option<SpeedPlan> {
+/// Join, and which attempt succeeded.
+pub fn try_joined(segments: &[Segment], v_start: f64, v_end: f64) -> Option<(SpeedPlan, u8)> {
     let s = boundaries(segments);
+    if let Some(plan) = attempt(segments, &s, v_start, v_end, None) {
+        return Some((plan, 0));
+    }
+    let least = segments.iter().map(|x| x.j_max).fold(f64::INFINITY, f64::min);
+    attempt(segments, &s, v_start, v_end, Some(least)).map(|plan| (plan, 1))
+}
+
+/// One way to join: with the jerk bounds of the segments, or with one bound for all.
+fn attempt(segments: &[Segment], s: &[f64], v_start: f64, v_end: f64, jerk: Option<f64>) -> Option<SpeedPlan> {
     let n = segments.len();
     let length = s[n];
     let mut ahead = Vec::new();
     let mut behind = Vec::new();
-    ceiling(segments.iter(), |k| s[k], &mut ahead);
-    ceiling(segments.iter().rev(), |k| length - s[n - k], &mut behind);
+    ceiling(segments.iter(), |k| s[k], jerk, &mut ahead);
+    ceiling(segments.iter().rev(), |k| length - s[n - k], jerk, &mut behind);
     let braking = backward(&ahead, &behind, v_end)?;
-    let mut steps = Vec::with_capacity(4 * ahead.len());
+    let mut steps = Vec::with_capacity(8 * ahead.len());
     run(&ahead, &braking, v_start, &mut steps)?;
+    if !keeps_limits(&steps, segments, s, v_start, v_end) {
+        return None;
+    }
     let mut plan = PlanBuilder::with_capacity(steps.len());
     for step in &steps {
         let p = step.phase;
         plan.push(p.s, p.v, p.a, p.j, step.dt);
     }
     Some(plan.finish(length, v_end))
+}
+
+/// Checks steps against the segments themselves: that they chain, and that speed, acceleration and jerk stay within the
+/// bounds of the segment where the motion is, everywhere.
+fn keeps_limits(steps: &[Step], segments: &[Segment], s: &[f64], v_start: f64, v_end: f64) -> bool {
+    const CHAIN: f64 = 1e-10;
+    const LIMIT: f64 = 1.0 + 1e-10;
+    let n = segments.len();
+    let length = s[n];
+    let v_scale = segments.iter().fold(0.0_f64, |m, x| m.max(x.v_max));
+    let a_scale = segments.iter().fold(0.0_f64, |m, x| m.max(x.a_max));
+    let same = |p: f64, v: f64, a: f64, q: &Phase| {
+        (p - q.s).abs() <= CHAIN * length && (v - q.v).abs() <= CHAIN * v_scale && (a - q.a).abs() <= CHAIN * a_scale
+    };
+    let (mut p, mut v, mut a) = (0.0, v_start, 0.0);
+    let mut k = 0;
+    for step in steps {
+        let phase = &step.phase;
+        if !(same(p, v, a, phase) && step.dt >= 0.0) {
+            return false;
+        }
+        let end = phase.after(step.dt);
+        (p, v, a) = (end.p, end.v, end.a);
+        // A step that starts a hair before a boundary belongs to what follows.
+        while k + 1 < n && s[k + 1] <= phase.s + 1e-12 * length {
+            k += 1;
+        }
+        // Speeds can only peak inside a step where the acceleration changes sign; no step does that.
+        if phase.a * a < -CHAIN * a_scale * a_scale {
+            return false;
+        }
+        let (mut v_here, mut a_here) = (phase.v, phase.a);
+        let mut i = k;
+        loop {
+            let segment = &segments[i];
+            let inside = i + 1 == n || s[i + 1] >= p - 1e-12 * length;
+            let (v_next, a_next) = if inside {
+                (v, a)
+            } else {
+                let at = phase.after(phase.time_to_cover(s[i + 1] - phase.s, step.dt));
+                (at.v, at.a)
+            };
+            let fine = v_here.max(v_next) <= segment.v_max * LIMIT
+                && v_here.min(v_next) >= -CHAIN * v_scale
+                && a_here.abs().max(a_next.abs()) <= segment.a_max * LIMIT
+                && phase.j.abs() <= segment.j_max * LIMIT;
+            if !fine {
+                return false;
+            }
+            if inside {
+                break;
+            }
+            (v_here, a_here) = (v_next, a_next);
+            i += 1;
+        }
+        k = i;
+    }
+    (p - length).abs() <= CHAIN * length && (v - v_end).abs() <= CHAIN * v_scale && a.abs() <= CHAIN * a_scale
 }
 
 /// The braking curve by a pass over the reversed path.
@@ -63,8 +134,10 @@ fn backward(ahead: &[Piece], behind: &[Piece], v_end: f64) -> Option<Braking> {
             braking.steps.push(Step { phase, dt: step.dt, piece: 0 });
         }
         let s1 = if s_start == 0.0 { length } else { length - s_start };
-        braking.runs.push(Run { first: start, last: braking.steps.len(), s1 });
-        braking.v_end.push(v_start);
+        let curve = &braking.steps[start..];
+        let steepest = curve.iter().fold(0.0_f64, |m, step| m.max(-step.phase.a));
+        let v_end = v_start;
+        braking.runs.push(Run { first: start, last: braking.steps.len(), s1, steepest, v_end });
     }
     Some(braking)
 }

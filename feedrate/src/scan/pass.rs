@@ -6,6 +6,7 @@
 
 use super::ceiling::Piece;
 use crate::scurve::phases::Phase;
+use crate::state::MotionState;
 
 /// A phase with its duration and the index of the piece it starts in.
 #[derive(Debug, Clone, Copy)]
@@ -35,6 +36,10 @@ pub(super) struct Run {
     pub first: usize,
     pub last: usize,
     pub s1: f64,
+    /// Strongest braking on the run (m/s², positive).
+    pub steepest: f64,
+    /// Speed at the end of the run (m/s).
+    pub v_end: f64,
 }
 
 /// The braking curve: what the backward pass found, in forward order.
@@ -42,12 +47,6 @@ pub(super) struct Run {
 pub(super) struct Braking {
     pub steps: Vec<Step>,
     pub runs: Vec<Run>,
-    pub v_end: Vec<f64>,
-}
-
-fn step_end(step: &Step) -> (f64, f64, f64) {
-    let e = step.phase.after(step.dt);
-    (e.p, e.v, e.a)
 }
 
 /// Goes up from `here` until the end of the ceiling, or until a drop of the ceiling that cannot be met; returns the
@@ -133,6 +132,10 @@ fn ease(s: f64, v: f64, a: f64, g: f64, j: f64) -> (f64, f64, f64) {
 /// lands on it. `None` if there is no such point in this stretch.
 fn land(pieces: &[Piece], m: usize, steps: &mut Vec<Step>, floor: usize) -> Option<Here> {
     let line = &pieces[m];
+    // What meets the line's slope before the line begins is under it where it begins, as it is under the lines before;
+    // unless the line begins with a drop, which has to be met ahead of it.
+    let drop = m > steps.last()?.piece;
+    let x_line = |s: f64| if drop { line.x(s) } else { line.x(s.max(line.s0)) };
     let mut j = line.j_max;
     while steps.len() > floor {
         let step = steps[steps.len() - 1];
@@ -142,14 +145,23 @@ fn land(pieces: &[Piece], m: usize, steps: &mut Vec<Step>, floor: usize) -> Opti
         let excess = |t: f64| {
             let e = step.phase.after(t);
             let (_, s, v) = ease(e.p, e.v, e.a, line.g, j);
-            v * v - line.x(s)
+            v * v - x_line(s)
         };
         let at_start = excess(0.0);
-        if at_start > 0.0 {
+        let granted = at_start.max(0.0);
+        if granted > 0.5 * ROUND * line.x0 {
             steps.pop();
             continue;
         }
-        let t = root(excess, 0.0, at_start, step.dt);
+        // A start on the line, up to round-off: with more acceleration than the line's it is the place to leave.
+        let t = if granted > 0.0 && step.phase.a >= line.g {
+            0.0
+        } else {
+            // Before the acceleration reaches the slope of the line the motion falls behind it.
+            let behind = line.g - step.phase.a;
+            let lo = if behind > 0.0 && step.phase.j > 0.0 { (behind / step.phase.j).min(step.dt) } else { 0.0 };
+            root(|t| excess(t) - granted, lo, excess(lo) - granted, step.dt)
+        };
         let e = step.phase.after(t);
         let (tau, s, _) = ease(e.p, e.v, e.a, line.g, j);
         let top = steps.len() - 1;
@@ -166,7 +178,7 @@ fn land(pieces: &[Piece], m: usize, steps: &mut Vec<Step>, floor: usize) -> Opti
             steps.push(Step { phase, dt, piece: step.piece });
             here = Here { s, v: end.v, a: if dt < tau { end.a } else { line.g }, piece: step.piece, hold: dt >= tau };
         } else {
-            here.hold = e.a >= line.g;
+            here.hold = e.a >= line.g * (1.0 - ROUND);
         }
         while here.piece < m && here.s >= pieces[here.piece].s1 {
             here.piece += 1;
@@ -176,24 +188,25 @@ fn land(pieces: &[Piece], m: usize, steps: &mut Vec<Step>, floor: usize) -> Opti
     None
 }
 
-/// The largest `t` in `[lo, hi]` with `f(t) <= 0`, for `f` that starts at `f_lo <= 0` and rises through 0 once: regula falsi with the
-/// Illinois rule, closed by bisection.
+/// Close to the largest `t` in `[lo, hi]` with `f(t) <= 0`, for `f` that starts at `f_lo <= 0` and rises through 0 once, never beyond
+/// it: regula falsi with the Illinois rule and a bisection now and then. What is left below costs a hair of time, not exactness.
 fn root(f: impl Fn(f64) -> f64, lo: f64, f_lo: f64, hi: f64) -> f64 {
     let (mut lo, mut f_lo, mut hi, mut f_hi) = (lo, f_lo, hi, f(hi));
     if f_hi <= 0.0 {
         return hi;
     }
     if f_lo == 0.0 {
-        f_lo = -f64::MIN_POSITIVE;
+        f_lo = -1e-3 * f_hi;
     }
     let width = hi - lo;
     let mut side = 0;
     for i in 0..60 {
-        if hi - lo <= 1e-15 * width + f64::EPSILON * hi {
+        if hi - lo <= 1e-7 * width {
             break;
         }
-        let secant = if f_lo.is_finite() && f_hi.is_finite() { lo - f_lo * (hi - lo) / (f_hi - f_lo) } else { f64::NAN };
-        let t = if i % 8 != 7 && secant > lo && secant < hi { secant } else { 0.5 * (lo + hi) };
+        let secant =
+            if f_lo.is_finite() && f_hi.is_finite() { lo - f_lo * (hi - lo) / (f_hi - f_lo) } else { f64::NAN };
+        let t = if i % 4 != 3 && secant > lo && secant < hi { secant } else { 0.5 * (lo + hi) };
         let f_t = f(t);
         if f_t > 0.0 {
             (hi, f_hi) = (t, f_t);
@@ -259,13 +272,19 @@ impl Braking {
     /// Speed of the curve at `s` inside run `r`.
     fn speed_at(&self, r: usize, s: f64) -> f64 {
         let run = &self.runs[r];
-        if s >= run.s1 {
-            return self.v_end[r];
+        if s >= run.s1 || run.first == run.last {
+            return run.v_end;
         }
+        let (k, u) = self.locate(r, s);
+        self.steps[run.first + k].phase.after(u).v
+    }
+
+    /// The step of run `r` and the time in it at position `s`.
+    fn locate(&self, r: usize, s: f64) -> (usize, f64) {
+        let run = &self.runs[r];
         let steps = &self.steps[run.first..run.last];
         let i = steps.partition_point(|step| step.phase.s <= s).saturating_sub(1);
-        let Some(step) = steps.get(i) else { return self.v_end[r] };
-        step.phase.after(step.phase.time_to_cover(s - step.phase.s, step.dt)).v
+        steps.get(i).map_or((i, 0.0), |step| (i, step.phase.time_to_cover(s - step.phase.s, step.dt)))
     }
 
     /// Leaves the steps laid down at the last point from which jerk `-j` leads tangentially onto run `r`, follows that
@@ -276,24 +295,14 @@ impl Braking {
         let crossing = steps.last()?.piece;
         let mut j = f64::INFINITY;
         // The join ends a little beyond the crossing; how far is known only afterwards.
-        let mut beyond = crossing + 1;
+        let mut upto = (crossing + 1).min(pieces.len() - 1);
+        let mut n = steps.len();
         loop {
-            let upto = beyond.min(pieces.len() - 1);
-            let mut n = steps.len();
             j = pieces[crossing..=upto].iter().fold(j, |j, piece| j.min(piece.j_max));
             let found = loop {
-                if n == 0 {
-                    return None;
-                }
-                let step = &steps[n - 1];
+                let step = steps[..n].last()?;
                 j = pieces[step.piece..=crossing].iter().fold(j, |j, piece| j.min(piece.j_max));
-                let gap = |t: f64| {
-                    let e = step.phase.after(t);
-                    meet(curve, j, e.v, e.a).map_or(f64::INFINITY, |(k, u)| {
-                        let b = curve[k].phase.after(u);
-                        e.p + (b.a - e.a).abs() * 0.0 + ease(e.p, e.v, e.a, b.a, j).1 - e.p - b.p
-                    })
-                };
+                let gap = |t: f64| meet(&run, curve, j, &step.phase.after(t)).map_or(-1.0, |place| place.gap);
                 let at_start = gap(0.0);
                 if at_start <= 0.0 {
                     break root(gap, 0.0, at_start, step.dt);
@@ -302,11 +311,31 @@ impl Braking {
             };
             let step = steps[n - 1];
             let e = step.phase.after(found);
-            let (k, u) = meet(curve, j, e.v, e.a)?;
+            let Some(Place { gap, k, u }) = meet(&run, curve, j, &e) else {
+                // The acceleration is gone below the speed at which the run ends: cruise to there.
+                steps.truncate(n);
+                steps[n - 1].dt = found;
+                let (tau, s, v) = ease(e.p, e.v, e.a, 0.0, j);
+                if e.a < 0.0 || s > run.s1 {
+                    return None;
+                }
+                let mut piece = step.piece;
+                let mut lay = |phase: Phase, dt: f64| {
+                    while piece + 1 < pieces.len() && pieces[piece].s1 <= phase.s {
+                        piece += 1;
+                    }
+                    if dt > 0.0 {
+                        steps.push(Step { phase, dt, piece });
+                    }
+                };
+                lay(Phase { t: 0.0, s: e.p, v: e.v, a: e.a, j: -j }, tau);
+                lay(Phase { t: 0.0, s, v, a: 0.0, j: 0.0 }, (run.s1 - s) / v);
+                return Some(Here { s: run.s1, v, a: 0.0, piece, hold: false });
+            };
             let b = curve[k].phase.after(u);
             let landing = pieces.partition_point(|piece| piece.s1 < b.p);
             if landing > upto {
-                beyond = landing + 1;
+                upto = landing;
                 continue;
             }
             steps.truncate(n);
@@ -315,9 +344,22 @@ impl Braking {
             } else {
                 steps.pop();
             }
-            let tau = (e.a - b.a) / j;
-            if tau > 0.0 {
+            // Ease off to the peak, cruise over what is missing, go on easing into the curve.
+            let (tau, s, v) = ease(e.p, e.v, e.a, 0.0, j);
+            if e.a > 0.0 {
                 let phase = Phase { t: 0.0, s: e.p, v: e.v, a: e.a, j: -j };
+                steps.push(Step { phase, dt: tau, piece: step.piece });
+            }
+            let (a, missing) = (e.a.min(0.0), -gap);
+            if a < b.a || a < 0.0 && missing > ROUND * run.s1 {
+                return None;
+            }
+            if missing > 0.0 {
+                steps.push(Step { phase: Phase { t: 0.0, s, v, a, j: 0.0 }, dt: missing / v, piece: step.piece });
+            }
+            let tau = (a - b.a) / j;
+            if tau > 0.0 {
+                let phase = Phase { t: 0.0, s: s + missing, v, a, j: -j };
                 steps.push(Step { phase, dt: tau, piece: step.piece });
             }
             let mut piece = landing;
@@ -331,30 +373,52 @@ impl Braking {
                 }
                 steps.push(Step { piece, ..*step });
             }
-            return Some(Here { s: run.s1, v: self.v_end[r], a: 0.0, piece, hold: false });
+            return Some(Here { s: run.s1, v: run.v_end, a: 0.0, piece, hold: false });
         }
     }
 }
 
-/// The place on the braking curve (step, time in it) that lies on the same parabola of jerk `-j` in the plane of speed and
-/// acceleration, that is where `v + a^2 / (2 j)` is the same; the last one if there are several.
-fn meet(curve: &[Step], j: f64, v: f64, a: f64) -> Option<(usize, f64)> {
+/// A place on the braking curve: step, time in it, and how far beyond it (m) the motion is when it has the speed and
+/// acceleration the curve has there.
+struct Place {
+    gap: f64,
+    k: usize,
+    u: f64,
+}
+
+/// Where easing off from state `e` with jerk `-j` has speed and acceleration of the braking curve. `None` if the
+/// acceleration is gone below the whole run; a gap without bound if it is above the whole run.
+///
+/// Along jerk `-j` the level `v + a^2 / (2 j)` stays, so the place is where the curve falls through that level. If it
+/// does so more than once the most restrictive place counts.
+fn meet(run: &Run, curve: &[Step], j: f64, e: &MotionState) -> Option<Place> {
     let level = |v: f64, a: f64| v + 0.5 * a * a / j;
-    let w = level(v, a);
-    for (k, step) in curve.iter().enumerate().rev() {
+    let w = level(e.v, e.a);
+    // The speed falls along the curve, and the level lies above it by no more than the strongest braking gives.
+    let first = curve.partition_point(|step| step.phase.v > w).saturating_sub(1);
+    let last = curve.partition_point(|step| step.phase.v >= w - 0.5 * run.steepest * run.steepest / j);
+    let mut worst: Option<Place> = None;
+    for (k, step) in curve.iter().enumerate().take(last).skip(first) {
         let p = &step.phase;
+        // Levels chain from step to step, so that round-off leaves no gap between them.
         let w0 = level(p.v, p.a);
-        if w0 < w {
+        let w1 = curve.get(k + 1).map_or(run.v_end, |next| level(next.phase.v, next.phase.a));
+        if w0 < w || w1 > w || p.a == 0.0 && p.j == 0.0 {
             continue;
         }
-        // w0 + c1 t + c2 t^2 = w with c1 <= 0.
+        // w0 + c1 t + c2 t^2 = w
         let c1 = p.a * (1.0 + p.j / j);
         let c2 = 0.5 * p.j * (1.0 + p.j / j);
-        let c0 = w0 - w;
-        let disc = (c1 * c1 - 4.0 * c2 * c0).max(0.0);
-        let q = -c1 + disc.sqrt();
-        let t = if q > 0.0 { 2.0 * c0 / q } else { step.dt };
-        return Some((k, t.clamp(0.0, step.dt)));
+        let q = -c1 + (c1 * c1 - 4.0 * c2 * (w0 - w)).max(0.0).sqrt();
+        let u = if q > 0.0 { (2.0 * (w0 - w) / q).clamp(0.0, step.dt) } else { step.dt };
+        let b = p.after(u);
+        let gap = ease(e.p, e.v, e.a, b.a, j).1 - b.p;
+        if worst.as_ref().is_none_or(|place| gap > place.gap) {
+            worst = Some(Place { gap, k, u });
+        }
     }
-    None
+    if worst.is_none() && w > run.v_end {
+        return Some(Place { gap: f64::INFINITY, k: first, u: 0.0 });
+    }
+    worst
 }
