@@ -77,10 +77,11 @@ pub enum KinematicsError {
 
     /// The target is outside the reach of the arm, in every branch.
     #[error(
-        "target is out of reach, {side} by {distance:.6} m: move it {} the arm's shoulder by that much, or turn the tool", if *.side == ReachSide::TooFar { "towards" } else { "away from" }
+        "target is out of reach, {side} by {distance:.6} m: move it {} the shoulder by about that much, or turn the tool", if *.side == ReachSide::TooFar { "towards" } else { "away from" }
     )]
     Unreachable {
-        /// How far the best branch misses it, m, with the orientation kept.
+        /// How far the end of the forearm is from where the best branch needs it, m. A target too far away comes into
+        /// reach when it is moved by this (orientation kept) towards the second axis.
         distance: f64,
         /// Too far or too near.
         side: ReachSide,

@@ -14,31 +14,13 @@ impl Lu6 {
     pub(crate) fn new(matrix: &Matrix6<f64>) -> Option<Self> {
         let mut rows: [[f64; 6]; 6] = std::array::from_fn(|r| std::array::from_fn(|c| matrix[(r, c)]));
         let mut order = [0, 1, 2, 3, 4, 5];
-        for k in 0..6 {
-            let (mut pivot, mut largest) = (k, rows[k][k].abs());
-            for r in k + 1..6 {
-                let size = rows[r][k].abs();
-                (pivot, largest) = if size > largest { (r, size) } else { (pivot, largest) };
-            }
-            rows.swap(k, pivot);
-            order.swap(k, pivot);
-            let reciprocal = 1.0 / rows[k][k];
-            if !reciprocal.is_finite() {
-                return None;
-            }
-            // Whole rows, with zeros where nothing is to be subtracted: fixed lengths make vector instructions.
-            let mut pivot_row = rows[k];
-            pivot_row[..=k].fill(0.0);
-            for row in &mut rows[k + 1..] {
-                let factor = row[k] * reciprocal;
-                for c in 0..6 {
-                    row[c] -= factor * pivot_row[c];
-                }
-                row[k] = factor;
-            }
-            rows[k][k] = reciprocal;
-        }
-        Some(Self { rows, order })
+        let regular = eliminate::<0>(&mut rows, &mut order)
+            && eliminate::<1>(&mut rows, &mut order)
+            && eliminate::<2>(&mut rows, &mut order)
+            && eliminate::<3>(&mut rows, &mut order)
+            && eliminate::<4>(&mut rows, &mut order)
+            && eliminate::<5>(&mut rows, &mut order);
+        regular.then_some(Self { rows, order })
     }
 
     /// x of A x = `b`.
@@ -62,4 +44,27 @@ impl Lu6 {
     pub(crate) fn determinant(&self) -> f64 {
         1.0 / (0..6).map(|k| self.rows[k][k]).product::<f64>().abs()
     }
+}
+
+/// Step `K` of the elimination; false if the pivot is 0 or not finite. The step is a constant so that all loops have
+/// fixed lengths and are unrolled.
+#[inline]
+fn eliminate<const K: usize>(rows: &mut [[f64; 6]; 6], order: &mut [usize; 6]) -> bool {
+    let mut pivot = K;
+    for r in K + 1..6 {
+        pivot = if rows[r][K].abs() > rows[pivot][K].abs() { r } else { pivot };
+    }
+    rows.swap(K, pivot);
+    order.swap(K, pivot);
+    let pivot_row = rows[K];
+    let reciprocal = 1.0 / pivot_row[K];
+    for row in rows.iter_mut().skip(K + 1) {
+        let factor = row[K] * reciprocal;
+        row[K] = factor;
+        for c in K + 1..6 {
+            row[c] -= factor * pivot_row[c];
+        }
+    }
+    rows[K][K] = reciprocal;
+    reciprocal.is_finite()
 }

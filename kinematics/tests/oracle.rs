@@ -1,4 +1,5 @@
 //! Against other people's programs: Pinocchio (forward kinematics, Jacobians) and EAIK (inverse solutions).
+#![allow(clippy::unwrap_used, reason = "a test fails by panic")]
 
 mod common;
 

@@ -32,6 +32,10 @@ const EXACT: f64 = 1e-14;
 /// Sine of the angle between axes 4 and 6 below which the wrist is taken as singular, rad. Then joint 6 is free, and the
 /// orientation may be off by that much.
 const WRIST_SINGULAR: f64 = 1e-10;
+/// Sine below which joint 6 is so badly determined by the pose that its error can put the elbow out of reach.
+const NEARLY_SINGULAR: f64 = 1e-3;
+/// Error of orientation that is taken as rounding, rad.
+const ORIENTATION_ROUNDING: f64 = 1e-12;
 /// Excess of reach, relative to the arm's size, that is taken as rounding and clamped.
 const REACH_ROUNDING: f64 = 1e-12;
 /// Distance from a double root, relative to the arm's size, below which the two roots are one: the root itself is
@@ -182,7 +186,7 @@ impl ParallelAxisSolver {
         let mut solutions = Solutions::new();
         let mut miss = Miss { distance: f64::INFINITY, side: ReachSide::TooFar };
         let d = self.shoulder_offset;
-        let r = wrist.x.hypot(wrist.z);
+        let r = (wrist.x * wrist.x + wrist.z * wrist.z).sqrt();
         let slack = r - d.abs();
         if r <= REACH_ROUNDING * self.size && d.abs() <= REACH_ROUNDING * self.size {
             solutions.mark_shoulder_singular();
@@ -221,7 +225,7 @@ impl ParallelAxisSolver {
     /// Step 2: the two values of joint 5, or the free wrist.
     fn wrist_branches(&self, shoulder: &Shoulder, seed: &Joints<6>, solutions: &mut Solutions<6>, miss: &mut Miss) {
         let m = &shoulder.orientation;
-        let sine = m[(2, 0)].hypot(m[(2, 1)]);
+        let sine = (m[(2, 0)] * m[(2, 0)] + m[(2, 1)] * m[(2, 1)]).sqrt();
         if sine < WRIST_SINGULAR {
             solutions.mark_wrist_singular();
             self.free_wrist(shoulder, seed, solutions, miss);
@@ -237,9 +241,18 @@ impl ParallelAxisSolver {
         let q5 = b - self.wrist_zero;
         let q6 = c + self.axis5_angle;
         let reach = shoulder.wrist - self.axis2;
-        self.elbow_branches(&(reach - hand), phi, [shoulder.q1, q5, q6], solutions, miss);
-        let flipped = [shoulder.q1, -b - self.wrist_zero, q6 + PI];
-        self.elbow_branches(&(reach + hand), phi + PI, flipped, solutions, miss);
+        for (hand, phi, q5, q6) in [(hand, phi, q5, q6), (-hand, phi + PI, -b - self.wrist_zero, q6 + PI)] {
+            if sine < NEARLY_SINGULAR {
+                let turn = self.turn_into_reach(&reach, &hand);
+                if turn != 0.0 && sine * turn.abs() < ORIENTATION_ROUNDING {
+                    let end = reach - turned(&hand, turn);
+                    let q6 = q6 - turn * m[(2, 2)].signum();
+                    self.elbow_branches(&end, phi + turn, [shoulder.q1, q5, q6], solutions, miss);
+                    continue;
+                }
+            }
+            self.elbow_branches(&(reach - hand), phi, [shoulder.q1, q5, q6], solutions, miss);
+        }
     }
 
     /// Sine and cosine of A once C is known: the first column of (Rz(A) Rx(B)), which does not depend on B.
@@ -259,32 +272,31 @@ impl ParallelAxisSolver {
         let m = &shoulder.orientation;
         let parallel = m[(2, 2)] > 0.0;
         let b = if parallel { 0.0 } else { PI };
-        let mut q6 = seed[5];
-        let ([sin_c], [cos_c]) = sin_cos(&[q6 - self.axis5_angle]);
+        let ([sin_c], [cos_c]) = sin_cos(&[seed[5] - self.axis5_angle]);
         let (sin_a, cos_a) = self.sum_of_parallel(m, sin_c, cos_c);
-        let mut phi = atan2(sin_a, cos_a) - self.axis5_angle;
-        let mut hand = self.turned_hand(sin_a, cos_a);
+        let phi = atan2(sin_a, cos_a) - self.axis5_angle;
+        let hand = self.turned_hand(sin_a, cos_a);
         let reach = shoulder.wrist - self.axis2;
+        let turn = self.turn_into_reach(&reach, &hand);
+        let q6 = seed[5] - if parallel { turn } else { -turn };
+        let end = reach - if turn == 0.0 { hand } else { turned(&hand, turn) };
+        self.elbow_branches(&end, phi + turn, [shoulder.q1, b - self.wrist_zero, q6], solutions, miss);
+    }
 
-        // |reach - hand| depends on the angle between the two; the range of that angle which joints 2 and 3 allow is
-        // symmetric about 0.
-        let (far, near) = (reach.norm(), hand.norm());
-        let angle = hand.perp(&reach).atan2(hand.dot(&reach));
-        let cosine = |length: f64| (far * far + near * near - length * length) / (2.0 * far * near);
+    /// The least turn of `hand`, rad, after which joints 2 and 3 reach the point `reach - hand`; 0 if they do already.
+    /// If no turn helps, the one that comes nearest.
+    fn turn_into_reach(&self, reach: &Vector2<f64>, hand: &Vector2<f64>) -> f64 {
+        // |reach - hand| depends on the angle between the two, and what joints 2 and 3 allow is symmetric about 0.
         let (max, min) = (self.upper_arm + self.forearm, (self.upper_arm - self.forearm).abs());
-        if far * near > 0.0 {
-            let least = cosine(min).clamp(-1.0, 1.0).acos();
-            let most = cosine(max).clamp(-1.0, 1.0).acos();
-            let allowed = angle.abs().clamp(least, most.max(least)).copysign(angle);
-            let turn = angle - allowed;
-            if turn != 0.0 {
-                phi += turn;
-                q6 -= if parallel { turn } else { -turn };
-                let ([sin], [cos]) = sin_cos(&[turn]);
-                hand = Vector2::new(cos * hand.x - sin * hand.y, sin * hand.x + cos * hand.y);
-            }
+        let (length, product) = ((reach - hand).norm(), reach.norm() * hand.norm());
+        if (min <= length && length <= max) || product == 0.0 {
+            return 0.0;
         }
-        self.elbow_branches(&(reach - hand), phi, [shoulder.q1, b - self.wrist_zero, q6], solutions, miss);
+        let squares = reach.norm_squared() + hand.norm_squared();
+        let angle_at = |length: f64| ((squares - length * length) / (2.0 * product)).clamp(-1.0, 1.0).acos();
+        let angle = reach.perp(hand).atan2(reach.dot(hand));
+        let allowed = if length < min { angle_at(min) } else { angle_at(max) };
+        allowed.copysign(angle) - angle
     }
 
     /// Step 3: the planar two-link arm from axis 2 to axis 4, which is at `end` from axis 2.
@@ -300,7 +312,8 @@ impl ParallelAxisSolver {
         let length = end.norm();
         let (far, near) = (l2 + l3 - length, length - (l2 - l3).abs());
         let rounding = REACH_ROUNDING * self.size;
-        if far < -rounding {
+        // A target so far away that squares overflow gives NaN, which counts as a miss.
+        if far < -rounding || far.is_nan() {
             return miss.note(-far, ReachSide::TooFar);
         }
         if near < -rounding {
@@ -351,6 +364,11 @@ impl ParallelAxisSolver {
             SingularityKind::Shoulder
         }
     }
+}
+
+fn turned(vector: &Vector2<f64>, by: f64) -> Vector2<f64> {
+    let ([sin], [cos]) = sin_cos(&[by]);
+    Vector2::new(cos * vector.x - sin * vector.y, sin * vector.x + cos * vector.y)
 }
 
 /// The target as seen from link 1, with joint 1 at `q1`.

@@ -49,6 +49,9 @@ impl<const N: usize> Solutions<N> {
     /// Whether two wrist axes line up at the target in some branch: a whole circle of solutions exists there, and the
     /// list holds one representative of it (last joint at 0 or, if the arm does not reach that far, as near as it
     /// does). Seed-based inverse kinematics keeps the last joint where it was.
+    ///
+    /// The axes count as lined up within 1e-10 rad, and the orientation of the solutions is exact to that; those of any
+    /// other target are exact to rounding (1e-12).
     pub fn wrist_singular(&self) -> bool {
         self.wrist_singular
     }

@@ -1,5 +1,6 @@
 //! What several tests need: fixtures and distances.
 #![allow(dead_code, reason = "each test file uses its own part")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panic")]
 
 use arcfeed_kinematics::{Chain, Joint, Joints};
 use nalgebra::{Isometry3, Matrix3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3};
