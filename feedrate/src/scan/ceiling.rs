@@ -6,8 +6,6 @@
 
 use super::Segment;
 
-/// Squared speed a line may stay below the caps it replaces, relative: half of that in speed.
-const SLACK: f64 = 0.01;
 /// A cap that rises by more than this factor (of squared speed) from one segment to the next is a jump, not a slope.
 const JUMP: f64 = 1.6;
 /// Segments whose acceleration or jerk bounds differ by more than this factor are not merged.
@@ -33,10 +31,12 @@ impl Piece {
     }
 }
 
-/// Builds the ceiling over `segments` in the order given; `s` are their boundaries in that direction.
+/// Builds the ceiling over `segments` in the order given; `s` are their boundaries in that direction. A line may stay
+/// below the caps it replaces by the share `slack` of the squared speed. `jerk` replaces the bounds of the segments.
 pub(super) fn ceiling<'a>(
     segments: impl Iterator<Item = &'a Segment>,
     s: impl Fn(usize) -> f64,
+    slack: f64,
     jerk: Option<f64>,
     out: &mut Vec<Piece>,
 ) {
@@ -54,9 +54,9 @@ pub(super) fn ceiling<'a>(
             out.push(piece);
             let end = piece.x(piece.s1);
             let x0 = if end <= cap && cap <= JUMP * end { end } else { cap };
-            open = Some(Open::new(s0, s1, x0, cap, segment));
+            open = Some(Open::new(s0, s1, x0, cap, slack, segment));
         } else {
-            open = Some(Open::new(s0, s1, cap, cap, segment));
+            open = Some(Open::new(s0, s1, cap, cap, slack, segment));
         }
     }
     if let Some(line) = open {
@@ -77,6 +77,7 @@ struct Open {
     s0: f64,
     s1: f64,
     x0: f64,
+    slack: f64,
     g_lo: f64,
     g_hi: f64,
     a: (f64, f64),
@@ -84,12 +85,12 @@ struct Open {
 }
 
 impl Open {
-    fn new(s0: f64, s1: f64, x0: f64, cap: f64, segment: &Segment) -> Self {
+    fn new(s0: f64, s1: f64, x0: f64, cap: f64, slack: f64, segment: &Segment) -> Self {
         let run = 2.0 * (s1 - s0);
         let g_hi = ((cap - x0) / run).max(0.0);
-        let g_lo = (((1.0 - SLACK) * cap - x0) / run).clamp(0.0, g_hi);
+        let g_lo = (((1.0 - slack) * cap - x0) / run).clamp(0.0, g_hi);
         let (a, j) = (segment.a_max, segment.j_max);
-        Self { s0, s1, x0, g_lo, g_hi, a: (a, a), j: (j, j) }
+        Self { s0, s1, x0, slack, g_lo, g_hi, a: (a, a), j: (j, j) }
     }
 
     /// Adds a segment if one line can serve it too.
@@ -101,7 +102,7 @@ impl Open {
         }
         let run = 2.0 * (s1 - self.s0);
         let g_hi = self.g_hi.min((cap - self.x0) / run);
-        let g_lo = self.g_lo.max(((1.0 - SLACK) * cap - self.x0) / run);
+        let g_lo = self.g_lo.max(((1.0 - self.slack) * cap - self.x0) / run);
         if g_hi < g_lo || g_hi < 0.0 {
             return false;
         }

@@ -96,7 +96,8 @@ pub(super) fn advance(piece: &Piece, here: &mut Here, s_stop: f64, steps: &mut V
     };
     let phase = Phase { t: 0.0, s: here.s, v: here.v, a: here.a, j };
     let room = s_stop - here.s;
-    if room <= 0.0 {
+    // A stretch of round-off at a boundary is not worth a step, and would be judged by the wrong side's limits.
+    if room <= 1e-14 * s_stop {
         here.s = s_stop;
         return;
     }
@@ -292,6 +293,9 @@ impl Braking {
     fn join(&self, pieces: &[Piece], r: usize, steps: &mut Vec<Step>) -> Option<Here> {
         let run = self.runs[r];
         let curve = &self.steps[run.first..run.last];
+        if curve.is_empty() {
+            return None;
+        }
         let crossing = steps.last()?.piece;
         let mut j = f64::INFINITY;
         // The join ends a little beyond the crossing; how far is known only afterwards.
@@ -302,7 +306,7 @@ impl Braking {
             let found = loop {
                 let step = steps[..n].last()?;
                 j = pieces[step.piece..=crossing].iter().fold(j, |j, piece| j.min(piece.j_max));
-                let gap = |t: f64| meet(&run, curve, j, &step.phase.after(t)).map_or(-1.0, |place| place.gap);
+                let gap = |t: f64| meet(&run, curve, j, &step.phase.after(t)).map_or(-run.s1, |place| place.gap);
                 let at_start = gap(0.0);
                 if at_start <= 0.0 {
                     break root(gap, 0.0, at_start, step.dt);
@@ -394,6 +398,11 @@ struct Place {
 fn meet(run: &Run, curve: &[Step], j: f64, e: &MotionState) -> Option<Place> {
     let level = |v: f64, a: f64| v + 0.5 * a * a / j;
     let w = level(e.v, e.a);
+    // A run that begins with a cruise lets nothing rise above it.
+    let begin = &curve[0].phase;
+    if begin.a == 0.0 && w > begin.v * (1.0 + ROUND) {
+        return Some(Place { gap: f64::INFINITY, k: 0, u: 0.0 });
+    }
     // The speed falls along the curve, and the level lies above it by no more than the strongest braking gives.
     let first = curve.partition_point(|step| step.phase.v > w).saturating_sub(1);
     let last = curve.partition_point(|step| step.phase.v >= w - 0.5 * run.steepest * run.steepest / j);
@@ -409,8 +418,9 @@ fn meet(run: &Run, curve: &[Step], j: f64, e: &MotionState) -> Option<Place> {
         // w0 + c1 t + c2 t^2 = w
         let c1 = p.a * (1.0 + p.j / j);
         let c2 = 0.5 * p.j * (1.0 + p.j / j);
-        let q = -c1 + (c1 * c1 - 4.0 * c2 * (w0 - w)).max(0.0).sqrt();
-        let u = if q > 0.0 { (2.0 * (w0 - w) / q).clamp(0.0, step.dt) } else { step.dt };
+        let root = (c1 * c1 - 4.0 * c2 * (w0 - w)).max(0.0).sqrt();
+        let u = if c1 > 0.0 { (c1 + root) / (-2.0 * c2) } else { 2.0 * (w0 - w) / (root - c1) };
+        let u = if u.is_nan() { step.dt } else { u.clamp(0.0, step.dt) };
         let b = p.after(u);
         let gap = ease(e.p, e.v, e.a, b.a, j).1 - b.p;
         if worst.as_ref().is_none_or(|place| gap > place.gap) {

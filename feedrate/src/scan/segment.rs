@@ -81,7 +81,7 @@ pub fn plan_windowed(segments: &[Segment], v_start: f64, window: usize) -> Resul
     assemble(segments, &speeds)
 }
 
-fn checked_caps(segments: &[Segment], v_start: f64, v_end: f64) -> Result<Vec<f64>, FeedError> {
+pub(super) fn checked_caps(segments: &[Segment], v_start: f64, v_end: f64) -> Result<Vec<f64>, FeedError> {
     not_negative("v_start", v_start)?;
     not_negative("v_end", v_end)?;
     if segments.is_empty() {
