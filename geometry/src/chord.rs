@@ -134,7 +134,7 @@ impl ChordMeter {
         let v = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
         self.length = dot(&v, &v).sqrt();
         let il = if self.length > 0.0 { 1.0 / self.length } else { 0.0 };
-        self.direction = v.map(|x| x * il);
+        self.direction = [v[0] * il, v[1] * il, v[2] * il];
         self.rounding = 4.0 * f64::EPSILON * size;
         self.lower2 = 0.0;
     }
@@ -284,13 +284,12 @@ impl ChordMeter {
             // Newton's step for |q|' = 0, that is -|q|' / |q|'', with both multiplied by |q|.
             let slope = dot(&q, &q1);
             let bend = dot(&q, &q2) + dot(&q1, &q1) - slope * slope / dot(&q, &q);
-            // Not `>=`: NaN has to leave as well.
-            if !(bend < 0.0) {
+            if bend >= 0.0 || bend.is_nan() {
                 return None;
             }
             let step = -slope / bend;
             t += step;
-            if !(0.02 < t && t < 0.98) {
+            if !(0.02..0.98).contains(&t) {
                 return None;
             }
             // The error is about the square of the last step.

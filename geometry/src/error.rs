@@ -130,6 +130,28 @@ pub enum GeometryError {
         /// End of the domain.
         end: f64,
     },
+    /// A knot to insert would stand there too often.
+    #[error(
+        "knot {value} stands {present} times already, and {times} more would exceed degree = {degree} times: the curve gains nothing by it, insert fewer"
+    )]
+    KnotFull {
+        /// The knot value.
+        value: f64,
+        /// How often it stands there already.
+        present: usize,
+        /// How often it was to be inserted.
+        times: usize,
+        /// Degree of the curve.
+        degree: usize,
+    },
+    /// An angle that an arc cannot sweep.
+    #[error("{what} is {value} rad: it must be finite, and the sweep between -2 pi and 2 pi and not 0")]
+    ArcAngle {
+        /// Which angle.
+        what: &'static str,
+        /// The value given, in rad.
+        value: f64,
+    },
     /// A tolerance or a step that has to be positive is not.
     #[error("{what} is {value}, but has to be a finite number above 0")]
     NotPositive {
@@ -188,6 +210,14 @@ pub enum GeometryError {
         /// Mean of |C'| over the curve.
         mean: f64,
     },
+    /// Too few points to lay a curve through.
+    #[error("{points} data points are too few: at least {needed} are needed; lower the degree or add points")]
+    TooFewDataPoints {
+        /// Number of points given.
+        points: usize,
+        /// Number needed.
+        needed: usize,
+    },
     /// Two consecutive points that have to differ coincide.
     #[error("data points {index} and {} coincide (distance {distance}): remove one of them", index + 1)]
     DuplicatePoints {
@@ -195,6 +225,14 @@ pub enum GeometryError {
         index: usize,
         /// Distance between them.
         distance: f64,
+    },
+    /// A degree too high for fitting.
+    #[error("degree {degree} is too high for a fit, at most {limit} keeps its digits: 3 to 5 is usual")]
+    FitDegree {
+        /// The degree given.
+        degree: usize,
+        /// The highest allowed.
+        limit: usize,
     },
     /// The requested tolerance is not reached.
     #[error(

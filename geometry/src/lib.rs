@@ -10,12 +10,16 @@ mod chord;
 mod curve;
 mod decompose;
 mod error;
+#[cfg(feature = "fit")]
+mod fit;
 mod knots;
 mod nurbs;
+mod nurbs_edit;
 mod orientation;
 mod pose_path;
 mod quadrature;
 mod segmentation;
+mod shapes;
 mod spline;
 
 pub use arc_length::{ArcLengthCurve, Corner};
@@ -24,6 +28,8 @@ pub use bezier::RationalBezier;
 pub use chord::{ChordMeter, Deviation};
 pub use curve::{Curve, Jet};
 pub use error::GeometryError;
+#[cfg(feature = "fit")]
+pub use fit::{Fit, Spacing};
 pub use knots::KnotVector;
 pub use nurbs::NurbsCurve;
 pub use orientation::{Heading, OrientationJet, OrientationPath, Through};

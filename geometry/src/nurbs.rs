@@ -166,6 +166,19 @@ impl<const D: usize> NurbsCurve<D> {
     }
 }
 
+impl NurbsCurve<2> {
+    /// The same curve in space, in the plane z = 0.
+    pub fn lifted(&self) -> NurbsCurve<3> {
+        NurbsCurve {
+            points: self.points.iter().map(|p| p.push(0.0)).collect(),
+            weights: self.weights.clone(),
+            knots: self.knots.clone(),
+            homogeneous: self.homogeneous.clone(),
+            pieces: self.pieces.clone(),
+        }
+    }
+}
+
 pub(crate) fn check_points<const D: usize>(
     what: &'static str,
     points: &[SVector<f64, D>],
@@ -331,10 +344,9 @@ impl Pieces {
     #[inline(always)]
     pub fn jet<const D: usize>(&self, i: usize, t: f64) -> Jet<D> {
         let c = self.coefficients(i);
-        // Unrolled where the degree is one of the usual ones.
-        let [h0, h1, h2, h3] = match c.len() {
-            4 => taylor(c.first_chunk::<4>().unwrap_or(&[[0.0; 4]; 4]), t),
-            _ => taylor_of_any_degree(c, t),
+        let [h0, h1, h2, h3] = match <&[Homogeneous; 4]>::try_from(c) {
+            Ok(cubic) => taylor(cubic, t),
+            Err(_) => taylor_of_any_degree(c, t),
         };
         let k = self.frames[i].scale;
         let (k1, k2, k3) = (k, 2.0 * k * k, 6.0 * k * k * k);
@@ -386,7 +398,7 @@ impl Pieces {
     }
 }
 
-/// Value and Taylor coefficients of orders 1 to 3 of a polynomial of degree `N - 1 >= 3`, by Horner's scheme.
+/// Value and Taylor coefficients of orders 1 to 3 of a polynomial of degree `N - 1 >= 3`, by Horner's scheme, unrolled.
 #[inline(always)]
 fn taylor<const N: usize>(c: &[Homogeneous; N], t: f64) -> [Homogeneous; 4] {
     let mut h = [c[N - 1], [0.0; 4], [0.0; 4], [0.0; 4]];
@@ -395,29 +407,28 @@ fn taylor<const N: usize>(c: &[Homogeneous; N], t: f64) -> [Homogeneous; 4] {
             if order == step + 1 {
                 h[order] = h[order - 1];
             } else if order <= step {
-                for l in 0..4 {
-                    h[order][l] = h[order][l] * t + h[order - 1][l];
-                }
+                h[order] = times_plus(&h[order], t, &h[order - 1]);
             }
         }
-        for l in 0..4 {
-            h[0][l] = h[0][l] * t + c[N - 2 - step][l];
-        }
+        h[0] = times_plus(&h[0], t, &c[N - 2 - step]);
     }
     h
+}
+
+#[inline(always)]
+fn times_plus(a: &Homogeneous, t: f64, b: &Homogeneous) -> Homogeneous {
+    [a[0] * t + b[0], a[1] * t + b[1], a[2] * t + b[2], a[3] * t + b[3]]
 }
 
 /// As [`taylor`], for any degree.
 #[inline(never)]
 fn taylor_of_any_degree(c: &[Homogeneous], t: f64) -> [Homogeneous; 4] {
-    let (mut h0, mut h1, mut h2, mut h3) = ([0.0; 4], [0.0; 4], [0.0; 4], [0.0; 4]);
+    let mut h = [[0.0; 4]; 4];
     for c in c.iter().rev() {
-        for l in 0..4 {
-            h3[l] = h3[l] * t + h2[l];
-            h2[l] = h2[l] * t + h1[l];
-            h1[l] = h1[l] * t + h0[l];
-            h0[l] = h0[l] * t + c[l];
-        }
+        h[3] = times_plus(&h[3], t, &h[2]);
+        h[2] = times_plus(&h[2], t, &h[1]);
+        h[1] = times_plus(&h[1], t, &h[0]);
+        h[0] = times_plus(&h[0], t, c);
     }
-    [h0, h1, h2, h3]
+    h
 }

@@ -138,7 +138,7 @@ impl Cone {
         // asin(x) <= x + (pi / 2 - 1) x^3 on [0, 1], and nearly equal for narrow cones.
         let x = tolerance / r;
         let half_angle = x + (std::f64::consts::FRAC_PI_2 - 1.0) * x * x * x;
-        Self { point: v, axis: v.map(|x| x / r), half_angle }
+        Self { point: v, axis: [v[0] / r, v[1] / r, v[2] / r], half_angle }
     }
 
     /// True where no direction lies in both cones. The chord of the angle is used instead of the angle, which is never
