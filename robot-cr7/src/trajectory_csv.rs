@@ -1,7 +1,7 @@
 //! Trajectories as CSV: one sample a line, units in the names of the columns.
 
 use std::fs::File;
-use std::io::{BufWriter, Read, Write};
+use std::io::{Read, Write};
 use std::path::Path;
 
 use crate::error::InputError;
@@ -105,7 +105,7 @@ where
     I: IntoIterator<Item = TrajectoryRow>,
 {
     let write = || {
-        let mut writer = TrajectoryWriter::new(BufWriter::new(File::create(file)?))?;
+        let mut writer = TrajectoryWriter::new(File::create(file)?)?;
         for row in rows {
             writer.write(&row)?;
         }
