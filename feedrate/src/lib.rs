@@ -1,4 +1,40 @@
-//! Jerk-limited motion on one scalar: S-curves and speed along a path.
+//! Jerk-limited motion on one scalar: S-curves, and speed along a path.
+//!
+//! # The problem
+//! A tool moves along a path of length `L`; `s(t)` is the arc length covered. Wanted is the shortest time `T` with
+//!
+//! ```text
+//! s(0) = 0,  s(T) = L,  s'(0) = v_start,  s'(T) = v_end,  s''(0) = s''(T) = 0,
+//! 0 <= s'(t) <= v_max(s),   |s''(t)| <= a_max(s),   |s'''(t)| <= j_max(s)     for all t,
+//! ```
+//!
+//! where the bounds follow from the feed, the shape of the path and the joints of the machine ([`caps`]). Everything here is
+//! on that one scalar: no robot and no curve is known to this crate, and a single axis is as good a path as any.
+//!
+//! With constant bounds the answer is the seven-phase S-profile ([`SProfile`]), and from any state of motion a
+//! [`SpeedChange`]. With bounds given segment by segment two planners share one input and one output:
+//! [`plan_per_segment`] with one S-profile per segment (Liu et al. 2023, section 4), also with a look-ahead window
+//! ([`plan_windowed`]), and [`plan_joined`], which keeps the acceleration continuous across segments and so does not pay
+//! for their number.
+//!
+//! # The rooms
+//! | module | holds |
+//! |---|---|
+//! | [`state`], [`limits`] | [`MotionState`], [`MotionLaw`], [`MotionLimits`] |
+//! | [`scurve::solve`] | distance for a change of speed and its inverses |
+//! | [`scurve::profile`] | the seven-phase profile over a displacement |
+//! | [`scurve::change`] | change of speed and braking from any state |
+//! | [`caps`] | bounds from chord error, normal acceleration and jerk, joints |
+//! | [`scan`] | [`Segment`], the scans per segment and joined |
+//! | [`plan`] | [`SpeedPlan`]: phases, sampling, position to speed |
+//! | [`error`] | [`FeedError`] |
+//!
+//! # Units
+//! Metres and seconds in the docs, but nothing depends on them: no tolerance in this crate is absolute.
+//!
+//! # Source
+//! X. Liu et al., "A High-Precision Planar NURBS Interpolation System Based on Segmentation Method for Industrial Robot",
+//! Appl. Sci. 2023, 13, 13210, cited as Liu et al. 2023. Where a formula departs from print its docs say how and why.
 #![forbid(unsafe_code)]
 
 pub mod caps;

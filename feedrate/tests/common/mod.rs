@@ -1,5 +1,5 @@
 //! Paths to plan on and an independent judge of plans.
-#![allow(dead_code)]
+#![allow(dead_code, clippy::unwrap_used, missing_docs)]
 
 use arcfeed_feedrate::{MotionLaw, Segment, SpeedPlan};
 
@@ -41,7 +41,7 @@ pub fn curve_like(n: usize, seed: u64) -> Vec<Segment> {
         .iter()
         .map(|&l| {
             let mid = (s + 0.5 * l) / total;
-            let slow: f64 = waves.iter().map(|(p, f)| (p + f * 6.28 * mid).sin() / f.sqrt()).sum();
+            let slow: f64 = waves.iter().map(|(p, f)| (p + f * std::f64::consts::TAU * mid).sin() / f.sqrt()).sum();
             let mut v = 0.05 * (0.9 * slow).exp();
             for &(at, depth, width) in &corners {
                 let d = (s + 0.5 * l - at) / width;
