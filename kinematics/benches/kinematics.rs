@@ -1,4 +1,19 @@
 //! Speed of what a planner and a control cycle call, on the CR7 at random joint values.
+//!
+//! Measured on a 2-core AMD EPYC VM at about 2.3 GHz, medians: (a) timed in a loop over 512 joint vectors in a quiet
+//! moment, (b) this file while other programs kept both cores busy three times over.
+//!
+//! | | (a) | (b) |
+//! |---|---|---|
+//! | forward | 99 ns | 211 ns |
+//! | forward_jacobian | 123 ns | 290 ns |
+//! | jacobian_dot_qd | 136 ns | 255 ns |
+//! | inverse_all (up to 8 solutions) | 0.64 us | 1.16 us |
+//! | inverse (nearest, limits, turns) | 0.85 us | 1.21 us |
+//! | joint_derivatives (to third order) | 0.66 us | 0.98 us |
+//! | smallest_singular_value | 3.2 us | 4.7 us |
+//!
+//! For comparison, in (a) six calls of the C library's `sincos` take 77 ns.
 
 use arcfeed_kinematics::{
     AnalyticInverse, ForwardKinematics, InverseKinematics, Joints, MIN_SINGULAR_VALUE, ToolDerivatives, Twist,

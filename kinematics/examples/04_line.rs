@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         second: Twist::zeros(),
         third: Twist::zeros(),
     };
-    let mut tracker = BranchTracker::new(&arm, Joints::from([-2.5, -0.6, 1.6, 0.5, -1.57, 0.5])).with_max_step(3.0);
+    let mut tracker = BranchTracker::new(&arm, Joints::from([0.0, 0.2, 1.9, -0.5, -1.6, 1.6])).with_max_step(3.0);
 
     let mut rows = Vec::new();
     for k in 0..=STEPS {
@@ -91,11 +91,10 @@ fn draw_speeds(svg: &mut String, rows: &[Row], length: f64) -> std::fmt::Result 
     let largest = rows.iter().map(|row| row.3).fold(0.0, f64::max);
     let x = |s: f64| left + width * s / length;
     write!(svg, "<rect x='{left}' y='{top}' width='{width}' height='{height}' fill='none' stroke='#888'/>")?;
-    for joint in 0..6 {
+    for (joint, colour) in COLOURS.iter().enumerate() {
         let points = rows.iter().fold(String::new(), |text, row| {
             format!("{text}{:.1},{:.1} ", x(row.0), top + height * 0.5 * (1.0 - row.2[joint] / fastest))
         });
-        let colour = COLOURS[joint];
         write!(svg, "<polyline points='{points}' fill='none' stroke='{colour}' stroke-width='2'/>")?;
         let place = left + 70.0 * joint as f64;
         write!(svg, "<text x='{place}' y='728' fill='{colour}'>joint {}</text>", joint + 1)?;

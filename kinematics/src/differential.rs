@@ -73,32 +73,33 @@ pub fn joint_derivatives<A: ForwardKinematics<6> + ?Sized>(
 ) -> Result<JointDerivatives<6>, KinematicsError> {
     let at = arm.configuration(q);
     let jacobian = at.jacobian();
-    let finite = |twist: &Twist| twist.iter().all(|v| v.is_finite());
-    if !(q.iter().all(|v| v.is_finite()) && jacobian.iter().all(|v| v.is_finite())) {
-        return Err(KinematicsError::NotFinite { what: "the joint vector" });
-    }
-    if !(finite(&tool.first) && finite(&tool.second) && finite(&tool.third)) {
-        return Err(KinematicsError::NotFinite { what: "a derivative of the tool path" });
-    }
-    let singular = || KinematicsError::Singular {
-        kind: arm.nearest_singularity(q),
-        sigma_min: smallest_singular_value(&jacobian),
-        required: min_singular_value,
-        condition: condition_number(&jacobian),
+    // Checks of the input wait until something has gone wrong: NaN runs through to the end.
+    let refused = || {
+        if !jacobian.iter().chain(q.iter()).all(|v| v.is_finite()) {
+            return KinematicsError::NotFinite { what: "the joint vector" };
+        }
+        KinematicsError::Singular {
+            kind: arm.nearest_singularity(q),
+            sigma_min: smallest_singular_value(&jacobian),
+            required: min_singular_value,
+            condition: condition_number(&jacobian),
+        }
     };
-    let lu = Lu6::new(&jacobian).ok_or_else(singular)?;
+    let lu = Lu6::new(&jacobian).ok_or_else(refused)?;
     // The product of the other five singular values is at most (|J|_F^2 / 5)^(5/2), mean against geometric mean; so
     // |det J| bounds the smallest from below. The exact value only where that does not settle it.
     let mean = jacobian.norm_squared() / 5.0;
     let at_least = lu.determinant() / (mean * mean * mean.sqrt());
     if !(at_least >= min_singular_value || smallest_singular_value(&jacobian) >= min_singular_value) {
-        return Err(singular());
+        return Err(refused());
     }
     let first = lu.solve(&tool.first);
     let second = lu.solve(&(tool.second - at.acceleration_bias(&first)));
     let third = lu.solve(&(tool.third - at.jerk_bias(&first, &second)));
-    if !third.iter().all(|v| v.is_finite()) {
-        return Err(KinematicsError::NotFinite { what: "the joint derivative (the path's derivatives overflow)" });
+    if !third.sum().is_finite() {
+        return Err(KinematicsError::NotFinite {
+            what: "a derivative of the tool path (or of a joint that follows it)",
+        });
     }
     Ok(JointDerivatives { first, second, third })
 }
