@@ -112,6 +112,8 @@ pub struct Report {
     pub max_deviation_m: f64,
     /// Time spent on planning, in s.
     pub planning_time_s: f64,
+    /// Time spent on verifying the plan on dense samples, in s.
+    pub verification_time_s: f64,
     /// Time spent on sampling, in s.
     pub sampling_time_s: f64,
     /// Seconds of motion per second of computing.
@@ -186,7 +188,12 @@ impl Display for Report {
             f,
             (
                 "computing",
-                format!("{} + {} (plan + sample)", duration(self.planning_time_s), duration(self.sampling_time_s)),
+                format!(
+                    "{} plan, {} verify, {} sample",
+                    duration(self.planning_time_s),
+                    duration(self.verification_time_s),
+                    duration(self.sampling_time_s)
+                ),
             ),
             ("period", format!("{} ms", number(self.period_s * 1e3))),
         )?;
