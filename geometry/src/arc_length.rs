@@ -14,6 +14,8 @@ const DEGREE: usize = 13;
 const SPEED_NODES: usize = 20;
 /// A piece is resolved when Newton's method inverts it in this many steps; from a straight line it takes four or five.
 const MOST_STEPS: usize = 10;
+/// On one piece of the map the speed `|C'|` drops by this factor at most; a curve that stands still never gets there.
+const SLOWEST: f64 = 0.02;
 /// Entries of the table that finds the piece of an arc length, per piece.
 const BUCKETS_PER_PIECE: usize = 8;
 /// A knot span is halved at most this often before the curve is said to stand still.
@@ -187,6 +189,12 @@ impl<const D: usize> ArcLengthCurve<D> {
 
     /// The curve's own parameter at the arc length `s` (taken to the nearest end outside `[0, length]`).
     pub fn parameter(&self, s: f64) -> f64 {
+        // The ends exactly; the rest of the computation rounds.
+        if s >= self.length {
+            return self.curve.domain().1;
+        } else if s.is_nan() || s <= 0.0 {
+            return self.curve.domain().0;
+        }
         let m = &self.pieces[self.find(s)];
         let f = &self.curve.pieces().frames[m.piece as usize];
         (f.middle + m.local(s) / f.scale).max(f.start).min(f.end)
@@ -195,7 +203,12 @@ impl<const D: usize> ArcLengthCurve<D> {
     /// Arc length from the start to the curve's own parameter `u`: the inverse of [`ArcLengthCurve::parameter`].
     pub fn arc_length_at(&self, u: f64) -> f64 {
         let (a, b) = self.curve.domain();
-        let u = u.max(a).min(b);
+        // The ends exactly; the rest of the computation rounds.
+        if u >= b {
+            return self.length;
+        } else if u.is_nan() || u <= a {
+            return 0.0;
+        }
         let i = self.ends.partition_point(|&end| end < u).min(self.pieces.len() - 1);
         let m = &self.pieces[i];
         let t = self.curve.pieces().local(m.piece as usize, u);
@@ -318,8 +331,10 @@ impl<const D: usize> Builder<'_, D> {
         let at = self.speed_nodes.points.map(|x| middle + half * x);
         let speed = pieces.local_speeds::<D, SPEED_NODES>(piece, &at).map(|v| half * v);
         let (slowest, fastest) = speed.iter().fold((f64::INFINITY, 0.0f64), |(a, b), &v| (a.min(v), b.max(v)));
-        // Written so that NaN fails.
-        if !(slowest > 0.0 && fastest.is_finite()) {
+        // Where the curve stands still its speed drops by any factor, however short the piece: the nodes may miss that,
+        // the ends do not. Written so that NaN fails.
+        let ends = pieces.local_speeds::<D, 4>(piece, &[t0, middle, middle, t1]).map(|v| half * v);
+        if !(slowest.min(ends[0]).min(ends[3]) > SLOWEST * fastest && fastest.is_finite()) {
             return None;
         }
         let f = self.speed_nodes.coefficients(&speed);
