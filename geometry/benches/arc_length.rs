@@ -1,4 +1,16 @@
 //! Arc length of the butterfly and evaluation by arc length.
+//!
+//! Medians measured on a 2-core AMD EPYC VM, other work running (`cargo bench -p arcfeed-geometry --bench arc_length`):
+//!
+//! | what | time | error |
+//! |---|---|---|
+//! | arc length to 1e-12 mm | 34 us | below 1e-12 mm |
+//! | arc length to 1e-6 mm | 19 us | below 1e-6 mm |
+//! | build `ArcLengthCurve` to 1e-15 m | 0.69 ms | |
+//! | s to u | 19 ns | |
+//! | s to point and three derivatives, plane | 44 ns | below 1e-11 mm |
+//! | s to point and three derivatives, space | 59 ns | |
+//! | u to s | 0.19 us | below 1e-13 mm |
 #![allow(missing_docs)]
 
 mod published;

@@ -405,8 +405,8 @@ fn solve_increasing<const N: usize>(
 /// Chebyshev points of the first kind, with what turns values into coefficients and those into powers.
 struct Chebyshev<const N: usize> {
     points: [f64; N],
-    /// `scale * T_k(x_j)`, by `k`.
-    projections: [[f64; N]; N],
+    /// `T_k(x_j)`, by `k`.
+    values: [[f64; N]; N],
     /// Coefficients of `T_k` by powers.
     powers: [[f64; N]; N],
 }
@@ -424,7 +424,6 @@ impl<const N: usize> Chebyshev<N> {
             m if m < 3 * N => -quarter[m - 2 * N],
             m => quarter[4 * N - m],
         };
-        let scale = |k: usize| if k == 0 { 1.0 } else { 2.0 } / N as f64;
         let mut powers = [[0.0; N]; N];
         powers[0][0] = 1.0;
         powers[1][1] = 1.0;
@@ -437,13 +436,19 @@ impl<const N: usize> Chebyshev<N> {
         }
         Self {
             points: std::array::from_fn(|j| cosine(2 * j + 1)),
-            projections: std::array::from_fn(|k| std::array::from_fn(|j| scale(k) * cosine(k * (2 * j + 1)))),
+            values: std::array::from_fn(|k| std::array::from_fn(|j| cosine(k * (2 * j + 1)))),
             powers,
         }
     }
 
     fn coefficients(&self, values: &[f64; N]) -> [f64; N] {
-        self.projections.each_ref().map(|row| row.iter().zip(values).map(|(r, v)| r * v).sum())
+        let mut c = self.values.each_ref().map(|row| {
+            let sum: f64 = row.iter().zip(values).map(|(r, v)| r * v).sum();
+            // Divided last: the coefficients of a constant are exact.
+            2.0 * sum / N as f64
+        });
+        c[0] *= 0.5;
+        c
     }
 
     /// A Chebyshev series in powers of x.

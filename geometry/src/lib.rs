@@ -1,4 +1,58 @@
-//! Tool paths as pure shape: no time, no robot.
+//! Tool paths as pure shape: NURBS curves, their arc length, and the orientation of the tool along them. No time, no
+//! robot.
+//!
+//! # The problem
+//!
+//! A tool path arrives as a curve `C(u)` (CAD, G-code, fitted points) with a parameter that means nothing to a machine:
+//! equal steps of `u` are unequal steps of the tool. A controller wants, at an arc length `s` it has chosen, the pose of the
+//! tool and its derivatives by `s`; a planner wants to know where these derivatives jump and where the path has corners; a
+//! controller that only knows straight lines wants few chords that stay within a tolerance. All of this is answered here,
+//! to the last few digits of double precision, at sampling speed and without allocation after construction.
+//!
+//! # The rooms
+//!
+//! | you want | take |
+//! |---|---|
+//! | a curve | [`NurbsCurve::new`], [`NurbsCurve::bspline`], or a ready shape: `line`, `polyline`, `arc`, `circle` |
+//! | a curve through points | `NurbsCurve::interpolate`, `NurbsCurve::approximate` (feature `fit`) |
+//! | point and derivatives by `u` | [`Curve::jet`], [`Jet::curvature`] |
+//! | another form of the same curve | [`NurbsCurve::insert_knot`], [`NurbsCurve::elevate_degree`], [`NurbsCurve::decompose`] |
+//! | chords within a tolerance | [`NurbsCurve::segment`], [`SegmentationMethod`] |
+//! | the length | [`NurbsCurve::arc_length`], [`NurbsCurve::arc_length_between`] |
+//! | point and derivatives by arc length | [`ArcLengthCurve`] |
+//! | the tool's orientation | [`OrientationPath`]: constant, from pose to pose, through keys, along the tangent |
+//! | the tool's pose and derivatives by arc length | [`PosePath`] |
+//!
+//! # Units and conventions
+//!
+//! * Curves keep the unit they are given in (m, or mm), and so do tolerances and lengths. [`PosePath`] and everything that
+//!   goes on to a robot is in metres; angles are in rad.
+//! * Control points are Cartesian, not multiplied by their weights; knot vectors are full (`points + degree + 1` entries).
+//! * Parameters and arc lengths outside their range, NaN too, are taken to an end of it. At a knot, where derivatives may
+//!   jump, `jet` gives those from the right and `jet_left` those from the left.
+//! * Rotations map tool axes to base axes. A rate is a rotation vector per unit of length in base axes; in a [`PoseJet`]
+//!   the rows are linear x y z, then angular x y z.
+//! * What cannot be followed is an error at construction, never a NaN later: see [`GeometryError`].
+//!
+//! ```
+//! use arcfeed_geometry::nalgebra::{UnitQuaternion, vector};
+//! use arcfeed_geometry::{ArcLengthCurve, NurbsCurve, OrientationPath, PosePath};
+//!
+//! let curve = NurbsCurve::bspline(
+//!     3,
+//!     vec![vector![0.0, 0.0, 0.1], vector![0.1, 0.2, 0.1], vector![0.3, 0.2, 0.2], vector![0.4, 0.0, 0.1]],
+//!     vec![0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0],
+//! )?;
+//! let curve = ArcLengthCurve::new(curve, 1e-12)?;
+//! let tilted = UnitQuaternion::from_euler_angles(0.5, 0.0, 0.0);
+//! let turning = OrientationPath::slerp(curve.length(), UnitQuaternion::identity(), tilted)?;
+//! let path = PosePath::new(curve, turning);
+//!
+//! let middle = path.jet(0.5 * path.length());
+//! assert!((middle.pose.rotation.angle() - 0.25).abs() < 1e-12);
+//! assert!((middle.d1.fixed_rows::<3>(0).norm() - 1.0).abs() < 1e-12);
+//! # Ok::<(), arcfeed_geometry::GeometryError>(())
+//! ```
 #![forbid(unsafe_code)]
 
 pub use nalgebra;

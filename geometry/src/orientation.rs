@@ -1,13 +1,15 @@
 //! Tool orientation along a path: constant, through given orientations, or following the tangent.
 
-use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Quaternion, Unit, UnitQuaternion, Vector3};
 
 use crate::arc_length::ArcLengthCurve;
 use crate::error::GeometryError;
 use crate::spline::CubicSpline;
 
-/// Most knots a heading is given before it is refused as too rough.
+/// Most knots a heading is given; where they do not suffice for its tolerance, [`Heading::deviation`] tells.
 const MAX_HEADING_KNOTS: usize = 100_000;
+/// Most rounds of the iteration that makes angular acceleration continuous.
+const MAX_ROUNDS: usize = 200;
 
 /// An orientation with its angular rate and the rate's derivatives, all by arc length and in base axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,11 +35,22 @@ pub enum OrientationPath {
     Heading(Heading),
 }
 
-/// Orientation `first * exp(phi(s))` with a spline `phi` of rotation vectors.
+/// From key to key the orientation is `key * exp(phi(s))` with a cubic `phi` of rotation vectors.
+///
+/// A spline on the rotation group in the sense of Park and Ravani, "Smooth invariant interpolation of rotations" (ACM
+/// Trans. Graphics 16, 1997), with the rates at the keys solved for all at once. Each stretch has its own chart, so that
+/// nothing happens at a full turn, and neither the base nor the tool frame matters.
 #[derive(Debug, Clone)]
 pub struct Through {
-    first: UnitQuaternion<f64>,
-    phi: CubicSpline<3>,
+    s: Vec<f64>,
+    stretches: Vec<Stretch>,
+}
+
+/// `phi(x) = c[0] x + c[1] x^2 + c[2] x^3` from the key on, with the arc length `x` since it.
+#[derive(Debug, Clone, Copy)]
+struct Stretch {
+    key: UnitQuaternion<f64>,
+    c: [Vector3<f64>; 3],
 }
 
 /// Orientation `rot(axis, psi(s)) * reference` with a spline `psi` of angles.
@@ -50,6 +63,17 @@ pub struct Heading {
 }
 
 impl Heading {
+    #[inline]
+    fn jet(&self, (v, d1, d2, d3): ([f64; 1], [f64; 1], [f64; 1], [f64; 1])) -> OrientationJet {
+        let axis = self.axis.into_inner();
+        OrientationJet {
+            rotation: UnitQuaternion::from_axis_angle(&self.axis, v[0]) * self.reference,
+            rate: axis * d1[0],
+            d_rate: axis * d2[0],
+            dd_rate: axis * d3[0],
+        }
+    }
+
     /// Largest measured angle between the tangent and the heading, rad.
     pub fn deviation(&self) -> f64 {
         self.deviation
@@ -60,8 +84,8 @@ impl OrientationPath {
     /// Through the orientations `keys`, pairs of arc length and orientation with increasing arc length.
     ///
     /// Two keys give the spherical linear interpolation ("slerp") in step with `s`, on the shorter arc, with a constant
-    /// angular rate. More keys give a natural cubic spline of rotation vectors relative to the first key: it passes
-    /// through every key with a continuous angular acceleration, where a chain of slerps would have the rate jump.
+    /// angular rate. More keys give the rotational counterpart of a natural cubic spline: through every key, on the shorter
+    /// way from one to the next, with a continuous angular acceleration, where a chain of slerps would have the rate jump.
     /// Before the first and after the last key the orientation goes on as the spline does.
     ///
     /// # Errors
@@ -78,28 +102,7 @@ impl OrientationPath {
                 return Err(GeometryError::OrientationKey { index, value: key.0, start, end: f64::INFINITY });
             }
         }
-        let first = keys[0].1;
-        let mut phi = vec![[0.0; 3]];
-        for pair in keys.windows(2) {
-            let last = Vector3::from(phi[phi.len() - 1]);
-            // Step from the key before, so that each stretch turns by less than half a turn; then the representative of
-            // the rotation vector (they differ by full turns about their axis) nearest to the one before.
-            let turned = (first.inverse() * pair[1].1).scaled_axis();
-            let angle = turned.norm();
-            let full = std::f64::consts::TAU;
-            let nearest = if angle > 1e-9 {
-                let axis = turned / angle;
-                let turns = ((last.dot(&axis) - angle) / full).round();
-                axis * (angle + turns * full)
-            } else if last.norm() > 0.5 * full {
-                last * ((last.norm() / full).round() * full / last.norm())
-            } else {
-                turned
-            };
-            phi.push(nearest.into());
-        }
-        let s = keys.iter().map(|k| k.0).collect();
-        Ok(Self::Through(Through { first, phi: CubicSpline::natural(s, phi) }))
+        Ok(Self::Through(Through::new(keys)))
     }
 
     /// From `from` at the start of a path of length `length` to `to` at its end, in step with arc length (slerp).
@@ -160,12 +163,14 @@ impl OrientationPath {
                 i += 1;
             }
         }
-        // Refine until the spline is close to the heading between its knots too.
+        // Refine until the spline is close to the heading between its knots too. Five places in each interval find the
+        // largest deviation but for a tenth or so.
+        let limit = 0.8 * tolerance;
         loop {
             let mut unwrapped = Vec::with_capacity(psi.len());
             let mut last = 0.0;
             for &h in &psi {
-                last += ((h - last)).sin().atan2((h - last).cos());
+                last += (h - last).sin().atan2((h - last).cos());
                 unwrapped.push([last]);
             }
             let spline = CubicSpline::natural(s.clone(), unwrapped);
@@ -174,7 +179,7 @@ impl OrientationPath {
             for i in 0..s.len() - 1 {
                 let mut worst = 0.0f64;
                 let mut at_middle = 0.0;
-                for f in [0.2, 0.5, 0.8] {
+                for f in [0.12, 0.3, 0.5, 0.7, 0.88] {
                     let x = s[i] + f * (s[i + 1] - s[i]);
                     let h = heading(x)?;
                     if f == 0.5 {
@@ -184,14 +189,14 @@ impl OrientationPath {
                     worst = worst.max(d.sin().atan2(d.cos()).abs());
                 }
                 deviation = deviation.max(worst);
-                if worst > tolerance {
+                if worst > limit {
                     finer_s.push(0.5 * (s[i] + s[i + 1]));
                     finer_psi.push(at_middle);
                 }
                 finer_s.push(s[i + 1]);
                 finer_psi.push(psi[i + 1]);
             }
-            if deviation <= tolerance || finer_s.len() > MAX_HEADING_KNOTS {
+            if deviation <= limit || finer_s.len() > MAX_HEADING_KNOTS {
                 return Ok(Self::Heading(Heading { axis, reference: start, psi: spline, deviation }));
             }
             (s, psi) = (finer_s, finer_psi);
@@ -208,16 +213,30 @@ impl OrientationPath {
                 d_rate: Vector3::zeros(),
                 dd_rate: Vector3::zeros(),
             },
-            Self::Through(t) => t.jet(s),
-            Self::Heading(h) => {
-                let (v, d1, d2, d3) = h.psi.at(s);
-                let axis = h.axis.into_inner();
-                OrientationJet {
-                    rotation: UnitQuaternion::from_axis_angle(&h.axis, v[0]) * h.reference,
-                    rate: axis * d1[0],
-                    d_rate: axis * d2[0],
-                    dd_rate: axis * d3[0],
-                }
+            Self::Through(t) => t.jet(t.find(s), s),
+            Self::Heading(h) => h.jet(h.psi.at(s)),
+        }
+    }
+
+    /// Like [`OrientationPath::jet`], with the third derivative from the left where it jumps.
+    pub fn jet_left(&self, s: f64) -> OrientationJet {
+        match self {
+            Self::Constant(_) => self.jet(s),
+            Self::Through(t) => {
+                let i = t.find(s);
+                t.jet(if i > 0 && s <= t.s[i] { i - 1 } else { i }, s)
+            }
+            Self::Heading(h) => h.jet(h.psi.at_left(s)),
+        }
+    }
+
+    /// Moves knots that are within `tolerance` of one of `places` (sorted) onto it, so that both count as one.
+    pub(crate) fn snap_knots(&mut self, places: &[f64], tolerance: f64) {
+        let Self::Through(t) = self else { return };
+        for k in &mut t.s {
+            let i = places.partition_point(|&p| p < *k - tolerance);
+            if let Some(&place) = places.get(i).filter(|&&p| p <= *k + tolerance) {
+                *k = place;
             }
         }
     }
@@ -226,53 +245,169 @@ impl OrientationPath {
     pub fn knots(&self) -> &[f64] {
         match self {
             Self::Constant(_) => &[],
-            Self::Through(t) => t.phi.knots(),
+            Self::Through(t) => &t.s,
             Self::Heading(h) => h.psi.knots(),
         }
     }
 }
 
 impl Through {
-    /// With the quaternion `q = exp(phi / 2)` and its derivatives: rate = 2 vec(q' q*), and so on by the product rule.
-    fn jet(&self, s: f64) -> OrientationJet {
-        let (v, d1, d2, d3) = self.phi.at(s);
-        let phi = [Vector3::from(v), Vector3::from(d1), Vector3::from(d2), Vector3::from(d3)];
-        // x = |phi|^2 and its derivatives.
-        let x = [
-            phi[0].dot(&phi[0]),
-            2.0 * phi[0].dot(&phi[1]),
-            2.0 * (phi[0].dot(&phi[2]) + phi[1].dot(&phi[1])),
-            2.0 * (phi[0].dot(&phi[3]) + 3.0 * phi[1].dot(&phi[2])),
-        ];
-        let f = half_sinc(x[0]);
-        // Chain rule for g(x(s)), given g and its derivatives by x.
-        let chain = |g: [f64; 4]| {
-            [
-                g[0],
-                g[1] * x[1],
-                g[2] * x[1] * x[1] + g[1] * x[2],
-                g[3] * x[1] * x[1] * x[1] + 3.0 * g[2] * x[1] * x[2] + g[1] * x[3],
-            ]
-        };
-        let sinc = chain(f);
-        // cos(sqrt(x) / 2) has the derivative -half_sinc / 4.
-        let cos = chain([(0.5 * x[0].sqrt()).cos(), -0.25 * f[0], -0.25 * f[1], -0.25 * f[2]]);
-        let part = |w: f64, v: Vector3<f64>| Quaternion::from_parts(w, v);
-        let q0 = part(cos[0], phi[0] * sinc[0]);
-        let q1 = part(cos[1], phi[0] * sinc[1] + phi[1] * sinc[0]);
-        let q2 = part(cos[2], phi[0] * sinc[2] + phi[1] * (2.0 * sinc[1]) + phi[2] * sinc[0]);
-        let q3 =
-            part(cos[3], phi[0] * sinc[3] + phi[1] * (3.0 * sinc[2]) + phi[2] * (3.0 * sinc[1]) + phi[3] * sinc[0]);
-        let (c0, c1, c2) = (q0.conjugate(), q1.conjugate(), q2.conjugate());
-        let rate = (q1 * c0).imag() * 2.0;
-        let d_rate = (q2 * c0 + q1 * c1).imag() * 2.0;
-        let dd_rate = (q3 * c0 + q2 * c1 * 2.0 + q1 * c2).imag() * 2.0;
-        OrientationJet {
-            rotation: self.first * UnitQuaternion::new_normalize(q0),
-            rate: self.first * rate,
-            d_rate: self.first * d_rate,
-            dd_rate: self.first * dd_rate,
+    /// The rates at the keys follow from equal angular accelerations on both sides of each key, and none at the ends.
+    ///
+    /// With the steps `r`, their widths `h`, the rates `w` in axes of their keys and the right Jacobian `J` of the
+    /// rotation group at `r`, a stretch has the Hermite data `phi'(0) = w0`, `phi'(h) = J^-1 w1 = v`, so that its angular
+    /// accelerations are `6 r / h^2 - (4 w0 + 2 v) / h` and `J (2 w0 + 4 v) / h - 6 r / h^2 + c(v)`. Without the quadratic
+    /// `c` the rates follow from a block tridiagonal system; `c` is small and found by iteration.
+    fn new(keys: &[(f64, UnitQuaternion<f64>)]) -> Self {
+        let n = keys.len();
+        let h: Vec<f64> = keys.windows(2).map(|k| k[1].0 - k[0].0).collect();
+        let r: Vec<Vector3<f64>> = keys.windows(2).map(|k| shorter_way(&k[0].1, &k[1].1)).collect();
+        let (j, j_inverse): (Vec<_>, Vec<_>) = r.iter().map(right_jacobian).unzip();
+
+        // Thomas' algorithm, its factors kept.
+        let lower = |i: usize| if i > 0 { j[i - 1] * (2.0 / h[i - 1]) } else { Matrix3::zeros() };
+        let mut pivots = Vec::with_capacity(n);
+        let mut upper: Vec<Matrix3<f64>> = Vec::with_capacity(n);
+        for i in 0..n {
+            let before = if i > 0 { 1.0 / h[i - 1] } else { 0.0 };
+            let after = if i + 1 < n { 1.0 / h[i] } else { 0.0 };
+            let mut pivot = Matrix3::identity() * (4.0 * (before + after));
+            if i > 0 {
+                pivot -= lower(i) * upper[i - 1];
+            }
+            // The system is diagonally dominant: the inverse exists.
+            let inverse = pivot.try_inverse().unwrap_or_else(Matrix3::zeros);
+            upper.push(if i + 1 < n { inverse * j_inverse[i] * (2.0 * after) } else { Matrix3::zeros() });
+            pivots.push(inverse);
         }
+        let fixed = |i: usize| if i + 1 < n { r[i] * (6.0 / (h[i] * h[i])) } else { Vector3::zeros() };
+        let solve = |c: &[Vector3<f64>]| {
+            let mut w: Vec<Vector3<f64>> = Vec::with_capacity(n);
+            for i in 0..n {
+                let mut right = fixed(i);
+                if i > 0 {
+                    right += fixed(i - 1) - c[i - 1] - lower(i) * w[i - 1];
+                }
+                w.push(pivots[i] * right);
+            }
+            for i in (0..n - 1).rev() {
+                w[i] = w[i] - upper[i] * w[i + 1];
+            }
+            w
+        };
+        let mut c = vec![Vector3::zeros(); n - 1];
+        let mut w = solve(&c);
+        for _ in 0..MAX_ROUNDS {
+            for i in 0..n - 1 {
+                // The angular acceleration at the end, seen in the axes there, of a motion without phi''.
+                let jet = [r[i], j_inverse[i] * w[i + 1], Vector3::zeros(), Vector3::zeros()];
+                let end = rotate_along(&UnitQuaternion::identity(), &jet);
+                c[i] = end.rotation.inverse() * end.d_rate;
+            }
+            let next = solve(&c);
+            let change = next.iter().zip(&w).fold(0.0f64, |m, (a, b)| m.max((a - b).norm()));
+            let size = next.iter().fold(0.0f64, |m, a| m.max(a.norm()));
+            w = next;
+            // Written so that NaN ends it.
+            if !(change > 4.0 * f64::EPSILON * size) {
+                break;
+            }
+        }
+        let mut stretches = Vec::with_capacity(n - 1);
+        for i in 0..n - 1 {
+            let (mean, v) = (r[i] / h[i], j_inverse[i] * w[i + 1]);
+            let c = [w[i], (mean * 3.0 - w[i] * 2.0 - v) / h[i], (w[i] + v - mean * 2.0) / (h[i] * h[i])];
+            stretches.push(Stretch { key: keys[i].1, c });
+        }
+        Self { s: keys.iter().map(|k| k.0).collect(), stretches }
+    }
+
+    /// Stretch that holds `s`, of two the later one.
+    #[inline]
+    fn find(&self, s: f64) -> usize {
+        self.s[1..self.s.len() - 1].partition_point(|&k| k <= s)
+    }
+
+    #[inline]
+    fn jet(&self, i: usize, s: f64) -> OrientationJet {
+        let Stretch { key, c } = &self.stretches[i];
+        let x = s - self.s[i];
+        let phi = [
+            (c[0] + (c[1] + c[2] * x) * x) * x,
+            c[0] + (c[1] * 2.0 + c[2] * (3.0 * x)) * x,
+            c[1] * 2.0 + c[2] * (6.0 * x),
+            c[2] * 6.0,
+        ];
+        rotate_along(key, &phi)
+    }
+}
+
+/// Rotation vector from `a` to `b` in the axes of `a`, at most half a turn long.
+fn shorter_way(a: &UnitQuaternion<f64>, b: &UnitQuaternion<f64>) -> Vector3<f64> {
+    let q = (a.inverse() * b).into_inner();
+    let (sin, cos) = (q.imag().norm(), q.w.abs());
+    if sin == 0.0 {
+        return Vector3::zeros();
+    }
+    q.imag() * (2.0 * sin.atan2(cos) / if q.w < 0.0 { -sin } else { sin })
+}
+
+/// The right Jacobian of the rotation group at the rotation vector `r`, and its inverse: the angular rate in the turned
+/// axes is `J(phi) phi'`.
+fn right_jacobian(r: &Vector3<f64>) -> (Matrix3<f64>, Matrix3<f64>) {
+    let cross = r.cross_matrix();
+    let square = cross * cross;
+    let angle = r.norm();
+    let (a, b, c) = if angle < 1e-2 {
+        let x = angle * angle;
+        (0.5 - x / 24.0, 1.0 / 6.0 - x / 120.0, 1.0 / 12.0 + x / 720.0)
+    } else {
+        let (sin, cos) = (0.5 * angle).sin_cos();
+        let x = angle * angle;
+        (2.0 * sin * sin / x, (angle - angle.sin()) / (x * angle), (1.0 - 0.5 * angle * cos / sin) / x)
+    };
+    let one = Matrix3::identity();
+    (one - cross * a + square * b, one + cross * 0.5 + square * c)
+}
+
+/// Orientation `first * exp(phi)` and its rates, given `phi` and three derivatives.
+///
+/// With the quaternion `q = exp(phi / 2)` and its derivatives: rate = 2 vec(q' q*), and so on by the product rule.
+fn rotate_along(first: &UnitQuaternion<f64>, phi: &[Vector3<f64>; 4]) -> OrientationJet {
+    // x = |phi|^2 and its derivatives.
+    let x = [
+        phi[0].dot(&phi[0]),
+        2.0 * phi[0].dot(&phi[1]),
+        2.0 * (phi[0].dot(&phi[2]) + phi[1].dot(&phi[1])),
+        2.0 * (phi[0].dot(&phi[3]) + 3.0 * phi[1].dot(&phi[2])),
+    ];
+    let f = half_sinc(x[0]);
+    // Chain rule for g(x(s)), given g and its derivatives by x.
+    let chain = |g: [f64; 4]| {
+        [
+            g[0],
+            g[1] * x[1],
+            g[2] * x[1] * x[1] + g[1] * x[2],
+            g[3] * x[1] * x[1] * x[1] + 3.0 * g[2] * x[1] * x[2] + g[1] * x[3],
+        ]
+    };
+    let sinc = chain(f);
+    // cos(sqrt(x) / 2) has the derivative -half_sinc / 4.
+    let cos = chain([(0.5 * x[0].sqrt()).cos(), -0.25 * f[0], -0.25 * f[1], -0.25 * f[2]]);
+    let part = |w: f64, v: Vector3<f64>| Quaternion::from_parts(w, v);
+    let q0 = part(cos[0], phi[0] * sinc[0]);
+    let q1 = part(cos[1], phi[0] * sinc[1] + phi[1] * sinc[0]);
+    let q2 = part(cos[2], phi[0] * sinc[2] + phi[1] * (2.0 * sinc[1]) + phi[2] * sinc[0]);
+    let q3 = part(cos[3], phi[0] * sinc[3] + phi[1] * (3.0 * sinc[2]) + phi[2] * (3.0 * sinc[1]) + phi[3] * sinc[0]);
+    let (c0, c1, c2) = (q0.conjugate(), q1.conjugate(), q2.conjugate());
+    let rate = (q1 * c0).imag() * 2.0;
+    let d_rate = (q2 * c0 + q1 * c1).imag() * 2.0;
+    let dd_rate = (q3 * c0 + q2 * c1 * 2.0 + q1 * c2).imag() * 2.0;
+    OrientationJet {
+        rotation: first * UnitQuaternion::new_normalize(q0),
+        rate: first * rate,
+        d_rate: first * d_rate,
+        dd_rate: first * dd_rate,
     }
 }
 

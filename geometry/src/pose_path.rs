@@ -3,7 +3,8 @@
 use nalgebra::{Isometry3, Translation3, Vector3, Vector6};
 
 use crate::arc_length::{ArcLengthCurve, Corner};
-use crate::orientation::OrientationPath;
+use crate::curve::Jet;
+use crate::orientation::{OrientationJet, OrientationPath};
 
 /// A tool pose with three derivatives by arc length.
 ///
@@ -30,7 +31,10 @@ pub struct PosePath {
 
 impl PosePath {
     /// Joins a curve and an orientation profile by the curve's arc length.
-    pub fn new(curve: ArcLengthCurve<3>, orientation: OrientationPath) -> Self {
+    ///
+    /// Keys of the profile that differ from a knot of the curve by rounding alone are moved onto it.
+    pub fn new(curve: ArcLengthCurve<3>, mut orientation: OrientationPath) -> Self {
+        orientation.snap_knots(&curve.knots(), 1e-12 * curve.length());
         Self { curve, orientation }
     }
 
@@ -49,20 +53,18 @@ impl PosePath {
         &self.orientation
     }
 
-    /// Pose and derivatives at the arc length `s`; where derivatives jump, those from the right.
+    /// Pose and derivatives at the arc length `s` (taken to the nearest end outside `[0, length]`); where derivatives
+    /// jump, those from the right.
     #[inline]
     pub fn jet(&self, s: f64) -> PoseJet {
-        self.assemble(self.curve.jet(s), s)
+        let s = s.max(0.0).min(self.length());
+        assemble(&self.curve.jet(s), &self.orientation.jet(s))
     }
 
     /// Like [`PosePath::jet`], with the derivatives from the left where they jump.
     pub fn jet_left(&self, s: f64) -> PoseJet {
-        // The orientation spline's third derivative is taken a hair before the place; value and lower ones do not jump.
-        let before = s - 1e-12 * self.length();
-        let mut jet = self.assemble(self.curve.jet_left(s), s);
-        let angular = self.orientation.jet(before).dd_rate;
-        jet.d3.fixed_rows_mut::<3>(3).copy_from(&angular);
-        jet
+        let s = s.max(0.0).min(self.length());
+        assemble(&self.curve.jet_left(s), &self.orientation.jet_left(s))
     }
 
     /// Pose at the arc length `s`.
@@ -88,16 +90,15 @@ impl PosePath {
     pub fn corners(&self, angle: f64) -> Vec<Corner> {
         self.curve.corners(angle)
     }
+}
 
-    #[inline]
-    fn assemble(&self, c: crate::curve::Jet<3>, s: f64) -> PoseJet {
-        let o = self.orientation.jet(s);
-        let join = |a: Vector3<f64>, b: Vector3<f64>| Vector6::new(a.x, a.y, a.z, b.x, b.y, b.z);
-        PoseJet {
-            pose: Isometry3::from_parts(Translation3::from(c.point), o.rotation),
-            d1: join(c.d1, o.rate),
-            d2: join(c.d2, o.d_rate),
-            d3: join(c.d3, o.dd_rate),
-        }
+#[inline]
+fn assemble(c: &Jet<3>, o: &OrientationJet) -> PoseJet {
+    let join = |a: Vector3<f64>, b: Vector3<f64>| Vector6::new(a.x, a.y, a.z, b.x, b.y, b.z);
+    PoseJet {
+        pose: Isometry3::from_parts(Translation3::from(c.point), o.rotation),
+        d1: join(c.d1, o.rate),
+        d2: join(c.d2, o.d_rate),
+        d3: join(c.d3, o.dd_rate),
     }
 }

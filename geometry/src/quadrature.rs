@@ -139,7 +139,8 @@ fn refine(
     }
     *rest -= 1;
     let m = 0.5 * (a + b);
-    refine(f, (a, m), 0.5 * tolerance, noise, depth - 1, rest) + refine(f, (m, b), 0.5 * tolerance, noise, depth - 1, rest)
+    refine(f, (a, m), 0.5 * tolerance, noise, depth - 1, rest)
+        + refine(f, (m, b), 0.5 * tolerance, noise, depth - 1, rest)
 }
 
 impl<const D: usize> NurbsCurve<D> {

@@ -39,11 +39,20 @@ impl<const K: usize> CubicSpline<K> {
         &self.x
     }
 
-    /// Value and three derivatives at `x`; beyond the ends the outer pieces go on.
+    /// Value and three derivatives at `x`, at a knot the third one from the right; beyond the ends the outer pieces go on.
     #[inline]
     pub fn at(&self, x: f64) -> ([f64; K], [f64; K], [f64; K], [f64; K]) {
-        let n = self.x.len();
-        let i = self.x[1..n - 1].partition_point(|&k| k <= x);
+        self.on(self.x[1..self.x.len() - 1].partition_point(|&k| k <= x), x)
+    }
+
+    /// Like [`CubicSpline::at`], with the third derivative from the left.
+    pub fn at_left(&self, x: f64) -> ([f64; K], [f64; K], [f64; K], [f64; K]) {
+        self.on(self.x[1..self.x.len() - 1].partition_point(|&k| k < x), x)
+    }
+
+    /// Value and three derivatives of piece `i`.
+    #[inline]
+    fn on(&self, i: usize, x: f64) -> ([f64; K], [f64; K], [f64; K], [f64; K]) {
         let h = self.x[i + 1] - self.x[i];
         let d = x - self.x[i];
         let mut out = ([0.0; K], [0.0; K], [0.0; K], [0.0; K]);

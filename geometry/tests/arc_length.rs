@@ -341,12 +341,9 @@ fn coincident_control_points() {
     let at_origin = NurbsCurve::bspline(3, vec![p(0.0, 0.0); 5], knots.clone()).unwrap();
     assert!(matches!(ArcLengthCurve::new(at_origin, 1e-12), Err(GeometryError::ZeroLength { .. })));
     // Two at an end: the speed vanishes there, and the error says where.
-    let start = NurbsCurve::bspline(
-        3,
-        vec![p(0.0, 0.0), p(0.0, 0.0), p(1.0, 1.0), p(2.0, 0.0), p(3.0, 1.0)],
-        knots.clone(),
-    )
-    .unwrap();
+    let start =
+        NurbsCurve::bspline(3, vec![p(0.0, 0.0), p(0.0, 0.0), p(1.0, 1.0), p(2.0, 0.0), p(3.0, 1.0)], knots.clone())
+            .unwrap();
     let error = ArcLengthCurve::new(start, 1e-12).err().unwrap();
     assert!(matches!(error, GeometryError::StandsStill { u, .. } if u < 1e-6), "{error}");
     // A whole span that stands still.
@@ -397,22 +394,23 @@ fn quadrature_of_functions_that_are_not_smooth() {
 
 /// Cubics with random knots and weights; some points coincide, some lie on a line.
 fn random_cubic() -> impl Strategy<Value = NurbsCurve<2>> {
-    (4usize..12).prop_flat_map(|n| {
-        let coordinate = prop_oneof![3 => -100.0f64..100.0, 1 => Just(0.0)];
-        let points = proptest::collection::vec((coordinate.clone(), coordinate), n);
-        let weights = prop_oneof![Just(vec![1.0; n]), proptest::collection::vec(0.05f64..20.0, n)];
-        let steps = proptest::collection::vec(prop_oneof![4 => 0.05f64..1.0, 1 => Just(0.0)], n - 3);
-        (points, weights, steps).prop_map(move |(points, weights, mut steps)| {
-            steps[n - 4] += 0.1;
-            let mut knots = vec![0.0; 4];
-            for step in &steps {
-                knots.push(knots[knots.len() - 1] + step);
-            }
-            knots.extend([knots[knots.len() - 1]; 3]);
-            NurbsCurve::new(3, points.iter().map(|&(x, y)| vector![x, y]).collect(), weights, knots)
+    (4usize..12)
+        .prop_flat_map(|n| {
+            let coordinate = prop_oneof![3 => -100.0f64..100.0, 1 => Just(0.0)];
+            let points = proptest::collection::vec((coordinate.clone(), coordinate), n);
+            let weights = prop_oneof![Just(vec![1.0; n]), proptest::collection::vec(0.05f64..20.0, n)];
+            let steps = proptest::collection::vec(prop_oneof![4 => 0.05f64..1.0, 1 => Just(0.0)], n - 3);
+            (points, weights, steps).prop_map(move |(points, weights, mut steps)| {
+                steps[n - 4] += 0.1;
+                let mut knots = vec![0.0; 4];
+                for step in &steps {
+                    knots.push(knots[knots.len() - 1] + step);
+                }
+                knots.extend([knots[knots.len() - 1]; 3]);
+                NurbsCurve::new(3, points.iter().map(|&(x, y)| vector![x, y]).collect(), weights, knots)
+            })
         })
-    })
-    .prop_filter_map("a knot stands too often", Result::ok)
+        .prop_filter_map("a knot stands too often", Result::ok)
 }
 
 proptest! {

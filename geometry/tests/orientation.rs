@@ -42,7 +42,7 @@ fn check_keys(path: &OrientationPath, keys: &[(f64, UnitQuaternion<f64>)]) {
     }
     for pair in keys.windows(2) {
         for f in [0.1, 0.35, 0.5, 0.8] {
-            check_rates(path, pair[0].0 + f * (pair[1].0 - pair[0].0), 0.01 * (pair[1].0 - pair[0].0));
+            check_rates(path, pair[0].0 + f * (pair[1].0 - pair[0].0), 0.003 * (pair[1].0 - pair[0].0));
         }
     }
     // Rate and its derivative are continuous.
@@ -64,7 +64,7 @@ fn slerp_turns_at_a_constant_rate_on_the_shorter_arc() {
         for i in 0..=10 {
             let s = 0.04 * f64::from(i);
             let jet = path.jet(s);
-            assert!(jet.rotation.angle_to(&from.slerp(&to, s / 0.4)) < 1e-14 * 4.0);
+            assert!(jet.rotation.angle_to(&(from * rotation(step * (s / 0.4)))) < 1e-15 * 4.0);
             assert!((jet.rate - from * step / 0.4).norm() < 1e-13, "{}", jet.rate);
             assert!(jet.d_rate.norm() < 1e-12 && jet.dd_rate.norm() < 1e-11);
         }
@@ -111,7 +111,11 @@ fn a_tumble_takes_the_shorter_way_between_keys() {
         let keys: Vec<_> = (0..10)
             .map(|i| {
                 let i = f64::from(i);
-                (i, rotation(vector![0.0, 0.0, i * PI / 3.0]) * rotation(vector![nod * (0.7 * i + 1.0).sin(), nod, 0.0]))
+                (
+                    i,
+                    rotation(vector![0.0, 0.0, i * PI / 3.0])
+                        * rotation(vector![nod * (0.7 * i + 1.0).sin(), nod, 0.0]),
+                )
             })
             .collect();
         let path = OrientationPath::through(&keys).unwrap();
@@ -132,7 +136,9 @@ fn a_tumble_takes_the_shorter_way_between_keys() {
 #[test]
 fn the_base_frame_does_not_matter() {
     let keys: Vec<_> = (0..6)
-        .map(|i| (f64::from(i), rotation(vector![(1.3 * f64::from(i)).sin(), 0.4 * f64::from(i), (f64::from(i)).cos()])))
+        .map(|i| {
+            (f64::from(i), rotation(vector![(1.3 * f64::from(i)).sin(), 0.4 * f64::from(i), (f64::from(i)).cos()]))
+        })
         .collect();
     let turn = rotation(vector![0.4, -1.0, 2.0]);
     let tool = rotation(vector![-0.3, 0.1, 1.0]);
@@ -211,8 +217,7 @@ fn heading_follows_the_tangent() {
 fn heading_turns_through_a_whole_circle() {
     let circle = NurbsCurve::<3>::circle(&arcfeed_geometry::nalgebra::Isometry3::identity(), 0.05).unwrap();
     let curve = ArcLengthCurve::new(circle, 1e-14).unwrap();
-    let path =
-        OrientationPath::following_tangent(&curve, Vector3::z_axis(), UnitQuaternion::identity(), 1e-6).unwrap();
+    let path = OrientationPath::following_tangent(&curve, Vector3::z_axis(), UnitQuaternion::identity(), 1e-6).unwrap();
     for i in 1..100 {
         let s = curve.length() * f64::from(i) / 100.0;
         assert!((path.jet(s).rate - vector![0.0, 0.0, 20.0]).norm() < 1e-3, "{} at {s}", path.jet(s).rate);
@@ -241,7 +246,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
     #[test]
-    fn random_keys(steps in proptest::collection::vec((0.2f64..1.0, -1.7f64..1.7, -1.7f64..1.7, -1.7f64..1.7), 2..10)) {
+    fn random_keys(steps in proptest::collection::vec((0.1f64..1.0, -1.8f64..1.8, -1.8f64..1.8, -1.8f64..1.8), 2..10)) {
         let mut keys = vec![(0.0, UnitQuaternion::identity())];
         for (h, x, y, z) in steps {
             let (s, q) = keys[keys.len() - 1];
