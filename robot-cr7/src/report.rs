@@ -295,10 +295,13 @@ pub(crate) fn number(v: f64) -> String {
     }
 }
 
-/// A share in percent, rounded so that what is above 100 % is never shown as 100 %.
+/// What a verified ratio may exceed 1 by through rounding.
+const ROUNDING: f64 = 1e-6;
+
+/// A share in percent, rounded so that what is above 100 % by more than rounding is never shown as 100 %.
 pub(crate) fn percent(ratio: f64) -> String {
     let p = ratio * 100.0;
-    if p > 100.0 && p < 100.01 {
+    if ratio > 1.0 + ROUNDING && p < 100.01 {
         ">100 %".to_owned()
     } else if p < 1000.0 {
         format!("{p:.2} %")
