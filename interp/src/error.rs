@@ -33,7 +33,9 @@ pub enum PlanError {
         jump: f64,
     },
     /// No starting configuration can follow the whole path.
-    #[error("none of the {candidates} configurations that reach the start can follow the path to its end; the best one fails: {best}")]
+    #[error(
+        "none of the {candidates} configurations that reach the start can follow the path to its end; the best one fails: {best}"
+    )]
     NoConfiguration {
         /// How many configurations were tried.
         candidates: usize,

@@ -175,8 +175,8 @@ where
     let mut farthest: Option<(f64, PlanError)> = None;
     for candidate in candidates.iter() {
         // The representative nearest to the middle of the joint ranges leaves most room for turning on.
-        let seed = candidate
-            .zip_map(&middle, |q, m| q + ((m - q) / std::f64::consts::TAU).round() * std::f64::consts::TAU);
+        let seed =
+            candidate.zip_map(&middle, |q, m| q + ((m - q) / std::f64::consts::TAU).round() * std::f64::consts::TAU);
         match walk(arm, path, &seed, &grid, lower, upper) {
             Ok(quality) => {
                 if best.as_ref().is_none_or(|b| quality > b.0) {
@@ -219,8 +219,12 @@ where
         let near = last.map_or(*seed, |jet: JointJet| jet.q);
         let jet = joint_jet(arm, s, &path.jet(s), &near).map_err(|e| (s, e))?;
         if let Some(before) = last {
-            let (joint, jump) =
-                (jet.q - before.q).abs().iter().copied().enumerate().fold((0, 0.0), |m, x| if x.1 > m.1 { x } else { m });
+            let (joint, jump) = (jet.q - before.q)
+                .abs()
+                .iter()
+                .copied()
+                .enumerate()
+                .fold((0, 0.0), |m, x| if x.1 > m.1 { x } else { m });
             if jump > 1.0 {
                 return Err((s, PlanError::BranchChange { s, joint, jump }));
             }

@@ -23,11 +23,10 @@ const ROUNDS: usize = 4;
 
 /// Ways to share the coupled limits between speed, acceleration and jerk; the planner tries all and keeps the fastest
 /// plan. They cost one scan each.
-const SHARES: [Shares; 4] = [
-    Shares { acceleration: 0.5, jerk: 0.4, speed: 0.6 },
-    Shares { acceleration: 0.3, jerk: 0.3, speed: 0.6 },
-    Shares { acceleration: 0.7, jerk: 0.5, speed: 0.5 },
-    Shares { acceleration: 0.4, jerk: 0.6, speed: 0.4 },
+const SHARES: [Shares; 3] = [
+    Shares { acceleration: 0.4, jerk: 0.3, speed: 0.6 },
+    Shares { acceleration: 0.4, jerk: 0.4, speed: 0.5 },
+    Shares { acceleration: 0.4, jerk: 0.3, speed: 0.8 },
 ];
 
 /// How the speed is scanned along the path.
@@ -181,10 +180,8 @@ where
     pub fn draft(&self, path: PosePath, start: &Joints<AXES>) -> Result<Plan, PlanError> {
         let mut timings = Timings::default();
         let begin = Instant::now();
-        let segmentation = path
-            .curve()
-            .curve()
-            .segment(SegmentationMethod::Longest { across_knots: false }, self.chord_tolerance)?;
+        let segmentation =
+            path.curve().curve().segment(SegmentationMethod::Longest { across_knots: false }, self.chord_tolerance)?;
         let breaks: Vec<f64> = segmentation.breaks().iter().map(|&u| path.curve().arc_length_at(u)).collect();
         timings.segmentation = begin.elapsed();
 
@@ -360,22 +357,12 @@ impl Plan {
     ///
     /// # Errors
     /// [`PlanError::Arm`] where a setpoint cannot be computed.
-    pub fn verify<A>(
-        &self,
-        arm: &A,
-        tool: &ToolLimits,
-        joints: &JointLimits<AXES>,
-    ) -> Result<Verification, PlanError>
+    pub fn verify<A>(&self, arm: &A, tool: &ToolLimits, joints: &JointLimits<AXES>) -> Result<Verification, PlanError>
     where
         A: ForwardKinematics<AXES> + InverseKinematics<AXES> + ?Sized,
     {
-        let requirement = Requirement {
-            path: &self.path,
-            tool,
-            joints,
-            chord_tolerance: self.chord_tolerance,
-            period: self.period,
-        };
+        let requirement =
+            Requirement { path: &self.path, tool, joints, chord_tolerance: self.chord_tolerance, period: self.period };
         let mut sampler = self.sampler(arm, self.period)?;
         verify(arm, &requirement, self.duration(), |t| sampler.at(t))
     }

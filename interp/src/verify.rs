@@ -127,7 +127,10 @@ impl Verification {
 
     /// The check with the largest ratio.
     pub fn worst(&self) -> Check {
-        self.checks.iter().copied().fold(self.checks[0], |m, c| if c.ratio > m.ratio || c.ratio.is_nan() { c } else { m })
+        self.checks
+            .iter()
+            .copied()
+            .fold(self.checks[0], |m, c| if c.ratio > m.ratio || c.ratio.is_nan() { c } else { m })
     }
 
     /// The largest ratio of one quantity over all joints.

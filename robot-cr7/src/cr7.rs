@@ -2,7 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use arcfeed_geometry::{ArcLengthCurve, GeometryError, NurbsCurve, OrientationPath, PosePath, SegmentationMethod, Spacing};
+use arcfeed_geometry::{
+    ArcLengthCurve, GeometryError, NurbsCurve, OrientationPath, PosePath, SegmentationMethod, Spacing,
+};
 use arcfeed_interp::{Plan, PlanError, Planner, Quantity, Scan as PlanScan, Setpoint, ToolLimits, best_start};
 use arcfeed_kinematics::{Joints, KinematicsError};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
@@ -205,9 +207,7 @@ impl Motion {
     ///
     /// # Errors
     /// Never for a motion that was planned; the signature is the sampler's.
-    pub fn sampler(
-        &self,
-    ) -> Result<arcfeed_interp::Sampler<'_, arcfeed_kinematics::ParallelAxisArm>, PlanError> {
+    pub fn sampler(&self) -> Result<arcfeed_interp::Sampler<'_, arcfeed_kinematics::ParallelAxisArm>, PlanError> {
         self.plan.sampler(self.cr7.arm(), self.plan.period())
     }
 
