@@ -50,7 +50,7 @@ pub enum Cr7Error {
         /// The file, or the name of an embedded path.
         file: String,
         /// Why, and where on the path.
-        source: PlanError,
+        source: Box<PlanError>,
         /// A likely cause, starting with a separator; empty when there is none to name.
         hint: String,
     },
@@ -107,7 +107,7 @@ pub fn plan(job: &Job, file: &PathFile) -> Result<Motion, Cr7Error> {
     };
     let plan_error = |source: PlanError| {
         let hint = unit_hint(&source);
-        Cr7Error::Plan { file: shown.clone(), source, hint }
+        Cr7Error::Plan { file: shown.clone(), source: Box::new(source), hint }
     };
     let scan = match (job.scan, job.lookahead) {
         (Scan::Joined, _) => PlanScan::Joined,

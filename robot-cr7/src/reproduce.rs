@@ -8,7 +8,7 @@ use arcfeed_geometry::{NurbsCurve, SegmentationMethod};
 use arcfeed_interp::parameter::{
     ArcLengthStep, CompensatedTaylor, FirstTaylor, ParameterStep, SecondTaylor, fluctuation,
 };
-use arcfeed_interp::{Planner, Scan};
+use arcfeed_interp::{PlanError, Planner, Scan};
 use serde::Serialize;
 
 use crate::cr7::{Cr7Error, Motion, plan};
@@ -137,6 +137,10 @@ fn curve_of(path: SamplePath) -> Result<NurbsCurve<3>, Cr7Error> {
     Ok(file.curve_with(|_| unreachable_fit())?)
 }
 
+fn failed(source: PlanError) -> Cr7Error {
+    Cr7Error::Plan { file: "butterfly".to_owned(), source: Box::new(source), hint: String::new() }
+}
+
 /// The embedded paths are curves, never points.
 fn unreachable_fit() -> Result<NurbsCurve<3>, arcfeed_geometry::GeometryError> {
     Err(arcfeed_geometry::GeometryError::DegreeZero)
@@ -201,7 +205,8 @@ fn dense_deviation(curve: &NurbsCurve<3>, breaks: &[f64]) -> f64 {
 fn segment_counts(r: &mut Reproduction) -> Result<(), Cr7Error> {
     const PLACE: &str =
         "Segments for a chord tolerance, and true deviation (the last two curves: counts of Actuators 2024, 13, 108)";
-    let cases: [(&str, SamplePath, f64, &str, Option<(usize, usize)>); 5] = [
+    // Name, curve, tolerance (m), the paper's count, and the most pieces ours may have: within knot spans, across knots.
+    let cases = [
         ("six points, 0.001 mm", SamplePath::SixPoint, 1e-6, "143", Some((114, 112))),
         ("butterfly, 0.001 mm", SamplePath::Butterfly, 1e-6, "1579", Some((1174, 1155))),
         ("fan, 0.001 mm", SamplePath::Fan, 1e-6, "1454", None),
@@ -260,7 +265,7 @@ fn table_2(r: &mut Reproduction, motion: &Motion) -> Result<(), Cr7Error> {
         Err(e) => sampling_error = Some(e),
     }
     if let Some(source) = sampling_error {
-        return Err(Cr7Error::Plan { file: "butterfly".to_owned(), source, hint: String::new() });
+        return Err(failed(source));
     }
     let sampling = begin.elapsed().as_secs_f64();
 
@@ -327,7 +332,6 @@ fn interpolators(r: &mut Reproduction, motion: &Motion) -> Result<(), Cr7Error> 
     const PLACE: &str = "Section 5: feed fluctuation by arc length, butterfly, 1 ms (largest / rms in %; end of u)";
     let path = motion.plan().path();
     let curve = path.curve();
-    let fail = |source| Cr7Error::Plan { file: "butterfly".to_owned(), source, hint: String::new() };
     for feed in [0.01, 0.1] {
         let Ok(profile) = MotionLimits::new(feed, 1.0, 20.0).and_then(|l| SProfile::new(curve.length(), 0.0, 0.0, &l))
         else {
@@ -342,7 +346,7 @@ fn interpolators(r: &mut Reproduction, motion: &Motion) -> Result<(), Cr7Error> 
             Box::new(ArcLengthStep::new(curve)),
         ];
         for (i, mut step) in steps.into_iter().enumerate() {
-            let f = fluctuation(curve, &profile, 1e-3, step.as_mut()).map_err(fail)?;
+            let f = fluctuation(curve, &profile, 1e-3, step.as_mut()).map_err(failed)?;
             let what = format!("{} at {} mm/s", step.name(), feed * 1e3);
             let ours = format!("{:.1e} / {:.1e}; {:.6}", 100.0 * f.largest, 100.0 * f.rms, f.end);
             let claim = r.add(PLACE, what, "", ours);
@@ -360,13 +364,12 @@ fn interpolators(r: &mut Reproduction, motion: &Motion) -> Result<(), Cr7Error> 
 /// What zero acceleration at every segment boundary costs.
 fn joining(r: &mut Reproduction, motion: &Motion) -> Result<(), Cr7Error> {
     const PLACE: &str = "Section 4: what zero acceleration at every segment boundary costs, butterfly";
-    let fail = |source| Cr7Error::Plan { file: "butterfly".to_owned(), source, hint: String::new() };
     let joined = motion.plan();
     let start = joined.joint_path().nodes()[0].q;
     let planner = Planner::new(motion.cr7().arm(), *motion.cr7().limits(), *motion.tool_limits())
-        .map_err(fail)?
+        .map_err(failed)?
         .with_scan(Scan::PerSegment { window: None });
-    let separate = planner.plan(joined.path().clone(), &start).map_err(fail)?;
+    let separate = planner.plan(joined.path().clone(), &start).map_err(failed)?;
     r.add(PLACE, "zero acceleration at each boundary, s", "", format!("{:.3}", separate.duration()));
     r.add(PLACE, "joined between the speed minima, s", "", format!("{:.3}", joined.duration()))
         .note(format!("saves {:.1} % of the time", 100.0 * (1.0 - joined.duration() / separate.duration())))
