@@ -1,0 +1,112 @@
+//! Evaluation and decomposition against values computed with 50 digits.
+
+mod common;
+
+use arcfeed_geometry::{Curve, NurbsCurve, nalgebra::SVector};
+use common::points;
+use serde::Deserialize;
+
+#[derive(Deserialize)]
+struct Oracle {
+    curves: Vec<OracleCurve>,
+}
+
+#[derive(Deserialize)]
+struct OracleCurve {
+    id: usize,
+    dim: usize,
+    degree: usize,
+    control_points: Vec<Vec<f64>>,
+    weights: Vec<f64>,
+    knots: Vec<f64>,
+    bezier: Vec<OracleBezier>,
+    samples: Vec<Sample>,
+}
+
+#[derive(Deserialize)]
+struct OracleBezier {
+    a: f64,
+    b: f64,
+    control_points: Vec<Vec<f64>>,
+    weights: Vec<f64>,
+}
+
+#[derive(Deserialize)]
+struct Sample {
+    u: f64,
+    point: Vec<f64>,
+    d1: Vec<f64>,
+    d2: Vec<f64>,
+    d3: Vec<f64>,
+    curvature: f64,
+    signed_curvature: Option<f64>,
+}
+
+/// Largest relative errors of point, d1, d2, d3, curvature, decomposition.
+type Worst = [f64; 6];
+
+fn relative<const D: usize>(ours: &SVector<f64, D>, theirs: &[f64]) -> f64 {
+    let theirs = SVector::<f64, D>::from_column_slice(theirs);
+    (ours - theirs).norm() / theirs.norm()
+}
+
+fn compare<const D: usize>(c: &OracleCurve, signed: impl Fn(&NurbsCurve<D>, f64) -> Option<f64>) -> Worst {
+    let curve: NurbsCurve<D> =
+        NurbsCurve::new(c.degree, points(&c.control_points), c.weights.clone(), c.knots.clone()).unwrap();
+    let mut worst = [0.0; 6];
+    for s in &c.samples {
+        let jet = curve.jet(s.u);
+        let errors = [
+            relative(&jet.point, &s.point),
+            relative(&jet.d1, &s.d1),
+            relative(&jet.d2, &s.d2),
+            // A third derivative of 0 (degree 2 without weights) does not occur in the data.
+            relative(&jet.d3, &s.d3),
+            (jet.curvature() - s.curvature).abs() / s.curvature,
+        ];
+        for (w, e) in worst.iter_mut().zip(errors) {
+            *w = f64::max(*w, e);
+        }
+        if let (Some(ours), Some(theirs)) = (signed(&curve, s.u), s.signed_curvature) {
+            assert_eq!(ours.signum(), theirs.signum(), "curve {} at {}", c.id, s.u);
+        }
+    }
+    let pieces = curve.decompose();
+    assert_eq!(pieces.len(), c.bezier.len());
+    for (ours, theirs) in pieces.iter().zip(&c.bezier) {
+        assert_eq!(ours.interval(), (theirs.a, theirs.b));
+        for (p, q) in ours.control_points().zip(&theirs.control_points) {
+            worst[5] = worst[5].max(relative(&p, q));
+        }
+        // Ours are relative to the largest weight of the curve.
+        let largest = c.weights.iter().fold(0.0f64, |m, &w| m.max(w));
+        for (w, v) in ours.weights().zip(&theirs.weights) {
+            worst[5] = worst[5].max((w * largest - v).abs() / v);
+        }
+    }
+    worst
+}
+
+#[test]
+fn agrees_with_fifty_digits() {
+    let oracle: Oracle = serde_json::from_str(include_str!("fixtures/nurbs.json")).unwrap();
+    assert_eq!(oracle.curves.len(), 30);
+    let mut worst = [0.0; 6];
+    for c in &oracle.curves {
+        let w = if c.dim == 2 {
+            compare::<2>(c, |curve, u| Some(curve.jet(u).signed_curvature()))
+        } else {
+            compare::<3>(c, |_, _| None)
+        };
+        println!("{} dim {} degree {}: {w:?}", c.id, c.dim, c.degree);
+        for (a, b) in worst.iter_mut().zip(w) {
+            *a = f64::max(*a, b);
+        }
+    }
+    println!("worst: {worst:?}");
+    for ((what, worst), allowed) in
+        ["point", "d1", "d2", "d3", "curvature", "decomposition"].iter().zip(worst).zip([1e-14, 1e-14, 1e-13, 1e-11, 1e-13, 1e-14])
+    {
+        assert!(worst <= allowed, "{what}: relative error {worst}");
+    }
+}
