@@ -272,4 +272,14 @@ pub enum GeometryError {
         /// Arc length of the place.
         s: f64,
     },
+    /// The direction of the path jumps, so that a tool following the tangent would have to turn at once.
+    #[error(
+        "at s = {s} the path has a corner of {angle} rad, where \"follow the tangent\" would have to turn at once: round the corner, or use another orientation mode"
+    )]
+    HeadingJump {
+        /// Arc length of the place.
+        s: f64,
+        /// Angle of the corner, rad.
+        angle: f64,
+    },
 }

@@ -369,6 +369,15 @@ impl Pieces {
         Jet { point, d1, d2, d3 }
     }
 
+    /// Rounding error to be expected of [`Pieces::local_speed`] on piece `i`.
+    pub fn speed_noise(&self, i: usize) -> f64 {
+        let c = self.coefficients(i);
+        let size: f64 = c.iter().map(|h| h[0].abs() + h[1].abs() + h[2].abs()).sum();
+        let weight = c[0][3] - c[1..].iter().map(|h| h[3].abs()).sum::<f64>();
+        let least = if weight > 0.1 * c[0][3] { weight } else { 0.1 * c[0][3] };
+        8.0 * f64::EPSILON * size / if self.rational { least } else { 1.0 }
+    }
+
     /// `|C'|` on piece `i` at the local parameter `t`, by the local parameter itself (for arc length).
     #[inline]
     pub fn local_speed(&self, i: usize, t: f64) -> f64 {

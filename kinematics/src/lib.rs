@@ -1,2 +1,68 @@
-//! Under construction.
+//! Serial robot arms: forward and differential kinematics, and closed-form inverse kinematics.
+//!
+//! # Frames and conventions
+//!
+//! * SI throughout: m, rad, s.
+//! * An arm is `base * prod_i (origin_i * motion_i(q_i)) * flange * tool`, see [`Chain`]. Poses are **tool in base**
+//!   (`Isometry3`); the flange's z points out of the mounting face.
+//! * A twist or Jacobian has the rows **linear x y z, then angular x y z**, along the axes of the **base**, at the
+//!   **tool point**. Its derivatives are plain derivatives of these numbers.
+//! * The zero position belongs to the arm (the CR7's is the maker's, arm upright); nothing here assumes one.
+//! * Joint indices count from 0 in code and from 1 in messages.
+//! * `inverse_all` gives angles in (-pi, pi] and ignores joint limits; `inverse` keeps them and uses every turn of 2 pi.
+//!
+//! # What to take
+//!
+//! | you want | take |
+//! |---|---|
+//! | a ready arm | [`models::cr7`], [`models::ur5e`], [`models::planar_2r`] |
+//! | your own arm | [`Chain::new`], [`Chain::from_dh`], [`Chain::from_modified_dh`]; [`ParallelAxisArm::new`] |
+//! | pose, Jacobian, J' qd | [`ForwardKinematics`] |
+//! | all inverse solutions | [`AnalyticInverse`] |
+//! | the solution near known joints | [`InverseKinematics`], [`BranchTracker`] |
+//! | q', q'', q''' along a tool path | [`joint_derivatives`] |
+//! | the distance from singular poses | [`smallest_singular_value`], [`condition_number`], [`manipulability`] |
+//!
+//! Nothing in this crate allocates.
+//!
+//! ```
+//! use arcfeed_kinematics::{AnalyticInverse, ForwardKinematics, InverseKinematics, Joints, models};
+//! let arm = models::cr7();
+//! let q = Joints::<6>::from([0.3, -0.2, 1.4, 0.3, -1.5, 0.0]);
+//! let (pose, jacobian) = arm.forward_jacobian(&q);
+//! for solution in &arm.inverse_all(&pose)? {
+//!     assert!((arm.forward(solution).translation.vector - pose.translation.vector).norm() < 1e-12);
+//! }
+//! assert!((arm.inverse(&pose, &q)? - q).amax() < 1e-12);
+//! # Ok::<(), arcfeed_kinematics::KinematicsError>(())
+//! ```
 #![forbid(unsafe_code)]
+
+mod analytic;
+mod arm;
+mod branch;
+mod chain;
+mod dh;
+mod differential;
+mod error;
+mod jacobian;
+mod joint;
+mod lu;
+pub mod models;
+mod singularity;
+mod traits;
+mod trig;
+
+pub use nalgebra;
+
+pub use analytic::Solutions;
+pub use arm::ParallelAxisArm;
+pub use branch::{BranchTracker, Candidate, LimitExcess, largest_step, nearest_solution, nearest_turns};
+pub use chain::Chain;
+pub use dh::DhRow;
+pub use differential::{JointDerivatives, MIN_SINGULAR_VALUE, ToolDerivatives, joint_derivatives};
+pub use error::{KinematicsError, ReachSide};
+pub use jacobian::{Configuration, Jacobian, Twist};
+pub use joint::{Joint, JointKind, JointLimits, JointRange, Joints};
+pub use singularity::{SingularityKind, condition_number, manipulability, singular_values, smallest_singular_value};
+pub use traits::{AnalyticInverse, ForwardKinematics, InverseKinematics};

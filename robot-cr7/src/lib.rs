@@ -1,2 +1,26 @@
-//! Under construction.
+//! The Dobot CR7 on arcfeed: path and job files, plots, reports and the command line.
 #![forbid(unsafe_code)]
+
+mod cr7;
+mod error;
+mod job;
+mod job_file;
+mod model;
+mod path_file;
+#[cfg(feature = "plot")]
+pub mod plot;
+mod report;
+pub mod reproduce;
+mod sample_paths;
+mod trajectory_csv;
+mod unit;
+
+pub use cr7::{Cr7Error, Motion, drawn_segments, plan, trajectory_row};
+pub use error::InputError;
+pub use job::{FeedLimits, Job, JointOverrides, Scan, ToolOrientation};
+pub use model::{ACCELERATION, Cr7, JERK, VELOCITY};
+pub use path_file::{PathFile, PathGeometry};
+pub use report::{LimitLine, LimitUnit, Report, SegmentCount};
+pub use sample_paths::{SamplePath, butterfly};
+pub use trajectory_csv::{TRAJECTORY_COLUMNS, TrajectoryRow, TrajectoryWriter, read_trajectory, write_trajectory};
+pub use unit::LengthUnit;

@@ -1,2 +1,14 @@
-//! Under construction.
+//! Several axes moving together.
+//!
+//! [`PointToPoint`] moves `N` axes from rest to rest on an exactly straight line in joint space, as fast as the
+//! bounds of each axis on velocity, acceleration and jerk allow. All axes share one scalar motion, so they start and stop together.
+//!
+//! Positions are in radians and times in seconds; prismatic axes in metres work just as well, axis by axis.
 #![forbid(unsafe_code)]
+
+pub mod error;
+pub mod point_to_point;
+
+pub use error::SyncError;
+pub use nalgebra;
+pub use point_to_point::{AxisLimits, JointState, PointToPoint};

@@ -1,0 +1,132 @@
+//! What can be wrong with a request, with the numbers that say why.
+
+/// Why a profile or a plan was refused.
+///
+/// Every variant carries the quantity, its value and the bound it broke, so that a caller can add the place and print
+/// one line that says what to change.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FeedError {
+    /// A quantity that must be finite is NaN or infinite.
+    #[error("{what} is {value}; it must be a finite number")]
+    NotFinite {
+        /// Name of the argument or field.
+        what: &'static str,
+        /// The value given.
+        value: f64,
+    },
+    /// A quantity that must be above zero is not.
+    #[error("{what} is {value}; it must be greater than 0")]
+    NotPositive {
+        /// Name of the argument or field.
+        what: &'static str,
+        /// The value given.
+        value: f64,
+    },
+    /// A quantity that must not be below zero is.
+    #[error("{what} is {value}; it must not be negative")]
+    Negative {
+        /// Name of the argument or field.
+        what: &'static str,
+        /// The value given.
+        value: f64,
+    },
+    /// A requested speed is above the limit it has to respect.
+    #[error("{what} is {value}, above the limit {limit}; lower it or raise the limit")]
+    AboveLimit {
+        /// Name of the argument or field.
+        what: &'static str,
+        /// The value given.
+        value: f64,
+        /// The limit.
+        limit: f64,
+    },
+    /// The displacement does not suffice to change the speed as asked.
+    #[error(
+        "going from {v_start} to {v_end} takes a displacement of {required}, only {length} is given; \
+         bring the two speeds closer, or let one of them be adjusted"
+    )]
+    TooShort {
+        /// Displacement given (m).
+        length: f64,
+        /// Displacement the change of speed takes (m).
+        required: f64,
+        /// Start speed (m/s).
+        v_start: f64,
+        /// End speed (m/s).
+        v_end: f64,
+    },
+    /// The arguments are valid one by one, but their combination leaves the range of `f64`.
+    #[error(
+        "{what} is not representable as a finite number for these arguments; use units in which the numbers are closer to 1"
+    )]
+    OutOfRange {
+        /// The quantity that overflowed.
+        what: &'static str,
+    },
+    /// A list that must hold something is empty.
+    #[error("the list of {what} is empty; give at least one")]
+    Empty {
+        /// What the list holds.
+        what: &'static str,
+    },
+    /// Two lists that belong together differ in length.
+    #[error("{what} has {got} entries, {expected} are needed")]
+    LengthMismatch {
+        /// Name of the argument.
+        what: &'static str,
+        /// Entries found.
+        got: usize,
+        /// Entries needed.
+        expected: usize,
+    },
+    /// One segment of a path carries an invalid number.
+    #[error("segment {index}: {what} is {value}; it must be finite and greater than 0")]
+    BadSegment {
+        /// Index of the segment, from 0.
+        index: usize,
+        /// Name of the field.
+        what: &'static str,
+        /// The value given.
+        value: f64,
+    },
+    /// The start speed is too high to keep what lies ahead.
+    #[error(
+        "start speed {speed} is too high: segment {segment} allows {allowed} where braking from it reaches {lowest} \
+         at the least; start at {highest_start} or slower"
+    )]
+    StartTooFast {
+        /// Start speed given (m/s).
+        speed: f64,
+        /// Index of the segment at whose start the limit cannot be met (the number of segments: the end of the path).
+        segment: usize,
+        /// Speed that would be needed there (m/s).
+        allowed: f64,
+        /// Lowest speed that can be reached there (m/s).
+        lowest: f64,
+        /// Highest start speed from which the path can be run (m/s).
+        highest_start: f64,
+    },
+    /// The end speed cannot be reached.
+    #[error("end speed {speed} is out of reach: the fastest motion arrives at {highest}; ask for that or less")]
+    EndTooFast {
+        /// End speed asked for (m/s).
+        speed: f64,
+        /// Speed at which the fastest motion arrives (m/s).
+        highest: f64,
+    },
+}
+
+pub(crate) fn finite(what: &'static str, value: f64) -> Result<f64, FeedError> {
+    if value.is_finite() { Ok(value) } else { Err(FeedError::NotFinite { what, value }) }
+}
+
+pub(crate) fn positive(what: &'static str, value: f64) -> Result<f64, FeedError> {
+    finite(what, value)?;
+    if value > 0.0 { Ok(value) } else { Err(FeedError::NotPositive { what, value }) }
+}
+
+pub(crate) fn not_negative(what: &'static str, value: f64) -> Result<f64, FeedError> {
+    finite(what, value)?;
+    if value >= 0.0 { Ok(value) } else { Err(FeedError::Negative { what, value }) }
+}

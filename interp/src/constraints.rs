@@ -1,0 +1,165 @@
+//! From limits of tool and joints to bounds on speed, acceleration and jerk along the path, interval by interval.
+//!
+//! At a place with joint derivatives `q', q'', q'''` and tool curvature `kappa` a motion `(v, a, j)` along the path means
+//!
+//! ```text
+//! joint velocity      q' v
+//! joint acceleration  q' a + q'' v^2
+//! joint jerk          q' j + 3 q'' v a + q''' v^3
+//! normal acceleration kappa v^2
+//! ```
+//!
+//! (Liu et al. 2023, eqs. 21-24, corrected: the print divides vectors by vectors and drops the sign of the second term;
+//! each joint has its own bound here and the least counts.) For a scan with S-profiles the admissible set is narrowed to
+//! a box `v <= V, |a| <= A, |j| <= J` on every interval that satisfies all rows with every sign.
+
+use arcfeed_feedrate::{Segment, caps};
+use arcfeed_geometry::PosePath;
+use arcfeed_kinematics::{JointLimits, Joints};
+
+use crate::error::PlanError;
+use crate::joint_path::{JointJet, JointPath};
+use crate::limits::{AXES, ToolLimits};
+
+/// How the rows that couple speed, acceleration and jerk are shared out between them, as fractions of each joint's
+/// limit. What one of them leaves unused goes to the others.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shares {
+    /// Of a joint's acceleration limit, for the tangential acceleration.
+    pub acceleration: f64,
+    /// Of a joint's jerk limit, for the tangential jerk.
+    pub jerk: f64,
+    /// Of what is left of the jerk limit then, for the speed alone.
+    pub speed: f64,
+}
+
+/// Everything that bounds the speed along a path.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Bounds<'a> {
+    pub tool: &'a ToolLimits,
+    pub joints: &'a JointLimits<AXES>,
+    /// Chord error between two control cycles, m.
+    pub chord: f64,
+    /// Control period, s.
+    pub period: f64,
+    pub shares: Shares,
+    /// Fraction of every limit that is used (1, or a little less when a check asks for it).
+    pub scale: f64,
+}
+
+/// One box per interval of the joint path, safe anywhere inside it.
+///
+/// At the grid points `stops` the tool stands, so that a jump of the derivatives there needs no bound.
+pub(crate) fn boxes(
+    path: &PosePath,
+    joints: &JointPath,
+    stops: &[usize],
+    bounds: &Bounds<'_>,
+) -> Result<Vec<Segment>, PlanError> {
+    let mut steps = acceleration_steps(joints);
+    for &i in stops {
+        steps[i] = Joints::zeros();
+    }
+    (0..joints.intervals())
+        .map(|i| {
+            let (start, end) = joints.interval(i);
+            let reach = Reach::of(path, start, end);
+            let step = steps[i].zip_map(&steps[i + 1], f64::max);
+            let (v, a, j) = one_box(&reach, &step, bounds);
+            Ok(Segment::new(end.s - start.s, v, a, j)?)
+        })
+        .collect()
+}
+
+/// Where the curvature of the joint path jumps (a path that is only tangent-continuous), joint acceleration steps by
+/// `|jump of q''| v^2`. No jerk limit can allow that in zero time, so it is spread over one control period. Returns the
+/// jump at every grid point, zero where there is none.
+fn acceleration_steps(joints: &JointPath) -> Vec<Joints<AXES>> {
+    (0..joints.nodes().len())
+        .map(|i| {
+            let (left, right) = joints.sides(i);
+            let jump = (right.d2 - left.d2).abs();
+            let size = left.d2.abs().zip_map(&right.d2.abs(), f64::max);
+            // Below this it is rounding.
+            jump.zip_map(&size, |j, s| if j > 1e-7 * (s + 1.0) { j } else { 0.0 })
+        })
+        .collect()
+}
+
+/// Bounds of the path's derivatives on one interval.
+struct Reach {
+    d1: Joints<AXES>,
+    d2: Joints<AXES>,
+    d3: Joints<AXES>,
+    curvature: f64,
+}
+
+impl Reach {
+    fn of(path: &PosePath, start: &JointJet, end: &JointJet) -> Self {
+        let h = end.s - start.s;
+        // Values and slopes at both ends give a cubic; its Bernstein coefficients enclose it.
+        let enclose = |f0: f64, g0: f64, f1: f64, g1: f64| {
+            f0.abs().max((f0 + h * g0 / 3.0).abs()).max((f1 - h * g1 / 3.0).abs()).max(f1.abs())
+        };
+        let d1 = Joints::<AXES>::from_fn(|k, _| enclose(start.d1[k], start.d2[k], end.d1[k], end.d2[k]));
+        let d2 = Joints::<AXES>::from_fn(|k, _| enclose(start.d2[k], start.d3[k], end.d2[k], end.d3[k]));
+        // Of the third derivative only the ends are known: a margin for what lies between.
+        let d3 = Joints::<AXES>::from_fn(|k, _| {
+            let (a, b) = (start.d3[k], end.d3[k]);
+            a.abs().max(b.abs()) + 0.15 * (b - a).abs()
+        });
+        let inset = 1e-9 * h;
+        let (c0, c1) = (path.curve().jet(start.s + inset), path.curve().jet(end.s - inset));
+        let curvature = c0
+            .d2
+            .norm()
+            .max((c0.d2 + c0.d3 * (h / 3.0)).norm())
+            .max((c1.d2 - c1.d3 * (h / 3.0)).norm())
+            .max(c1.d2.norm());
+        Self { d1, d2, d3, curvature }
+    }
+}
+
+fn one_box(reach: &Reach, step: &Joints<AXES>, bounds: &Bounds<'_>) -> (f64, f64, f64) {
+    let (tool, joints, scale) = (bounds.tool, bounds.joints, bounds.scale);
+    let kappa = reach.curvature;
+    let mut v = tool.feed * scale;
+    v = v.min(caps::chord_error_speed(kappa, bounds.chord * scale, bounds.period));
+    v = v.min(caps::normal_acceleration_speed(kappa, tool.normal_acceleration * scale));
+    if let Some(jerk) = tool.normal_jerk {
+        v = v.min(caps::normal_jerk_speed(kappa, jerk * scale));
+    }
+    let mut a = tool.tangential_acceleration * scale;
+    let mut j = tool.tangential_jerk * scale;
+    // First what acceleration and jerk may use at most, then the speed from what is left, then both again.
+    for k in 0..AXES {
+        let d1 = reach.d1[k];
+        if d1 > 0.0 {
+            v = v.min(joints.velocity()[k] * scale / d1);
+            a = a.min(bounds.shares.acceleration * joints.acceleration()[k] * scale / d1);
+            j = j.min(bounds.shares.jerk * joints.jerk()[k] * scale / d1);
+        }
+    }
+    let mut left = Joints::<AXES>::zeros();
+    for k in 0..AXES {
+        let (d1, d2, d3) = (reach.d1[k], reach.d2[k], reach.d3[k]);
+        left[k] = joints.jerk()[k] * scale - d1 * j;
+        if d2 > 0.0 {
+            v = v.min(((joints.acceleration()[k] * scale - d1 * a) / d2).sqrt());
+        }
+        if d3 > 0.0 {
+            v = v.min((bounds.shares.speed * left[k] / d3).cbrt());
+        }
+        if step[k] > 0.0 {
+            v = v.min((0.5 * left[k] * bounds.period / step[k]).sqrt());
+        }
+    }
+    for k in 0..AXES {
+        let cross = 3.0 * reach.d2[k] * v;
+        if cross > 0.0 {
+            let spent = reach.d3[k] * v * v * v + step[k] * v * v / bounds.period;
+            a = a.min((left[k] - spent) / cross);
+        }
+    }
+    (v, a, j)
+}

@@ -1,0 +1,69 @@
+//! What can stop a path from becoming a trajectory, and where.
+
+use arcfeed_feedrate::FeedError;
+use arcfeed_geometry::GeometryError;
+use arcfeed_kinematics::KinematicsError;
+use thiserror::Error;
+
+/// Everything that can go wrong between a tool path and a joint trajectory.
+///
+/// Errors of the lower crates are wrapped with the place on the path where they happened. Joints count from 0 in the
+/// fields and from 1 in the texts.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum PlanError {
+    /// The arm cannot stand at a place of the path: out of reach, outside joint limits, or singular.
+    #[error("at s = {s:.6} m (tool at x {:.4}, y {:.4}, z {:.4} m): {source}", position[0], position[1], position[2])]
+    Arm {
+        /// Arc length of the place, m.
+        s: f64,
+        /// Tool position there, m, in base.
+        position: [f64; 3],
+        /// What the arm says.
+        source: KinematicsError,
+    },
+    /// The joints would have to jump to stay on the path.
+    #[error("at s = {s:.6} m joint {} would jump by {jump:.4} rad to stay on the path: the inverse changes its branch there; start from another configuration, or move the path", joint + 1)]
+    BranchChange {
+        /// Arc length of the place, m.
+        s: f64,
+        /// The joint that jumps most, from 0.
+        joint: usize,
+        /// How far, rad.
+        jump: f64,
+    },
+    /// No starting configuration can follow the whole path.
+    #[error("none of the {candidates} configurations that reach the start can follow the path to its end; the best one fails: {best}")]
+    NoConfiguration {
+        /// How many configurations were tried.
+        candidates: usize,
+        /// Why the one that came farthest failed.
+        best: Box<PlanError>,
+    },
+    /// A limit is not a finite number above 0.
+    #[error("{what} is {value}, but has to be a finite number above 0")]
+    Limit {
+        /// Which limit.
+        what: &'static str,
+        /// The value given.
+        value: f64,
+    },
+    /// The shape of the path cannot be used.
+    #[error(transparent)]
+    Geometry(#[from] GeometryError),
+    /// The speed along the path cannot be planned.
+    #[error("speed along the path: {0}")]
+    Feed(#[from] FeedError),
+    /// The finished trajectory breaks a limit; it must not be executed.
+    #[error("the finished trajectory breaks a limit and is withheld: {quantity} reaches {:.4} % of its limit at s = {s:.6} m, t = {t:.4} s; lower the feed or the accelerations, and please report the job", 100.0 * ratio)]
+    Unverified {
+        /// Which limit, in words.
+        quantity: String,
+        /// Value over limit.
+        ratio: f64,
+        /// Where, m.
+        s: f64,
+        /// When, s.
+        t: f64,
+    },
+}

@@ -1,0 +1,234 @@
+//! The joint path: joint values and their derivatives by arc length, on a grid that knows the path's own knots.
+
+use arcfeed_geometry::{PoseJet, PosePath};
+use arcfeed_kinematics::{
+    AnalyticInverse, ForwardKinematics, InverseKinematics, Joints, ToolDerivatives, joint_derivatives,
+};
+
+use crate::error::PlanError;
+use crate::limits::AXES;
+
+/// Below this smallest singular value of the Jacobian (rows in m and rad) a pose counts as singular: a tool speed of
+/// 1 m/s would ask some joint for 1000 rad/s.
+pub const MIN_SINGULAR_VALUE: f64 = 1e-3;
+
+/// Joint values and three derivatives by arc length at one place of a path.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointJet {
+    /// Arc length, m.
+    pub s: f64,
+    /// Joint values, rad.
+    pub q: Joints<AXES>,
+    /// dq/ds, rad/m.
+    pub d1: Joints<AXES>,
+    /// d2q/ds2, rad/m^2.
+    pub d2: Joints<AXES>,
+    /// d3q/ds3, rad/m^3.
+    pub d3: Joints<AXES>,
+}
+
+impl JointJet {
+    /// Joint values a distance `h` (m) further on, by the Taylor series to third order.
+    #[inline]
+    pub fn ahead(&self, h: f64) -> Joints<AXES> {
+        self.q + (self.d1 + (self.d2 / 2.0 + self.d3 * (h / 6.0)) * h) * h
+    }
+}
+
+/// Joint values and derivatives at `s`, by the closed-form inverse nearest to `seed` and the Jacobian.
+///
+/// # Errors
+/// [`PlanError::Arm`] with the place.
+#[inline]
+pub fn joint_jet<A>(arm: &A, s: f64, tool: &PoseJet, seed: &Joints<AXES>) -> Result<JointJet, PlanError>
+where
+    A: ForwardKinematics<AXES> + InverseKinematics<AXES> + ?Sized,
+{
+    let fail = |source| PlanError::Arm { s, position: tool.pose.translation.vector.into(), source };
+    let q = arm.inverse(&tool.pose, seed).map_err(fail)?;
+    joint_jet_at(arm, s, tool, q)
+}
+
+/// Derivatives by arc length at `s`, where the joints are known to be `q`.
+fn joint_jet_at<A>(arm: &A, s: f64, tool: &PoseJet, q: Joints<AXES>) -> Result<JointJet, PlanError>
+where
+    A: ForwardKinematics<AXES> + ?Sized,
+{
+    let derivatives = ToolDerivatives { first: tool.d1, second: tool.d2, third: tool.d3 };
+    let d = joint_derivatives(arm, &q, &derivatives, MIN_SINGULAR_VALUE).map_err(|source| PlanError::Arm {
+        s,
+        position: tool.pose.translation.vector.into(),
+        source,
+    })?;
+    Ok(JointJet { s, q, d1: d.first, d2: d.second, d3: d.third })
+}
+
+/// Joint values and derivatives along a whole path, on a grid of arc lengths.
+#[derive(Debug, Clone)]
+pub struct JointPath {
+    /// Values from the right at each grid point.
+    right: Vec<JointJet>,
+    /// Values from the left: they differ at the path's knots, where higher derivatives jump.
+    left: Vec<JointJet>,
+}
+
+impl JointPath {
+    /// Follows `path` from `start` over the increasing arc lengths `grid`, staying on one branch of the inverse.
+    ///
+    /// `start` is refined to the exact solution nearest to it. `knots` are the arc lengths where derivatives may jump;
+    /// there they are taken from both sides.
+    ///
+    /// # Errors
+    /// [`PlanError::Arm`] or [`PlanError::BranchChange`] with the place.
+    pub fn new<A>(
+        arm: &A,
+        path: &PosePath,
+        start: &Joints<AXES>,
+        grid: &[f64],
+        knots: &[f64],
+    ) -> Result<Self, PlanError>
+    where
+        A: ForwardKinematics<AXES> + InverseKinematics<AXES> + ?Sized,
+    {
+        let (mut right, mut left) = (Vec::with_capacity(grid.len()), Vec::<JointJet>::with_capacity(grid.len()));
+        let mut last: Option<JointJet> = None;
+        let mut knot = 0;
+        for &s in grid {
+            // The Taylor series from the grid point before tells where to look, and how far off a jump would be.
+            let seed = last.map_or(*start, |jet: JointJet| jet.ahead(s - jet.s));
+            let tool = path.jet(s);
+            let jet = joint_jet(arm, s, &tool, &seed)?;
+            if let Some(before) = last {
+                check_step(&before, &jet, &seed)?;
+            }
+            while knot < knots.len() && knots[knot] < s {
+                knot += 1;
+            }
+            let on_knot = knots.get(knot) == Some(&s) && s > 0.0;
+            left.push(if on_knot { joint_jet_at(arm, s, &path.jet_left(s), jet.q)? } else { jet });
+            right.push(jet);
+            last = Some(jet);
+        }
+        Ok(Self { right, left })
+    }
+
+    /// Grid points, with the derivatives from the right.
+    pub fn nodes(&self) -> &[JointJet] {
+        &self.right
+    }
+
+    /// Number of intervals between grid points.
+    pub fn intervals(&self) -> usize {
+        self.right.len().saturating_sub(1)
+    }
+
+    /// The two ends of interval `i`, each with the derivatives inside the interval.
+    pub fn interval(&self, i: usize) -> (&JointJet, &JointJet) {
+        (&self.right[i], &self.left[i + 1])
+    }
+
+    /// Both one-sided values at grid point `i`: from the left, from the right.
+    pub fn sides(&self, i: usize) -> (&JointJet, &JointJet) {
+        (&self.left[i], &self.right[i])
+    }
+
+    /// Joint values near `s`, good enough as a seed: Taylor series from the grid point before.
+    pub fn near(&self, s: f64) -> Joints<AXES> {
+        let i = self.right.partition_point(|jet| jet.s <= s).saturating_sub(1);
+        self.right[i].ahead(s - self.right[i].s)
+    }
+}
+
+/// A step that misses the prediction by far more than the step itself is a change of branch.
+fn check_step(before: &JointJet, jet: &JointJet, predicted: &Joints<AXES>) -> Result<(), PlanError> {
+    let moved = (predicted - before.q).amax();
+    let (joint, jump) =
+        (jet.q - predicted).abs().iter().copied().enumerate().fold((0, 0.0), |m, x| if x.1 > m.1 { x } else { m });
+    if jump > 0.05 + moved {
+        return Err(PlanError::BranchChange { s: jet.s, joint, jump });
+    }
+    Ok(())
+}
+
+/// The configuration from which the path can be followed best: among all that reach its start, the one that stays
+/// farthest from singular poses and joint limits on a coarse walk along the path.
+///
+/// # Errors
+/// [`PlanError::Arm`] when the start is out of reach, [`PlanError::NoConfiguration`] when no branch gets to the end.
+pub fn best_start<A>(
+    arm: &A,
+    path: &PosePath,
+    lower: &Joints<AXES>,
+    upper: &Joints<AXES>,
+) -> Result<Joints<AXES>, PlanError>
+where
+    A: ForwardKinematics<AXES> + InverseKinematics<AXES> + AnalyticInverse<AXES> + ?Sized,
+{
+    const WALK: usize = 64;
+    let start = path.jet(0.0);
+    let fail = |source| PlanError::Arm { s: 0.0, position: start.pose.translation.vector.into(), source };
+    let candidates = arm.inverse_all(&start.pose).map_err(fail)?;
+    let length = path.length();
+    let grid: Vec<f64> = (0..=WALK).map(|i| length * i as f64 / WALK as f64).collect();
+    let middle = (lower + upper) / 2.0;
+    let mut best: Option<(f64, Joints<AXES>)> = None;
+    let mut farthest: Option<(f64, PlanError)> = None;
+    for candidate in candidates.iter() {
+        // The representative nearest to the middle of the joint ranges leaves most room for turning on.
+        let seed = candidate
+            .zip_map(&middle, |q, m| q + ((m - q) / std::f64::consts::TAU).round() * std::f64::consts::TAU);
+        match walk(arm, path, &seed, &grid, lower, upper) {
+            Ok(quality) => {
+                if best.as_ref().is_none_or(|b| quality > b.0) {
+                    best = Some((quality, seed));
+                }
+            }
+            Err((s, error)) => {
+                if farthest.as_ref().is_none_or(|f| s > f.0) {
+                    farthest = Some((s, error));
+                }
+            }
+        }
+    }
+    match (best, farthest) {
+        (Some((_, q)), _) => Ok(q),
+        (None, Some((_, error))) => {
+            Err(PlanError::NoConfiguration { candidates: candidates.len(), best: Box::new(error) })
+        }
+        // `inverse_all` is never empty, so one of the two is there.
+        (None, None) => Ok(middle),
+    }
+}
+
+/// Least of (smallest singular value, distance to a joint limit / 10) on a coarse walk; or how far it got and why it
+/// stopped.
+fn walk<A>(
+    arm: &A,
+    path: &PosePath,
+    seed: &Joints<AXES>,
+    grid: &[f64],
+    lower: &Joints<AXES>,
+    upper: &Joints<AXES>,
+) -> Result<f64, (f64, PlanError)>
+where
+    A: ForwardKinematics<AXES> + InverseKinematics<AXES> + ?Sized,
+{
+    let mut last: Option<JointJet> = None;
+    let mut quality = f64::INFINITY;
+    for &s in grid {
+        let near = last.map_or(*seed, |jet: JointJet| jet.q);
+        let jet = joint_jet(arm, s, &path.jet(s), &near).map_err(|e| (s, e))?;
+        if let Some(before) = last {
+            let (joint, jump) =
+                (jet.q - before.q).abs().iter().copied().enumerate().fold((0, 0.0), |m, x| if x.1 > m.1 { x } else { m });
+            if jump > 1.0 {
+                return Err((s, PlanError::BranchChange { s, joint, jump }));
+            }
+        }
+        let room = (jet.q - lower).zip_map(&(upper - jet.q), f64::min).min();
+        let sigma = arcfeed_kinematics::smallest_singular_value(&arm.jacobian(&jet.q));
+        quality = quality.min(sigma).min(0.1 * room);
+        last = Some(jet);
+    }
+    Ok(quality)
+}

@@ -1,0 +1,368 @@
+//! The last word on a trajectory: its setpoints against every limit, on dense samples, without the planner's help.
+//!
+//! Nothing here knows how the trajectory was planned. Setpoints are sampled several times per control period; positions,
+//! velocities and accelerations of the tool are recomputed from the joints by forward kinematics; jerk comes from
+//! differences of the accelerations, which are averages of the true jerk and so never exceed its maximum; and each
+//! position and velocity is held against the one before, so that a jump cannot hide between samples.
+
+use arcfeed_geometry::PosePath;
+use arcfeed_kinematics::{ForwardKinematics, JointLimits, Joints};
+use nalgebra::Vector3;
+
+use crate::error::PlanError;
+use crate::limits::{AXES, ToolLimits};
+use crate::trajectory::Setpoint;
+
+/// Samples per control period.
+const DENSITY: usize = 8;
+
+/// What is held against a limit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Quantity {
+    /// Joint position, as distance from the middle of its range (rad) against half the range.
+    JointPosition,
+    /// Joint velocity, rad/s.
+    JointVelocity,
+    /// Joint acceleration, rad/s^2.
+    JointAcceleration,
+    /// Joint jerk, rad/s^3.
+    JointJerk,
+    /// Speed of the tool point, m/s.
+    Feed,
+    /// Acceleration of the tool point along its motion, m/s^2.
+    TangentialAcceleration,
+    /// Derivative of the tangential acceleration, m/s^3.
+    TangentialJerk,
+    /// Acceleration of the tool point across its motion, m/s^2.
+    NormalAcceleration,
+    /// Distance of the path from the straight line between two setpoints, m.
+    ChordError,
+    /// Distance of the tool from the path, m, against the chord tolerance.
+    PathDeviation,
+    /// Misfit of position, velocity and acceleration from one sample to the next, against what the jerk limit allows.
+    Continuity,
+}
+
+impl Quantity {
+    /// Name in words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::JointPosition => "joint position",
+            Self::JointVelocity => "joint velocity",
+            Self::JointAcceleration => "joint acceleration",
+            Self::JointJerk => "joint jerk",
+            Self::Feed => "feed rate",
+            Self::TangentialAcceleration => "tangential acceleration",
+            Self::TangentialJerk => "tangential jerk",
+            Self::NormalAcceleration => "normal acceleration",
+            Self::ChordError => "chord error",
+            Self::PathDeviation => "deviation from the path",
+            Self::Continuity => "continuity",
+        }
+    }
+
+    /// SI unit of the value.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::JointPosition => "rad",
+            Self::JointVelocity => "rad/s",
+            Self::JointAcceleration => "rad/s^2",
+            Self::JointJerk => "rad/s^3",
+            Self::Feed => "m/s",
+            Self::TangentialAcceleration | Self::NormalAcceleration => "m/s^2",
+            Self::TangentialJerk => "m/s^3",
+            Self::ChordError | Self::PathDeviation => "m",
+            Self::Continuity => "1",
+        }
+    }
+}
+
+/// The worst place of a trajectory for one limit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Check {
+    /// What was checked.
+    pub quantity: Quantity,
+    /// Which joint, from 0, where it is a joint's limit.
+    pub joint: Option<usize>,
+    /// The value there, SI.
+    pub value: f64,
+    /// Its limit, SI.
+    pub limit: f64,
+    /// Value over limit: above 1 the limit is broken.
+    pub ratio: f64,
+    /// Arc length of the place, m.
+    pub s: f64,
+    /// Time, s.
+    pub t: f64,
+}
+
+/// What a trajectory must keep.
+#[derive(Debug, Clone, Copy)]
+pub struct Requirement<'a> {
+    /// The path the tool follows.
+    pub path: &'a PosePath,
+    /// Limits of the tool.
+    pub tool: &'a ToolLimits,
+    /// Limits of the joints.
+    pub joints: &'a JointLimits<AXES>,
+    /// Largest chord error between two control cycles, m.
+    pub chord_tolerance: f64,
+    /// Control period, s.
+    pub period: f64,
+}
+
+/// The result of [`verify`]: for every limit the place where the trajectory comes closest to it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Verification {
+    checks: Vec<Check>,
+    samples: usize,
+}
+
+impl Verification {
+    /// The worst place for each limit, joint by joint.
+    pub fn checks(&self) -> &[Check] {
+        &self.checks
+    }
+
+    /// The check with the largest ratio.
+    pub fn worst(&self) -> Check {
+        self.checks.iter().copied().fold(self.checks[0], |m, c| if c.ratio > m.ratio || c.ratio.is_nan() { c } else { m })
+    }
+
+    /// The largest ratio of one quantity over all joints.
+    pub fn worst_of(&self, quantity: Quantity) -> Check {
+        self.checks
+            .iter()
+            .copied()
+            .filter(|c| c.quantity == quantity)
+            .fold(self.checks[0], |m, c| if m.quantity != quantity || c.ratio > m.ratio { c } else { m })
+    }
+
+    /// True where no ratio exceeds `1 + tolerance`.
+    pub fn holds(&self, tolerance: f64) -> bool {
+        // NaN does not hold.
+        self.checks.iter().all(|c| c.ratio <= 1.0 + tolerance)
+    }
+
+    /// Number of setpoints looked at.
+    pub fn samples(&self) -> usize {
+        self.samples
+    }
+}
+
+/// Largest ratio found so far for one limit.
+struct Worst {
+    check: Check,
+}
+
+impl Worst {
+    fn see(&mut self, value: f64, at: &Setpoint) {
+        let ratio = value / self.check.limit;
+        // A NaN, once seen, stays.
+        if self.check.ratio.is_nan() {
+            return;
+        }
+        if ratio > self.check.ratio || ratio.is_nan() {
+            self.check = Check { value, ratio, s: at.s, t: at.t, ..self.check };
+        }
+    }
+}
+
+/// Holds a trajectory of length `duration` (s) against `requirement`.
+///
+/// `setpoint` gives the setpoint at a time; it is called with increasing times, eight per control period.
+///
+/// # Errors
+/// Whatever `setpoint` returns.
+pub fn verify<A>(
+    arm: &A,
+    requirement: &Requirement<'_>,
+    duration: f64,
+    mut setpoint: impl FnMut(f64) -> Result<Setpoint, PlanError>,
+) -> Result<Verification, PlanError>
+where
+    A: ForwardKinematics<AXES> + ?Sized,
+{
+    let mut tally = Tally::new(requirement);
+    let dt = requirement.period / DENSITY as f64;
+    let steps = (duration / dt * (1.0 - 1e-12)).floor() as usize;
+    // Ring of the samples of the last control period.
+    let mut ring: Vec<Sample> = Vec::with_capacity(DENSITY + 1);
+    for i in 0..=steps + 1 {
+        let t = if i > steps { duration } else { i as f64 * dt };
+        let sample = Sample::new(arm, requirement.path, setpoint(t)?);
+        tally.look(&sample);
+        if let Some(before) = ring.last() {
+            tally.compare(before, &sample, requirement, &ring);
+        }
+        if ring.len() > DENSITY {
+            ring.remove(0);
+        }
+        ring.push(sample);
+        // One control cycle is complete: the path within it against its chord.
+        if ring.len() == DENSITY + 1 && i % DENSITY == 0 {
+            tally.chord(&ring);
+        }
+    }
+    // The last, shorter cycle.
+    tally.chord(&ring[ring.len().saturating_sub(steps % DENSITY + 2)..]);
+    Ok(Verification { checks: tally.worst.into_iter().map(|w| w.check).collect(), samples: steps + 2 })
+}
+
+/// A setpoint with what the tool really does there.
+struct Sample {
+    at: Setpoint,
+    position: Vector3<f64>,
+    velocity: Vector3<f64>,
+    /// Along the motion and across it.
+    tangential: f64,
+    normal: f64,
+    off_path: f64,
+}
+
+impl Sample {
+    fn new<A: ForwardKinematics<AXES> + ?Sized>(arm: &A, path: &PosePath, at: Setpoint) -> Self {
+        let configuration = arm.configuration(&at.q);
+        let jacobian = configuration.jacobian();
+        let linear = |v: arcfeed_kinematics::Twist| Vector3::new(v[0], v[1], v[2]);
+        let position = configuration.pose().translation.vector;
+        let velocity = linear(jacobian * at.qd);
+        let acceleration = linear(jacobian * at.qdd + configuration.acceleration_bias(&at.qd));
+        // At a standstill the motion has no direction of its own; the path has one.
+        let direction = velocity.try_normalize(1e-9).unwrap_or_else(|| path.curve().jet(at.s).d1);
+        let tangential = acceleration.dot(&direction);
+        Self {
+            position,
+            velocity,
+            tangential,
+            normal: (acceleration - direction * tangential).norm(),
+            off_path: (position - path.curve().point(at.s)).norm(),
+            at,
+        }
+    }
+}
+
+struct Tally {
+    worst: Vec<Worst>,
+    lower: Joints<AXES>,
+    upper: Joints<AXES>,
+    /// Arc lengths where the curvature of the path jumps.
+    jumps: Vec<f64>,
+}
+
+/// Positions in `Tally::worst`: four joint quantities of `AXES` entries, then the tool's.
+const POSITION: usize = 0;
+const VELOCITY: usize = AXES;
+const ACCELERATION: usize = 2 * AXES;
+const JERK: usize = 3 * AXES;
+const TOOL: usize = 4 * AXES;
+
+impl Tally {
+    fn new(r: &Requirement<'_>) -> Self {
+        let mut worst = Vec::new();
+        let mut add = |quantity, joint, limit| {
+            worst.push(Worst { check: Check { quantity, joint, value: 0.0, limit, ratio: 0.0, s: 0.0, t: 0.0 } });
+        };
+        let (lower, upper) = (*r.joints.lower(), *r.joints.upper());
+        for (quantity, limits) in [
+            (Quantity::JointPosition, (upper - lower) / 2.0),
+            (Quantity::JointVelocity, *r.joints.velocity()),
+            (Quantity::JointAcceleration, *r.joints.acceleration()),
+            (Quantity::JointJerk, *r.joints.jerk()),
+        ] {
+            for joint in 0..AXES {
+                add(quantity, Some(joint), limits[joint]);
+            }
+        }
+        for (quantity, limit) in [
+            (Quantity::Feed, r.tool.feed),
+            (Quantity::TangentialAcceleration, r.tool.tangential_acceleration),
+            (Quantity::TangentialJerk, r.tool.tangential_jerk),
+            (Quantity::NormalAcceleration, r.tool.normal_acceleration),
+            (Quantity::ChordError, r.chord_tolerance),
+            (Quantity::PathDeviation, r.chord_tolerance),
+            (Quantity::Continuity, 1.0),
+        ] {
+            add(quantity, None, limit);
+        }
+        let jumps = r
+            .path
+            .knots()
+            .into_iter()
+            .filter(|&s| {
+                let (a, b) = (r.path.jet_left(s), r.path.jet(s));
+                (a.d2 - b.d2).norm() > 1e-7 * (1.0 + a.d2.norm())
+            })
+            .collect();
+        Self { worst, lower, upper, jumps }
+    }
+
+    fn see(&mut self, index: usize, value: f64, at: &Setpoint) {
+        self.worst[index].see(value, at);
+    }
+
+    /// Limits on what happens at one moment.
+    fn look(&mut self, sample: &Sample) {
+        let at = &sample.at;
+        for k in 0..AXES {
+            let middle = 0.5 * (self.lower[k] + self.upper[k]);
+            self.see(POSITION + k, (at.q[k] - middle).abs(), at);
+            self.see(VELOCITY + k, at.qd[k].abs(), at);
+            self.see(ACCELERATION + k, at.qdd[k].abs(), at);
+        }
+        self.see(TOOL, sample.velocity.norm(), at);
+        self.see(TOOL + 1, sample.tangential.abs(), at);
+        self.see(TOOL + 3, sample.normal, at);
+        self.see(TOOL + 5, sample.off_path, at);
+    }
+
+    /// Limits on what happens from one sample to the next.
+    fn compare(&mut self, before: &Sample, now: &Sample, r: &Requirement<'_>, ring: &[Sample]) {
+        let (a, b) = (&before.at, &now.at);
+        let dt = b.t - a.t;
+        if dt <= 0.0 {
+            return;
+        }
+        let crosses = |from: f64, to: f64| self.jumps.iter().any(|&s| from <= s && s <= to);
+        // Where the curvature itself jumps, acceleration has to step; a controller sees it spread over its period.
+        let base = if crosses(a.s, b.s) { ring.first().unwrap_or(before) } else { before };
+        let span = if std::ptr::eq(base, before) { dt } else { r.period };
+        let jumped = !std::ptr::eq(base, before) || ring.first().is_some_and(|f| crosses(f.at.s, b.s));
+        let jerk = (b.qdd - base.at.qdd) / span;
+        for k in 0..AXES {
+            self.see(JERK + k, jerk[k].abs(), b);
+            if !jumped {
+                self.see(JERK + k, b.jerk[k].abs(), b);
+            }
+        }
+        self.see(TOOL + 2, ((now.tangential - before.tangential) / dt).abs(), b);
+
+        // A motion with jerk below J satisfies |q1 - q0 - dt (v0 + v1) / 2| <= J dt^3 / 12 and
+        // |v1 - v0 - dt (a0 + a1) / 2| <= J dt^2 / 4; an acceleration step within a period adds J period to that.
+        let step = if jumped { r.period } else { 0.0 };
+        for k in 0..AXES {
+            let limit = r.joints.jerk()[k];
+            let q = b.q[k] - a.q[k] - 0.5 * dt * (a.qd[k] + b.qd[k]);
+            let v = b.qd[k] - a.qd[k] - 0.5 * dt * (a.qdd[k] + b.qdd[k]);
+            // Rounding of q and of v, which are sums of terms larger than themselves.
+            let noise_q = 1e-13;
+            let noise_v = 1e-12;
+            let ratio_q = q.abs() / (limit * (dt / 12.0 + step / 8.0) * dt * dt + noise_q);
+            let ratio_v = v.abs() / (limit * (dt / 4.0 + step / 2.0) * dt + noise_v);
+            self.see(TOOL + 6, ratio_q.max(ratio_v), b);
+        }
+    }
+
+    /// The samples of one control cycle against the straight line between its first and last.
+    fn chord(&mut self, cycle: &[Sample]) {
+        let (Some(first), Some(last)) = (cycle.first(), cycle.last()) else { return };
+        let along = last.position - first.position;
+        let length2 = along.norm_squared();
+        for sample in cycle {
+            let d = sample.position - first.position;
+            let f = if length2 > 0.0 { (d.dot(&along) / length2).max(0.0).min(1.0) } else { 0.0 };
+            self.see(TOOL + 4, (d - along * f).norm(), &sample.at);
+        }
+    }
+}

@@ -1,0 +1,387 @@
+//! All inverse solutions of six-joint arms with three parallel axes (Universal Robots, Dobot CR and their kin).
+//!
+//! What is needed: axes 2, 3, 4 parallel (direction n); axis 1 perpendicular to n; axis 5 perpendicular to n and to
+//! axis 6; axes 5 and 6 meet in a point W, the wrist. Everything is read from the chain at zero joint values, so any
+//! zero convention, base and tool will do.
+//!
+//! Let F = (u, v, n) with v along axis 1 and u = v x n, its origin on axis 1. Then, in F at zero,
+//!
+//! 1. joints 2 to 6 do not move W along n, so n(q1) . W = d with d known: `q1 = atan2(x, z) +- atan2(sqrt(r^2-d^2), d)`.
+//! 2. what is left of the orientation is `Rz(A) Rx(B) Rz(C)` about (n, axis 5, n), ZXZ Euler angles of
+//!    A = q2 + q3 + q4 (+ const), B = q5 (+ const), C = q6 (+ const): two solutions, +-B.
+//! 3. W less the turned vector from axis 4 to W is the end of a planar two-link arm: two solutions, +-elbow.
+//!
+//! Every angle comes from an arc tangent of what the later steps use too, so that a badly determined angle (near a
+//! singular pose) is made up for by the others and the pose stays exact to rounding.
+
+use super::Solutions;
+use crate::{
+    error::{KinematicsError, ReachSide},
+    jacobian::Configuration,
+    joint::{JointKind, Joints, checked_pose},
+    singularity::SingularityKind,
+    trig::{atan2, principal, sin_cos},
+};
+use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector2, Vector3};
+use std::f64::consts::PI;
+
+/// How far a chain may be from the ideal geometry, rad and m; above [`EXACT`] its solutions are polished.
+const ACCEPTED: f64 = 1e-4;
+/// Deviation that is nothing but rounding, rad and m.
+const EXACT: f64 = 1e-14;
+/// Sine of the angle between axes 4 and 6 below which the wrist is taken as singular, rad. Then joint 6 is free, and the
+/// orientation may be off by that much.
+const WRIST_SINGULAR: f64 = 1e-10;
+/// Sine below which joint 6 is so badly determined by the pose that its error can put the elbow out of reach.
+const NEARLY_SINGULAR: f64 = 1e-3;
+/// Error of orientation that is taken as rounding, rad.
+const ORIENTATION_ROUNDING: f64 = 1e-12;
+/// Excess of reach, relative to the arm's size, that is taken as rounding and clamped.
+const REACH_ROUNDING: f64 = 1e-12;
+/// Distance from a double root, relative to the arm's size, below which the two roots are one: the root itself is
+/// then accurate where its square root is noise.
+const DOUBLE_ROOT: f64 = 1e-14;
+
+/// The numbers of one arm with three parallel axes.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ParallelAxisSolver {
+    /// Base to F, transposed rotation and origin.
+    to_frame: Matrix3<f64>,
+    origin: Vector3<f64>,
+    /// The wrist point in the tool frame.
+    wrist_in_tool: Vector3<f64>,
+    /// Tool to the frame whose orientation is Rz(A) Rx(B) Rz(C) in F.
+    tool_to_wrist: Matrix3<f64>,
+    /// n . W, the offset of the wrist from the plane through axis 1.
+    shoulder_offset: f64,
+    /// A point of axis 2 in (u, v).
+    axis2: Vector2<f64>,
+    /// Lengths of the two links between the parallel axes, and their directions at zero.
+    upper_arm: f64,
+    forearm: f64,
+    upper_arm_angle: f64,
+    elbow_angle: f64,
+    /// From axis 4 to W in (u, v) at zero.
+    hand: Vector2<f64>,
+    /// Direction of axis 5 in (u, v) at zero.
+    axis5_angle: f64,
+    cos_axis5: f64,
+    sin_axis5: f64,
+    /// The value of joint 5, negated, where axis 6 is parallel to n.
+    wrist_zero: f64,
+    /// Whether axes 3 and 4 point along n (+1) or against it (-1).
+    sign3: f64,
+    sign4: f64,
+    /// What the roundings are relative to.
+    size: f64,
+    exact: bool,
+}
+
+/// The least miss over all branches.
+#[derive(Debug, Clone, Copy)]
+struct Miss {
+    distance: f64,
+    side: ReachSide,
+}
+
+impl Miss {
+    fn note(&mut self, distance: f64, side: ReachSide) {
+        if distance < self.distance {
+            *self = Self { distance, side };
+        }
+    }
+}
+
+/// One value of joint 1 and what the target looks like from link 1.
+struct Shoulder {
+    q1: f64,
+    /// Orientation and wrist point in F, with joint 1 undone.
+    orientation: Matrix3<f64>,
+    wrist: Vector2<f64>,
+}
+
+impl ParallelAxisSolver {
+    /// The solver for an arm that looks like `zero` at zero joint values.
+    ///
+    /// # Errors
+    /// [`KinematicsError::NotParallelAxis`] names the first rule that the arm breaks.
+    pub(crate) fn recognise(zero: &Configuration<6>) -> Result<Self, KinematicsError> {
+        let (z, o) = (&zero.axes, &zero.points);
+        let mut worst = 0.0_f64;
+        let mut rule = |rule: &'static str, deviation: f64| {
+            worst = worst.max(deviation);
+            if deviation <= ACCEPTED {
+                return Ok(());
+            }
+            Err(KinematicsError::NotParallelAxis { rule, deviation, tolerance: ACCEPTED })
+        };
+        let sliding = zero.kinds.iter().filter(|kind| **kind != JointKind::Revolute).count();
+        rule("all six joints must be revolute", sliding as f64)?;
+        let n = z[1];
+        rule("axes 2 and 3 must be parallel", n.cross(&z[2]).norm())?;
+        rule("axes 2 and 4 must be parallel", n.cross(&z[3]).norm())?;
+        rule("axes 1 and 2 must be perpendicular", z[0].dot(&n).abs())?;
+        rule("axes 4 and 5 must be perpendicular", z[4].dot(&n).abs())?;
+        rule("axes 5 and 6 must be perpendicular", z[4].dot(&z[5]).abs())?;
+        let between = o[5] - o[4];
+        rule("axes 5 and 6 must meet", between.dot(&z[4].cross(&z[5])).abs())?;
+
+        let v = z[0];
+        let u = v.cross(&n).normalize();
+        let frame = Matrix3::from_columns(&[u, v, u.cross(&v)]);
+        let to_frame = frame.transpose();
+        let wrist = o[4] + z[4] * z[4].dot(&between);
+        let in_frame = |point: &Vector3<f64>| to_frame * (point - o[0]);
+        let plane: [Vector2<f64>; 3] = [o[1], o[2], o[3]].map(|point| in_frame(&point).xy());
+        let wrist_in_frame = in_frame(&wrist);
+        let (upper_arm, forearm) = (plane[1] - plane[0], plane[2] - plane[1]);
+        rule("axes 2 and 3 must not coincide", if upper_arm.norm() > ACCEPTED { 0.0 } else { 1.0 })?;
+        rule("axes 3 and 4 must not coincide", if forearm.norm() > ACCEPTED { 0.0 } else { 1.0 })?;
+        let angle = |vector: &Vector2<f64>| vector.y.atan2(vector.x);
+
+        let axis5 = to_frame * z[4];
+        let axis5_angle = axis5.y.atan2(axis5.x);
+        let wrist_zero = z[5].dot(&z[4].cross(&n)).atan2(z[5].dot(&n));
+        let axis5_in_frame = nalgebra::Unit::new_normalize(Vector3::new(axis5.x, axis5.y, 0.0));
+        let to_singular = Rotation3::from_axis_angle(&axis5_in_frame, wrist_zero).into_inner();
+        let tool_to_base = zero.rotation.transpose();
+        let hand = wrist_in_frame.xy() - plane[2];
+        let size = upper_arm.norm() + forearm.norm() + hand.norm() + wrist_in_frame.z.abs() + plane[0].norm();
+        Ok(Self {
+            to_frame,
+            origin: o[0],
+            wrist_in_tool: tool_to_base * (wrist - zero.tool),
+            tool_to_wrist: tool_to_base * frame * to_singular,
+            shoulder_offset: wrist_in_frame.z,
+            axis2: plane[0],
+            upper_arm: upper_arm.norm(),
+            forearm: forearm.norm(),
+            upper_arm_angle: angle(&upper_arm),
+            elbow_angle: angle(&forearm) - angle(&upper_arm),
+            hand,
+            axis5_angle,
+            cos_axis5: axis5_angle.cos(),
+            sin_axis5: axis5_angle.sin(),
+            wrist_zero,
+            sign3: z[2].dot(&n).signum(),
+            sign4: z[3].dot(&n).signum(),
+            size,
+            exact: worst <= EXACT * size.max(1.0),
+        })
+    }
+
+    /// Whether the geometry is ideal to rounding, so that solutions need no polish.
+    pub(crate) fn is_exact(&self) -> bool {
+        self.exact
+    }
+
+    /// All solutions for `target`. Where a singular pose leaves a joint free it takes its value from `seed` (which must
+    /// be finite).
+    pub(crate) fn solve(&self, target: &Isometry3<f64>, seed: &Joints<6>) -> Result<Solutions<6>, KinematicsError> {
+        let target = checked_pose("target", target)?;
+        let turned = self.to_frame * rotation_matrix(&target.rotation);
+        let wrist = self.to_frame * (target.translation.vector - self.origin) + turned * self.wrist_in_tool;
+        let orientation = turned * self.tool_to_wrist;
+
+        let mut solutions = Solutions::new();
+        let mut miss = Miss { distance: f64::INFINITY, side: ReachSide::TooFar };
+        let d = self.shoulder_offset;
+        let r = (wrist.x * wrist.x + wrist.z * wrist.z).sqrt();
+        let slack = r - d.abs();
+        if r <= REACH_ROUNDING * self.size && d.abs() <= REACH_ROUNDING * self.size {
+            solutions.mark_shoulder_singular();
+            let ([sin], [cos]) = sin_cos(&[seed[0]]);
+            self.wrist_branches(&undo_first(seed[0], sin, cos, &orientation, &wrist), seed, &mut solutions, &mut miss);
+        } else if slack < -REACH_ROUNDING * self.size {
+            miss.note(-slack, ReachSide::TooNear);
+        } else {
+            let root = (slack * (r + d.abs())).max(0.0).sqrt();
+            let middle = atan2(wrist.x, wrist.z);
+            let branch = |side: f64, root: f64| {
+                let half = atan2(root, d);
+                let cos = (wrist.z * d - side * wrist.x * root) / (r * r);
+                let sin = (wrist.x * d + side * wrist.z * root) / (r * r);
+                undo_first(middle + side * half, sin, cos, &orientation, &wrist)
+            };
+            let double = slack <= DOUBLE_ROOT * self.size;
+            if double {
+                self.wrist_branches(&branch(1.0, 0.0), seed, &mut solutions, &mut miss);
+            }
+            if !double || (solutions.is_empty() && root > 0.0) {
+                for side in [1.0, -1.0] {
+                    self.wrist_branches(&branch(side, root), seed, &mut solutions, &mut miss);
+                }
+            }
+        }
+        if !solutions.is_empty() {
+            return Ok(solutions);
+        }
+        if !miss.distance.is_finite() {
+            return Err(KinematicsError::NotFinite { what: "the target's distance" });
+        }
+        Err(KinematicsError::Unreachable { distance: miss.distance, side: miss.side })
+    }
+
+    /// Step 2: the two values of joint 5, or the free wrist.
+    fn wrist_branches(&self, shoulder: &Shoulder, seed: &Joints<6>, solutions: &mut Solutions<6>, miss: &mut Miss) {
+        let m = &shoulder.orientation;
+        let sine = (m[(2, 0)] * m[(2, 0)] + m[(2, 1)] * m[(2, 1)]).sqrt();
+        if sine < WRIST_SINGULAR {
+            solutions.mark_wrist_singular();
+            self.free_wrist(shoulder, seed, solutions, miss);
+            return;
+        }
+        let (sin_c, cos_c) = (m[(2, 0)] / sine, m[(2, 1)] / sine);
+        let b = atan2(sine, m[(2, 2)]);
+        let c = atan2(sin_c, cos_c);
+        let (sin_a, cos_a) = self.sum_of_parallel(m, sin_c, cos_c);
+        let a = atan2(sin_a, cos_a);
+        let phi = a - self.axis5_angle;
+        let hand = self.turned_hand(sin_a, cos_a);
+        let q5 = b - self.wrist_zero;
+        let q6 = c + self.axis5_angle;
+        let reach = shoulder.wrist - self.axis2;
+        for (hand, phi, q5, q6) in [(hand, phi, q5, q6), (-hand, phi + PI, -b - self.wrist_zero, q6 + PI)] {
+            if sine < NEARLY_SINGULAR {
+                let turn = self.turn_into_reach(&reach, &hand);
+                if turn != 0.0 && sine * turn.abs() < ORIENTATION_ROUNDING {
+                    let end = reach - turned(&hand, turn);
+                    let q6 = q6 - turn * m[(2, 2)].signum();
+                    self.elbow_branches(&end, phi + turn, [shoulder.q1, q5, q6], solutions, miss);
+                    continue;
+                }
+            }
+            self.elbow_branches(&(reach - hand), phi, [shoulder.q1, q5, q6], solutions, miss);
+        }
+    }
+
+    /// Sine and cosine of A once C is known: the first column of (Rz(A) Rx(B)), which does not depend on B.
+    fn sum_of_parallel(&self, m: &Matrix3<f64>, sin_c: f64, cos_c: f64) -> (f64, f64) {
+        (m[(1, 0)] * cos_c - m[(1, 1)] * sin_c, m[(0, 0)] * cos_c - m[(0, 1)] * sin_c)
+    }
+
+    /// The vector from axis 4 to the wrist, turned by A less the direction of axis 5.
+    fn turned_hand(&self, sin_a: f64, cos_a: f64) -> Vector2<f64> {
+        let sin = sin_a * self.cos_axis5 - cos_a * self.sin_axis5;
+        let cos = cos_a * self.cos_axis5 + sin_a * self.sin_axis5;
+        Vector2::new(cos * self.hand.x - sin * self.hand.y, sin * self.hand.x + cos * self.hand.y)
+    }
+
+    /// Axis 6 is parallel to n: joint 6 keeps its value from the seed, or the nearest one at which joints 2 to 4 reach.
+    fn free_wrist(&self, shoulder: &Shoulder, seed: &Joints<6>, solutions: &mut Solutions<6>, miss: &mut Miss) {
+        let m = &shoulder.orientation;
+        let parallel = m[(2, 2)] > 0.0;
+        let b = if parallel { 0.0 } else { PI };
+        let ([sin_c], [cos_c]) = sin_cos(&[seed[5] - self.axis5_angle]);
+        let (sin_a, cos_a) = self.sum_of_parallel(m, sin_c, cos_c);
+        let phi = atan2(sin_a, cos_a) - self.axis5_angle;
+        let hand = self.turned_hand(sin_a, cos_a);
+        let reach = shoulder.wrist - self.axis2;
+        let turn = self.turn_into_reach(&reach, &hand);
+        let q6 = seed[5] - if parallel { turn } else { -turn };
+        let end = reach - if turn == 0.0 { hand } else { turned(&hand, turn) };
+        self.elbow_branches(&end, phi + turn, [shoulder.q1, b - self.wrist_zero, q6], solutions, miss);
+    }
+
+    /// The least turn of `hand`, rad, after which joints 2 and 3 reach the point `reach - hand`; 0 if they do already.
+    /// If no turn helps, the one that comes nearest.
+    fn turn_into_reach(&self, reach: &Vector2<f64>, hand: &Vector2<f64>) -> f64 {
+        // |reach - hand| depends on the angle between the two, and what joints 2 and 3 allow is symmetric about 0.
+        let (max, min) = (self.upper_arm + self.forearm, (self.upper_arm - self.forearm).abs());
+        let (length, product) = ((reach - hand).norm(), reach.norm() * hand.norm());
+        if (min <= length && length <= max) || product == 0.0 {
+            return 0.0;
+        }
+        let squares = reach.norm_squared() + hand.norm_squared();
+        let angle_at = |length: f64| ((squares - length * length) / (2.0 * product)).clamp(-1.0, 1.0).acos();
+        let angle = reach.perp(hand).atan2(reach.dot(hand));
+        let allowed = if length < min { angle_at(min) } else { angle_at(max) };
+        allowed.copysign(angle) - angle
+    }
+
+    /// Step 3: the planar two-link arm from axis 2 to axis 4, which is at `end` from axis 2.
+    fn elbow_branches(
+        &self,
+        end: &Vector2<f64>,
+        phi: f64,
+        [q1, q5, q6]: [f64; 3],
+        solutions: &mut Solutions<6>,
+        miss: &mut Miss,
+    ) {
+        let (l2, l3) = (self.upper_arm, self.forearm);
+        let length = end.norm();
+        let (far, near) = (l2 + l3 - length, length - (l2 - l3).abs());
+        let rounding = REACH_ROUNDING * self.size;
+        // A target so far away that squares overflow gives NaN, which counts as a miss.
+        if far < -rounding || far.is_nan() {
+            return miss.note(-far, ReachSide::TooFar);
+        }
+        if near < -rounding {
+            return miss.note(-near, ReachSide::TooNear);
+        }
+        let direction = atan2(end.y, end.x) - self.upper_arm_angle;
+        let mut push = |elbow: f64, offset: f64| {
+            let q2 = direction - offset;
+            let q3 = elbow - self.elbow_angle;
+            let q4 = phi - q2 - q3;
+            let q = [q1, q2, q3 * self.sign3, q4 * self.sign4, q5, q6];
+            solutions.push(Joints::from(q.map(principal)));
+        };
+        let double = 0.1 * DOUBLE_ROOT * self.size;
+        if far <= double {
+            push(0.0, 0.0);
+        } else if near <= double {
+            push(PI, if l2 >= l3 { 0.0 } else { PI });
+        } else {
+            // 1 - cos and 1 + cos of the elbow angle, each without cancellation.
+            let scale = 1.0 / (2.0 * l2 * l3);
+            let less = far * (l2 + l3 + length) * scale;
+            let more = near * (length + (l2 - l3).abs()) * scale;
+            let sin = (less * more).max(0.0).sqrt();
+            let cos = if less < 1.0 { 1.0 - less } else { more - 1.0 };
+            let elbow = atan2(sin, cos);
+            let offset = atan2(l3 * sin, l2 + l3 * cos);
+            push(elbow, offset);
+            push(-elbow, -offset);
+        }
+    }
+
+    /// The kind of singular pose nearest to an arm that looks like `at`: the least of the three factors of det J, each
+    /// made dimensionless.
+    pub(crate) fn nearest_singularity(&self, at: &Configuration<6>) -> SingularityKind {
+        let (z, o) = (&at.axes, &at.points);
+        let n = &z[1];
+        let across = |vector: Vector3<f64>| (vector - n * n.dot(&vector)).normalize();
+        let wrist = n.cross(&z[5]).norm();
+        let elbow = across(o[2] - o[1]).cross(&across(o[3] - o[2])).norm();
+        let centre = o[4] + z[4] * z[4].dot(&(o[5] - o[4]));
+        let shoulder = (z[0].cross(n).dot(&(centre - o[0])) / self.size).abs();
+        if wrist <= elbow && wrist <= shoulder {
+            SingularityKind::Wrist
+        } else if elbow <= shoulder {
+            SingularityKind::Elbow
+        } else {
+            SingularityKind::Shoulder
+        }
+    }
+}
+
+fn turned(vector: &Vector2<f64>, by: f64) -> Vector2<f64> {
+    let ([sin], [cos]) = sin_cos(&[by]);
+    Vector2::new(cos * vector.x - sin * vector.y, sin * vector.x + cos * vector.y)
+}
+
+/// The target as seen from link 1, with joint 1 at `q1`.
+fn undo_first(q1: f64, sin: f64, cos: f64, orientation: &Matrix3<f64>, wrist: &Vector3<f64>) -> Shoulder {
+    let mut turned = *orientation;
+    for column in 0..3 {
+        let (x, z) = (orientation[(0, column)], orientation[(2, column)]);
+        turned[(0, column)] = cos * x - sin * z;
+        turned[(2, column)] = sin * x + cos * z;
+    }
+    Shoulder { q1, orientation: turned, wrist: Vector2::new(cos * wrist.x - sin * wrist.z, wrist.y) }
+}
+
+fn rotation_matrix(rotation: &UnitQuaternion<f64>) -> Matrix3<f64> {
+    rotation.to_rotation_matrix().into_inner()
+}

@@ -1,0 +1,86 @@
+//! The set of all inverse solutions, on the stack.
+
+use crate::joint::Joints;
+
+/// Solutions of the inverse kinematics of one target: up to [`Solutions::CAPACITY`], without heap.
+///
+/// Dereferences to a slice of joint vectors.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Solutions<const N: usize> {
+    joints: [Joints<N>; 8],
+    len: usize,
+    wrist_singular: bool,
+    shoulder_singular: bool,
+}
+
+impl<const N: usize> Solutions<N> {
+    /// The most solutions a six-joint arm with a closed form has.
+    pub const CAPACITY: usize = 8;
+
+    pub(crate) fn new() -> Self {
+        Self { joints: [Joints::zeros(); 8], len: 0, wrist_singular: false, shoulder_singular: false }
+    }
+
+    /// Adds a solution; beyond the capacity it is left out.
+    pub(crate) fn push(&mut self, q: Joints<N>) {
+        if let Some(place) = self.joints.get_mut(self.len) {
+            *place = q;
+            self.len += 1;
+        }
+    }
+
+    pub(crate) fn mark_wrist_singular(&mut self) {
+        self.wrist_singular = true;
+    }
+
+    pub(crate) fn mark_shoulder_singular(&mut self) {
+        self.shoulder_singular = true;
+    }
+
+    /// Replaces every solution by `improve` of it, or drops it.
+    pub(crate) fn retain_map(&mut self, mut improve: impl FnMut(&Joints<N>) -> Option<Joints<N>>) {
+        let all = self.joints;
+        let len = std::mem::take(&mut self.len);
+        for q in all.iter().take(len).filter_map(&mut improve) {
+            self.push(q);
+        }
+    }
+
+    /// Whether two wrist axes line up at the target in some branch: a whole circle of solutions exists there, and the
+    /// list holds one representative of it (last joint at 0 or, if the arm does not reach that far, as near as it
+    /// does). Seed-based inverse kinematics keeps the last joint where it was.
+    ///
+    /// The axes count as lined up within 1e-10 rad, and the orientation of the solutions is exact to that; those of any
+    /// other target are exact to rounding (1e-12).
+    pub fn wrist_singular(&self) -> bool {
+        self.wrist_singular
+    }
+
+    /// Whether the wrist stands on the first joint's axis, on an arm without shoulder offset: the first joint is free
+    /// and the list holds its solutions for one value.
+    pub fn shoulder_singular(&self) -> bool {
+        self.shoulder_singular
+    }
+
+    /// The solutions.
+    pub fn as_slice(&self) -> &[Joints<N>] {
+        &self.joints[..self.len]
+    }
+}
+
+impl<const N: usize> std::ops::Deref for Solutions<N> {
+    type Target = [Joints<N>];
+
+    fn deref(&self) -> &[Joints<N>] {
+        self.as_slice()
+    }
+}
+
+impl<'a, const N: usize> IntoIterator for &'a Solutions<N> {
+    type Item = &'a Joints<N>;
+    type IntoIter = std::slice::Iter<'a, Joints<N>>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.as_slice().iter()
+    }
+}

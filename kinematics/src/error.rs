@@ -1,0 +1,137 @@
+//! The errors of this crate.
+
+use crate::singularity::SingularityKind;
+
+/// On which side of its reach an arm misses a target.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ReachSide {
+    /// The target is farther away than the stretched arm reaches.
+    TooFar,
+    /// The target is closer to the arm's own body than the folded arm (or its shoulder offset) allows.
+    TooNear,
+}
+
+impl std::fmt::Display for ReachSide {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::TooFar => "too far",
+            Self::TooNear => "too near",
+        })
+    }
+}
+
+/// Everything that can go wrong in this crate.
+///
+/// Joint indices in the fields count from 0, in the texts from 1 (as makers number their joints).
+#[non_exhaustive]
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum KinematicsError {
+    /// A number that describes an arm, a target or a path is NaN or infinite.
+    #[error("{what} is not finite: every number in it must be an ordinary number")]
+    NotFinite {
+        /// What holds the number.
+        what: &'static str,
+    },
+
+    /// The rotation part of a transform is not a unit quaternion.
+    #[error("the quaternion of {what} has norm {norm}, not 1: normalise it")]
+    NotUnit {
+        /// What holds the quaternion.
+        what: &'static str,
+        /// Its norm.
+        norm: f64,
+    },
+
+    /// A joint axis has no direction.
+    #[error("the axis of a joint has length {length}: it must be finite and greater than 0")]
+    ZeroAxis {
+        /// The length of the axis that was given.
+        length: f64,
+    },
+
+    /// A joint limit breaks a rule.
+    #[error("joint {}: {what} limit {value} must be {rule}", .joint + 1)]
+    InvalidLimit {
+        /// Which joint, from 0.
+        joint: usize,
+        /// Which limit: "lower", "upper", "velocity", "acceleration" or "jerk".
+        what: &'static str,
+        /// The value that was given, rad (m), and per s, s^2, s^3.
+        value: f64,
+        /// The rule it breaks.
+        rule: &'static str,
+    },
+
+    /// The chain is not of the kind the closed-form solver is for.
+    #[error(
+        "no closed-form inverse for this arm: {rule}, but it is off by {deviation:.3e} (at most {tolerance:.1e} is corrected)"
+    )]
+    NotParallelAxis {
+        /// What the solver needs.
+        rule: &'static str,
+        /// By how much the arm misses it, rad or m.
+        deviation: f64,
+        /// How much is accepted, rad or m.
+        tolerance: f64,
+    },
+
+    /// The target is outside the reach of the arm, in every branch.
+    #[error(
+        "target is out of reach, {side} by {distance:.6} m: move it {} the shoulder by about that much, or turn the tool", if *.side == ReachSide::TooFar { "towards" } else { "away from" }
+    )]
+    Unreachable {
+        /// How far the end of the forearm is from where the best branch needs it, m. A target too far away comes into
+        /// reach when it is moved by this (orientation kept) towards the second axis.
+        distance: f64,
+        /// Too far or too near.
+        side: ReachSide,
+    },
+
+    /// Every solution of the inverse lies outside the joint limits; the least bad one is told.
+    #[error(
+        "all {solutions} inverse solutions break a joint limit; the best one has joint {} at {value:.6}, outside [{lower}, {upper}] by {excess:.6}", .joint + 1
+    )]
+    OutsideLimits {
+        /// Which joint, from 0.
+        joint: usize,
+        /// Where the best solution would put it, rad (m).
+        value: f64,
+        /// Its lower limit, rad (m).
+        lower: f64,
+        /// Its upper limit, rad (m).
+        upper: f64,
+        /// By how much the limit is exceeded, rad (m).
+        excess: f64,
+        /// How many solutions were rejected. `ParallelAxisArm::candidates` tells each one's reason.
+        solutions: usize,
+    },
+
+    /// The nearest solution is farther from the previous one than the bound allows.
+    #[error(
+        "joint {} would jump by {step:.6} in one step, more than the bound {bound:.6} by {:.6}: sample finer, or avoid the singular pose or branch change here", .joint + 1, .step - .bound
+    )]
+    StepTooLarge {
+        /// The joint with the largest step, from 0.
+        joint: usize,
+        /// Its step, rad (m).
+        step: f64,
+        /// The bound, rad (m).
+        bound: f64,
+    },
+
+    /// The arm is too close to a singular pose: some tool velocity would need joint velocities beyond any bound.
+    #[error(
+        "the arm is {}: smallest singular value {sigma_min:.3e} is below {required:.1e} (condition {condition:.3e}); move the path or change the branch",
+        match .kind { Some(kind) => kind.describe(), None => "nearly singular" }
+    )]
+    Singular {
+        /// Which kind, when the arm knows.
+        kind: Option<SingularityKind>,
+        /// Smallest singular value of the Jacobian (rows in m and rad, unscaled).
+        sigma_min: f64,
+        /// The least value that was asked for.
+        required: f64,
+        /// Largest over smallest singular value.
+        condition: f64,
+    },
+}

@@ -1,0 +1,110 @@
+//! How far an arm is from a singular pose.
+//!
+//! The rows of the Jacobian are in metres and radians and are not scaled against each other, so singular values mix the
+//! two: compare them between poses of one arm, not between arms of different size.
+
+use crate::jacobian::Jacobian;
+
+/// Which kind of singular pose a six-joint arm is close to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SingularityKind {
+    /// The last joint's axis lines up with an earlier one: it and the forearm joints turn the tool the same way.
+    Wrist,
+    /// The arm is stretched or folded: it cannot move along itself.
+    Elbow,
+    /// The wrist stands over the first joint's axis: the first joint no longer moves it sideways to the arm.
+    Shoulder,
+}
+
+impl SingularityKind {
+    pub(crate) fn describe(self) -> &'static str {
+        match self {
+            Self::Wrist => "close to a wrist singularity (two axes of the wrist line up)",
+            Self::Elbow => "close to an elbow singularity (arm stretched or folded)",
+            Self::Shoulder => "close to a shoulder singularity (wrist over the first axis)",
+        }
+    }
+}
+
+impl std::fmt::Display for SingularityKind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Wrist => "wrist",
+            Self::Elbow => "elbow",
+            Self::Shoulder => "shoulder",
+        })
+    }
+}
+
+/// The min(6, N) singular values of a Jacobian, largest first; the rest of the array is 0.
+///
+/// One-sided Jacobi rotations: small singular values come out to full relative accuracy, where eigenvalues of J J^T
+/// would lose half the digits. Values that are not finite give values that are not finite.
+pub fn singular_values<const N: usize>(jacobian: &Jacobian<N>) -> [f64; 6] {
+    let mut values = [0.0; 6];
+    let lengths: &mut [f64] = &mut values;
+    if N <= 6 {
+        let mut columns: [[f64; 6]; N] = std::array::from_fn(|c| std::array::from_fn(|r| jacobian[(r, c)]));
+        orthogonalise(&mut columns);
+        columns.iter().zip(lengths).for_each(|(column, value)| *value = dot(column, column).sqrt());
+    } else {
+        let mut rows: [[f64; N]; 6] = std::array::from_fn(|r| std::array::from_fn(|c| jacobian[(r, c)]));
+        orthogonalise(&mut rows);
+        rows.iter().zip(lengths).for_each(|(row, value)| *value = dot(row, row).sqrt());
+    }
+    values.sort_unstable_by(|a, b| b.total_cmp(a));
+    values
+}
+
+/// Smallest singular value: the slowest the tool moves (in the worst direction) at unit joint speed. 0 at a singular pose.
+pub fn smallest_singular_value<const N: usize>(jacobian: &Jacobian<N>) -> f64 {
+    last_of(&singular_values(jacobian), N)
+}
+
+/// Largest over smallest singular value; infinite at a singular pose.
+pub fn condition_number<const N: usize>(jacobian: &Jacobian<N>) -> f64 {
+    let values = singular_values(jacobian);
+    values[0] / last_of(&values, N)
+}
+
+/// Yoshikawa's manipulability: the product of the singular values, |det J| for six joints. 0 at a singular pose.
+pub fn manipulability<const N: usize>(jacobian: &Jacobian<N>) -> f64 {
+    singular_values(jacobian)[..N.min(6)].iter().product()
+}
+
+fn last_of(values: &[f64; 6], joints: usize) -> f64 {
+    values[joints.clamp(1, 6) - 1]
+}
+
+fn dot<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Rotates pairs of vectors until all are orthogonal (Hestenes). Quadratic convergence: a handful of sweeps.
+fn orthogonalise<const D: usize, const K: usize>(vectors: &mut [[f64; D]; K]) {
+    const SWEEPS: usize = 30;
+    for _ in 0..SWEEPS {
+        let mut turned = false;
+        for i in 0..K {
+            for j in i + 1..K {
+                let (aa, bb, ab) =
+                    (dot(&vectors[i], &vectors[i]), dot(&vectors[j], &vectors[j]), dot(&vectors[i], &vectors[j]));
+                if ab.abs() <= f64::EPSILON * (aa * bb).sqrt() || ab == 0.0 {
+                    continue;
+                }
+                turned = true;
+                let zeta = (bb - aa) / (2.0 * ab);
+                let tan = zeta.signum() / (zeta.abs() + (1.0 + zeta * zeta).sqrt());
+                let cos = 1.0 / (1.0 + tan * tan).sqrt();
+                let sin = cos * tan;
+                let (head, tail) = vectors.split_at_mut(j);
+                for (a, b) in head[i].iter_mut().zip(&mut tail[0]) {
+                    (*a, *b) = (cos * *a - sin * *b, sin * *a + cos * *b);
+                }
+            }
+        }
+        if !turned {
+            return;
+        }
+    }
+}

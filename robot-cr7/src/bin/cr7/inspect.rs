@@ -1,0 +1,118 @@
+//! `cr7 inspect`: what a path is like before anything is planned.
+
+use std::path::PathBuf;
+
+use arcfeed_geometry::{ArcLengthCurve, Curve, NurbsCurve, SegmentationMethod, Spacing};
+use robot_cr7::plot::{path_picture, save_picture};
+use robot_cr7::{Cr7Error, InputError};
+
+use crate::Failure;
+use crate::plan::read_path;
+
+/// Arguments of `cr7 inspect`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  cr7 inspect part.json
+  cr7 inspect points.csv --unit mm --fit-mm 0.01 --tolerance-mm 0.05
+  cr7 inspect                              the embedded butterfly")]
+pub struct Args {
+    /// Path file: .json (NURBS curve) or .csv (points). Without it: an embedded butterfly
+    path: Option<PathBuf>,
+    /// Chord tolerance of the segmentations, mm
+    #[arg(long, default_value_t = 0.001)]
+    tolerance_mm: f64,
+    /// How far a curve fitted to the points of a .csv file may pass them by, mm
+    #[arg(long, default_value_t = 0.001)]
+    fit_mm: f64,
+    /// Unit of a .csv file whose header names none: mm, cm, m or in
+    #[arg(long)]
+    unit: Option<String>,
+    /// Folder for the picture; created when missing
+    #[arg(long, default_value = "out")]
+    out: PathBuf,
+}
+
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let file = read_path(args.path.as_deref(), args.unit.as_deref(), None)?;
+    let shown = file.file.display().to_string();
+    let geometry = |source| Failure::from(Cr7Error::Curve { file: shown.clone(), source });
+    let curve = file.curve_with(|points| {
+        let degree = points.len().saturating_sub(1).min(3);
+        let fit = NurbsCurve::approximate(points, degree, Spacing::default(), args.fit_mm * 1e-3)?;
+        println!("fitted to {} points, none farther away than {:.3e} mm", points.len(), fit.max_deviation * 1e3);
+        Ok(fit.curve)
+    })?;
+    let path = ArcLengthCurve::new(curve.clone(), 1e-15).map_err(geometry)?;
+
+    println!("{}", file.name);
+    if let Some(source) = &file.source {
+        println!("  source       {source}");
+    }
+    let kind = if curve.is_rational() { "rational" } else { "polynomial" };
+    let spans = curve.knots().spans().count();
+    println!("  curve        degree {}, {} control points, {spans} knot spans, {kind}", curve.degree(), curve.control_points().len());
+    println!("  length       {:.9} mm", path.length() * 1e3);
+    let (a, b) = curve.domain();
+    let closed = (curve.point(a) - curve.point(b)).norm();
+    println!("  ends         {:.3e} mm apart{}", closed * 1e3, if closed < 1e-9 { " (closed)" } else { "" });
+    let (mut low, mut high) = (curve.point(a), curve.point(a));
+    let (mut sharpest, mut at) = (0.0f64, 0.0);
+    const SAMPLES: usize = 200_000;
+    for i in 0..=SAMPLES {
+        let s = path.length() * i as f64 / SAMPLES as f64;
+        let jet = path.jet(s);
+        (low, high) = (low.inf(&jet.point), high.sup(&jet.point));
+        let kappa = jet.d2.norm();
+        if kappa > sharpest {
+            (sharpest, at) = (kappa, s);
+        }
+    }
+    let size = (high - low) * 1e3;
+    println!("  extent       {:.3} x {:.3} x {:.3} mm", size.x, size.y, size.z);
+    if sharpest > 0.0 {
+        println!(
+            "  curvature    up to {:.3} /mm (radius {:.4} mm) at s = {:.3} mm, over {SAMPLES} samples",
+            sharpest * 1e-3,
+            1e3 / sharpest,
+            at * 1e3
+        );
+    } else {
+        println!("  curvature    0 (straight)");
+    }
+    for corner in path.corners(1e-6) {
+        println!("  corner       {:.2} deg at s = {:.3} mm: the tool has to stop there", corner.angle.to_degrees(), corner.s * 1e3);
+    }
+
+    println!("\n  segments for a chord tolerance of {} mm    count   largest deviation", args.tolerance_mm);
+    let tolerance = args.tolerance_mm * 1e-3;
+    let mut drawn = None;
+    for (name, method) in [
+        ("longest pieces within knot spans", SegmentationMethod::Longest { across_knots: false }),
+        ("longest pieces across knots", SegmentationMethod::Longest { across_knots: true }),
+        ("C-type pieces, bisected", SegmentationMethod::CType),
+        ("convex hull, bisected", SegmentationMethod::Hull),
+    ] {
+        let result = curve.segment(method, tolerance).map_err(geometry)?;
+        println!("    {name:<44}{:>6}   {:.6} mm", result.len(), result.max_deviation() * 1e3);
+        drawn.get_or_insert(result);
+    }
+    let Some(segmentation) = drawn else { return Ok(()) };
+    let lines: Vec<Vec<[f64; 2]>> = segmentation
+        .pieces()
+        .map(|(u0, u1, _)| {
+            (0..=8)
+                .map(|i| {
+                    let p = curve.point(u0 + (u1 - u0) * f64::from(i) / 8.0);
+                    [p.x, p.y]
+                })
+                .collect()
+        })
+        .collect();
+    let picture = args.out.join("inspect.svg");
+    let write = |source| Failure::from(InputError::Write { file: picture.clone(), source });
+    std::fs::create_dir_all(&args.out).map_err(write)?;
+    let svg = path_picture(&file.name, &lines, segmentation.deviations(), tolerance).map_err(write)?;
+    save_picture(&picture, &svg)?;
+    println!("\n  wrote {}", picture.display());
+    Ok(())
+}

@@ -1,0 +1,89 @@
+//! `cr7`: plan tool paths for the Dobot CR7, look at them, and check what the papers claim.
+
+mod inspect;
+mod plan;
+mod pose;
+mod reproduce;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use robot_cr7::Cr7Error;
+
+/// Plans tool paths for the Dobot CR7 robot arm: NURBS paths cut within a chord tolerance, speed planned under tool and
+/// joint limits, every result verified before it is handed out.
+///
+/// Exit codes: 0 done, 1 cannot be planned (or a guarantee does not hold), 2 bad usage or input.
+#[derive(Debug, Parser)]
+#[command(name = "cr7", version, arg_required_else_help = true, after_help = EXAMPLES)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const EXAMPLES: &str = "Examples:
+  cr7 plan                              the embedded butterfly: trajectory, pictures and report in out/
+  cr7 plan part.json --out part         a path of your own
+  cr7 plan --job job.toml --json        a job file; the report as JSON on stdout
+  cr7 inspect part.csv --unit mm        length, curvature and segments of a path
+  cr7 fk --deg 0 -30 90 30 -90 0        where the tool stands
+  cr7 ik --xyz-mm 400 0 300 --rpy-deg 180 0 0
+  cr7 reproduce pn                      the numbers of a paper beside ours";
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Plan a motion along a path: trajectory CSV, SVG pictures, report
+    Plan(plan::Args),
+    /// Look at a path: length, curvature, segments by each method, a picture
+    Inspect(inspect::Args),
+    /// Forward kinematics: where the tool stands at given joint angles
+    Fk(pose::ForwardArgs),
+    /// Inverse kinematics: all joint angles that reach a pose
+    Ik(pose::InverseArgs),
+    /// Reproduce a paper's numbers beside ours, and check our guarantees
+    Reproduce(reproduce::Args),
+}
+
+/// How a command can fail, which is also its exit code.
+enum Failure {
+    /// The input is fine but the thing cannot be done: exit code 1.
+    Undoable(String),
+    /// Bad usage or input: exit code 2.
+    BadInput(String),
+}
+
+impl From<Cr7Error> for Failure {
+    fn from(error: Cr7Error) -> Self {
+        match error {
+            Cr7Error::Plan { .. } => Self::Undoable(error.to_string()),
+            _ => Self::BadInput(error.to_string()),
+        }
+    }
+}
+
+impl From<robot_cr7::InputError> for Failure {
+    fn from(error: robot_cr7::InputError) -> Self {
+        Self::BadInput(error.to_string())
+    }
+}
+
+fn main() -> ExitCode {
+    let outcome = match Cli::parse().command {
+        Command::Plan(args) => plan::run(&args),
+        Command::Inspect(args) => inspect::run(&args),
+        Command::Fk(args) => pose::forward(&args),
+        Command::Ik(args) => pose::inverse(&args),
+        Command::Reproduce(args) => reproduce::run(&args),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Failure::Undoable(message)) => {
+            eprintln!("cr7: {message}");
+            ExitCode::from(1)
+        }
+        Err(Failure::BadInput(message)) => {
+            eprintln!("cr7: {message}");
+            ExitCode::from(2)
+        }
+    }
+}

@@ -1,0 +1,320 @@
+//! From a job and a path file to a verified motion of the CR7, in one call.
+
+use std::time::{Duration, Instant};
+
+use arcfeed_geometry::{ArcLengthCurve, GeometryError, NurbsCurve, OrientationPath, PosePath, SegmentationMethod, Spacing};
+use arcfeed_interp::{Plan, PlanError, Planner, Quantity, Scan as PlanScan, Setpoint, ToolLimits, best_start};
+use arcfeed_kinematics::{Joints, KinematicsError};
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+use thiserror::Error;
+
+use crate::error::InputError;
+use crate::job::{Job, Scan, ToolOrientation};
+use crate::model::Cr7;
+use crate::path_file::PathFile;
+use crate::report::{LimitLine, LimitUnit, Report, SegmentCount};
+use crate::trajectory_csv::TrajectoryRow;
+
+/// Positions along the path are good to this, m: far below what any encoder resolves.
+const ARC_LENGTH_TOLERANCE: f64 = 1e-15;
+/// How closely a tool that follows the tangent does so, rad.
+const HEADING_TOLERANCE: f64 = 1e-3;
+/// Degree of curves laid through points.
+const FIT_DEGREE: usize = 3;
+/// A path this far out of reach is probably given in another unit than meant, m.
+const FAR_OUT: f64 = 2.0;
+
+/// Why a job did not become a motion.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum Cr7Error {
+    /// Something is wrong with an input file: exit code 2 of the command.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// The curve of a path file cannot be used: exit code 2.
+    #[error("{file}: {source}")]
+    Curve {
+        /// The file, or the name of an embedded path.
+        file: String,
+        /// What is wrong with the curve.
+        source: GeometryError,
+    },
+    /// A tool frame or a joint limit is unusable: exit code 2.
+    #[error("the arm of the job: {0}")]
+    Arm(#[from] KinematicsError),
+    /// The path cannot be planned: exit code 1.
+    #[error("{file}: {source}{hint}")]
+    Plan {
+        /// The file, or the name of an embedded path.
+        file: String,
+        /// Why, and where on the path.
+        source: PlanError,
+        /// A likely cause, starting with a separator; empty when there is none to name.
+        hint: String,
+    },
+}
+
+/// A planned and verified motion with all that a report needs.
+#[derive(Debug, Clone)]
+pub struct Motion {
+    name: String,
+    cr7: Cr7,
+    tool: ToolLimits,
+    plan: Plan,
+    preparation: Duration,
+    warnings: Vec<String>,
+}
+
+/// Plans the motion of the CR7 that `job` describes along the path of `file`.
+///
+/// ```
+/// use robot_cr7::{Job, SamplePath, plan};
+///
+/// let motion = plan(&Job::default(), &SamplePath::SixPoint.load()?)?;
+/// for setpoint in motion.sampler()? {
+///     let joints = setpoint?.q; // rad, for the controller
+/// #   assert!(joints.iter().all(|q| q.is_finite()));
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`Cr7Error`], naming the file and the place.
+pub fn plan(job: &Job, file: &PathFile) -> Result<Motion, Cr7Error> {
+    let begin = Instant::now();
+    let shown = file.file.display().to_string();
+    let curve_error = |source| Cr7Error::Curve { file: shown.clone(), source };
+    let cr7 = arm_of(job)?;
+    let curve = file
+        .curve_with(|points| {
+            let degree = FIT_DEGREE.min(points.len().saturating_sub(1));
+            Ok(NurbsCurve::approximate(points, degree, Spacing::default(), job.fit_tolerance)?.curve)
+        })?
+        .transformed(&job.workpiece)
+        .map_err(curve_error)?;
+    let curve = ArcLengthCurve::new(curve, ARC_LENGTH_TOLERANCE).map_err(curve_error)?;
+    let orientation = orientation_of(job, &curve).map_err(curve_error)?;
+    let path = PosePath::new(curve, orientation);
+
+    let tool = ToolLimits {
+        feed: job.feed.feed,
+        tangential_acceleration: job.feed.tangential_acceleration,
+        tangential_jerk: job.feed.tangential_jerk,
+        normal_acceleration: job.feed.normal_acceleration,
+        normal_jerk: job.feed.normal_jerk,
+    };
+    let plan_error = |source: PlanError| {
+        let hint = unit_hint(&source);
+        Cr7Error::Plan { file: shown.clone(), source, hint }
+    };
+    let scan = match (job.scan, job.lookahead) {
+        (Scan::Joined, _) => PlanScan::Joined,
+        (Scan::Segments, window) => PlanScan::PerSegment { window },
+    };
+    let planner = Planner::new(cr7.arm(), *cr7.limits(), tool)
+        .and_then(|p| p.with_chord_tolerance(job.chord_tolerance))
+        .and_then(|p| p.with_period(job.period))
+        .map_err(plan_error)?
+        .with_scan(scan);
+    let start = best_start(cr7.arm(), &path, cr7.limits().lower(), cr7.limits().upper()).map_err(plan_error)?;
+    let preparation = begin.elapsed();
+    let plan = planner.plan(path, &start).map_err(plan_error)?;
+    let mut warnings = file.warnings.clone();
+    warnings.extend(job.warnings.iter().cloned());
+    if plan.stops().len() > 0 {
+        warnings.push(format!("the path has {} corners, where the tool stops", plan.stops().len()));
+    }
+    Ok(Motion { name: file.name.clone(), cr7, tool, plan, preparation, warnings })
+}
+
+fn arm_of(job: &Job) -> Result<Cr7, KinematicsError> {
+    let or = |given: Option<[f64; 6]>, assumed: f64| given.map_or(Joints::repeat(assumed), Joints::from);
+    Cr7::with_limits(
+        job.tool,
+        or(job.joints.velocity, crate::model::VELOCITY),
+        or(job.joints.acceleration, crate::model::ACCELERATION),
+        or(job.joints.jerk, crate::model::JERK),
+    )
+}
+
+fn orientation_of(job: &Job, curve: &ArcLengthCurve<3>) -> Result<OrientationPath, GeometryError> {
+    let frame = job.workpiece.rotation;
+    match job.orientation {
+        ToolOrientation::Constant(rotation) => Ok(OrientationPath::Constant(frame * rotation)),
+        ToolOrientation::Slerp { from, to } => OrientationPath::slerp(curve.length(), frame * from, frame * to),
+        ToolOrientation::Tangent { axis } => {
+            let z = frame * axis;
+            let tangent = curve.jet(0.0).d1;
+            let x = (tangent - z.as_ref() * z.dot(&tangent))
+                .try_normalize(1e-6)
+                .ok_or(GeometryError::NoHeading { s: 0.0 })?;
+            let axes = Matrix3::from_columns(&[x, z.cross(&x), z.into_inner()]);
+            let start = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes));
+            OrientationPath::following_tangent(curve, z, start, HEADING_TOLERANCE)
+        }
+    }
+}
+
+/// A mix-up of millimetres and metres shows as a path that is metres out of reach.
+fn unit_hint(error: &PlanError) -> String {
+    match error {
+        PlanError::Arm { source: KinematicsError::Unreachable { distance, .. }, .. } if *distance > FAR_OUT => {
+            format!(
+                "; {distance:.1} m is more than the arm is long: check the \"units\" of the path file and \
+                 workpiece.position_mm of the job"
+            )
+        }
+        PlanError::NoConfiguration { best, .. } => unit_hint(best),
+        _ => String::new(),
+    }
+}
+
+impl Motion {
+    /// Name of the path.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The arm with its limits.
+    pub fn cr7(&self) -> &Cr7 {
+        &self.cr7
+    }
+
+    /// Limits of the tool.
+    pub fn tool_limits(&self) -> &ToolLimits {
+        &self.tool
+    }
+
+    /// The plan: path, speed, bounds, verification.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// What a person should look at before running the motion.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// Time from the path file to the finished plan without its verification.
+    pub fn planning_time(&self) -> Duration {
+        let t = self.plan.timings();
+        self.preparation + t.segmentation + t.joint_path + t.scan
+    }
+
+    /// Setpoints at the job's control period, start and end included.
+    ///
+    /// # Errors
+    /// Never for a motion that was planned; the signature is the sampler's.
+    pub fn sampler(
+        &self,
+    ) -> Result<arcfeed_interp::Sampler<'_, arcfeed_kinematics::ParallelAxisArm>, PlanError> {
+        self.plan.sampler(self.cr7.arm(), self.plan.period())
+    }
+
+    /// The report of the motion; `samples` setpoints were computed in `sampling`.
+    pub fn report(&self, samples: usize, sampling: Duration) -> Report {
+        let plan = &self.plan;
+        let planning_time_s = self.planning_time().as_secs_f64();
+        let verification_time_s = plan.timings().verification.as_secs_f64();
+        let sampling_time_s = sampling.as_secs_f64();
+        Report {
+            path: self.name.clone(),
+            length_m: plan.path().length(),
+            duration_s: plan.duration(),
+            samples,
+            period_s: plan.period(),
+            segments: self.segment_counts(),
+            chord_tolerance_m: plan.chord_tolerance(),
+            max_deviation_m: plan.segmentation().max_deviation(),
+            planning_time_s,
+            verification_time_s,
+            sampling_time_s,
+            motion_per_computing: plan.duration() / (planning_time_s + verification_time_s + sampling_time_s),
+            limits: plan.verification().map_or_else(Vec::new, limit_lines),
+            warnings: self.warnings.clone(),
+            files: Vec::new(),
+        }
+    }
+
+    /// Segments by each method for the chord tolerance, the one in use first.
+    fn segment_counts(&self) -> Vec<SegmentCount> {
+        let used = self.plan.segmentation();
+        let mut counts = vec![SegmentCount {
+            method: "longest pieces".to_owned(),
+            segments: used.len(),
+            max_deviation_m: used.max_deviation(),
+        }];
+        let curve = self.plan.path().curve().curve();
+        for (method, name) in
+            [(SegmentationMethod::CType, "C-type, bisected"), (SegmentationMethod::Hull, "hull, bisected")]
+        {
+            if let Ok(other) = curve.segment(method, self.plan.chord_tolerance()) {
+                counts.push(SegmentCount {
+                    method: name.to_owned(),
+                    segments: other.len(),
+                    max_deviation_m: other.max_deviation(),
+                });
+            }
+        }
+        counts
+    }
+}
+
+/// A setpoint as a row of the trajectory file.
+pub fn trajectory_row(setpoint: &Setpoint) -> TrajectoryRow {
+    let q = setpoint.pose.rotation.quaternion();
+    TrajectoryRow {
+        t: setpoint.t,
+        q: setpoint.q.into(),
+        qd: setpoint.qd.into(),
+        qdd: setpoint.qdd.into(),
+        jerk: setpoint.jerk.into(),
+        position: setpoint.pose.translation.vector.into(),
+        quaternion: [q.i, q.j, q.k, q.w],
+    }
+}
+
+fn limit_lines(verification: &arcfeed_interp::Verification) -> Vec<LimitLine> {
+    verification
+        .checks()
+        .iter()
+        .map(|c| LimitLine {
+            name: c.quantity.name().to_owned(),
+            joint: c.joint.map(|j| j + 1),
+            unit: match c.quantity {
+                Quantity::JointPosition => LimitUnit::Radian,
+                Quantity::JointVelocity => LimitUnit::RadianPerSecond,
+                Quantity::JointAcceleration => LimitUnit::RadianPerSecond2,
+                Quantity::JointJerk => LimitUnit::RadianPerSecond3,
+                Quantity::Feed => LimitUnit::MetrePerSecond,
+                Quantity::TangentialAcceleration | Quantity::NormalAcceleration => LimitUnit::MetrePerSecond2,
+                Quantity::TangentialJerk => LimitUnit::MetrePerSecond3,
+                Quantity::ChordError | Quantity::PathDeviation => LimitUnit::Metre,
+                _ => LimitUnit::One,
+            },
+            value: c.value,
+            limit: c.limit,
+            ratio: c.ratio,
+            at_s_m: c.s,
+            at_t_s: c.t,
+        })
+        .collect()
+}
+
+/// Points of each chord segment, dense enough to be drawn as a curve, seen along the workpiece's z axis (m).
+pub fn drawn_segments(plan: &Plan, workpiece: &nalgebra::Isometry3<f64>) -> Vec<Vec<[f64; 2]>> {
+    let inverse = workpiece.inverse();
+    let curve = plan.path().curve();
+    plan.breaks()
+        .windows(2)
+        .map(|b| {
+            (0..=8)
+                .map(|i| {
+                    let s = b[0] + (b[1] - b[0]) * f64::from(i) / 8.0;
+                    let p: Vector3<f64> = inverse.transform_point(&curve.point(s).into()).coords;
+                    [p.x, p.y]
+                })
+                .collect()
+        })
+        .collect()
+}

@@ -1,0 +1,142 @@
+//! The job file as it is written: TOML, unknown keys refused.
+
+use serde::Deserialize;
+use serde::de::{self, Deserializer, SeqAccess, Visitor};
+
+/// The whole file. Absent keys are `None`; defaults belong to [`crate::Job`].
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct RawJob {
+    pub path: RawPath,
+    pub workpiece: RawFrame,
+    pub tool: RawFrame,
+    pub orientation: RawOrientation,
+    pub feed: RawFeed,
+    pub joints: RawJoints,
+    pub tolerance: RawTolerance,
+    pub sampling: RawSampling,
+    pub plan: RawPlan,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct RawPath {
+    pub file: Option<String>,
+    pub csv_unit: Option<String>,
+    pub fit_tolerance_mm: Option<f64>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct RawFrame {
+    pub position_mm: Option<[f64; 3]>,
+    pub rotation_rpy_deg: Option<[f64; 3]>,
+}
+
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum RawMode {
+    #[default]
+    Constant,
+    Slerp,
+    Tangent,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct RawOrientation {
+    pub mode: RawMode,
+    pub rpy_deg: Option<[f64; 3]>,
+    pub from_rpy_deg: Option<[f64; 3]>,
+    pub to_rpy_deg: Option<[f64; 3]>,
+    pub axis: Option<[f64; 3]>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct RawFeed {
+    pub feed_mm_s: Option<f64>,
+    pub tangential_acceleration_mm_s2: Option<f64>,
+    pub tangential_jerk_mm_s3: Option<f64>,
+    pub normal_acceleration_mm_s2: Option<f64>,
+    pub normal_jerk_mm_s3: Option<f64>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct RawJoints {
+    pub velocity_deg_s: Option<PerJoint>,
+    pub acceleration_deg_s2: Option<PerJoint>,
+    pub jerk_deg_s3: Option<PerJoint>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct RawTolerance {
+    pub chord_mm: Option<f64>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct RawSampling {
+    pub period_ms: Option<f64>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct RawPlan {
+    pub scan: RawScan,
+    pub lookahead: Option<i64>,
+}
+
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum RawScan {
+    #[default]
+    Joined,
+    Segments,
+}
+
+/// One number for all six joints, or six numbers.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PerJoint {
+    pub values: [f64; 6],
+    /// True when the file gives six numbers, so that messages name the index.
+    pub listed: bool,
+}
+
+impl<'de> Deserialize<'de> for PerJoint {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct OneOrSix;
+
+        impl<'de> Visitor<'de> for OneOrSix {
+            type Value = PerJoint;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("one number for all joints or a list of 6 numbers")
+            }
+
+            fn visit_f64<E: de::Error>(self, v: f64) -> Result<PerJoint, E> {
+                Ok(PerJoint { values: [v; 6], listed: false })
+            }
+
+            fn visit_i64<E: de::Error>(self, v: i64) -> Result<PerJoint, E> {
+                self.visit_f64(v as f64)
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<PerJoint, A::Error> {
+                let mut values = [0.0; 6];
+                let mut n = 0;
+                while let Some(v) = seq.next_element::<f64>()? {
+                    if let Some(slot) = values.get_mut(n) {
+                        *slot = v;
+                    }
+                    n += 1;
+                }
+                if n == 6 { Ok(PerJoint { values, listed: true }) } else { Err(de::Error::invalid_length(n, &self)) }
+            }
+        }
+
+        deserializer.deserialize_any(OneOrSix)
+    }
+}

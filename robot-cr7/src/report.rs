@@ -1,0 +1,432 @@
+//! The result of a plan on one screen, and as JSON.
+
+use std::fmt::{self, Display, Formatter};
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+/// Unit of a limited quantity; [`Report`] keeps SI, its text shows millimetres and degrees.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub enum LimitUnit {
+    /// Metre.
+    #[serde(rename = "m")]
+    Metre,
+    /// Metre per second.
+    #[serde(rename = "m/s")]
+    MetrePerSecond,
+    /// Metre per second squared.
+    #[serde(rename = "m/s^2")]
+    MetrePerSecond2,
+    /// Metre per second cubed.
+    #[serde(rename = "m/s^3")]
+    MetrePerSecond3,
+    /// Radian.
+    #[serde(rename = "rad")]
+    Radian,
+    /// Radian per second.
+    #[serde(rename = "rad/s")]
+    RadianPerSecond,
+    /// Radian per second squared.
+    #[serde(rename = "rad/s^2")]
+    RadianPerSecond2,
+    /// Radian per second cubed.
+    #[serde(rename = "rad/s^3")]
+    RadianPerSecond3,
+    /// Newton metre.
+    #[serde(rename = "N m")]
+    NewtonMetre,
+    /// A plain number.
+    #[serde(rename = "1")]
+    One,
+}
+
+impl LimitUnit {
+    /// Factor and unit for people: mm and degrees.
+    fn for_people(self) -> (f64, &'static str) {
+        let degrees = 180.0 / std::f64::consts::PI;
+        match self {
+            Self::Metre => (1e3, "mm"),
+            Self::MetrePerSecond => (1e3, "mm/s"),
+            Self::MetrePerSecond2 => (1e3, "mm/s^2"),
+            Self::MetrePerSecond3 => (1e3, "mm/s^3"),
+            Self::Radian => (degrees, "deg"),
+            Self::RadianPerSecond => (degrees, "deg/s"),
+            Self::RadianPerSecond2 => (degrees, "deg/s^2"),
+            Self::RadianPerSecond3 => (degrees, "deg/s^3"),
+            Self::NewtonMetre => (1.0, "N m"),
+            Self::One => (1.0, ""),
+        }
+    }
+}
+
+/// One limit and how far the finished trajectory uses it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LimitLine {
+    /// What is limited, such as "feed" or "joint velocity"; the lines of all joints of one kind share it.
+    pub name: String,
+    /// The joint, from 1, for limits that each joint has of its own.
+    pub joint: Option<usize>,
+    /// Unit of `value` and `limit`.
+    pub unit: LimitUnit,
+    /// Value at the worst place, with its sign.
+    pub value: f64,
+    /// The limit there.
+    pub limit: f64,
+    /// How much of the limit is used: 1 is all of it, above 1 it is broken.
+    pub ratio: f64,
+    /// Arc length of the worst place in m.
+    pub at_s_m: f64,
+    /// Its time in s.
+    pub at_t_s: f64,
+}
+
+/// How many segments one method needs for the chord tolerance.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SegmentCount {
+    /// Name of the segmentation.
+    pub method: String,
+    /// Number of segments.
+    pub segments: usize,
+    /// Largest deviation of any of them from the path, in m.
+    pub max_deviation_m: f64,
+}
+
+/// What came out of a plan. Its fields are the keys of the JSON form, SI units in their names.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Report {
+    /// Name of the path.
+    pub path: String,
+    /// Length of the path in m.
+    pub length_m: f64,
+    /// Duration of the motion in s.
+    pub duration_s: f64,
+    /// Number of samples.
+    pub samples: usize,
+    /// Control period in s.
+    pub period_s: f64,
+    /// Segments by method; the first is the one that was used.
+    pub segments: Vec<SegmentCount>,
+    /// Chord tolerance in m.
+    pub chord_tolerance_m: f64,
+    /// Largest deviation of the segments used from the path, in m.
+    pub max_deviation_m: f64,
+    /// Time spent on planning, in s.
+    pub planning_time_s: f64,
+    /// Time spent on sampling, in s.
+    pub sampling_time_s: f64,
+    /// Seconds of motion per second of computing.
+    pub motion_per_computing: f64,
+    /// Every limit with its worst place.
+    pub limits: Vec<LimitLine>,
+    /// What a person should look at.
+    pub warnings: Vec<String>,
+    /// Files written.
+    pub files: Vec<PathBuf>,
+}
+
+impl Report {
+    /// The whole report as one JSON object on one line. Numbers that are not finite become `null`.
+    pub fn to_json(&self) -> String {
+        // Serialising plain fields and lists cannot fail; should it ever, the message is still one JSON object.
+        serde_json::to_string(self).unwrap_or_else(|e| serde_json::json!({ "error": e.to_string() }).to_string())
+    }
+
+    /// The line that uses most of its limit; lines with a ratio that is not a number count as the worst.
+    pub fn worst(&self) -> Option<&LimitLine> {
+        self.limits.iter().max_by(|a, b| badness(a).total_cmp(&badness(b)))
+    }
+
+    /// Names of the limits in their order, each with its lines.
+    fn groups(&self) -> Vec<(&str, Vec<&LimitLine>)> {
+        let mut groups: Vec<(&str, Vec<&LimitLine>)> = Vec::new();
+        for line in &self.limits {
+            match groups.iter_mut().find(|(name, _)| *name == line.name) {
+                Some((_, lines)) => lines.push(line),
+                None => groups.push((&line.name, vec![line])),
+            }
+        }
+        groups
+    }
+}
+
+fn badness(line: &LimitLine) -> f64 {
+    if line.ratio.is_nan() { f64::INFINITY } else { line.ratio }
+}
+
+/// Lines of the text form that each kind of content may take, so that all of it stays on one screen of 40 lines.
+const MOST_LIMITS: usize = 12;
+const MOST_JOINT_ROWS: usize = 5;
+const MOST_WARNINGS: usize = 3;
+const MOST_FILES: usize = 5;
+const WIDTH: usize = 100;
+
+impl Display for Report {
+    /// The report for a terminal: at most 40 lines of 100 columns, lengths in mm, angles in degrees.
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}", clip(&self.path, WIDTH))?;
+        let pair = |f: &mut Formatter<'_>, a: (&str, String), b: (&str, String)| {
+            writeln!(f, "  {:<11}{:<36} {:<11}{}", a.0, clip(&a.1, 36), b.0, clip(&b.1, 39))
+        };
+        pair(
+            f,
+            ("length", format!("{} mm", number(self.length_m * 1e3))),
+            ("duration", format!("{} s, {} samples", number(self.duration_s), self.samples)),
+        )?;
+        pair(
+            f,
+            ("tolerance", format!("{} um", number(self.chord_tolerance_m * 1e6))),
+            ("deviation", format!("{} um at most", number(self.max_deviation_m * 1e6))),
+        )?;
+        let mut segments = String::new();
+        for (i, s) in self.segments.iter().enumerate() {
+            let comma = if i == 0 { "" } else { ", " };
+            segments += &format!("{comma}{} {}", s.segments, s.method);
+        }
+        pair(
+            f,
+            (
+                "computing",
+                format!("{} + {} (plan + sample)", duration(self.planning_time_s), duration(self.sampling_time_s)),
+            ),
+            ("period", format!("{} ms", number(self.period_s * 1e3))),
+        )?;
+        writeln!(f, "  {:<11}{} s of motion per second of computing", "", number(self.motion_per_computing))?;
+        writeln!(f, "  {:<11}{}", "segments", clip(&segments, WIDTH - 13))?;
+
+        let groups = self.groups();
+        if !groups.is_empty() {
+            writeln!(f)?;
+            writeln!(
+                f,
+                "  {:<24}{:<6}{:>12}{:>12}  {:<9}{:>8}{:>12}{:>10}",
+                "limit", "worst", "value", "limit", "", "used", "at s [mm]", "at t [s]"
+            )?;
+        }
+        for (name, lines) in groups.iter().take(MOST_LIMITS) {
+            let Some(worst) = lines.iter().max_by(|a, b| badness(a).total_cmp(&badness(b))) else { continue };
+            let (factor, unit) = worst.unit.for_people();
+            let joint = worst.joint.map(|j| format!("J{j}")).unwrap_or_default();
+            writeln!(
+                f,
+                "{} {:<24}{joint:<6}{:>12}{:>12}  {unit:<9}{:>8}{:>12}{:>10}",
+                if badness(worst) > 1.0 + 1e-6 { "!" } else { " " },
+                clip(name, 23),
+                number(worst.value * factor),
+                number(worst.limit * factor),
+                percent(worst.ratio),
+                format!("{:.2}", worst.at_s_m * 1e3),
+                format!("{:.3}", worst.at_t_s),
+            )?;
+        }
+        more(f, groups.len(), MOST_LIMITS, "limits")?;
+
+        let jointed: Vec<_> =
+            groups.iter().filter(|(_, l)| l.len() > 1 && l.iter().all(|l| l.joint.is_some())).collect();
+        if let Some(most) = jointed.iter().flat_map(|(_, l)| l.iter().filter_map(|l| l.joint)).max() {
+            let most = most.min(7);
+            writeln!(f)?;
+            write!(f, "  {:<24}", "used by joint")?;
+            for j in 1..=most {
+                write!(f, "{:>10}", format!("J{j}"))?;
+            }
+            writeln!(f)?;
+            for (name, lines) in jointed.iter().take(MOST_JOINT_ROWS) {
+                write!(f, "  {:<24}", clip(name, 23))?;
+                for j in 1..=most {
+                    let cell = lines.iter().find(|l| l.joint == Some(j)).map(|l| percent(l.ratio));
+                    write!(f, "{:>10}", cell.unwrap_or_default())?;
+                }
+                writeln!(f)?;
+            }
+            more(f, jointed.len(), MOST_JOINT_ROWS, "kinds")?;
+        }
+        if !(self.warnings.is_empty() && self.files.is_empty()) {
+            writeln!(f)?;
+        }
+        for w in self.warnings.iter().take(MOST_WARNINGS) {
+            writeln!(f, "  warning: {}", clip(w, WIDTH - 11))?;
+        }
+        more(f, self.warnings.len(), MOST_WARNINGS, "warnings")?;
+        for file in self.files.iter().take(MOST_FILES) {
+            writeln!(f, "  wrote {}", clip(&file.display().to_string(), WIDTH - 8))?;
+        }
+        more(f, self.files.len(), MOST_FILES, "files")
+    }
+}
+
+fn more(f: &mut Formatter<'_>, all: usize, shown: usize, what: &str) -> fmt::Result {
+    if all > shown { writeln!(f, "  and {} more {what} (all in the JSON report)", all - shown) } else { Ok(()) }
+}
+
+/// The text on one line, cut to `width` characters.
+pub(crate) fn clip(text: &str, width: usize) -> String {
+    let flat = text.chars().map(|c| if c.is_control() { ' ' } else { c });
+    if text.chars().count() <= width {
+        return flat.collect();
+    }
+    flat.take(width.saturating_sub(3)).chain("...".chars()).collect()
+}
+
+/// A number with about five significant digits and no exponent where it can be avoided.
+pub(crate) fn number(v: f64) -> String {
+    let a = v.abs();
+    if !v.is_finite() {
+        return v.to_string();
+    }
+    match a {
+        0.0 => "0".to_owned(),
+        _ if !(1e-4..1e8).contains(&a) => format!("{v:.3e}"),
+        _ if a >= 1e4 => format!("{v:.0}"),
+        _ => {
+            let digits = (4 - a.log10().floor() as i32).clamp(0, 8) as usize;
+            let text = format!("{v:.digits$}");
+            match text.contains('.') {
+                true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+                false => text,
+            }
+        }
+    }
+}
+
+/// A share in percent, rounded so that what is above 100 % is never shown as 100 %.
+pub(crate) fn percent(ratio: f64) -> String {
+    let p = ratio * 100.0;
+    if p > 100.0 && p < 100.01 {
+        ">100 %".to_owned()
+    } else if p < 1000.0 {
+        format!("{p:.2} %")
+    } else {
+        format!("{p:.0} %")
+    }
+}
+
+/// A time in the unit that suits it.
+fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 1e-3 => format!("{} us", number((s * 1e7).round() / 10.0)),
+        s if s < 1.0 => format!("{} ms", number((s * 1e5).round() / 100.0)),
+        s => format!("{} s", number((s * 1e3).round() / 1e3)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(name: &str, joint: Option<usize>, unit: LimitUnit, value: f64, limit: f64) -> LimitLine {
+        let ratio = (value / limit).abs();
+        LimitLine { name: name.to_owned(), joint, unit, value, limit, ratio, at_s_m: 0.123456, at_t_s: 1.234567 }
+    }
+
+    fn report() -> Report {
+        let mut limits = vec![
+            line("feed", None, LimitUnit::MetrePerSecond, 0.1, 0.1),
+            line("tangential acceleration", None, LimitUnit::MetrePerSecond2, -0.998, 1.0),
+        ];
+        for (name, unit) in [
+            ("joint position", LimitUnit::Radian),
+            ("joint velocity", LimitUnit::RadianPerSecond),
+            ("joint acceleration", LimitUnit::RadianPerSecond2),
+            ("joint jerk", LimitUnit::RadianPerSecond3),
+        ] {
+            limits.extend((1..=6).map(|j| line(name, Some(j), unit, 0.1 * j as f64, 3.0)));
+        }
+        Report {
+            path: "butterfly".to_owned(),
+            length_m: 0.382860311,
+            duration_s: 5.4321,
+            samples: 5434,
+            period_s: 1e-3,
+            segments: vec![
+                SegmentCount { method: "longest pieces".to_owned(), segments: 1174, max_deviation_m: 1e-6 },
+                SegmentCount { method: "hull halving".to_owned(), segments: 1911, max_deviation_m: 0.9e-6 },
+            ],
+            chord_tolerance_m: 1e-6,
+            max_deviation_m: 0.999e-6,
+            planning_time_s: 0.0123,
+            sampling_time_s: 0.0045,
+            motion_per_computing: 323.4,
+            limits,
+            warnings: vec!["the path passes the wrist singularity at 3 deg".to_owned()],
+            files: vec!["out/butterfly.csv".into(), "out/path.svg".into()],
+        }
+    }
+
+    #[test]
+    fn text_fits_one_screen_and_names_the_worst_of_each_limit() {
+        let text = report().to_string();
+        println!("{text}");
+        assert!(text.lines().count() <= 40);
+        assert!(text.lines().all(|l| l.chars().count() <= 100));
+        let velocity = text.lines().find(|l| l.contains("joint velocity")).expect("a line for it");
+        for part in ["J6", "34.377", "171.89", "deg/s", "20.00 %", "123.46", "1.235"] {
+            assert!(velocity.contains(part), "{part} in {velocity}");
+        }
+        let feed = text.lines().find(|l| l.trim_start().starts_with("feed")).expect("a line for it");
+        assert!(feed.contains("100 ") && feed.contains("mm/s") && feed.contains("100.00 %"), "{feed}");
+    }
+
+    #[test]
+    fn text_stays_on_one_screen_whatever_is_in_it() {
+        let mut r = report();
+        r.path = "x\n".repeat(300);
+        r.warnings = vec!["w".repeat(500); 50];
+        r.files = vec!["f".repeat(500).into(); 50];
+        for i in 0..40 {
+            r.limits.extend((1..=6).map(|j| line(&format!("kind {i}"), Some(j), LimitUnit::One, f64::NAN, 1e300)));
+        }
+        r.segments.extend(vec![SegmentCount { method: "m".repeat(50), segments: usize::MAX, max_deviation_m: 0.0 }; 9]);
+        for v in [&mut r.length_m, &mut r.duration_s, &mut r.motion_per_computing, &mut r.planning_time_s] {
+            *v = f64::NEG_INFINITY;
+        }
+        let text = r.to_string();
+        assert!(text.lines().count() <= 40, "{} lines", text.lines().count());
+        for l in text.lines() {
+            assert!(l.chars().count() <= 100, "{} columns: {l}", l.chars().count());
+        }
+    }
+
+    #[test]
+    fn a_broken_limit_is_marked_and_never_rounded_to_one_hundred_percent() {
+        let mut r = report();
+        r.limits[0].ratio = 1.00001;
+        assert_eq!(r.worst().map(|l| l.name.as_str()), Some("feed"));
+        let text = r.to_string();
+        let feed = text.lines().find(|l| l.contains(" feed")).expect("a line for it");
+        assert!(feed.starts_with('!') && feed.contains(">100 %"), "{feed}");
+    }
+
+    #[test]
+    fn json_keeps_si_with_units_in_the_keys() {
+        let text = report().to_json();
+        assert!(!text.contains('\n'));
+        let v: serde_json::Value = serde_json::from_str(&text).expect("valid JSON");
+        assert_eq!(v["length_m"], 0.382860311);
+        assert_eq!(v["samples"], 5434);
+        assert_eq!(v["segments"][1]["segments"], 1911);
+        assert_eq!(v["limits"][2]["name"], "joint position");
+        assert_eq!(v["limits"][2]["joint"], 1);
+        assert_eq!(v["limits"][0]["unit"], "m/s");
+        assert_eq!(v["limits"][0]["joint"], serde_json::Value::Null);
+        for key in ["ratio", "value", "limit", "at_s_m", "at_t_s"] {
+            assert!(v["limits"][0][key].is_number(), "{key}");
+        }
+        assert_eq!(v["files"][0], "out/butterfly.csv");
+    }
+
+    #[test]
+    fn numbers_are_short_and_keep_five_digits() {
+        for (v, text) in [
+            (0.0, "0"),
+            (100.0, "100"),
+            (382.860311, "382.86"),
+            (0.00123456, "0.0012346"),
+            (-5.4321, "-5.4321"),
+            (20000.0, "20000"),
+            (1e12, "1.000e12"),
+            (f64::NAN, "NaN"),
+        ] {
+            assert_eq!(number(v), text);
+        }
+    }
+}

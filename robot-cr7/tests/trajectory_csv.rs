@@ -1,0 +1,95 @@
+//! Trajectories written and read back.
+
+use std::path::Path;
+
+use proptest::prelude::*;
+use robot_cr7::{TRAJECTORY_COLUMNS, TrajectoryRow, TrajectoryWriter, read_trajectory, write_trajectory};
+
+fn row(values: &[f64]) -> TrajectoryRow {
+    let six = |from: usize| std::array::from_fn(|i| values[from + i]);
+    TrajectoryRow {
+        t: values[0],
+        q: six(1),
+        qd: six(7),
+        qdd: six(13),
+        jerk: six(19),
+        position: std::array::from_fn(|i| values[25 + i]),
+        quaternion: std::array::from_fn(|i| values[28 + i]),
+    }
+}
+
+fn written(rows: &[TrajectoryRow]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut writer = TrajectoryWriter::new(&mut bytes).expect("memory");
+    rows.iter().for_each(|r| writer.write(r).expect("memory"));
+    writer.finish().expect("memory");
+    bytes
+}
+
+fn refused(text: &str) -> String {
+    read_trajectory(text.as_bytes(), Path::new("t.csv")).expect_err("bad").to_string()
+}
+
+#[test]
+fn columns_name_their_units_and_stand_in_order() {
+    let values: Vec<f64> = (0..32).map(f64::from).collect();
+    let text = String::from_utf8(written(&[row(&values)])).expect("text");
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(lines.len(), 2);
+    assert!(lines[0].starts_with("t_s,q1_rad,") && lines[0].ends_with(",x_m,y_m,z_m,qx,qy,qz,qw"));
+    let names: Vec<&str> = lines[0].split(',').collect();
+    let cells: Vec<&str> = lines[1].split(',').collect();
+    assert_eq!(names, TRAJECTORY_COLUMNS);
+    for (name, value) in [("q6_rad", "6.0"), ("qd1_rad_s", "7.0"), ("qdd6_rad_s2", "18.0"), ("jerk1_rad_s3", "19.0")] {
+        let i = names.iter().position(|n| *n == name).expect("a column");
+        assert_eq!(cells[i], value, "{name}");
+    }
+}
+
+#[test]
+fn files_round_trip() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let file = folder.join("trajectory.csv");
+    let rows: Vec<_> =
+        (0..1000).map(|i| row(&std::array::from_fn::<f64, 32, _>(|k| (i * 32 + k) as f64 / 7.0))).collect();
+    write_trajectory(&file, rows.iter().copied()).expect("written");
+    let read = read_trajectory(std::fs::File::open(&file).expect("there"), &file).expect("read");
+    assert_eq!(read, rows);
+    let m = write_trajectory(&folder.join("no/such/t.csv"), rows).expect_err("no folder").to_string();
+    assert!(m.contains("no/such/t.csv") && m.contains("cannot be written") && m.contains("folder exists"), "{m}");
+}
+
+#[test]
+fn bad_trajectories_say_where() {
+    let header = TRAJECTORY_COLUMNS.join(",");
+    let zeros = vec!["0"; 32].join(",");
+    assert!(refused("").contains("t.csv: the file is empty"));
+    let m = refused("a,b\n");
+    assert!(m.contains("t.csv:1") && m.contains("2 columns") && m.contains("32"), "{m}");
+    let m = refused(&header.replace("qd3_rad_s", "qd3"));
+    assert!(m.contains("t.csv:1") && m.contains("column 10") && m.contains("\"qd3\""), "{m}");
+    let m = refused(&format!("{header}\n{zeros}\n{}", zeros.replacen('0', "NaN", 1)));
+    assert!(m.contains("t.csv:3") && m.contains("column 1") && m.contains("NaN"), "{m}");
+    let m = refused(&format!("{header}\n{zeros},1\n"));
+    assert!(m.contains("t.csv:2") && m.contains("33 columns"), "{m}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    #[test]
+    fn every_finite_number_reads_back_as_itself(
+        values in prop::collection::vec(any::<f64>().prop_filter("finite", |v| v.is_finite()), 32)
+    ) {
+        let read = read_trajectory(written(&[row(&values)]).as_slice(), Path::new("t.csv"));
+        let read = read.map_err(|e| TestCaseError::fail(e.to_string()))?;
+        prop_assert_eq!(read, vec![row(&values)]);
+    }
+
+    #[test]
+    fn random_bytes_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
+        if let Err(e) = read_trajectory(bytes.as_slice(), Path::new("t.csv")) {
+            prop_assert!(e.to_string().contains("t.csv"));
+        }
+    }
+}

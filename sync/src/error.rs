@@ -1,0 +1,28 @@
+//! What can be wrong with a request, with the numbers that say why.
+
+/// Why a synchronised motion was refused.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SyncError {
+    /// A number of one axis breaks a rule.
+    #[error("axis {axis}: {what} is {value}; it must be {rule}")]
+    Axis {
+        /// Index of the axis, from 0.
+        axis: usize,
+        /// Name of the argument.
+        what: &'static str,
+        /// The value given.
+        value: f64,
+        /// What the value must be.
+        rule: &'static str,
+    },
+    /// A requested duration is NaN, infinite or negative.
+    #[error("the least duration is {value} s; it must be finite and not negative")]
+    Duration {
+        /// The value given (s).
+        value: f64,
+    },
+    /// The scalar motion along the line cannot be built.
+    #[error("along the line: {0}")]
+    Line(#[from] arcfeed_feedrate::FeedError),
+}
