@@ -36,13 +36,25 @@ const BUCKETS_PER_PIECE: usize = 16;
 /// assert!((jet.curvature() - 1.0).abs() < 1e-14);
 /// # Ok::<(), arcfeed_geometry::GeometryError>(())
 /// ```
-#[derive(Debug, Clone)]
+#[derive(Clone)]
 pub struct NurbsCurve<const D: usize> {
     points: Vec<SVector<f64, D>>,
     weights: Vec<f64>,
     knots: KnotVector,
     homogeneous: Vec<Homogeneous>,
     pieces: Pieces,
+}
+
+/// What defines the curve, without the tables prepared for its evaluation.
+impl<const D: usize> std::fmt::Debug for NurbsCurve<D> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("NurbsCurve")
+            .field("degree", &self.degree())
+            .field("points", &self.points)
+            .field("weights", &self.weights)
+            .field("knots", &self.knots.as_slice())
+            .finish_non_exhaustive()
+    }
 }
 
 /// Two curves are equal when their degree, points, weights and knots are.

@@ -104,8 +104,10 @@ fn agrees_with_fifty_digits() {
         }
     }
     println!("worst: {worst:?}");
-    for ((what, worst), allowed) in
-        ["point", "d1", "d2", "d3", "curvature", "decomposition"].iter().zip(worst).zip([1e-14, 1e-14, 1e-13, 1e-11, 1e-13, 1e-14])
+    for ((what, worst), allowed) in ["point", "d1", "d2", "d3", "curvature", "decomposition"]
+        .iter()
+        .zip(worst)
+        .zip([1e-14, 1e-14, 1e-13, 1e-11, 1e-13, 1e-14])
     {
         assert!(worst <= allowed, "{what}: relative error {worst}");
     }

@@ -1,6 +1,8 @@
 //! What several tests share: fixtures, and a measurement of deviations that knows nothing of the library's own.
 #![allow(dead_code)]
 
+pub mod random;
+
 use arcfeed_geometry::{Curve, NurbsCurve, nalgebra::SVector};
 use serde::Deserialize;
 
