@@ -261,6 +261,9 @@ pub(crate) struct Frame {
 
 /// Power-basis pieces of a curve, each about its own middle, with a table that finds the piece of a parameter in
 /// constant time.
+///
+/// Powers and not Bernstein form: they are a third faster to evaluate and twice as fast for arc length. What they lose is
+/// some 5e-15 of the size of the curve at the ends of strongly rational pieces.
 #[derive(Debug, Clone)]
 pub(crate) struct Pieces {
     pub frames: Vec<Frame>,
