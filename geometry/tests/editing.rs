@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 use arcfeed_geometry::nalgebra::{Isometry3, UnitQuaternion, Vector3, vector};
 use arcfeed_geometry::{Curve, GeometryError, NurbsCurve};
 use common::de_boor;
-use common::random::{curve, unclamped};
+use common::random::{cases, curve, unclamped};
 use proptest::prelude::*;
 
 /// Largest distance between two curves over `[a, b]`, relative to the size of the first; the parameter of the second is
@@ -90,7 +90,7 @@ fn check_edits<const D: usize>(c: &NurbsCurve<D>, x: f64, y: f64) -> Result<(), 
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(200))]
+    #![proptest_config(cases(200))]
 
     #[test]
     fn edits_do_not_move_plane_curves(c in curve::<2>(), x in 0.01f64..0.99, y in 0.01f64..0.99) {

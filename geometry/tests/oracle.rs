@@ -3,7 +3,7 @@
 mod common;
 
 use arcfeed_geometry::{Curve, NurbsCurve, nalgebra::SVector};
-use common::points;
+use common::{points, published};
 use serde::Deserialize;
 
 #[derive(Deserialize)]
@@ -113,5 +113,33 @@ fn agrees_with_fifty_digits() {
         .zip([1e-14, 1e-14, 1e-13, 1e-11, 1e-12, 1e-14])
     {
         assert!(worst <= allowed, "{what}: relative error {worst}");
+    }
+}
+
+/// The Bezier pieces printed in Liu et al. 2023, Table 1, and in Actuators 2024, 13, 108, Table 1, with one error corrected
+/// in each: Bezier 1, third point, is (8.5, 11) (printed 12); Bezier 3, second point, is (6.3333, 5.3333) (x and y
+/// printed the wrong way round).
+#[test]
+fn decomposition_gives_the_printed_pieces() {
+    type Piece = [[f64; 2]; 4];
+    let liu: [Piece; 3] = [
+        [[5.0, 4.0], [6.0, 12.0], [8.5, 11.0], [9.25, 9.5]],
+        [[9.25, 9.5], [10.0, 8.0], [9.0, 6.0], [9.5, 4.75]],
+        [[9.5, 4.75], [10.0, 3.5], [12.0, 3.0], [11.0, 9.0]],
+    ];
+    let actuators: [Piece; 4] = [
+        [[1.0, 6.0], [2.0, 3.0], [3.5, 5.5], [4.4167, 5.9167]],
+        [[4.4167, 5.9167], [5.3333, 6.3333], [5.6667, 4.6667], [6.0, 5.0]],
+        [[6.0, 5.0], [6.3333, 5.3333], [6.6667, 7.6667], [7.3333, 7.3333]],
+        [[7.3333, 7.3333], [8.0, 7.0], [9.0, 4.0], [12.0, 3.0]],
+    ];
+    for (name, printed) in [("six_points", &liu[..]), ("seven_points", &actuators[..])] {
+        let pieces = published(name).decompose();
+        assert_eq!(pieces.len(), printed.len());
+        for (piece, printed) in pieces.iter().zip(printed) {
+            for (p, q) in piece.control_points().zip(printed) {
+                assert!((p.x - q[0]).abs() < 5.1e-5 && (p.y - q[1]).abs() < 5.1e-5, "{name}: {p} printed as {q:?}");
+            }
+        }
     }
 }

@@ -4,7 +4,7 @@ mod common;
 
 use arcfeed_geometry::nalgebra::{Isometry3, vector};
 use arcfeed_geometry::{ChordMeter, GeometryError, KnotVector, NurbsCurve, Segmentation, SegmentationMethod};
-use common::random::curve;
+use common::random::{cases, curve};
 use common::{dense_deviation, distance_from_segment, published};
 use proptest::prelude::*;
 
@@ -48,7 +48,7 @@ fn counts_on_published_curves() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(60))]
+    #![proptest_config(cases(60))]
 
     #[test]
     fn random_plane_curves_keep_the_tolerance(c in curve::<2>(), exponent in -3.0f64..1.5) {

@@ -39,3 +39,8 @@ pub fn unclamped<const D: usize>() -> impl Strategy<Value = NurbsCurve<D>> {
         NurbsCurve::new(p, c.control_points().to_vec(), c.weights().to_vec(), knots).unwrap()
     })
 }
+
+/// So many cases; failing input is printed, not written to files.
+pub fn cases(cases: u32) -> ProptestConfig {
+    ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }
+}
