@@ -1,4 +1,5 @@
 //! Edits do not move the curve; shapes are exact.
+#![allow(clippy::unwrap_used)]
 
 mod common;
 

@@ -1,4 +1,5 @@
 //! Interpolation and least-squares fits of points.
+#![allow(clippy::unwrap_used)]
 
 mod common;
 

@@ -1,4 +1,5 @@
 //! Evaluation and decomposition against values computed with 50 digits.
+#![allow(clippy::unwrap_used)]
 
 mod common;
 

@@ -1,4 +1,5 @@
 //! Segment counts on the published curves, and the one promise of every segmentation: no piece exceeds its tolerance.
+#![allow(clippy::unwrap_used)]
 
 mod common;
 

@@ -1,5 +1,5 @@
 //! What several tests share: fixtures, and a measurement of deviations that knows nothing of the library's own.
-#![allow(dead_code)]
+#![allow(dead_code, clippy::unwrap_used)]
 
 pub mod random;
 
