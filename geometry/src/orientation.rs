@@ -165,7 +165,7 @@ impl OrientationPath {
             let mut unwrapped = Vec::with_capacity(psi.len());
             let mut last = 0.0;
             for &h in &psi {
-                last += ((h - last)).sin().atan2((h - last).cos());
+                last += (h - last).sin().atan2((h - last).cos());
                 unwrapped.push([last]);
             }
             let spline = CubicSpline::natural(s.clone(), unwrapped);

@@ -23,11 +23,10 @@ const ROUNDS: usize = 4;
 
 /// Ways to share the coupled limits between speed, acceleration and jerk; the planner tries all and keeps the fastest
 /// plan. They cost one scan each.
-const SHARES: [Shares; 4] = [
-    Shares { acceleration: 0.5, jerk: 0.4, speed: 0.6 },
-    Shares { acceleration: 0.3, jerk: 0.3, speed: 0.6 },
-    Shares { acceleration: 0.7, jerk: 0.5, speed: 0.5 },
-    Shares { acceleration: 0.4, jerk: 0.6, speed: 0.4 },
+const SHARES: [Shares; 3] = [
+    Shares { acceleration: 0.4, jerk: 0.3, speed: 0.6 },
+    Shares { acceleration: 0.4, jerk: 0.4, speed: 0.5 },
+    Shares { acceleration: 0.4, jerk: 0.3, speed: 0.8 },
 ];
 
 /// How the speed is scanned along the path.

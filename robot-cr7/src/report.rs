@@ -354,6 +354,7 @@ mod tests {
             chord_tolerance_m: 1e-6,
             max_deviation_m: 0.999e-6,
             planning_time_s: 0.0123,
+            verification_time_s: 0.1,
             sampling_time_s: 0.0045,
             motion_per_computing: 323.4,
             limits,
