@@ -156,7 +156,7 @@ fn badness(line: &LimitLine) -> f64 {
 }
 
 /// Lines of the text form that each kind of content may take, so that all of it stays on one screen of 40 lines.
-const MOST_LIMITS: usize = 12;
+const MOST_LIMITS: usize = 15;
 const MOST_JOINT_ROWS: usize = 5;
 const MOST_WARNINGS: usize = 3;
 const MOST_FILES: usize = 5;
@@ -172,7 +172,15 @@ impl Display for Report {
         pair(
             f,
             ("length", format!("{} mm", number(self.length_m * 1e3))),
-            ("duration", format!("{} s, {} samples", number(self.duration_s), self.samples)),
+            (
+                "duration",
+                format!(
+                    "{} s, {} samples at {} ms",
+                    number(self.duration_s),
+                    self.samples,
+                    number(self.period_s * 1e3)
+                ),
+            ),
         )?;
         pair(
             f,
@@ -184,20 +192,15 @@ impl Display for Report {
             let comma = if i == 0 { "" } else { ", " };
             segments += &format!("{comma}{} {}", s.segments, s.method);
         }
-        pair(
+        writeln!(
             f,
-            (
-                "computing",
-                format!(
-                    "{} plan, {} verify, {} sample",
-                    duration(self.planning_time_s),
-                    duration(self.verification_time_s),
-                    duration(self.sampling_time_s)
-                ),
-            ),
-            ("period", format!("{} ms", number(self.period_s * 1e3))),
+            "  {:<11}{} plan, {} verify, {} sample: {} s of motion per second of computing",
+            "computing",
+            duration(self.planning_time_s),
+            duration(self.verification_time_s),
+            duration(self.sampling_time_s),
+            number(self.motion_per_computing)
         )?;
-        writeln!(f, "  {:<11}{} s of motion per second of computing", "", number(self.motion_per_computing))?;
         writeln!(f, "  {:<11}{}", "segments", clip(&segments, WIDTH - 13))?;
 
         let groups = self.groups();

@@ -48,12 +48,36 @@ pub fn plan_joined(segments: &[Segment], v_start: f64, v_end: f64) -> Result<Spe
     plan.finish(s[segments.len()], v_end).checked()
 }
 
+/// Like [`plan_joined`], if the whole path can be joined at the first attempt, else `None`: a fraction of the time, for
+/// callers who have several lists of segments to choose from.
+///
+/// # Errors
+/// When there is no segment, or a speed is negative, not finite or above the cap at its end of the path.
+pub fn plan_joined_at_once(segments: &[Segment], v_start: f64, v_end: f64) -> Result<Option<SpeedPlan>, FeedError> {
+    let caps = checked_caps(segments, v_start, v_end)?;
+    if v_start > caps[0] {
+        return Ok(None);
+    }
+    let s = boundaries(segments);
+    let Some(steps) = attempt(segments, &s, v_start, v_end, SLACKS[0], None) else { return Ok(None) };
+    let mut plan = PlanBuilder::with_capacity(steps.len());
+    for step in &steps {
+        plan.push(step.phase.s, step.phase.v, step.phase.a, step.phase.j, step.dt);
+    }
+    plan.finish(s[segments.len()], v_end).checked().map(Some)
+}
+
+/// How far the lines of the ceiling may lie below the caps, relative in v^2; the first is the usual one.
+const SLACKS: [f64; 3] = [0.01, 0.02, 0.005];
+
 /// Appends the joined motion over `segments`, which start at `s0`; `false`, and nothing appended, if no join is found.
 fn join(segments: &[Segment], s0: f64, v_start: f64, v_end: f64, plan: &mut PlanBuilder) -> bool {
     let s = boundaries(segments);
     let least = segments.iter().map(|segment| segment.j_max).fold(f64::INFINITY, f64::min);
     // A join can fail where bounds change in an unlucky place; another set of lines has other places.
-    for (slack, jerk) in [(0.01, None), (0.02, None), (0.005, None), (0.01, Some(least)), (0.02, Some(least))] {
+    let ways =
+        SLACKS.map(|slack| (slack, None)).into_iter().chain([(SLACKS[0], Some(least)), (SLACKS[1], Some(least))]);
+    for (slack, jerk) in ways {
         if let Some(steps) = attempt(segments, &s, v_start, v_end, slack, jerk) {
             for step in &steps {
                 let p = step.phase;
