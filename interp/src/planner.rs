@@ -191,7 +191,8 @@ where
         let begin = Instant::now();
         let knots = path.knots();
         let grid = grid::build(&path, &knots, &breaks, &self.tool);
-        let joint_path = JointPath::new(self.arm, &path, start, &grid, &knots)?;
+        let joint_path = JointPath::new(self.arm, &path, start, &grid, &knots)
+            .map_err(|e| e.within(self.joints.lower(), self.joints.upper()))?;
         timings.joint_path = begin.elapsed();
 
         let stops: Vec<usize> =
