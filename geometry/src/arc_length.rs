@@ -11,7 +11,13 @@ use crate::quadrature::check_tolerance;
 /// at 1e-12 mm on common test curves 13 is fastest.
 const DEGREE: usize = 13;
 /// Chebyshev nodes at which `|C'|` is sampled while the map is built.
-const SPEED_NODES: usize = 18;
+const SPEED_NODES: usize = 20;
+/// A piece is resolved when Newton's method inverts it in this many steps; from a straight line it takes four or five.
+const MOST_STEPS: usize = 10;
+/// On one piece of the map the speed `|C'|` drops by this factor at most; a curve that stands still never gets there.
+const SLOWEST: f64 = 0.02;
+/// Entries of the table that finds the piece of an arc length, per piece.
+const BUCKETS_PER_PIECE: usize = 8;
 /// A knot span is halved at most this often before the curve is said to stand still.
 const MAX_HALVINGS: u32 = 36;
 
@@ -39,6 +45,8 @@ const MAX_HALVINGS: u32 = 36;
 pub struct ArcLengthCurve<const D: usize> {
     curve: NurbsCurve<D>,
     pieces: Vec<MapPiece>,
+    /// The curve's own parameter at the end of each piece.
+    ends: Vec<f64>,
     buckets: Vec<u32>,
     bucket_scale: f64,
     length: f64,
@@ -80,6 +88,19 @@ impl MapPiece {
     }
 }
 
+impl MapPiece {
+    /// Local parameter of the curve's piece and its derivative by arc length.
+    fn local_and_slope(&self, s: f64) -> (f64, f64) {
+        let x = self.x(s);
+        let (mut t, mut slope) = (0.0, 0.0);
+        for c in self.c.iter().rev() {
+            slope = slope * x + t;
+            t = t * x + c;
+        }
+        (t, slope * self.scale)
+    }
+}
+
 /// A place where the direction of the path jumps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Corner {
@@ -106,13 +127,27 @@ impl<const D: usize> ArcLengthCurve<D> {
             return Err(GeometryError::ZeroLength { length: rough });
         }
         let tolerance = tolerance.max(2.0 * f64::EPSILON * (size + rough));
-        let mut builder = Builder { curve: &curve, tolerance, rough, pieces: Vec::new(), length: 0.0, rest: 0.0 };
+        let mut builder = Builder {
+            curve: &curve,
+            tolerance,
+            rough,
+            pieces: Vec::new(),
+            length: 0.0,
+            lost: 0.0,
+            speed_nodes: Chebyshev::new(),
+            map_nodes: Chebyshev::new(),
+        };
         for piece in 0..curve.pieces().frames.len() {
             builder.add(piece, -1.0, 1.0, MAX_HALVINGS)?;
         }
         let (pieces, length) = (builder.pieces, builder.length);
 
-        let count = 8 * pieces.len();
+        let own = |m: &MapPiece| {
+            let f = &curve.pieces().frames[m.piece as usize];
+            f.middle + m.local(m.end) / f.scale
+        };
+        let ends = pieces.iter().map(own).collect();
+        let count = BUCKETS_PER_PIECE * pieces.len();
         let bucket_scale = count as f64 / length;
         let mut buckets = Vec::with_capacity(count);
         let mut i = 0;
@@ -124,7 +159,7 @@ impl<const D: usize> ArcLengthCurve<D> {
             }
             buckets.push(i as u32);
         }
-        Ok(Self { curve, pieces, buckets, bucket_scale, length })
+        Ok(Self { curve, pieces, ends, buckets, bucket_scale, length })
     }
 
     /// Length of the curve.
@@ -154,6 +189,12 @@ impl<const D: usize> ArcLengthCurve<D> {
 
     /// The curve's own parameter at the arc length `s` (taken to the nearest end outside `[0, length]`).
     pub fn parameter(&self, s: f64) -> f64 {
+        // The ends exactly; the rest of the computation rounds.
+        if s >= self.length {
+            return self.curve.domain().1;
+        } else if s.is_nan() || s <= 0.0 {
+            return self.curve.domain().0;
+        }
         let m = &self.pieces[self.find(s)];
         let f = &self.curve.pieces().frames[m.piece as usize];
         (f.middle + m.local(s) / f.scale).max(f.start).min(f.end)
@@ -162,31 +203,25 @@ impl<const D: usize> ArcLengthCurve<D> {
     /// Arc length from the start to the curve's own parameter `u`: the inverse of [`ArcLengthCurve::parameter`].
     pub fn arc_length_at(&self, u: f64) -> f64 {
         let (a, b) = self.curve.domain();
-        let u = u.max(a).min(b);
-        let piece = self.curve.pieces().find(u);
-        let t = self.curve.pieces().local(piece, u);
-        // Map pieces are in order of (curve piece, local parameter); `local` at their end tells which one holds t.
-        let i = self
-            .pieces
-            .partition_point(|m| (m.piece as usize) < piece || (m.piece as usize == piece && m.local(m.end) < t));
-        let m = &self.pieces[i.min(self.pieces.len() - 1)];
-        // t(s) increases on the piece: a bracketed Newton search cannot fail and needs two or three steps.
-        let (mut low, mut high) = (m.start, m.end);
-        let mut s = 0.5 * (low + high);
-        for _ in 0..60 {
-            let error = m.local(s) - t;
-            if error > 0.0 {
-                high = s;
-            } else {
-                low = s;
-            }
-            let slope = 1.0 / self.curve.pieces().local_speed(piece, m.local(s));
-            let newton = s - error / slope;
-            let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
-            if (next - s).abs() <= f64::EPSILON * self.length {
-                return next;
-            }
+        // The ends exactly; the rest of the computation rounds.
+        if u >= b {
+            return self.length;
+        } else if u.is_nan() || u <= a {
+            return 0.0;
+        }
+        let i = self.ends.partition_point(|&end| end < u).min(self.pieces.len() - 1);
+        let m = &self.pieces[i];
+        let t = self.curve.pieces().local(m.piece as usize, u);
+        // t(s) increases on the piece and is nearly straight: Newton's method, kept on the piece, needs a few steps.
+        let mut s = m.middle;
+        for _ in 0..MOST_STEPS {
+            let (at, slope) = m.local_and_slope(s);
+            let next = (s - (at - t) / slope).max(m.start).min(m.end);
+            let step = (next - s).abs();
             s = next;
+            if step <= 4.0 * f64::EPSILON * self.length {
+                break;
+            }
         }
         s
     }
@@ -222,7 +257,8 @@ impl<const D: usize> ArcLengthCurve<D> {
         for pair in self.pieces.windows(2) {
             let frames = &self.curve.pieces().frames;
             let (a, b) = (pair[0].piece as usize, pair[1].piece as usize);
-            if a != b && self.curve.knots().as_slice().contains(&frames[b].start) {
+            // The knots are sorted, and pieces start at them exactly.
+            if a != b && self.curve.knots().as_slice().binary_search_by(|k| k.total_cmp(&frames[b].start)).is_ok() {
                 out.push(pair[1].start);
             }
         }
@@ -252,17 +288,26 @@ struct Builder<'a, const D: usize> {
     rough: f64,
     pieces: Vec<MapPiece>,
     length: f64,
-    /// What the running sum `length` lost to rounding (Kahan's summation).
-    rest: f64,
+    /// What the running sum `length` gained by rounding (Kahan's summation).
+    lost: f64,
+    speed_nodes: Chebyshev<SPEED_NODES>,
+    map_nodes: Chebyshev<{ DEGREE + 1 }>,
 }
 
 impl<const D: usize> Builder<'_, D> {
     /// Covers the local parameters `[t0, t1]` of a curve piece, halving until both `s(t)` and `t(s)` are resolved.
     fn add(&mut self, piece: usize, t0: f64, t1: f64, halvings: u32) -> Result<(), GeometryError> {
-        if let Some(map) = self.fit(piece, t0, t1) {
-            self.length = map.end;
-            self.pieces.push(map);
-            return Ok(());
+        if let Some((total, c)) = self.fit(piece, t0, t1) {
+            let start = self.length;
+            let add = total - self.lost;
+            let end = start + add;
+            if end > start {
+                self.lost = (end - start) - add;
+                self.length = end;
+                let (middle, scale) = (0.5 * (start + end), 2.0 / (end - start));
+                self.pieces.push(MapPiece { start, end, middle, scale, c, piece: piece as u32 });
+                return Ok(());
+            }
         }
         let middle = 0.5 * (t0 + t1);
         if halvings == 0 {
@@ -278,21 +323,24 @@ impl<const D: usize> Builder<'_, D> {
         self.add(piece, middle, t1, halvings - 1)
     }
 
-    /// One map piece for `[t0, t1]`, or `None` where its polynomials do not resolve the curve to the tolerance.
-    fn fit(&mut self, piece: usize, t0: f64, t1: f64) -> Option<MapPiece> {
+    /// Length of `[t0, t1]` and the coefficients of its map, or `None` where polynomials do not resolve it to the
+    /// tolerance.
+    fn fit(&self, piece: usize, t0: f64, t1: f64) -> Option<(f64, [f64; DEGREE + 1])> {
         let (middle, half) = (0.5 * (t0 + t1), 0.5 * (t1 - t0));
-        let nodes = chebyshev::<SPEED_NODES>();
-        let mut speed = [0.0; SPEED_NODES];
-        for (v, x) in speed.iter_mut().zip(&nodes.points) {
-            *v = half * self.curve.pieces().local_speed(piece, middle + half * x);
-        }
-        let f = nodes.coefficients(&speed);
-        let slowest = speed.iter().fold(f64::INFINITY, |m, &v| m.min(v));
-        if slowest.is_nan() || slowest <= 0.0 {
+        let pieces = self.curve.pieces();
+        let at = self.speed_nodes.points.map(|x| middle + half * x);
+        let speed = pieces.local_speeds::<D, SPEED_NODES>(piece, &at).map(|v| half * v);
+        let (slowest, fastest) = speed.iter().fold((f64::INFINITY, 0.0f64), |(a, b), &v| (a.min(v), b.max(v)));
+        // Where the curve stands still its speed drops by any factor, however short the piece: the nodes may miss that,
+        // the ends do not. Written so that NaN fails.
+        let ends = pieces.local_speeds::<D, 4>(piece, &[t0, middle, middle, t1]).map(|v| half * v);
+        if !(slowest.min(ends[0]).min(ends[3]) > SLOWEST * fastest && fastest.is_finite()) {
             return None;
         }
-        // Resolved when the last coefficients are below the tolerance or drowned in rounding.
-        let noise = 4.0 * f64::EPSILON * f[0].abs();
+        let f = self.speed_nodes.coefficients(&speed);
+        // Resolved when the last coefficients are below the tolerance or drowned in rounding; of the noise of the single
+        // values a quarter is left in a coefficient.
+        let noise = (4.0 * f64::EPSILON * f[0].abs()).max(0.25 * half * pieces.speed_noise(piece));
         if f[SPEED_NODES - 3..].iter().any(|c| c.abs() > (0.1 * self.tolerance).max(noise)) {
             return None;
         }
@@ -304,127 +352,123 @@ impl<const D: usize> Builder<'_, D> {
             b[k] = (below - above) / (2 * k) as f64;
         }
         b[0] = -(1..=SPEED_NODES).map(|k| if k % 2 == 0 { b[k] } else { -b[k] }).sum::<f64>();
-        let total = clenshaw(&b, 1.0);
+        // s(1): all T_k(1) are 1.
+        let total = b.iter().rev().sum::<f64>();
         if total.is_nan() || total <= 0.0 {
             return None;
         }
 
         // Invert at Chebyshev nodes of s.
-        let out = chebyshev::<{ DEGREE + 1 }>();
-        let mut x_at = [0.0; DEGREE + 1];
-        for (x, y) in x_at.iter_mut().zip(&out.points) {
-            *x = solve_increasing(&b, &f, 0.5 * total * (1.0 + y), *y)?;
-        }
-        let mut c = out.coefficients(&x_at);
+        let x_at = solve_increasing(&b, &f, total, &self.map_nodes.points)?;
+        let mut c = self.map_nodes.coefficients(&x_at);
         // An error of c in x moves the point along the curve by about |ds/dx| times as much.
-        let fastest = speed.iter().fold(0.0f64, |m, &v| m.max(v));
-        let limit = (self.tolerance / fastest).max(4.0 * f64::EPSILON);
+        let limit = (self.tolerance / fastest).max(4.0 * f64::EPSILON).max(noise / fastest);
         if c[DEGREE - 1].abs() + c[DEGREE].abs() > limit {
             return None;
         }
         // Make the ends exact: x(-1) = -1, x(1) = 1 take up the last rounding, so that pieces join without a gap.
-        let (at_end, at_start) = (clenshaw(&c, 1.0), clenshaw(&c, -1.0));
+        let at_end = c.iter().rev().sum::<f64>();
+        let at_start = c.iter().enumerate().rev().map(|(k, c)| if k % 2 == 0 { *c } else { -c }).sum::<f64>();
         c[0] -= 0.5 * ((at_end - 1.0) + (at_start + 1.0));
         c[1] -= 0.5 * ((at_end - 1.0) - (at_start + 1.0));
-        let mut powers = to_powers(&c);
-        powers.iter_mut().for_each(|p| *p *= half);
+        let mut powers = self.map_nodes.to_powers(&c).map(|p| p * half);
         powers[0] += middle;
-
-        let start = self.length;
-        let add = total - self.rest;
-        let end = start + add;
-        self.rest = (end - start) - add;
-        if end <= start {
-            return None;
-        }
-        Some(MapPiece {
-            start,
-            end,
-            middle: 0.5 * (start + end),
-            scale: 2.0 / (end - start),
-            c: powers,
-            piece: piece as u32,
-        })
+        Some((total, powers))
     }
 }
 
-/// Solves `s(x) = target` on [-1, 1] for an increasing series `s` with derivative `f`, by Newton's method inside a
-/// bracket.
-fn solve_increasing(s: &[f64], f: &[f64], target: f64, guess: f64) -> Option<f64> {
-    let (mut low, mut high) = (-1.0, 1.0);
-    let mut x = guess;
-    for _ in 0..60 {
-        let error = clenshaw(s, x) - target;
-        if error > 0.0 {
-            high = x;
-        } else {
-            low = x;
+/// Solves `s(x) = total (1 + y) / 2` on [-1, 1] for all `y`, with an increasing series `s` from 0 to `total` and its
+/// derivative `f`, by Newton's method. `None` where it does not settle: the series is not resolved then.
+fn solve_increasing<const N: usize>(
+    s: &[f64; SPEED_NODES + 1],
+    f: &[f64; SPEED_NODES],
+    total: f64,
+    y: &[f64; N],
+) -> Option<[f64; N]> {
+    let mut x = *y;
+    for _ in 0..MOST_STEPS {
+        let (at, slope) = (clenshaw(s, &x), clenshaw(f, &x));
+        let mut largest = 0.0f64;
+        for j in 0..N {
+            let next = (x[j] - (at[j] - 0.5 * total * (1.0 + y[j])) / slope[j]).max(-1.0).min(1.0);
+            largest = largest.max((next - x[j]).abs());
+            x[j] = next;
         }
-        let newton = x - error / clenshaw(f, x);
-        let next = if newton >= low && newton <= high { newton } else { 0.5 * (low + high) };
-        if (next - x).abs() <= 2.0 * f64::EPSILON {
-            return Some(next);
+        // The error is squared from step to step.
+        if largest <= 1e-9 {
+            return Some(x);
         }
-        x = next;
     }
-    // The series is not increasing to the last digit: not resolved.
     None
 }
 
-/// Chebyshev points of the first kind, with the cosines that turn values into coefficients.
+/// Chebyshev points of the first kind, with what turns values into coefficients and those into powers.
 struct Chebyshev<const N: usize> {
     points: [f64; N],
-    cosines: [[f64; N]; N],
+    /// `scale * T_k(x_j)`, by `k`.
+    projections: [[f64; N]; N],
+    /// Coefficients of `T_k` by powers.
+    powers: [[f64; N]; N],
 }
 
 impl<const N: usize> Chebyshev<N> {
-    fn coefficients(&self, values: &[f64; N]) -> [f64; N] {
-        std::array::from_fn(|k| {
-            let sum: f64 = (0..N).map(|j| values[j] * self.cosines[k][j]).sum();
-            sum * if k == 0 { 1.0 } else { 2.0 } / N as f64
-        })
-    }
-}
-
-fn chebyshev<const N: usize>() -> Chebyshev<N> {
-    let angle = |j: usize| std::f64::consts::PI * (j as f64 + 0.5) / N as f64;
-    Chebyshev {
-        points: std::array::from_fn(|j| angle(j).cos()),
-        cosines: std::array::from_fn(|k| std::array::from_fn(|j| (k as f64 * angle(j)).cos())),
-    }
-}
-
-/// Value of a Chebyshev series.
-fn clenshaw(c: &[f64], x: f64) -> f64 {
-    let (mut b1, mut b2) = (0.0, 0.0);
-    for &ck in c[1..].iter().rev() {
-        (b1, b2) = (2.0 * x * b1 - b2 + ck, b1);
-    }
-    x * b1 - b2 + c[0]
-}
-
-/// A Chebyshev series in powers of x.
-fn to_powers<const N: usize>(c: &[f64; N]) -> [f64; N] {
-    let mut out = [0.0; N];
-    // T_0 = 1, T_1 = x, T_{k+1} = 2 x T_k - T_{k-1}.
-    let (mut before, mut now) = ([0.0; N], [0.0; N]);
-    before[0] = 1.0;
-    now[1] = 1.0;
-    out[0] = c[0];
-    for (k, ck) in c.iter().enumerate().skip(1) {
-        for (o, n) in out.iter_mut().zip(&now) {
-            *o += ck * n;
-        }
-        if k + 1 < N {
-            let mut next = [0.0; N];
+    fn new() -> Self {
+        // All the cosines needed are those of multiples of pi / 2N, each to the last digit.
+        let cosine = |m: usize| (std::f64::consts::PI * m as f64 / (2 * N) as f64).cos();
+        let quarter: [f64; N] = std::array::from_fn(cosine);
+        let cosine = |m: usize| match m % (4 * N) {
+            m if m < N => quarter[m],
+            m if m == N || m == 3 * N => 0.0,
+            m if m < 2 * N => -quarter[2 * N - m],
+            m if m == 2 * N => -1.0,
+            m if m < 3 * N => -quarter[m - 2 * N],
+            m => quarter[4 * N - m],
+        };
+        let scale = |k: usize| if k == 0 { 1.0 } else { 2.0 } / N as f64;
+        let mut powers = [[0.0; N]; N];
+        powers[0][0] = 1.0;
+        powers[1][1] = 1.0;
+        for k in 2..N {
+            // T_k = 2 x T_{k-1} - T_{k-2}.
             for i in 0..N {
-                let shifted = if i > 0 { now[i - 1] } else { 0.0 };
-                next[i] = 2.0 * shifted - before[i];
+                let shifted = if i > 0 { powers[k - 1][i - 1] } else { 0.0 };
+                powers[k][i] = 2.0 * shifted - powers[k - 2][i];
             }
-            (before, now) = (now, next);
+        }
+        Self {
+            points: std::array::from_fn(|j| cosine(2 * j + 1)),
+            projections: std::array::from_fn(|k| std::array::from_fn(|j| scale(k) * cosine(k * (2 * j + 1)))),
+            powers,
         }
     }
-    out
+
+    fn coefficients(&self, values: &[f64; N]) -> [f64; N] {
+        self.projections.each_ref().map(|row| row.iter().zip(values).map(|(r, v)| r * v).sum())
+    }
+
+    /// A Chebyshev series in powers of x.
+    fn to_powers(&self, c: &[f64; N]) -> [f64; N] {
+        let mut out = [0.0; N];
+        // The small terms first.
+        for (ck, row) in c.iter().zip(&self.powers).rev() {
+            for (o, p) in out.iter_mut().zip(row) {
+                *o += ck * p;
+            }
+        }
+        out
+    }
+}
+
+/// Values of a Chebyshev series at several places at once: the loop over the places becomes vector instructions.
+#[inline]
+fn clenshaw<const N: usize>(c: &[f64], x: &[f64; N]) -> [f64; N] {
+    let (mut b1, mut b2) = ([0.0; N], [0.0; N]);
+    for &ck in c[1..].iter().rev() {
+        for j in 0..N {
+            (b1[j], b2[j]) = (2.0 * x[j] * b1[j] - b2[j] + ck, b1[j]);
+        }
+    }
+    std::array::from_fn(|j| x[j] * b1[j] - b2[j] + c[0])
 }
 
 #[cfg(test)]
@@ -433,13 +477,13 @@ mod tests {
 
     #[test]
     fn chebyshev_series_and_powers_agree_with_the_function() {
-        let nodes = chebyshev::<14>();
+        let nodes = Chebyshev::<14>::new();
         let values = nodes.points.map(|x: f64| (0.3 * x).exp());
         let c = nodes.coefficients(&values);
-        let p = to_powers(&c);
+        let p = nodes.to_powers(&c);
         for x in [-1.0, -0.37, 0.0, 0.81, 1.0] {
             let exact = (0.3 * x as f64).exp();
-            assert!((clenshaw(&c, x) - exact).abs() < 4e-15);
+            assert!((clenshaw(&c, &[x])[0] - exact).abs() < 4e-15);
             assert!((p.iter().rev().fold(0.0, |s, &k| s * x + k) - exact).abs() < 4e-15);
         }
     }
