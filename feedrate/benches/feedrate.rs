@@ -1,6 +1,16 @@
 //! What one S-profile, one scan and one sample cost.
 //!
-//! Not yet measured.
+//! Medians on a 2-core AMD EPYC VM with other work on it:
+//!
+//! | what | time |
+//! |---|---|
+//! | one S-profile, random cases | 119 ns |
+//! | one change of speed | 31 ns |
+//! | per segment, 300 / 3000 segments | 54 us / 0.56 ms |
+//! | joined, 300 / 3000 segments | 0.34 ms / 3.0 ms |
+//! | window of 10, 300 / 3000 segments | 0.25 ms / 3.0 ms |
+//! | `at(t)` of a plan with some 3700 phases | 48 ns |
+//! | cursor, per sample | 7 ns |
 #![allow(missing_docs)]
 use std::hint::black_box;
 

@@ -48,7 +48,7 @@ pub mod state;
 pub use error::FeedError;
 pub use limits::MotionLimits;
 pub use plan::{Cursor, SpeedPlan};
-pub use scan::joined::plan_joined;
+pub use scan::joined::{plan_joined, plan_joined_at_once};
 pub use scan::segment::{boundary_speeds, plan_per_segment, plan_windowed};
 pub use scan::{Segment, boundaries};
 pub use scurve::change::SpeedChange;

@@ -1,4 +1,5 @@
 //! Plans over segments, judged by dense sampling of their phases.
+#![allow(clippy::unwrap_used)]
 mod common;
 
 use arcfeed_feedrate::{

@@ -1,5 +1,8 @@
 //! The three segmentations of the butterfly at 0.001 mm.
-#![allow(missing_docs)]
+//!
+//! Measured on a 2-core AMD EPYC VM shared with other work (fastest of 60 runs): hull 1.0 ms (1911 pieces), C type 1.5 ms
+//! (1678), longest within knots 1.9 ms (1174), longest across knots 2.0 ms (1153).
+#![allow(missing_docs, clippy::unwrap_used)]
 
 mod published;
 

@@ -148,7 +148,11 @@ impl ChordMeter {
         self.points.extend(h.iter().map(|h| [h[0] - h[3] * a[0], h[1] - h[3] * a[1], h[2] - h[3] * a[2], h[3]]));
         // As in `run`: the loops unroll for cubics.
         let part = &mut self.points[first..];
-        if part.len() == 4 { cut_out(&mut part[..4], t0, t1) } else { cut_out(part, t0, t1) }
+        if part.len() == 4 {
+            cut_out(&mut part[..4], t0, t1)
+        } else {
+            cut_out(part, t0, t1)
+        }
         let n = self.order;
         let (d0, d1) = (self.distance2(&self.points[first]), self.distance2(&self.points[first + n - 1]));
         if self.parts.is_empty() {

@@ -96,11 +96,7 @@ impl<const D: usize> NurbsCurve<D> {
     }
 }
 
-fn check_input<const D: usize>(
-    points: &[SVector<f64, D>],
-    degree: usize,
-    needed: usize,
-) -> Result<(), GeometryError> {
+fn check_input<const D: usize>(points: &[SVector<f64, D>], degree: usize, needed: usize) -> Result<(), GeometryError> {
     if degree == 0 {
         return Err(GeometryError::DegreeZero);
     }

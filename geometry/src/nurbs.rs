@@ -36,13 +36,25 @@ const BUCKETS_PER_PIECE: usize = 16;
 /// assert!((jet.curvature() - 1.0).abs() < 1e-14);
 /// # Ok::<(), arcfeed_geometry::GeometryError>(())
 /// ```
-#[derive(Debug, Clone)]
+#[derive(Clone)]
 pub struct NurbsCurve<const D: usize> {
     points: Vec<SVector<f64, D>>,
     weights: Vec<f64>,
     knots: KnotVector,
     homogeneous: Vec<Homogeneous>,
     pieces: Pieces,
+}
+
+/// What defines the curve, without the tables prepared for its evaluation.
+impl<const D: usize> std::fmt::Debug for NurbsCurve<D> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("NurbsCurve")
+            .field("degree", &self.degree())
+            .field("points", &self.points)
+            .field("weights", &self.weights)
+            .field("knots", &self.knots.as_slice())
+            .finish_non_exhaustive()
+    }
 }
 
 /// Two curves are equal when their degree, points, weights and knots are.
@@ -249,6 +261,9 @@ pub(crate) struct Frame {
 
 /// Power-basis pieces of a curve, each about its own middle, with a table that finds the piece of a parameter in
 /// constant time.
+///
+/// Powers and not Bernstein form: they are a third faster to evaluate and twice as fast for arc length. What they lose is
+/// some 5e-15 of the size of the curve at the ends of strongly rational pieces.
 #[derive(Debug, Clone)]
 pub(crate) struct Pieces {
     pub frames: Vec<Frame>,

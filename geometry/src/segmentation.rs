@@ -99,7 +99,7 @@ impl<const D: usize> NurbsCurve<D> {
     /// let curve = NurbsCurve::bspline(2, points, vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0])?;
     /// let pieces = curve.segment(SegmentationMethod::Longest { across_knots: false }, 1e-3)?;
     /// assert!(pieces.max_deviation() <= 1e-3);
-    /// assert_eq!(pieces.len(), 23);
+    /// assert_eq!(pieces.len(), 19);
     /// # Ok::<(), arcfeed_geometry::GeometryError>(())
     /// ```
     ///

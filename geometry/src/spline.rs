@@ -28,8 +28,9 @@ impl<const K: usize> CubicSpline<K> {
             }
         }
         for i in (1..n.saturating_sub(1)).rev() {
-            for k in 0..K {
-                m[i][k] -= upper[i] * m[i + 1][k];
+            let after = m[i + 1];
+            for (value, next) in m[i].iter_mut().zip(after) {
+                *value -= upper[i] * next;
             }
         }
         Self { x, y, m }

@@ -1,1 +1,5 @@
-//! Whole-system tests and benchmarks live in `tests/` and `benches/`.
+//! Whole-system tests and benchmarks live in `tests/` and `benches/`; the code of the README is compiled and run here.
+
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct Readme;

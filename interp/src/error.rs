@@ -2,7 +2,7 @@
 
 use arcfeed_feedrate::FeedError;
 use arcfeed_geometry::GeometryError;
-use arcfeed_kinematics::KinematicsError;
+use arcfeed_kinematics::{Joints, KinematicsError};
 use thiserror::Error;
 
 /// Everything that can go wrong between a tool path and a joint trajectory.
@@ -31,9 +31,27 @@ pub enum PlanError {
         joint: usize,
         /// How far, rad.
         jump: f64,
+        /// Where the joints would have gone on, rad.
+        predicted: [f64; 6],
+    },
+    /// A joint reaches the end of its range on the path.
+    #[error("at s = {s:.6} m joint {} would have to go on to about {value:.4} rad, outside its range [{lower:.4}, {upper:.4}]: start from a configuration with more room, turn the tool about its axis, or move the path", joint + 1)]
+    JointRange {
+        /// Arc length of the place, m.
+        s: f64,
+        /// The joint, from 0.
+        joint: usize,
+        /// Where it would have to be, rad.
+        value: f64,
+        /// Lower end of its range, rad.
+        lower: f64,
+        /// Upper end of its range, rad.
+        upper: f64,
     },
     /// No starting configuration can follow the whole path.
-    #[error("none of the {candidates} configurations that reach the start can follow the path to its end; the best one fails: {best}")]
+    #[error(
+        "none of the {candidates} configurations that reach the start can follow the path to its end; the best one fails: {best}"
+    )]
     NoConfiguration {
         /// How many configurations were tried.
         candidates: usize,
@@ -66,4 +84,18 @@ pub enum PlanError {
         /// When, s.
         t: f64,
     },
+}
+
+impl PlanError {
+    /// A joint that has used up its range shows as a jump to another turn or branch: says so, where the limits are known.
+    pub(crate) fn within(self, lower: &Joints<6>, upper: &Joints<6>) -> Self {
+        if let Self::BranchChange { s, predicted, .. } = self {
+            for (joint, value) in predicted.into_iter().enumerate() {
+                if !(lower[joint]..=upper[joint]).contains(&value) {
+                    return Self::JointRange { s, joint, value, lower: lower[joint], upper: upper[joint] };
+                }
+            }
+        }
+        self
+    }
 }

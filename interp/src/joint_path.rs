@@ -2,7 +2,7 @@
 
 use arcfeed_geometry::{PoseJet, PosePath};
 use arcfeed_kinematics::{
-    AnalyticInverse, ForwardKinematics, InverseKinematics, Joints, ToolDerivatives, joint_derivatives,
+    AnalyticInverse, ForwardKinematics, InverseKinematics, Joints, ToolDerivatives, joint_derivatives, largest_step,
 };
 
 use crate::error::PlanError;
@@ -99,7 +99,7 @@ impl JointPath {
             let tool = path.jet(s);
             let jet = joint_jet(arm, s, &tool, &seed)?;
             if let Some(before) = last {
-                check_step(&before, &jet, &seed)?;
+                check_step(&jet, &seed, 0.05 + (seed - before.q).amax())?;
             }
             while knot < knots.len() && knots[knot] < s {
                 knot += 1;
@@ -139,13 +139,11 @@ impl JointPath {
     }
 }
 
-/// A step that misses the prediction by far more than the step itself is a change of branch.
-fn check_step(before: &JointJet, jet: &JointJet, predicted: &Joints<AXES>) -> Result<(), PlanError> {
-    let moved = (predicted - before.q).amax();
-    let (joint, jump) =
-        (jet.q - predicted).abs().iter().copied().enumerate().fold((0, 0.0), |m, x| if x.1 > m.1 { x } else { m });
-    if jump > 0.05 + moved {
-        return Err(PlanError::BranchChange { s: jet.s, joint, jump });
+/// A step that misses the prediction by more than `allowed` (rad) is a change of branch.
+fn check_step(jet: &JointJet, predicted: &Joints<AXES>, allowed: f64) -> Result<(), PlanError> {
+    let (joint, jump) = largest_step(&jet.q, predicted);
+    if jump > allowed {
+        return Err(PlanError::BranchChange { s: jet.s, joint, jump, predicted: (*predicted).into() });
     }
     Ok(())
 }
@@ -175,8 +173,8 @@ where
     let mut farthest: Option<(f64, PlanError)> = None;
     for candidate in candidates.iter() {
         // The representative nearest to the middle of the joint ranges leaves most room for turning on.
-        let seed = candidate
-            .zip_map(&middle, |q, m| q + ((m - q) / std::f64::consts::TAU).round() * std::f64::consts::TAU);
+        let seed =
+            candidate.zip_map(&middle, |q, m| q + ((m - q) / std::f64::consts::TAU).round() * std::f64::consts::TAU);
         match walk(arm, path, &seed, &grid, lower, upper) {
             Ok(quality) => {
                 if best.as_ref().is_none_or(|b| quality > b.0) {
@@ -219,11 +217,7 @@ where
         let near = last.map_or(*seed, |jet: JointJet| jet.q);
         let jet = joint_jet(arm, s, &path.jet(s), &near).map_err(|e| (s, e))?;
         if let Some(before) = last {
-            let (joint, jump) =
-                (jet.q - before.q).abs().iter().copied().enumerate().fold((0, 0.0), |m, x| if x.1 > m.1 { x } else { m });
-            if jump > 1.0 {
-                return Err((s, PlanError::BranchChange { s, joint, jump }));
-            }
+            check_step(&jet, &before.ahead(s - before.s), 1.0).map_err(|e| (s, e.within(lower, upper)))?;
         }
         let room = (jet.q - lower).zip_map(&(upper - jet.q), f64::min).min();
         let sigma = arcfeed_kinematics::smallest_singular_value(&arm.jacobian(&jet.q));

@@ -1,4 +1,33 @@
 //! Shape, speed and arm together: from a tool path to a verified, sampled joint trajectory.
+//!
+//! A tool path is a [`PosePath`](arcfeed_geometry::PosePath): pose by arc length `s`. Through the inverse kinematics it
+//! becomes a [`JointPath`], `q(s)` with three derivatives, and every limit of tool and joints becomes a bound on the
+//! motion `s(t)`:
+//!
+//! ```text
+//! joint velocity      q' v                              v = ds/dt
+//! joint acceleration  q' a + q'' v^2                    a = dv/dt
+//! joint jerk          q' j + 3 q'' v a + q''' v^3       j = da/dt
+//! normal acceleration kappa v^2
+//! chord error         of the curve between two control cycles, v T apart
+//! ```
+//!
+//! The [`Planner`] narrows these to boxes `v <= V, |a| <= A, |j| <= J` on the intervals of a grid, plans the speed inside
+//! them, and holds the result against the limits themselves with [`verify`], which knows nothing of boxes. A [`Plan`] that
+//! comes out of [`Planner::plan`] has passed; its [`Sampler`] yields setpoints for a controller.
+//!
+//! | room | holds |
+//! |---|---|
+//! | `joint_path` | joint values and derivatives along the path, branch by continuity, best start |
+//! | `grid`, `constraints` | where and how limits become bounds |
+//! | `planner` | the way from path to verified plan |
+//! | `sampler`, `trajectory` | setpoints at the control period, without allocation |
+//! | `verify` | the independent check |
+//! | [`parameter`] | Taylor steps, closed-loop steps and the arc-length map behind one trait |
+//!
+//! Units: m, rad, s. Poses: tool in base. The arm is anything with
+//! [`ForwardKinematics<6>`](arcfeed_kinematics::ForwardKinematics) and
+//! [`InverseKinematics<6>`](arcfeed_kinematics::InverseKinematics).
 #![forbid(unsafe_code)]
 
 mod constraints;

@@ -2,7 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use arcfeed_feedrate::{MotionLaw, Segment, SpeedPlan, plan_joined, plan_per_segment, plan_windowed};
+use arcfeed_feedrate::{
+    MotionLaw, Segment, SpeedPlan, plan_joined, plan_joined_at_once, plan_per_segment, plan_windowed,
+};
 use arcfeed_geometry::{PosePath, Segmentation, SegmentationMethod};
 use arcfeed_kinematics::{ForwardKinematics, InverseKinematics, JointLimits, Joints};
 
@@ -24,10 +26,10 @@ const ROUNDS: usize = 4;
 /// Ways to share the coupled limits between speed, acceleration and jerk; the planner tries all and keeps the fastest
 /// plan. They cost one scan each.
 const SHARES: [Shares; 4] = [
-    Shares { acceleration: 0.5, jerk: 0.4, speed: 0.6 },
-    Shares { acceleration: 0.3, jerk: 0.3, speed: 0.6 },
-    Shares { acceleration: 0.7, jerk: 0.5, speed: 0.5 },
-    Shares { acceleration: 0.4, jerk: 0.6, speed: 0.4 },
+    Shares { acceleration: 0.4, jerk: 0.3, speed: 0.6 },
+    Shares { acceleration: 0.4, jerk: 0.4, speed: 0.5 },
+    Shares { acceleration: 0.4, jerk: 0.3, speed: 0.8 },
+    Shares { acceleration: 0.4, jerk: 0.5, speed: 0.5 },
 ];
 
 /// How the speed is scanned along the path.
@@ -181,17 +183,16 @@ where
     pub fn draft(&self, path: PosePath, start: &Joints<AXES>) -> Result<Plan, PlanError> {
         let mut timings = Timings::default();
         let begin = Instant::now();
-        let segmentation = path
-            .curve()
-            .curve()
-            .segment(SegmentationMethod::Longest { across_knots: false }, self.chord_tolerance)?;
+        let segmentation =
+            path.curve().curve().segment(SegmentationMethod::Longest { across_knots: false }, self.chord_tolerance)?;
         let breaks: Vec<f64> = segmentation.breaks().iter().map(|&u| path.curve().arc_length_at(u)).collect();
         timings.segmentation = begin.elapsed();
 
         let begin = Instant::now();
         let knots = path.knots();
         let grid = grid::build(&path, &knots, &breaks, &self.tool);
-        let joint_path = JointPath::new(self.arm, &path, start, &grid, &knots)?;
+        let joint_path = JointPath::new(self.arm, &path, start, &grid, &knots)
+            .map_err(|e| e.within(self.joints.lower(), self.joints.upper()))?;
         timings.joint_path = begin.elapsed();
 
         let stops: Vec<usize> =
@@ -231,35 +232,54 @@ where
                 shares,
                 scale,
             };
-            let boxes = constraints::boxes(path, joint_path, stops, &bounds)?;
-            let speed = self.scan_between_stops(&boxes, stops)?;
-            Ok::<_, PlanError>((boxes, speed))
+            constraints::boxes(path, joint_path, stops, &bounds)
         };
-        let mut best = with(SHARES[0])?;
-        for &shares in &SHARES[1..] {
-            let other = with(shares)?;
-            if other.1.duration() < best.1.duration() {
-                best = other;
+        // The joined scans that go through at once are the quick ones, and the fastest plans are among them; the thorough
+        // scan is for where none does.
+        let mut best: Option<(Vec<Segment>, SpeedPlan)> = None;
+        for shares in SHARES {
+            let boxes = with(shares)?;
+            if let Some(speed) = self.scan_at_once(&boxes, stops)?
+                && best.as_ref().is_none_or(|b| speed.duration() < b.1.duration())
+            {
+                best = Some((boxes, speed));
             }
         }
-        Ok(best)
+        if let Some(best) = best {
+            return Ok(best);
+        }
+        let boxes = with(SHARES[0])?;
+        let speed = self.scan_thoroughly(&boxes, stops)?;
+        Ok((boxes, speed))
     }
 
-    /// At a corner of the path the tool has to stand; between corners the scan runs from rest to rest.
-    fn scan_between_stops(&self, boxes: &[Segment], stops: &[usize]) -> Result<SpeedPlan, PlanError> {
-        let mut parts = Vec::with_capacity(stops.len() + 1);
-        let mut from = 0;
-        for &to in stops.iter().chain(std::iter::once(&boxes.len())) {
-            let part = &boxes[from..to];
-            parts.push(match self.scan {
-                Scan::Joined => plan_joined(part, 0.0, 0.0)?,
-                Scan::PerSegment { window: None } => plan_per_segment(part, 0.0, 0.0)?,
-                Scan::PerSegment { window: Some(n) } => plan_windowed(part, 0.0, n)?,
-            });
-            from = to;
+    fn scan_at_once(&self, boxes: &[Segment], stops: &[usize]) -> Result<Option<SpeedPlan>, PlanError> {
+        if self.scan != Scan::Joined {
+            return self.scan_thoroughly(boxes, stops).map(Some);
         }
-        Ok(SpeedPlan::chain(parts))
+        let mut parts = Vec::with_capacity(stops.len() + 1);
+        for part in between_stops(boxes, stops) {
+            let Some(plan) = plan_joined_at_once(part, 0.0, 0.0)? else { return Ok(None) };
+            parts.push(plan);
+        }
+        Ok(Some(SpeedPlan::chain(parts)))
     }
+
+    fn scan_thoroughly(&self, boxes: &[Segment], stops: &[usize]) -> Result<SpeedPlan, PlanError> {
+        let parts = between_stops(boxes, stops).map(|part| match self.scan {
+            Scan::Joined => plan_joined(part, 0.0, 0.0),
+            Scan::PerSegment { window: None } => plan_per_segment(part, 0.0, 0.0),
+            Scan::PerSegment { window: Some(n) } => plan_windowed(part, 0.0, n),
+        });
+        Ok(SpeedPlan::chain(parts.collect::<Result<Vec<_>, _>>()?))
+    }
+}
+
+/// At a corner of the path the tool has to stand: the stretches from rest to rest.
+fn between_stops<'b>(boxes: &'b [Segment], stops: &'b [usize]) -> impl Iterator<Item = &'b [Segment]> {
+    let starts = std::iter::once(0).chain(stops.iter().copied());
+    let ends = stops.iter().copied().chain(std::iter::once(boxes.len()));
+    starts.zip(ends).map(|(from, to)| &boxes[from..to])
 }
 
 /// A motion along a path: where, how fast, and with which joints.
@@ -360,22 +380,12 @@ impl Plan {
     ///
     /// # Errors
     /// [`PlanError::Arm`] where a setpoint cannot be computed.
-    pub fn verify<A>(
-        &self,
-        arm: &A,
-        tool: &ToolLimits,
-        joints: &JointLimits<AXES>,
-    ) -> Result<Verification, PlanError>
+    pub fn verify<A>(&self, arm: &A, tool: &ToolLimits, joints: &JointLimits<AXES>) -> Result<Verification, PlanError>
     where
         A: ForwardKinematics<AXES> + InverseKinematics<AXES> + ?Sized,
     {
-        let requirement = Requirement {
-            path: &self.path,
-            tool,
-            joints,
-            chord_tolerance: self.chord_tolerance,
-            period: self.period,
-        };
+        let requirement =
+            Requirement { path: &self.path, tool, joints, chord_tolerance: self.chord_tolerance, period: self.period };
         let mut sampler = self.sampler(arm, self.period)?;
         verify(arm, &requirement, self.duration(), |t| sampler.at(t))
     }

@@ -32,7 +32,15 @@ where
         let duration = plan.speed().duration();
         // The last full cycle may fall on the end to within rounding: then the end is not sampled twice.
         let cycles = (duration / period * (1.0 - 1e-12)).floor() as usize + 1;
-        Self { plan, arm, cursor: plan.speed().cursor(), period, cycle: 0, cycles, seed: plan.joint_path().nodes()[0].q }
+        Self {
+            plan,
+            arm,
+            cursor: plan.speed().cursor(),
+            period,
+            cycle: 0,
+            cycles,
+            seed: plan.joint_path().nodes()[0].q,
+        }
     }
 
     /// Number of setpoints in all, both ends included.
@@ -73,11 +81,7 @@ where
         if self.cycle > self.cycles {
             return None;
         }
-        let t = if self.cycle == self.cycles {
-            self.plan.speed().duration()
-        } else {
-            self.cycle as f64 * self.period
-        };
+        let t = if self.cycle == self.cycles { self.plan.speed().duration() } else { self.cycle as f64 * self.period };
         self.cycle += 1;
         Some(self.at(t))
     }

@@ -15,6 +15,12 @@ use crate::trajectory::Setpoint;
 
 /// Samples per control period.
 const DENSITY: usize = 8;
+/// How far the tool may be turned away from the path's orientation, rad. Exact inverses stay below 1e-9; the step of any
+/// encoder is larger.
+const ORIENTATION_TOLERANCE: f64 = 1e-6;
+/// What counts as zero, relative to a limit or to the length of the path: speed at the ends, and the difference between
+/// what a setpoint says of the tool and what its joints do.
+const ZERO: f64 = 1e-6;
 
 /// What is held against a limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,8 +46,17 @@ pub enum Quantity {
     ChordError,
     /// Distance of the tool from the path, m, against the chord tolerance.
     PathDeviation,
+    /// Angle between the tool and the path's orientation, rad.
+    OrientationDeviation,
     /// Misfit of position, velocity and acceleration from one sample to the next, against what the jerk limit allows.
     Continuity,
+    /// Start and end: at the ends of the path and at rest, in units of what counts as zero.
+    Ends,
+    /// What the setpoint itself says of pose, feed and tangential acceleration against what its joints do, in units of
+    /// what counts as zero.
+    SetpointAgreement,
+    /// Jerk that the curvature causes at constant speed, kappa^2 v^3, m/s^3; only where it is limited.
+    NormalJerk,
 }
 
 impl Quantity {
@@ -58,22 +73,26 @@ impl Quantity {
             Self::NormalAcceleration => "normal acceleration",
             Self::ChordError => "chord error",
             Self::PathDeviation => "deviation from the path",
+            Self::OrientationDeviation => "turn away from the path",
             Self::Continuity => "continuity",
+            Self::Ends => "rest at both ends",
+            Self::SetpointAgreement => "setpoint agreement",
+            Self::NormalJerk => "normal jerk",
         }
     }
 
     /// SI unit of the value.
     pub fn unit(self) -> &'static str {
         match self {
-            Self::JointPosition => "rad",
+            Self::JointPosition | Self::OrientationDeviation => "rad",
             Self::JointVelocity => "rad/s",
             Self::JointAcceleration => "rad/s^2",
             Self::JointJerk => "rad/s^3",
             Self::Feed => "m/s",
             Self::TangentialAcceleration | Self::NormalAcceleration => "m/s^2",
-            Self::TangentialJerk => "m/s^3",
+            Self::TangentialJerk | Self::NormalJerk => "m/s^3",
             Self::ChordError | Self::PathDeviation => "m",
-            Self::Continuity => "1",
+            Self::Continuity | Self::Ends | Self::SetpointAgreement => "1",
         }
     }
 }
@@ -127,7 +146,10 @@ impl Verification {
 
     /// The check with the largest ratio.
     pub fn worst(&self) -> Check {
-        self.checks.iter().copied().fold(self.checks[0], |m, c| if c.ratio > m.ratio || c.ratio.is_nan() { c } else { m })
+        self.checks
+            .iter()
+            .copied()
+            .fold(self.checks[0], |m, c| if c.ratio > m.ratio || c.ratio.is_nan() { c } else { m })
     }
 
     /// The largest ratio of one quantity over all joints.
@@ -174,7 +196,7 @@ impl Worst {
 /// `setpoint` gives the setpoint at a time; it is called with increasing times, eight per control period.
 ///
 /// # Errors
-/// Whatever `setpoint` returns.
+/// [`PlanError::Limit`] for a duration that is not a finite number of 0 or more; otherwise whatever `setpoint` returns.
 pub fn verify<A>(
     arm: &A,
     requirement: &Requirement<'_>,
@@ -184,6 +206,9 @@ pub fn verify<A>(
 where
     A: ForwardKinematics<AXES> + ?Sized,
 {
+    if !(duration.is_finite() && duration >= 0.0) {
+        return Err(PlanError::Limit { what: "duration", value: duration });
+    }
     let mut tally = Tally::new(requirement);
     let dt = requirement.period / DENSITY as f64;
     let steps = (duration / dt * (1.0 - 1e-12)).floor() as usize;
@@ -193,6 +218,12 @@ where
         let t = if i > steps { duration } else { i as f64 * dt };
         let sample = Sample::new(arm, requirement.path, setpoint(t)?);
         tally.look(&sample);
+        if i == 0 {
+            tally.end(&sample, 0.0, requirement);
+        }
+        if i > steps {
+            tally.end(&sample, requirement.path.length(), requirement);
+        }
         if let Some(before) = ring.last() {
             tally.compare(before, &sample, requirement, &ring);
         }
@@ -219,6 +250,10 @@ struct Sample {
     tangential: f64,
     normal: f64,
     off_path: f64,
+    /// Angle to the path's orientation.
+    turned: f64,
+    /// Position and angle by which the setpoint's own pose is off, in m and rad added up.
+    misstated: f64,
 }
 
 impl Sample {
@@ -226,13 +261,18 @@ impl Sample {
         let configuration = arm.configuration(&at.q);
         let jacobian = configuration.jacobian();
         let linear = |v: arcfeed_kinematics::Twist| Vector3::new(v[0], v[1], v[2]);
-        let position = configuration.pose().translation.vector;
+        let pose = configuration.pose();
+        let position = pose.translation.vector;
         let velocity = linear(jacobian * at.qd);
         let acceleration = linear(jacobian * at.qdd + configuration.acceleration_bias(&at.qd));
         // At a standstill the motion has no direction of its own; the path has one.
         let direction = velocity.try_normalize(1e-9).unwrap_or_else(|| path.curve().jet(at.s).d1);
         let tangential = acceleration.dot(&direction);
+        let wanted = path.orientation().jet(at.s).rotation;
+        let stated = (at.pose.translation.vector - position).norm() + at.pose.rotation.angle_to(&pose.rotation);
         Self {
+            turned: pose.rotation.angle_to(&wanted),
+            misstated: stated,
             position,
             velocity,
             tangential,
@@ -251,12 +291,22 @@ struct Tally {
     jumps: Vec<f64>,
 }
 
-/// Positions in `Tally::worst`: four joint quantities of `AXES` entries, then the tool's.
+/// Positions in `Tally::worst`: four joint quantities of `AXES` entries, then the others in the order of `Tally::new`.
 const POSITION: usize = 0;
 const VELOCITY: usize = AXES;
 const ACCELERATION: usize = 2 * AXES;
 const JERK: usize = 3 * AXES;
 const TOOL: usize = 4 * AXES;
+const TANGENTIAL: usize = TOOL + 1;
+const TANGENTIAL_JERK: usize = TOOL + 2;
+const NORMAL: usize = TOOL + 3;
+const CHORD: usize = TOOL + 4;
+const OFF_PATH: usize = TOOL + 5;
+const TURNED: usize = TOOL + 6;
+const CONTINUITY: usize = TOOL + 7;
+const ENDS: usize = TOOL + 8;
+const AGREEMENT: usize = TOOL + 9;
+const NORMAL_JERK: usize = TOOL + 10;
 
 impl Tally {
     fn new(r: &Requirement<'_>) -> Self {
@@ -282,9 +332,15 @@ impl Tally {
             (Quantity::NormalAcceleration, r.tool.normal_acceleration),
             (Quantity::ChordError, r.chord_tolerance),
             (Quantity::PathDeviation, r.chord_tolerance),
+            (Quantity::OrientationDeviation, ORIENTATION_TOLERANCE),
             (Quantity::Continuity, 1.0),
+            (Quantity::Ends, 1.0),
+            (Quantity::SetpointAgreement, 1.0),
         ] {
             add(quantity, None, limit);
+        }
+        if let Some(jerk) = r.tool.normal_jerk {
+            add(Quantity::NormalJerk, None, jerk);
         }
         let jumps = r
             .path
@@ -311,10 +367,31 @@ impl Tally {
             self.see(VELOCITY + k, at.qd[k].abs(), at);
             self.see(ACCELERATION + k, at.qdd[k].abs(), at);
         }
-        self.see(TOOL, sample.velocity.norm(), at);
-        self.see(TOOL + 1, sample.tangential.abs(), at);
-        self.see(TOOL + 3, sample.normal, at);
-        self.see(TOOL + 5, sample.off_path, at);
+        let speed = sample.velocity.norm();
+        self.see(TOOL, speed, at);
+        self.see(TANGENTIAL, sample.tangential.abs(), at);
+        self.see(NORMAL, sample.normal, at);
+        self.see(OFF_PATH, sample.off_path, at);
+        self.see(TURNED, sample.turned, at);
+        let (feed, tangential) = (self.worst[TOOL].check.limit, self.worst[TANGENTIAL].check.limit);
+        let misfit = ((at.feed - speed).abs() / feed)
+            + ((at.acceleration - sample.tangential).abs() / tangential)
+            + sample.misstated / ORIENTATION_TOLERANCE * ZERO;
+        self.see(AGREEMENT, misfit / ZERO, at);
+        // normal = kappa v^2, so that kappa^2 v^3 = normal^2 / v.
+        if self.worst.len() > NORMAL_JERK && speed > ZERO * feed {
+            self.see(NORMAL_JERK, sample.normal * sample.normal / speed, at);
+        }
+    }
+
+    /// The first and the last sample: at `s` on the path and at rest.
+    fn end(&mut self, sample: &Sample, s: f64, r: &Requirement<'_>) {
+        let at = &sample.at;
+        let speed = at.qd.component_div(r.joints.velocity()).amax();
+        let acceleration = at.qdd.component_div(r.joints.acceleration()).amax();
+        let place = (at.s - s).abs() / r.path.length();
+        // Not `max`: a NaN has to show.
+        self.see(ENDS, (speed + acceleration + place) / ZERO, at);
     }
 
     /// Limits on what happens from one sample to the next.
@@ -336,7 +413,7 @@ impl Tally {
                 self.see(JERK + k, b.jerk[k].abs(), b);
             }
         }
-        self.see(TOOL + 2, ((now.tangential - before.tangential) / dt).abs(), b);
+        self.see(TANGENTIAL_JERK, ((now.tangential - before.tangential) / dt).abs(), b);
 
         // A motion with jerk below J satisfies |q1 - q0 - dt (v0 + v1) / 2| <= J dt^3 / 12 and
         // |v1 - v0 - dt (a0 + a1) / 2| <= J dt^2 / 4; an acceleration step within a period adds J period to that.
@@ -350,7 +427,7 @@ impl Tally {
             let noise_v = 1e-12;
             let ratio_q = q.abs() / (limit * (dt / 12.0 + step / 8.0) * dt * dt + noise_q);
             let ratio_v = v.abs() / (limit * (dt / 4.0 + step / 2.0) * dt + noise_v);
-            self.see(TOOL + 6, ratio_q.max(ratio_v), b);
+            self.see(CONTINUITY, ratio_q.max(ratio_v), b);
         }
     }
 
@@ -362,7 +439,7 @@ impl Tally {
         for sample in cycle {
             let d = sample.position - first.position;
             let f = if length2 > 0.0 { (d.dot(&along) / length2).max(0.0).min(1.0) } else { 0.0 };
-            self.see(TOOL + 4, (d - along * f).norm(), &sample.at);
+            self.see(CHORD, (d - along * f).norm(), &sample.at);
         }
     }
 }

@@ -2,7 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use arcfeed_geometry::{ArcLengthCurve, GeometryError, NurbsCurve, OrientationPath, PosePath, SegmentationMethod, Spacing};
+use arcfeed_geometry::{
+    ArcLengthCurve, GeometryError, NurbsCurve, OrientationPath, PosePath, SegmentationMethod, Spacing,
+};
 use arcfeed_interp::{Plan, PlanError, Planner, Quantity, Scan as PlanScan, Setpoint, ToolLimits, best_start};
 use arcfeed_kinematics::{Joints, KinematicsError};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
@@ -48,7 +50,7 @@ pub enum Cr7Error {
         /// The file, or the name of an embedded path.
         file: String,
         /// Why, and where on the path.
-        source: PlanError,
+        source: Box<PlanError>,
         /// A likely cause, starting with a separator; empty when there is none to name.
         hint: String,
     },
@@ -105,7 +107,7 @@ pub fn plan(job: &Job, file: &PathFile) -> Result<Motion, Cr7Error> {
     };
     let plan_error = |source: PlanError| {
         let hint = unit_hint(&source);
-        Cr7Error::Plan { file: shown.clone(), source, hint }
+        Cr7Error::Plan { file: shown.clone(), source: Box::new(source), hint }
     };
     let scan = match (job.scan, job.lookahead) {
         (Scan::Joined, _) => PlanScan::Joined,
@@ -205,9 +207,7 @@ impl Motion {
     ///
     /// # Errors
     /// Never for a motion that was planned; the signature is the sampler's.
-    pub fn sampler(
-        &self,
-    ) -> Result<arcfeed_interp::Sampler<'_, arcfeed_kinematics::ParallelAxisArm>, PlanError> {
+    pub fn sampler(&self) -> Result<arcfeed_interp::Sampler<'_, arcfeed_kinematics::ParallelAxisArm>, PlanError> {
         self.plan.sampler(self.cr7.arm(), self.plan.period())
     }
 
@@ -282,13 +282,13 @@ fn limit_lines(verification: &arcfeed_interp::Verification) -> Vec<LimitLine> {
             name: c.quantity.name().to_owned(),
             joint: c.joint.map(|j| j + 1),
             unit: match c.quantity {
-                Quantity::JointPosition => LimitUnit::Radian,
+                Quantity::JointPosition | Quantity::OrientationDeviation => LimitUnit::Radian,
                 Quantity::JointVelocity => LimitUnit::RadianPerSecond,
                 Quantity::JointAcceleration => LimitUnit::RadianPerSecond2,
                 Quantity::JointJerk => LimitUnit::RadianPerSecond3,
                 Quantity::Feed => LimitUnit::MetrePerSecond,
                 Quantity::TangentialAcceleration | Quantity::NormalAcceleration => LimitUnit::MetrePerSecond2,
-                Quantity::TangentialJerk => LimitUnit::MetrePerSecond3,
+                Quantity::TangentialJerk | Quantity::NormalJerk => LimitUnit::MetrePerSecond3,
                 Quantity::ChordError | Quantity::PathDeviation => LimitUnit::Metre,
                 _ => LimitUnit::One,
             },

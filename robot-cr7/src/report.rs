@@ -156,7 +156,7 @@ fn badness(line: &LimitLine) -> f64 {
 }
 
 /// Lines of the text form that each kind of content may take, so that all of it stays on one screen of 40 lines.
-const MOST_LIMITS: usize = 12;
+const MOST_LIMITS: usize = 15;
 const MOST_JOINT_ROWS: usize = 5;
 const MOST_WARNINGS: usize = 3;
 const MOST_FILES: usize = 5;
@@ -172,7 +172,15 @@ impl Display for Report {
         pair(
             f,
             ("length", format!("{} mm", number(self.length_m * 1e3))),
-            ("duration", format!("{} s, {} samples", number(self.duration_s), self.samples)),
+            (
+                "duration",
+                format!(
+                    "{} s, {} samples at {} ms",
+                    number(self.duration_s),
+                    self.samples,
+                    number(self.period_s * 1e3)
+                ),
+            ),
         )?;
         pair(
             f,
@@ -184,20 +192,15 @@ impl Display for Report {
             let comma = if i == 0 { "" } else { ", " };
             segments += &format!("{comma}{} {}", s.segments, s.method);
         }
-        pair(
+        writeln!(
             f,
-            (
-                "computing",
-                format!(
-                    "{} plan, {} verify, {} sample",
-                    duration(self.planning_time_s),
-                    duration(self.verification_time_s),
-                    duration(self.sampling_time_s)
-                ),
-            ),
-            ("period", format!("{} ms", number(self.period_s * 1e3))),
+            "  {:<11}{} plan, {} verify, {} sample: {} s of motion per second of computing",
+            "computing",
+            duration(self.planning_time_s),
+            duration(self.verification_time_s),
+            duration(self.sampling_time_s),
+            number(self.motion_per_computing)
         )?;
-        writeln!(f, "  {:<11}{} s of motion per second of computing", "", number(self.motion_per_computing))?;
         writeln!(f, "  {:<11}{}", "segments", clip(&segments, WIDTH - 13))?;
 
         let groups = self.groups();
@@ -295,10 +298,13 @@ pub(crate) fn number(v: f64) -> String {
     }
 }
 
-/// A share in percent, rounded so that what is above 100 % is never shown as 100 %.
+/// What a verified ratio may exceed 1 by through rounding.
+const ROUNDING: f64 = 1e-6;
+
+/// A share in percent, rounded so that what is above 100 % by more than rounding is never shown as 100 %.
 pub(crate) fn percent(ratio: f64) -> String {
     let p = ratio * 100.0;
-    if p > 100.0 && p < 100.01 {
+    if ratio > 1.0 + ROUNDING && p < 100.01 {
         ">100 %".to_owned()
     } else if p < 1000.0 {
         format!("{p:.2} %")
@@ -351,6 +357,7 @@ mod tests {
             chord_tolerance_m: 1e-6,
             max_deviation_m: 0.999e-6,
             planning_time_s: 0.0123,
+            verification_time_s: 0.1,
             sampling_time_s: 0.0045,
             motion_per_computing: 323.4,
             limits,

@@ -8,7 +8,7 @@ use arcfeed_geometry::{NurbsCurve, SegmentationMethod};
 use arcfeed_interp::parameter::{
     ArcLengthStep, CompensatedTaylor, FirstTaylor, ParameterStep, SecondTaylor, fluctuation,
 };
-use arcfeed_interp::{Planner, Scan};
+use arcfeed_interp::{PlanError, Planner, Scan};
 use serde::Serialize;
 
 use crate::cr7::{Cr7Error, Motion, plan};
@@ -52,7 +52,13 @@ impl Reproduction {
         serde_json::to_string(self).unwrap_or_else(|e| serde_json::json!({ "error": e.to_string() }).to_string())
     }
 
-    fn add(&mut self, place: &str, what: impl Into<String>, paper: impl Into<String>, ours: impl Into<String>) -> &mut Claim {
+    fn add(
+        &mut self,
+        place: &str,
+        what: impl Into<String>,
+        paper: impl Into<String>,
+        ours: impl Into<String>,
+    ) -> &mut Claim {
         self.claims.push(Claim {
             place: place.to_owned(),
             what: what.into(),
@@ -131,6 +137,10 @@ fn curve_of(path: SamplePath) -> Result<NurbsCurve<3>, Cr7Error> {
     Ok(file.curve_with(|_| unreachable_fit())?)
 }
 
+fn failed(source: PlanError) -> Cr7Error {
+    Cr7Error::Plan { file: "butterfly".to_owned(), source: Box::new(source), hint: String::new() }
+}
+
 /// The embedded paths are curves, never points.
 fn unreachable_fit() -> Result<NurbsCurve<3>, arcfeed_geometry::GeometryError> {
     Err(arcfeed_geometry::GeometryError::DegreeZero)
@@ -169,7 +179,8 @@ fn table_1(r: &mut Reproduction) -> Result<(), Cr7Error> {
             worst = worst.max((bezier.point(u) - arcfeed_geometry::Curve::point(&curve, u)).norm());
         }
     }
-    r.add(PLACE, "largest distance from the NURBS curve", "", format!("{:.1e} mm", worst * 1e3)).guaranteed(worst < 1e-16);
+    r.add(PLACE, "largest distance from the NURBS curve", "", format!("{:.1e} mm", worst * 1e3))
+        .guaranteed(worst < 1e-16);
     Ok(())
 }
 
@@ -192,8 +203,10 @@ fn dense_deviation(curve: &NurbsCurve<3>, breaks: &[f64]) -> f64 {
 }
 
 fn segment_counts(r: &mut Reproduction) -> Result<(), Cr7Error> {
-    const PLACE: &str = "Segments for a chord tolerance (figures 3, 10, 13; the last two by the method of Actuators 2024, 13, 108)";
-    let cases: [(&str, SamplePath, f64, &str, Option<(usize, usize)>); 5] = [
+    const PLACE: &str =
+        "Segments for a chord tolerance, and true deviation (the last two curves: counts of Actuators 2024, 13, 108)";
+    // Name, curve, tolerance (m), the paper's count, and the most pieces ours may have: within knot spans, across knots.
+    let cases = [
         ("six points, 0.001 mm", SamplePath::SixPoint, 1e-6, "143", Some((114, 112))),
         ("butterfly, 0.001 mm", SamplePath::Butterfly, 1e-6, "1579", Some((1174, 1155))),
         ("fan, 0.001 mm", SamplePath::Fan, 1e-6, "1454", None),
@@ -208,13 +221,17 @@ fn segment_counts(r: &mut Reproduction) -> Result<(), Cr7Error> {
             (SegmentationMethod::Longest { across_knots: false }, "longest pieces", most.map(|m| m.0)),
             (SegmentationMethod::Longest { across_knots: true }, "longest pieces across knots", most.map(|m| m.1)),
         ] {
-            let result = curve
-                .segment(method, tolerance)
-                .map_err(|source| Cr7Error::Curve { file: name.to_owned(), source })?;
+            let result =
+                curve.segment(method, tolerance).map_err(|source| Cr7Error::Curve { file: name.to_owned(), source })?;
             let deviation = dense_deviation(&curve, result.breaks());
             let keeps = deviation <= tolerance && result.max_deviation() <= tolerance;
             let shown = if words == "the paper's method" { paper } else { "" };
-            let claim = r.add(PLACE, format!("{name}: {words}"), shown, format!("{} ({:.7} mm)", result.len(), deviation * 1e3));
+            let claim = r.add(
+                PLACE,
+                format!("{name}: {words}"),
+                shown,
+                format!("{} ({:.7} mm)", result.len(), deviation * 1e3),
+            );
             claim.guaranteed(keeps && bound.is_none_or(|b| result.len() <= b));
             if words == "the paper's method" && result.len().to_string() != paper {
                 claim.note("no reading of the paper gives its count; the tolerance, measured densely, is what counts");
@@ -225,7 +242,8 @@ fn segment_counts(r: &mut Reproduction) -> Result<(), Cr7Error> {
 }
 
 fn table_2(r: &mut Reproduction, motion: &Motion) -> Result<(), Cr7Error> {
-    const PLACE: &str = "Table 2: butterfly at 0.001 mm (paper: MATLAB on an i7-11800H; its other columns: X.D. [14], L.H. [8], L.F. [32])";
+    const PLACE: &str =
+        "Table 2: butterfly at 0.001 mm, MATLAB on an i7-11800H (in brackets its columns X.D., L.H., L.F.)";
     let plan = motion.plan();
     let timings = plan.timings();
     let begin = Instant::now();
@@ -247,7 +265,7 @@ fn table_2(r: &mut Reproduction, motion: &Motion) -> Result<(), Cr7Error> {
         Err(e) => sampling_error = Some(e),
     }
     if let Some(source) = sampling_error {
-        return Err(Cr7Error::Plan { file: "butterfly".to_owned(), source, hint: String::new() });
+        return Err(failed(source));
     }
     let sampling = begin.elapsed().as_secs_f64();
 
@@ -259,8 +277,13 @@ fn table_2(r: &mut Reproduction, motion: &Motion) -> Result<(), Cr7Error> {
     let (a, b) = arcfeed_geometry::Curve::<3>::domain(curve);
     let longest = curve.decompose().iter().map(|p| p.interval().1 - p.interval().0).fold(0.0f64, f64::max);
     let shortest = halved.pieces().map(|(u0, u1, _)| u1 - u0).fold(b - a, f64::min);
-    r.add(PLACE, "rounds of iteration (X.D. 0, L.H. 9, L.F. 0)", "5", format!("at most {}", (longest / shortest).log2().ceil()))
-        .note("ours by halving; the pieces in use are found by a search, without rounds");
+    r.add(
+        PLACE,
+        "rounds of iteration (X.D. 0, L.H. 9, L.F. 0)",
+        "5",
+        format!("at most {}", (longest / shortest).log2().ceil()),
+    )
+    .note("ours by halving; the pieces in use are found by a search, without rounds");
     r.add(PLACE, "time to cut the curve, s (0, 8, 0)", "0.7", format!("{:.4}", timings.segmentation.as_secs_f64()));
     let deviation = dense_deviation(curve, plan.segmentation().breaks());
     r.add(PLACE, "largest chord error, mm (1.8, 0.03, 2)", "0.001", format!("{:.7}", deviation * 1e3))
@@ -268,18 +291,22 @@ fn table_2(r: &mut Reproduction, motion: &Motion) -> Result<(), Cr7Error> {
     let end = plan.path().curve().parameter(last_s);
     r.add(PLACE, "end value of u (0.997, 0.997, 0.999)", "1", format!("{end}")).guaranteed(end == 1.0);
     let missing = plan.path().length() - last_s;
-    r.add(PLACE, "truncation error, mm (0.001, 0.001, 0)", "0", format!("{}", missing * 1e3)).guaranteed(missing == 0.0);
+    r.add(PLACE, "truncation error, mm (0.001, 0.001, 0)", "0", format!("{}", missing * 1e3))
+        .guaranteed(missing == 0.0);
     r.add(PLACE, "bidirectional scan, s (0.01, 0.1, 0.01)", "0.3", format!("{:.4}", timings.scan.as_secs_f64()))
-        .note("ours: four scans with different shares of the joint limits, the fastest kept");
+        .note("ours: three scans with different shares of the joint limits, the fastest kept");
     r.add(PLACE, "one S-profile, s (6e-5, 6e-5, 6e-5)", "7e-5", format!("{:.1e}", s_profile_time()));
-    r.add(PLACE, "interpolation of the whole path, s (9, 10, 13)", "10", format!("{sampling:.4}"))
-        .note(format!("{samples} cycles of 1 ms with inverse kinematics: {:.2} us a cycle", sampling / samples as f64 * 1e6));
+    r.add(PLACE, "interpolation of the whole path, s (9, 10, 13)", "10", format!("{sampling:.4}")).note(format!(
+        "{samples} cycles of 1 ms with inverse kinematics: {:.2} us a cycle",
+        sampling / samples as f64 * 1e6
+    ));
     let total = motion.planning_time().as_secs_f64() + sampling;
     r.add(PLACE, "total computing time, s (10, 19, 14)", "12", format!("{total:.4}"));
     r.add(PLACE, "duration of the motion, s", "", format!("{:.3}", plan.duration()))
         .note("the paper prints neither its feed nor its limits; ours are the defaults of `cr7 plan`");
     let worst = plan.verification().map_or(f64::NAN, |v| v.worst().ratio);
-    r.add(PLACE, "worst use of any limit, verified, %", "", format!("{:.4}", 100.0 * worst)).guaranteed(worst <= 1.0 + 1e-6);
+    r.add(PLACE, "worst use of any limit, verified, %", "", format!("{:.4}", 100.0 * worst))
+        .guaranteed(worst <= 1.0 + 1e-6);
     Ok(())
 }
 
@@ -302,10 +329,9 @@ fn s_profile_time() -> f64 {
 }
 
 fn interpolators(r: &mut Reproduction, motion: &Motion) -> Result<(), Cr7Error> {
-    const PLACE: &str = "Section 5: feed fluctuation on the butterfly by arc length, 1 ms, S-profile to the feed (largest / rms, %; end of u)";
+    const PLACE: &str = "Section 5: feed fluctuation by arc length, butterfly, 1 ms (largest / rms in %; end of u)";
     let path = motion.plan().path();
     let curve = path.curve();
-    let fail = |source| Cr7Error::Plan { file: "butterfly".to_owned(), source, hint: String::new() };
     for feed in [0.01, 0.1] {
         let Ok(profile) = MotionLimits::new(feed, 1.0, 20.0).and_then(|l| SProfile::new(curve.length(), 0.0, 0.0, &l))
         else {
@@ -320,7 +346,7 @@ fn interpolators(r: &mut Reproduction, motion: &Motion) -> Result<(), Cr7Error> 
             Box::new(ArcLengthStep::new(curve)),
         ];
         for (i, mut step) in steps.into_iter().enumerate() {
-            let f = fluctuation(curve, &profile, 1e-3, step.as_mut()).map_err(fail)?;
+            let f = fluctuation(curve, &profile, 1e-3, step.as_mut()).map_err(failed)?;
             let what = format!("{} at {} mm/s", step.name(), feed * 1e3);
             let ours = format!("{:.1e} / {:.1e}; {:.6}", 100.0 * f.largest, 100.0 * f.rms, f.end);
             let claim = r.add(PLACE, what, "", ours);
@@ -337,14 +363,13 @@ fn interpolators(r: &mut Reproduction, motion: &Motion) -> Result<(), Cr7Error> 
 
 /// What zero acceleration at every segment boundary costs.
 fn joining(r: &mut Reproduction, motion: &Motion) -> Result<(), Cr7Error> {
-    const PLACE: &str = "Section 4: zero acceleration at every segment boundary against joined segments, butterfly";
-    let fail = |source| Cr7Error::Plan { file: "butterfly".to_owned(), source, hint: String::new() };
+    const PLACE: &str = "Section 4: what zero acceleration at every segment boundary costs, butterfly";
     let joined = motion.plan();
     let start = joined.joint_path().nodes()[0].q;
     let planner = Planner::new(motion.cr7().arm(), *motion.cr7().limits(), *motion.tool_limits())
-        .map_err(fail)?
+        .map_err(failed)?
         .with_scan(Scan::PerSegment { window: None });
-    let separate = planner.plan(joined.path().clone(), &start).map_err(fail)?;
+    let separate = planner.plan(joined.path().clone(), &start).map_err(failed)?;
     r.add(PLACE, "zero acceleration at each boundary, s", "", format!("{:.3}", separate.duration()));
     r.add(PLACE, "joined between the speed minima, s", "", format!("{:.3}", joined.duration()))
         .note(format!("saves {:.1} % of the time", 100.0 * (1.0 - joined.duration() / separate.duration())))

@@ -4,21 +4,25 @@
 //! 4). Here it is zero only where the speed has a minimum. The braking pass runs over the path backwards and finds the
 //! highest jerk-limited curve from which every drop of the caps ahead can still be met; the climbing pass accelerates
 //! as hard as it may under the caps and joins the braking curve tangentially (see `pass`). The result is checked against the segments before
-//! it is returned; where no join passes the check the per-segment plan is.
+//! it is returned; where no join passes the check the path is cut.
 
 use super::ceiling::{Piece, ceiling};
 use super::pass::{Braking, Here, Run, Step, climb, run};
+use super::segment::{boundary_speeds, checked_caps};
 use super::{Segment, boundaries};
 use crate::error::FeedError;
+use crate::limits::MotionLimits;
 use crate::plan::{PlanBuilder, SpeedPlan};
 use crate::scurve::phases::Phase;
+use crate::scurve::profile::{Adjusted, SProfile};
 
 /// Plans with continuous acceleration over the segments: everywhere, inside the segments too, speed, acceleration and
 /// jerk keep the bounds of the segment where the motion is.
 ///
 /// `v_start` and `v_end` (m/s) are the speeds at the ends of the path, both with zero acceleration. On paths with
-/// thousands of short segments the duration is some 3 to 6 % above that of the optimum *without* any jerk limit (which no
-/// jerk-limited motion reaches), where one S-profile per segment takes some 7 to 23 % more.
+/// thousands of short segments the duration is typically 3 to 6 % above that of the optimum *without* any jerk limit (which
+/// no jerk-limited motion reaches), where one S-profile per segment is 7 to 23 % above it. Where no join can be found the
+/// path is cut in two at a speed of the per-segment plan, and so on down to single segments.
 ///
 /// ```
 /// use arcfeed_feedrate::{MotionLaw, Segment, plan_joined, plan_per_segment};
@@ -33,18 +37,76 @@ use crate::scurve::phases::Phase;
 /// # Errors
 /// As [`super::segment::plan_per_segment`].
 pub fn plan_joined(segments: &[Segment], v_start: f64, v_end: f64) -> Result<SpeedPlan, FeedError> {
-    let caps = super::segment::checked_caps(segments, v_start, v_end)?;
-    if v_start <= caps[0] {
-        let s = boundaries(segments);
-        let least = segments.iter().map(|segment| segment.j_max).fold(f64::INFINITY, f64::min);
-        // A join can fail where bounds change in an unlucky place; another set of lines has other places.
-        for (slack, jerk) in [(0.01, None), (0.02, None), (0.005, None), (0.01, Some(least)), (0.02, Some(least))] {
-            if let Some(plan) = attempt(segments, &s, v_start, v_end, slack, jerk) {
-                return plan.checked();
+    let caps = checked_caps(segments, v_start, v_end)?;
+    let s = boundaries(segments);
+    let mut plan = PlanBuilder::with_capacity(2 * segments.len());
+    if v_start > caps[0] || !join(segments, 0.0, v_start, v_end, &mut plan) {
+        // Between halves, the speed and the zero acceleration of the per-segment plan.
+        let speeds = boundary_speeds(segments, v_start, v_end)?;
+        split(segments, &s, &speeds, &mut plan);
+    }
+    plan.finish(s[segments.len()], v_end).checked()
+}
+
+/// Like [`plan_joined`], if the whole path can be joined at the first attempt, else `None`: a fraction of the time, for
+/// callers who have several lists of segments to choose from.
+///
+/// # Errors
+/// When there is no segment, or a speed is negative, not finite or above the cap at its end of the path.
+pub fn plan_joined_at_once(segments: &[Segment], v_start: f64, v_end: f64) -> Result<Option<SpeedPlan>, FeedError> {
+    let caps = checked_caps(segments, v_start, v_end)?;
+    if v_start > caps[0] {
+        return Ok(None);
+    }
+    let s = boundaries(segments);
+    let Some(steps) = attempt(segments, &s, v_start, v_end, SLACKS[0], None) else { return Ok(None) };
+    let mut plan = PlanBuilder::with_capacity(steps.len());
+    for step in &steps {
+        plan.push(step.phase.s, step.phase.v, step.phase.a, step.phase.j, step.dt);
+    }
+    plan.finish(s[segments.len()], v_end).checked().map(Some)
+}
+
+/// How far the lines of the ceiling may lie below the caps, relative in v^2; the first is the usual one.
+const SLACKS: [f64; 3] = [0.01, 0.02, 0.005];
+
+/// Appends the joined motion over `segments`, which start at `s0`; `false`, and nothing appended, if no join is found.
+fn join(segments: &[Segment], s0: f64, v_start: f64, v_end: f64, plan: &mut PlanBuilder) -> bool {
+    let s = boundaries(segments);
+    let least = segments.iter().map(|segment| segment.j_max).fold(f64::INFINITY, f64::min);
+    // A join can fail where bounds change in an unlucky place; another set of lines has other places.
+    let ways =
+        SLACKS.map(|slack| (slack, None)).into_iter().chain([(SLACKS[0], Some(least)), (SLACKS[1], Some(least))]);
+    for (slack, jerk) in ways {
+        if let Some(steps) = attempt(segments, &s, v_start, v_end, slack, jerk) {
+            for step in &steps {
+                let p = step.phase;
+                plan.push(s0 + p.s, p.v, p.a, p.j, step.dt);
             }
+            return true;
         }
     }
-    super::segment::plan_per_segment(segments, v_start, v_end)
+    false
+}
+
+/// Joins each part of a path that cannot be joined as a whole: cut where the per-segment plan is slowest, away from the
+/// ends, down to single segments. `s` and `speeds` are those of the boundaries.
+fn split(segments: &[Segment], s: &[f64], speeds: &[f64], plan: &mut PlanBuilder) {
+    let n = segments.len();
+    if n == 1 {
+        let limits = MotionLimits::trusted(segments[0].v_max, segments[0].a_max, segments[0].j_max);
+        plan.push_profile(s[0], &SProfile::build(segments[0].length, speeds[0], speeds[1], &limits, Adjusted::No));
+        return;
+    }
+    let middle = (n / 4).max(1)..n - n / 4;
+    let cut = middle.min_by(|&i, &k| speeds[i].total_cmp(&speeds[k])).unwrap_or(n / 2);
+    for part in [0..cut, cut..n] {
+        let (first, last) = (part.start, part.end);
+        let inside = &segments[part];
+        if inside.len() == 1 || !join(inside, s[first], speeds[first], speeds[last], plan) {
+            split(inside, &s[first..=last], &speeds[first..=last], plan);
+        }
+    }
 }
 
 /// One way to join: with the given slack of the ceiling, and the jerk bounds of the segments or one bound for all.
@@ -55,7 +117,7 @@ fn attempt(
     v_end: f64,
     slack: f64,
     jerk: Option<f64>,
-) -> Option<SpeedPlan> {
+) -> Option<Vec<Step>> {
     let n = segments.len();
     let length = s[n];
     let mut ahead = Vec::new();
@@ -68,12 +130,7 @@ fn attempt(
     if !keeps_limits(&steps, segments, s, v_start, v_end) {
         return None;
     }
-    let mut plan = PlanBuilder::with_capacity(steps.len());
-    for step in &steps {
-        let p = step.phase;
-        plan.push(p.s, p.v, p.a, p.j, step.dt);
-    }
-    Some(plan.finish(length, v_end))
+    Some(steps)
 }
 
 /// Checks steps against the segments themselves: that they chain, and that speed, acceleration and jerk stay within the

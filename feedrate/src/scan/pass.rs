@@ -199,10 +199,10 @@ fn root(f: impl Fn(f64) -> f64, lo: f64, f_lo: f64, hi: f64) -> f64 {
     if f_lo == 0.0 {
         f_lo = -1e-3 * f_hi;
     }
-    let width = hi - lo;
+    let (width, enough) = (hi - lo, 1e-7 * f_hi);
     let mut side = 0;
     for i in 0..60 {
-        if hi - lo <= 1e-7 * width {
+        if hi - lo <= 1e-6 * width {
             break;
         }
         let secant =
@@ -217,7 +217,7 @@ fn root(f: impl Fn(f64) -> f64, lo: f64, f_lo: f64, hi: f64) -> f64 {
             side = 1;
         } else {
             (lo, f_lo) = (t, f_t);
-            if f_t == 0.0 {
+            if -f_t <= enough && enough.is_finite() {
                 break;
             }
             if side == -1 {

@@ -169,6 +169,10 @@ pub(crate) fn peak(v0: f64, v1: f64, length: f64, limits: &MotionLimits) -> f64 
         return v_max;
     }
     let (low, high) = if v0 < v1 { (v0, v1) } else { (v1, v0) };
+    if distance(low, high, a_max, j_max) >= length * (1.0 - 1e-12) {
+        // One leg uses up the length, as it does wherever a speed was adjusted to it; cruising takes what is left.
+        return high;
+    }
     let gap = high - low;
     let ramp = a_max / j_max;
     let q = a_max * ramp;

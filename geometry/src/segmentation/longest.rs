@@ -90,7 +90,8 @@ fn crossing<const D: usize>(
     let target = (tolerance * (1.0 - 0.4 * SLACK)).sqrt();
     let mut root_low = reached.map_or(0.0, |d| d.upper.sqrt());
     let mut high: Option<(f64, f64)> = None;
-    let mut u = guess.min(limit);
+    // A guess below the resolution of the parameter becomes the smallest step there is.
+    let mut u = guess.max(u0.next_up()).min(limit);
     for round in 0.. {
         let deviation = cutter.deviation(first, u0, u);
         let root = deviation.upper.sqrt();

@@ -17,8 +17,9 @@ pub struct CompensatedTaylor<'a> {
     s: f64,
 }
 
-/// Newton steps per cycle. Each squares the relative error of the Taylor step (percents at sharp bends).
-const CORRECTIONS: usize = 3;
+/// At most so many Newton steps a cycle. Each squares the relative error of the Taylor step, which at a sharp bend can
+/// be most of the step; elsewhere one or two are enough and the rest is skipped.
+const CORRECTIONS: usize = 8;
 
 impl<'a> CompensatedTaylor<'a> {
     /// Starts at the beginning of `curve`, whose length is measured to `tolerance` (m).

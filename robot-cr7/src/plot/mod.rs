@@ -286,7 +286,8 @@ pub fn joint_picture(
             let limit = limits[j] * degrees;
             let peak = peaks[j] * degrees;
             let points: Vec<_> = t.iter().zip(values[j]).map(|(&t, &v)| (t, v * degrees)).collect();
-            let y = if peak >= 0.2 * limit {
+            // A joint that rests shows rounding, which deserves no scale of its own.
+            let y = if peak >= 0.2 * limit || peak <= 1e-6 * limit {
                 let half = 1.12 * peak.max(limit);
                 range([-half, half])
             } else {

@@ -32,6 +32,9 @@ pub struct Args {
     out: PathBuf,
 }
 
+/// Places a knot span at which curvature and extent are taken.
+const SAMPLES: u32 = 5_000;
+
 pub fn run(args: &Args) -> Result<(), Failure> {
     let file = read_path(args.path.as_deref(), args.unit.as_deref(), None)?;
     let shown = file.file.display().to_string();
@@ -50,28 +53,36 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     let kind = if curve.is_rational() { "rational" } else { "polynomial" };
     let spans = curve.knots().spans().count();
-    println!("  curve        degree {}, {} control points, {spans} knot spans, {kind}", curve.degree(), curve.control_points().len());
+    println!(
+        "  curve        degree {}, {} control points, {spans} knot spans, {kind}",
+        curve.degree(),
+        curve.control_points().len()
+    );
     println!("  length       {:.9} mm", path.length() * 1e3);
     let (a, b) = curve.domain();
     let closed = (curve.point(a) - curve.point(b)).norm();
     println!("  ends         {:.3e} mm apart{}", closed * 1e3, if closed < 1e-9 { " (closed)" } else { "" });
     let (mut low, mut high) = (curve.point(a), curve.point(a));
-    let (mut sharpest, mut at) = (0.0f64, 0.0);
-    const SAMPLES: usize = 200_000;
-    for i in 0..=SAMPLES {
-        let s = path.length() * i as f64 / SAMPLES as f64;
-        let jet = path.jet(s);
-        (low, high) = (low.inf(&jet.point), high.sup(&jet.point));
-        let kappa = jet.d2.norm();
-        if kappa > sharpest {
-            (sharpest, at) = (kappa, s);
+    let (mut sharpest, mut at) = (0.0f64, a);
+    // Evenly in every knot span by the curve's own parameter, which dwells where the curve bends.
+    for k in curve.knots().spans() {
+        let (u0, u1) = (curve.knots().as_slice()[k], curve.knots().as_slice()[k + 1]);
+        for i in 0..=SAMPLES {
+            let u = u0 + (u1 - u0) * f64::from(i) / f64::from(SAMPLES);
+            let jet = curve.jet(u);
+            (low, high) = (low.inf(&jet.point), high.sup(&jet.point));
+            let kappa = jet.curvature();
+            if kappa > sharpest {
+                (sharpest, at) = (kappa, u);
+            }
         }
     }
+    let at = path.arc_length_at(at);
     let size = (high - low) * 1e3;
     println!("  extent       {:.3} x {:.3} x {:.3} mm", size.x, size.y, size.z);
     if sharpest > 0.0 {
         println!(
-            "  curvature    up to {:.3} /mm (radius {:.4} mm) at s = {:.3} mm, over {SAMPLES} samples",
+            "  curvature    up to {:.3} /mm (radius {:.4} mm) at s = {:.3} mm, over {SAMPLES} samples a knot span",
             sharpest * 1e-3,
             1e3 / sharpest,
             at * 1e3
@@ -80,7 +91,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         println!("  curvature    0 (straight)");
     }
     for corner in path.corners(1e-6) {
-        println!("  corner       {:.2} deg at s = {:.3} mm: the tool has to stop there", corner.angle.to_degrees(), corner.s * 1e3);
+        println!(
+            "  corner       {:.2} deg at s = {:.3} mm: the tool has to stop there",
+            corner.angle.to_degrees(),
+            corner.s * 1e3
+        );
     }
 
     println!("\n  segments for a chord tolerance of {} mm    count   largest deviation", args.tolerance_mm);

@@ -55,8 +55,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let sampling = begin.elapsed();
 
     bar.set_message("writing");
-    std::fs::create_dir_all(&args.out)
-        .map_err(|source| InputError::Write { file: args.out.clone(), source })?;
+    std::fs::create_dir_all(&args.out).map_err(|source| InputError::Write { file: args.out.clone(), source })?;
     let mut report = motion.report(setpoints.len(), sampling);
     let trajectory = args.out.join("trajectory.csv");
     write_trajectory(&trajectory, setpoints.iter().map(trajectory_row))?;
@@ -77,11 +76,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 }
 
 /// The path file named, or the embedded butterfly.
-pub fn read_path(
-    file: Option<&Path>,
-    unit: Option<&str>,
-    job_unit: Option<LengthUnit>,
-) -> Result<PathFile, Failure> {
+pub fn read_path(file: Option<&Path>, unit: Option<&str>, job_unit: Option<LengthUnit>) -> Result<PathFile, Failure> {
     let unit = match unit {
         None => job_unit,
         Some(symbol) => Some(LengthUnit::from_symbol(symbol).ok_or_else(|| {
@@ -123,10 +118,8 @@ fn pictures(motion: &Motion, job: &Job, setpoints: &[arcfeed_interp::Setpoint]) 
         }
         limit.push((s, v));
     }
-    let limit_by_time: Vec<_> = setpoints
-        .iter()
-        .map(|p| (p.t, limit[limit.partition_point(|l| l.0 <= p.s).saturating_sub(1)].1))
-        .collect();
+    let limit_by_time: Vec<_> =
+        setpoints.iter().map(|p| (p.t, limit[limit.partition_point(|l| l.0 <= p.s).saturating_sub(1)].1)).collect();
     let t: Vec<f64> = setpoints.iter().map(|p| p.t).collect();
     let joints = motion.cr7().limits();
     let picture = |quantity, of: fn(&arcfeed_interp::Setpoint) -> [f64; 6], limits: [f64; 6]| {

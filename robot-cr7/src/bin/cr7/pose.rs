@@ -79,7 +79,10 @@ pub fn forward(args: &ForwardArgs) -> Result<(), Failure> {
     println!("  position     {:.4} {:.4} {:.4} mm", p.x * 1e3, p.y * 1e3, p.z * 1e3);
     println!("  rpy          {:.4} {:.4} {:.4} deg", roll.to_degrees(), pitch.to_degrees(), yaw.to_degrees());
     println!("  quaternion   {:.9} {:.9} {:.9} {:.9} (x y z w)", xyzw[0], xyzw[1], xyzw[2], xyzw[3]);
-    println!("  singularity  smallest singular value {sigma:.4} (rows in m and rad), manipulability {:.5}", manipulability(&jacobian));
+    println!(
+        "  singularity  smallest singular value {sigma:.4} (rows in m and rad), manipulability {:.5}",
+        manipulability(&jacobian)
+    );
     if !cr7.arm().range().contains(&q) {
         println!("  these joint angles are outside the joint ranges of the arm");
     }
@@ -96,7 +99,9 @@ pub fn inverse(args: &InverseArgs) -> Result<(), Failure> {
             finite(q.iter(), "a component of --quat-xyzw")?;
             let quaternion = Quaternion::new(q[3], q[0], q[1], q[2]);
             if quaternion.norm() < 1e-6 {
-                return Err(Failure::BadInput("--quat-xyzw has no direction: give a quaternion of length 1".to_owned()));
+                return Err(Failure::BadInput(
+                    "--quat-xyzw has no direction: give a quaternion of length 1".to_owned(),
+                ));
             }
             UnitQuaternion::from_quaternion(quaternion)
         }

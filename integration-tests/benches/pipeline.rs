@@ -1,0 +1,77 @@
+//! The whole way of the main job on the butterfly: 383 mm at 100 mm/s on the CR7, chord tolerance 0.001 mm, 1 ms.
+
+use std::hint::black_box;
+use std::time::Duration;
+
+use arcfeed_feedrate::{MotionLimits, SProfile};
+use arcfeed_geometry::{ArcLengthCurve, NurbsCurve, OrientationPath, PosePath};
+use arcfeed_interp::{Planner, ToolLimits, best_start};
+use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
+use robot_cr7::{Cr7, Job, PathGeometry, ToolOrientation, butterfly};
+
+/// The butterfly in the base frame of the default job.
+fn curve(job: &Job) -> NurbsCurve<3> {
+    match butterfly().expect("comes with the program").geometry {
+        PathGeometry::Curve(curve) => curve.transformed(&job.workpiece).expect("finite numbers"),
+        PathGeometry::Points { .. } => unreachable!("the butterfly is a curve"),
+    }
+}
+
+fn pipeline(c: &mut Criterion) {
+    let job = Job::default();
+    let curve = curve(&job);
+    let ToolOrientation::Constant(rotation) = job.orientation else {
+        unreachable!("the default job keeps the tool down")
+    };
+    let by_length = ArcLengthCurve::new(curve.clone(), 1e-15).expect("a curve of some length");
+    let path = PosePath::new(by_length, OrientationPath::Constant(job.workpiece.rotation * rotation));
+    let cr7 = Cr7::new(job.tool).expect("a finite tool");
+    let limits = *cr7.limits();
+    let tool = ToolLimits {
+        feed: job.feed.feed,
+        tangential_acceleration: job.feed.tangential_acceleration,
+        tangential_jerk: job.feed.tangential_jerk,
+        normal_acceleration: job.feed.normal_acceleration,
+        normal_jerk: job.feed.normal_jerk,
+    };
+    let planner = Planner::new(cr7.arm(), limits, tool).expect("valid limits");
+    let start = best_start(cr7.arm(), &path, limits.lower(), limits.upper()).expect("in reach");
+    let plan = planner.draft(path.clone(), &start).expect("in reach");
+
+    c.bench_function("arc-length map of the butterfly", |b| {
+        b.iter_batched(|| curve.clone(), |curve| ArcLengthCurve::new(curve, 1e-15), BatchSize::SmallInput);
+    });
+    c.bench_function("choice of the start", |b| {
+        b.iter(|| best_start(cr7.arm(), black_box(&path), limits.lower(), limits.upper()));
+    });
+    c.bench_function("plan of the butterfly, without verification", |b| {
+        b.iter_batched(|| path.clone(), |path| planner.draft(path, &start), BatchSize::SmallInput);
+    });
+    c.bench_function("verification of the plan", |b| b.iter(|| plan.verify(cr7.arm(), &tool, &limits)));
+
+    let mut sampler = plan.sampler(cr7.arm(), 1e-3).expect("a valid period");
+    c.bench_function("one cycle of sampling with inverse kinematics", |b| {
+        b.iter(|| match sampler.next_setpoint() {
+            Some(setpoint) => Some(setpoint),
+            None => {
+                sampler = plan.sampler(cr7.arm(), 1e-3).expect("a valid period");
+                sampler.next_setpoint()
+            }
+        });
+    });
+
+    let limits = MotionLimits::new(0.1, 1.0, 20.0).expect("above 0");
+    c.bench_function("one S-profile", |b| {
+        b.iter(|| SProfile::new(black_box(0.05), black_box(0.01), black_box(0.03), &limits));
+    });
+}
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default()
+        .warm_up_time(Duration::from_millis(500))
+        .measurement_time(Duration::from_secs(3))
+        .sample_size(20);
+    targets = pipeline
+}
+criterion_main!(benches);

@@ -1,0 +1,301 @@
+//! Random smooth curves on two arms: a plan that is returned keeps every limit, by the library's own verification, by the
+//! same verification at another period, and by plain differences of the joint positions that use nothing else.
+
+use std::cell::Cell;
+
+use arcfeed_geometry::{ArcLengthCurve, Curve, NurbsCurve, OrientationPath, PosePath};
+use arcfeed_interp::{Plan, PlanError, Planner, Requirement, Scan, ToolLimits, best_start, verify};
+use arcfeed_kinematics::{
+    AnalyticInverse, ForwardKinematics, InverseKinematics, JointLimits, JointRange, Joints, models,
+};
+use nalgebra::{Rotation3, Unit, UnitQuaternion, Vector3};
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+
+const TOLERANCE: f64 = 1e-6;
+
+/// How the tool turns.
+#[derive(Debug, Clone, Copy)]
+enum Turning {
+    Constant,
+    /// To another orientation, given by a rotation vector (rad).
+    Slerp([f64; 3]),
+    Tangent,
+}
+
+/// Everything that one random job is made of; printed when it fails.
+#[derive(Debug, Clone)]
+struct Case {
+    degree: usize,
+    points: Vec<[f64; 3]>,
+    weights: Vec<f64>,
+    /// Differences of the distinct knots.
+    spans: Vec<f64>,
+    /// Rotation vector from the tool pointing down.
+    tilt: [f64; 3],
+    turning: Turning,
+    tool: ToolLimits,
+    velocity: f64,
+    acceleration: f64,
+    jerk: f64,
+    chord: f64,
+    period: f64,
+    per_segment: bool,
+}
+
+/// A number whose logarithm is evenly spread.
+fn log(range: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
+    (range.start.ln()..range.end.ln()).prop_map(f64::exp)
+}
+
+fn vector(size: f64) -> impl Strategy<Value = [f64; 3]> {
+    prop::array::uniform3(-size..size)
+}
+
+fn cases() -> impl Strategy<Value = Case> {
+    let shape = (3usize..=5, 1usize..=6).prop_flat_map(|(degree, spans)| {
+        (
+            Just(degree),
+            // A centre in front of the arm, points around it.
+            (0.3..0.5, -0.25..0.25, 0.1..0.4, 0.02f64..0.12),
+            prop::collection::vec(vector(1.0), degree + spans),
+            prop::collection::vec(0.5..2.0f64, degree + spans),
+            prop::collection::vec(0.3..1.0f64, spans),
+        )
+    });
+    let turning = (prop_oneof![Just(false), Just(true)], vector(0.6), 0..3).prop_map(|(tilted, turn, kind)| {
+        let turning = match kind {
+            0 => Turning::Constant,
+            1 => Turning::Slerp(turn),
+            _ => Turning::Tangent,
+        };
+        (tilted, turning)
+    });
+    let tool = (log(0.1..0.6), log(0.5..5.0), log(10.0..200.0), log(0.5..5.0), prop::option::of(log(10.0..200.0)));
+    let joints = (log(1.0..4.0), log(3.0..30.0), log(30.0..1000.0));
+    (shape, (turning, vector(0.5)), tool, joints, (log(1e-6..1e-4), log(1e-3..8e-3), prop::bool::weighted(0.2)))
+        .prop_map(
+            |((degree, (x, y, z, size), points, weights, spans), ((tilted, turning), tilt), tool, joints, rest)| Case {
+                degree,
+                points: points.iter().map(|p| [x + size * p[0], y + size * p[1], z + size * p[2]]).collect(),
+                weights,
+                spans,
+                tilt: if tilted { tilt } else { [0.0; 3] },
+                turning,
+                tool: ToolLimits {
+                    feed: tool.0,
+                    tangential_acceleration: tool.1,
+                    tangential_jerk: tool.2,
+                    normal_acceleration: tool.3,
+                    normal_jerk: tool.4,
+                },
+                velocity: joints.0,
+                acceleration: joints.1,
+                jerk: joints.2,
+                chord: rest.0,
+                period: rest.1,
+                per_segment: rest.2,
+            },
+        )
+}
+
+/// The path of a case, or `None` where the curve has a cusp or the tangent runs along the tool, which are no smooth paths.
+fn path(case: &Case) -> Option<PosePath> {
+    let p = case.degree;
+    let mut knots = vec![0.0; p + 1];
+    for (i, span) in case.spans.iter().enumerate() {
+        let next = knots[knots.len() - 1] + span;
+        let repeats = if i + 1 == case.spans.len() { p + 1 } else { 1 };
+        knots.extend(vec![next; repeats]);
+    }
+    let points = case.points.iter().map(|&q| Vector3::from(q)).collect();
+    let curve = NurbsCurve::new(p, points, case.weights.clone(), knots).expect("a valid curve");
+    let curve = ArcLengthCurve::new(curve, 1e-15).ok()?;
+    let down = UnitQuaternion::from_euler_angles(std::f64::consts::PI, 0.0, 0.0);
+    let first = UnitQuaternion::from_scaled_axis(Vector3::from(case.tilt)) * down;
+    let orientation = match case.turning {
+        Turning::Constant => OrientationPath::Constant(first),
+        Turning::Slerp(turn) => {
+            let last = UnitQuaternion::from_scaled_axis(Vector3::from(turn)) * first;
+            OrientationPath::slerp(curve.length(), first, last).expect("a length above 0")
+        }
+        Turning::Tangent => {
+            let z = Unit::new_normalize(first * Vector3::z());
+            let x = curve.jet(0.0).d1;
+            let x = (x - z.as_ref() * z.dot(&x)).try_normalize(0.1)?;
+            let start = Rotation3::from_basis_unchecked(&[x, z.cross(&x), z.into_inner()]);
+            OrientationPath::following_tangent(&curve, z, UnitQuaternion::from_rotation_matrix(&start), 1e-3).ok()?
+        }
+    };
+    Some(PosePath::new(curve, orientation))
+}
+
+trait Arm: ForwardKinematics<6> + InverseKinematics<6> + AnalyticInverse<6> {}
+impl<A: ForwardKinematics<6> + InverseKinematics<6> + AnalyticInverse<6>> Arm for A {}
+
+/// Plans a case. `Ok(None)` where the arm cannot follow the path and says so.
+fn plan(arm: &impl Arm, range: &JointRange<6>, case: &Case) -> Result<Option<(Plan, JointLimits<6>)>, TestCaseError> {
+    let Some(path) = path(case) else { return Ok(None) };
+    let (length, samples) = (path.length(), path.clone());
+    let limits = range
+        .with_rates(Joints::repeat(case.velocity), Joints::repeat(case.acceleration), Joints::repeat(case.jerk))
+        .expect("valid limits");
+    let mut planner = Planner::new(arm, limits, case.tool)
+        .and_then(|p| p.with_chord_tolerance(case.chord))
+        .and_then(|p| p.with_period(case.period))
+        .expect("valid numbers");
+    if case.per_segment {
+        planner = planner.with_scan(Scan::PerSegment { window: None });
+    }
+    let planned = best_start(arm, &path, limits.lower(), limits.upper()).and_then(|start| planner.plan(path, &start));
+    match planned {
+        Ok(plan) => Ok(Some((plan, limits))),
+        // The arm does not get there: the message has to name a place on the path.
+        Err(
+            ref error @ (PlanError::Arm { .. } | PlanError::BranchChange { .. } | PlanError::NoConfiguration { .. }),
+        ) => {
+            let place = match error {
+                PlanError::NoConfiguration { best, .. } => place(best),
+                other => place(other),
+            };
+            let (s, position) = place.ok_or_else(|| TestCaseError::fail(format!("no place in: {error}")))?;
+            prop_assert!((0.0..=length).contains(&s), "s = {} outside the path: {}", s, error);
+            if let Some(position) = position {
+                let off = (Vector3::from(position) - samples.curve().point(s)).norm();
+                prop_assert!(off < 1e-9, "{} m off the path: {}", off, error);
+            }
+            Ok(None)
+        }
+        Err(other) => Err(TestCaseError::fail(format!("a path the arm can follow was not planned: {other}"))),
+    }
+}
+
+fn place(error: &PlanError) -> Option<(f64, Option<[f64; 3]>)> {
+    match error {
+        PlanError::Arm { s, position, .. } => Some((*s, Some(*position))),
+        PlanError::BranchChange { s, .. } => Some((*s, None)),
+        _ => None,
+    }
+}
+
+/// Limits held against differences of joint positions alone, at steps of 0.1 ms.
+///
+/// The k-th difference over h^k is a weighted average of the k-th derivative, so it exceeds no bound of that derivative;
+/// what is allowed on top is the rounding of positions of some radians.
+fn check_by_differences(
+    arm: &impl Arm,
+    plan: &Plan,
+    limits: &JointLimits<6>,
+    tool: &ToolLimits,
+) -> Result<(), TestCaseError> {
+    const STEP: f64 = 1e-4;
+    // Rounding of q as it comes out of the inverse.
+    const NOISE: f64 = 2e-14;
+    // Third differences need a longer step, or rounding is all that is seen.
+    const STRIDE: usize = 5;
+    let mut sampler = plan.sampler(arm, STEP).expect("a valid period");
+    let steps = (plan.duration() / STEP).floor() as usize;
+    let mut q: Vec<Joints<6>> = Vec::with_capacity(steps + 1);
+    let mut tip = Vec::with_capacity(steps + 1);
+    for i in 0..=steps {
+        let at = sampler.at(i as f64 * STEP).expect("on the path");
+        tip.push(arm.forward(&at.q).translation.vector);
+        q.push(at.q);
+    }
+    let third = STEP * STRIDE as f64;
+    for i in 1..q.len() {
+        let t = i as f64 * STEP;
+        let feed = (tip[i] - tip[i - 1]).norm() / STEP;
+        prop_assert!(feed <= tool.feed * (1.0 + TOLERANCE) + 1e-10, "feed {} at t = {}", feed, t);
+        for k in 0..6 {
+            prop_assert!(
+                q[i][k] >= limits.lower()[k] && q[i][k] <= limits.upper()[k],
+                "joint {} outside at {}",
+                k + 1,
+                t
+            );
+            let v = (q[i][k] - q[i - 1][k]) / STEP;
+            let most = limits.velocity()[k] * (1.0 + TOLERANCE) + 2.0 * NOISE / STEP;
+            prop_assert!(v.abs() <= most, "joint {} velocity {} of {} at t = {}", k + 1, v, most, t);
+            if i >= 2 {
+                let a = (q[i][k] - 2.0 * q[i - 1][k] + q[i - 2][k]) / (STEP * STEP);
+                let most = limits.acceleration()[k] * (1.0 + TOLERANCE) + 4.0 * NOISE / (STEP * STEP);
+                prop_assert!(a.abs() <= most, "joint {} acceleration {} of {} at t = {}", k + 1, a, most, t);
+            }
+            if i >= 3 * STRIDE {
+                let [d, c, b, a] = [0, 1, 2, 3].map(|n| q[i - n * STRIDE][k]);
+                let j = (d - 3.0 * c + 3.0 * b - a) / third.powi(3);
+                let most = limits.jerk()[k] * (1.0 + TOLERANCE) + 8.0 * NOISE / third.powi(3);
+                prop_assert!(j.abs() <= most, "joint {} jerk {} of {} at t = {}", k + 1, j, most, t);
+            }
+        }
+    }
+    // From rest, and to rest exactly at the end of the path.
+    let (first, last) = (sampler.at(0.0).expect("start"), sampler.at(plan.duration()).expect("end"));
+    for rest in [first, last] {
+        prop_assert_eq!(rest.feed, 0.0);
+        prop_assert_eq!(rest.qd.amax(), 0.0);
+    }
+    prop_assert_eq!((first.s, last.s), (0.0, plan.path().length()));
+    let nurbs = plan.path().curve().curve();
+    let (a, b) = nurbs.domain();
+    for (at, u) in [(first, a), (last, b)] {
+        let off = (arm.forward(&at.q).translation.vector - nurbs.point(u)).norm();
+        prop_assert!(off < 1e-12, "{} m off the end of the curve", off);
+    }
+    Ok(())
+}
+
+fn check(arm: &impl Arm, range: &JointRange<6>, case: &Case, planned: &Cell<usize>) -> Result<(), TestCaseError> {
+    let Some((plan, limits)) = plan(arm, range, case)? else { return Ok(()) };
+    planned.set(planned.get() + 1);
+    let own = plan.verification().expect("a plan is verified");
+    prop_assert!(own.holds(TOLERANCE), "{:?}", own.worst());
+    prop_assert_eq!(own.checks().len(), 31);
+
+    // The same judge at another period: other moments, and cycles that do not divide the first ones.
+    let period = case.period * 0.377;
+    let requirement =
+        Requirement { path: plan.path(), tool: &case.tool, joints: &limits, chord_tolerance: case.chord, period };
+    let mut sampler = plan.sampler(arm, period).expect("a valid period");
+    let again = verify(arm, &requirement, plan.duration(), |t| sampler.at(t)).expect("on the path");
+    prop_assert!(again.holds(TOLERANCE), "at a period of {} s: {:?}", period, again.worst());
+
+    check_by_differences(arm, &plan, &limits, &case.tool)
+}
+
+/// Few cases with a fixed seed; more and others by the variables `PROPTEST_CASES` and `PROPTEST_RNG_SEED`.
+fn config(seed: u64) -> ProptestConfig {
+    let mut config = ProptestConfig { failure_persistence: None, max_shrink_iters: 40, ..ProptestConfig::default() };
+    if std::env::var_os("PROPTEST_CASES").is_none() {
+        config.cases = 10;
+    }
+    if std::env::var_os("PROPTEST_RNG_SEED").is_none() {
+        config.rng_seed = RngSeed::Fixed(seed);
+    }
+    config
+}
+
+/// Runs random jobs and makes sure that enough of them were really planned.
+fn run(arm: &impl Arm, range: &JointRange<6>, seed: u64) {
+    let (planned, config) = (Cell::new(0), config(seed));
+    let count = config.cases;
+    let mut runner = proptest::test_runner::TestRunner::new(config);
+    if let Err(error) = runner.run(&cases(), |case| check(arm, range, &case, &planned)) {
+        panic!("{error}");
+    }
+    println!("{} of {count} random paths planned", planned.get());
+    assert!(planned.get() as u32 * 2 > count, "only {} of {count} random paths could be planned", planned.get());
+}
+
+#[test]
+fn on_the_cr7_every_plan_keeps_every_limit() {
+    let arm = models::cr7();
+    run(&arm, arm.range(), 7);
+}
+
+#[test]
+fn on_the_ur5e_every_plan_keeps_every_limit() {
+    let arm = models::ur5e();
+    run(&arm, arm.range(), 5);
+}
