@@ -1,10 +1,10 @@
-//! Random smooth curves on two arms: a plan that is returned keeps every limit, by the library's own verification, by the
+//! Random smooth curves (some of them with jumps of curvature) on two arms: a plan that is returned keeps every limit, by the library's own verification, by the
 //! same verification at another period, and by plain differences of the joint positions that use nothing else.
 
 use std::cell::Cell;
 
 use arcfeed_geometry::{ArcLengthCurve, Curve, NurbsCurve, OrientationPath, PosePath};
-use arcfeed_interp::{Plan, PlanError, Planner, Requirement, Scan, ToolLimits, best_start, verify};
+use arcfeed_interp::{Plan, PlanError, Planner, Quantity, Requirement, Scan, ToolLimits, best_start, verify};
 use arcfeed_kinematics::{
     AnalyticInverse, ForwardKinematics, InverseKinematics, JointLimits, JointRange, Joints, models,
 };
@@ -31,6 +31,8 @@ struct Case {
     weights: Vec<f64>,
     /// Differences of the distinct knots.
     spans: Vec<f64>,
+    /// Inner knots are so often repeated that only the tangent is continuous: curvature jumps there.
+    tangent_only: bool,
     /// Rotation vector from the tool pointing down.
     tilt: [f64; 3],
     turning: Turning,
@@ -57,10 +59,12 @@ fn cases() -> impl Strategy<Value = Case> {
         (
             Just(degree),
             // A centre in front of the arm, points around it.
-            (0.3..0.5, -0.25..0.25, 0.1..0.4, 0.02f64..0.12),
-            prop::collection::vec(vector(1.0), degree + spans),
-            prop::collection::vec(0.5..2.0f64, degree + spans),
+            (0.3..0.5, -0.25..0.25, 0.1..0.4, log(0.003..0.12)),
+            // The most that any repetition of the inner knots takes.
+            prop::collection::vec(vector(1.0), degree * spans + 1),
+            prop::collection::vec(0.5..2.0f64, degree * spans + 1),
             prop::collection::vec(0.3..1.0f64, spans),
+            prop::bool::weighted(0.25),
         )
     });
     let turning = (prop_oneof![Just(false), Just(true)], vector(0.6), 0..3).prop_map(|(tilted, turn, kind)| {
@@ -75,11 +79,18 @@ fn cases() -> impl Strategy<Value = Case> {
     let joints = (log(1.0..4.0), log(3.0..30.0), log(30.0..1000.0));
     (shape, (turning, vector(0.5)), tool, joints, (log(1e-6..1e-4), log(1e-3..8e-3), prop::bool::weighted(0.2)))
         .prop_map(
-            |((degree, (x, y, z, size), points, weights, spans), ((tilted, turning), tilt), tool, joints, rest)| Case {
+            |(
+                (degree, (x, y, z, size), points, weights, spans, tangent_only),
+                ((tilted, turning), tilt),
+                tool,
+                joints,
+                rest,
+            )| Case {
                 degree,
                 points: points.iter().map(|p| [x + size * p[0], y + size * p[1], z + size * p[2]]).collect(),
                 weights,
                 spans,
+                tangent_only,
                 tilt: if tilted { tilt } else { [0.0; 3] },
                 turning,
                 tool: ToolLimits {
@@ -105,11 +116,13 @@ fn path(case: &Case) -> Option<PosePath> {
     let mut knots = vec![0.0; p + 1];
     for (i, span) in case.spans.iter().enumerate() {
         let next = knots[knots.len() - 1] + span;
-        let repeats = if i + 1 == case.spans.len() { p + 1 } else { 1 };
+        let inner = if case.tangent_only { p - 1 } else { 1 };
+        let repeats = if i + 1 == case.spans.len() { p + 1 } else { inner };
         knots.extend(vec![next; repeats]);
     }
-    let points = case.points.iter().map(|&q| Vector3::from(q)).collect();
-    let curve = NurbsCurve::new(p, points, case.weights.clone(), knots).expect("a valid curve");
+    let count = knots.len() - p - 1;
+    let points = case.points[..count].iter().map(|&q| Vector3::from(q)).collect();
+    let curve = NurbsCurve::new(p, points, case.weights[..count].to_vec(), knots).expect("a valid curve");
     let curve = ArcLengthCurve::new(curve, 1e-15).ok()?;
     let down = UnitQuaternion::from_euler_angles(std::f64::consts::PI, 0.0, 0.0);
     let first = UnitQuaternion::from_scaled_axis(Vector3::from(case.tilt)) * down;
@@ -186,7 +199,7 @@ fn check_by_differences(
     arm: &impl Arm,
     plan: &Plan,
     limits: &JointLimits<6>,
-    tool: &ToolLimits,
+    case: &Case,
 ) -> Result<(), TestCaseError> {
     const STEP: f64 = 1e-4;
     // Rounding of q as it comes out of the inverse.
@@ -206,7 +219,7 @@ fn check_by_differences(
     for i in 1..q.len() {
         let t = i as f64 * STEP;
         let feed = (tip[i] - tip[i - 1]).norm() / STEP;
-        prop_assert!(feed <= tool.feed * (1.0 + TOLERANCE) + 1e-10, "feed {} at t = {}", feed, t);
+        prop_assert!(feed <= case.tool.feed * (1.0 + TOLERANCE) + 1e-10, "feed {} at t = {}", feed, t);
         for k in 0..6 {
             prop_assert!(
                 q[i][k] >= limits.lower()[k] && q[i][k] <= limits.upper()[k],
@@ -222,7 +235,7 @@ fn check_by_differences(
                 let most = limits.acceleration()[k] * (1.0 + TOLERANCE) + 4.0 * NOISE / (STEP * STEP);
                 prop_assert!(a.abs() <= most, "joint {} acceleration {} of {} at t = {}", k + 1, a, most, t);
             }
-            if i >= 3 * STRIDE {
+            if i >= 3 * STRIDE && !case.tangent_only {
                 let [d, c, b, a] = [0, 1, 2, 3].map(|n| q[i - n * STRIDE][k]);
                 let j = (d - 3.0 * c + 3.0 * b - a) / third.powi(3);
                 let most = limits.jerk()[k] * (1.0 + TOLERANCE) + 8.0 * NOISE / third.powi(3);
@@ -259,9 +272,14 @@ fn check(arm: &impl Arm, range: &JointRange<6>, case: &Case, planned: &Cell<usiz
         Requirement { path: plan.path(), tool: &case.tool, joints: &limits, chord_tolerance: case.chord, period };
     let mut sampler = plan.sampler(arm, period).expect("a valid period");
     let again = verify(arm, &requirement, plan.duration(), |t| sampler.at(t)).expect("on the path");
-    prop_assert!(again.holds(TOLERANCE), "at a period of {} s: {:?}", period, again.worst());
+    for check in again.checks() {
+        // Where curvature jumps, the step of the acceleration is spread over the period that was planned for.
+        let by_period = matches!(check.quantity, Quantity::JointJerk | Quantity::Continuity);
+        let excused = case.tangent_only && by_period;
+        prop_assert!(check.ratio <= 1.0 + TOLERANCE || excused, "at a period of {} s: {:?}", period, check);
+    }
 
-    check_by_differences(arm, &plan, &limits, &case.tool)
+    check_by_differences(arm, &plan, &limits, case)
 }
 
 /// Few cases with a fixed seed; more and others by the variables `PROPTEST_CASES` and `PROPTEST_RNG_SEED`.
