@@ -1,6 +1,5 @@
 //! State to state of one axis: reference durations, exact ends, limits, symmetries, scales, refusals.
 use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, StateToState, StateToStateError};
-use proptest::prelude::*;
 
 mod common;
 use common::Rng;
@@ -66,7 +65,7 @@ impl Case {
 /// Follows the phases by itself and returns what is wrong with them, if anything.
 fn fault(case: &Case, motion: &StateToState) -> Option<String> {
     let t_end = motion.duration();
-    let phases = motion.phases();
+    let phases: Vec<_> = motion.phases().collect();
     let span = |l: (f64, f64)| l.1 - l.0;
     let (mut p, mut v, mut a) = (case.start.p, case.start.v, case.start.a);
     // Round-off is relative to the largest numbers on the way.
@@ -75,9 +74,9 @@ fn fault(case: &Case, motion: &StateToState) -> Option<String> {
     if !(t_end >= 0.0) {
         return Some(format!("duration {t_end}"));
     }
-    for (i, phase) in phases.iter().enumerate() {
-        let dt = phases.get(i + 1).map_or(t_end, |n| n.t) - phase.t;
-        if dt < 0.0 || (i == 0 && phase.t != 0.0) {
+    for (i, &(phase, dt)) in phases.iter().enumerate() {
+        let next = phases.get(i + 1).map_or(t_end, |n| n.0.t);
+        if !(dt > 0.0) || (i == 0 && phase.t != 0.0) || (next - phase.t - dt).abs() > 1e-14 * t_end {
             return Some(format!("phase {i} lasts {dt}"));
         }
         scale.0 = scale.0.max(p.abs()).max(scale.1 * t_end);
@@ -204,4 +203,110 @@ fn reference_durations() {
     }
     println!("family: (passed, of, shorter than the reference) {counts:#?}");
     assert!(failures.is_empty(), "{} failures, the first ones: {:#?}", failures.len(), &failures[..failures.len().min(6)]);
+}
+
+/// Random problems of every kind: resting, moving, short and long, limits far from symmetric.
+fn random_case(rng: &mut Rng, outside: bool) -> Case {
+    let pair = |rng: &mut Rng, lo: f64, hi: f64| (-rng.log(lo, hi), rng.log(lo, hi));
+    let (v, a, j) = (pair(rng, 0.1, 10.0), pair(rng, 0.1, 30.0), pair(rng, 0.3, 300.0));
+    // Sometimes exactly zero or exactly at a limit.
+    let within = |rng: &mut Rng, l: (f64, f64), over: f64| match (rng.unit() * 8.0) as u32 {
+        0 | 1 => 0.0,
+        2 => if rng.unit() < 0.5 { l.0 } else { l.1 },
+        _ => over * (l.0 + (l.1 - l.0) * rng.unit()),
+    };
+    let admissible = |rng: &mut Rng| {
+        let x = within(rng, a, 1.0);
+        let (lo, hi) = (v.0 + 0.5 * x.max(0.0).powi(2) / j.1, v.1 - 0.5 * x.min(0.0).powi(2) / -j.0);
+        if lo > hi { (0.0, 0.0) } else { (lo + (hi - lo) * within(rng, (0.0, 1.0), 1.0), x) }
+    };
+    let (vf, af) = admissible(rng);
+    let vf = vf.clamp(v.0, v.1);
+    let (v0, a0) = if outside {
+        (within(rng, v, 2.5), within(rng, a, 2.5))
+    } else {
+        // A state that can be left is one that can be entered, backwards in time.
+        let x = within(rng, a, 1.0);
+        let (lo, hi) = (v.0 + 0.5 * x.min(0.0).powi(2) / j.1, v.1 - 0.5 * x.max(0.0).powi(2) / -j.0);
+        if lo > hi { (0.0, 0.0) } else { ((lo + (hi - lo) * within(rng, (0.0, 1.0), 1.0)).clamp(v.0, v.1), x) }
+    };
+    let reach = rng.log(1e-6, 30.0) * if rng.unit() < 0.5 { -1.0 } else { 1.0 };
+    let p0 = if rng.unit() < 0.5 { 0.0 } else { 4.0 * rng.unit() - 2.0 };
+    Case { start: AxisState::new(p0, v0, a0), target: AxisState::new(p0 + reach, vf, af), v, a, j }
+}
+
+#[test]
+fn random_starts_inside() {
+    let mut rng = Rng(7);
+    for i in 0..200_000 {
+        let case = random_case(&mut rng, false);
+        let motion = case.solve().unwrap_or_else(|e| panic!("case {i}: {e}: {case:?}"));
+        if let Some(text) = fault(&case, &motion) {
+            panic!("case {i}: {text}: {case:?}");
+        }
+    }
+}
+
+#[test]
+fn random_starts_outside() {
+    let mut rng = Rng(8);
+    let mut worst = 0.0_f64;
+    for i in 0..20_000 {
+        let case = random_case(&mut rng, true);
+        let motion = case.solve().unwrap_or_else(|e| panic!("case {i}: {e}: {case:?}"));
+        if let Some(text) = fault(&case, &motion) {
+            panic!("case {i}: {text}: {case:?}");
+        }
+        let again = leaves_again(&case, &motion);
+        assert!(again <= 1e-12, "case {i} leaves the limits again by {again:e}: {case:?}");
+        worst = worst.max(again);
+    }
+}
+
+/// Equal durations, unless a change of the displacement by round-off makes the duration jump.
+fn same_duration(name: &str, case: &Case, t: f64, other: f64) {
+    let close = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.max(b);
+    if close(t, other) {
+        return;
+    }
+    // The range of the duration under a change of the target by 1e-10.
+    let nudge = 1e-10 * (case.start.p.abs() + case.target.p.abs() + case.v.1 * t);
+    let near = |d: f64| {
+        let mut c = *case;
+        c.target.p += d;
+        c.solve().unwrap().duration()
+    };
+    let (a, b) = (near(-nudge), near(nudge));
+    let tolerance = 1e-9 * a.max(b);
+    assert!(
+        other >= a.min(b).min(t) - tolerance && other <= a.max(b).max(t) + tolerance,
+        "{name}: {t} against {other} (nearby {a}, {b}): {case:?}"
+    );
+}
+
+#[test]
+fn mirror_and_time_reversal_give_the_same_duration() {
+    let mut rng = Rng(9);
+    for _ in 0..100_000 {
+        let case = random_case(&mut rng, false);
+        let t = case.solve().unwrap().duration();
+        assert_eq!(t, case.mirrored().solve().unwrap().duration(), "mirror: {case:?}");
+        same_duration("time reversal", &case, t, case.reversed().solve().unwrap().duration());
+    }
+}
+
+#[test]
+fn answer_scales_exactly_with_the_units() {
+    let mut rng = Rng(10);
+    for i in 0..50_000 {
+        let case = random_case(&mut rng, i % 4 == 0);
+        let length = 2f64.powi((rng.unit() * 400.0) as i32 - 200);
+        let time = 2f64.powi((rng.unit() * 200.0) as i32 - 100);
+        let scaled = case.scaled(length, time);
+        let (here, there) = (case.solve().unwrap(), scaled.solve().unwrap());
+        assert_eq!(here.duration() * time, there.duration(), "{length:e} {time:e}: {case:?}");
+        if let Some(text) = fault(&scaled, &there) {
+            panic!("{length:e} {time:e}: {text}: {case:?}");
+        }
+    }
 }

@@ -265,11 +265,13 @@ impl Family {
             let newton = s - f / g;
             let inside = newton > lo && newton < hi;
             let next = if inside && (newton - s).abs() < 0.7 * before { newton } else { 0.5 * (lo + hi) };
-            before = (next - s).abs();
-            // Newton's steps square the error: after one below 1e-8 of s the next is below round-off.
-            if before <= 1e-9 * next.abs() && inside || hi - lo <= 2.0 * f64::EPSILON * hi.abs().max(lo.abs()) {
+            let step = (next - s).abs();
+            // Newton's steps square the error with a constant seen from the last two: stop when the next one is round-off.
+            let coming = step * (step / before).powi(2);
+            if inside && coming <= 0.5 * f64::EPSILON * next.abs() || hi - lo <= f64::EPSILON * hi.abs().max(lo.abs()) {
                 return next;
             }
+            before = step;
             s = next;
         }
         s

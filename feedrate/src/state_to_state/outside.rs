@@ -1,9 +1,9 @@
 //! Starts above the velocity limit with more way to go than the shortest change of velocity covers.
 //!
 //! The velocity is brought down to `v_p` and zero acceleration by the shortest way, without dipping below, and changed
-//! from there to the target. The lowest excess of velocity would be had by braking until the
-//! limit is crossed, but that undershoots it and comes back. `v_p` is the limit itself if the way is long enough,
-//! otherwise the velocity with which the displacement comes out exactly.
+//! from there to the target. `v_p` is the limit itself if the way is long enough: braking as hard as possible until the
+//! limit is crossed would end the excess sooner, but undershoot it and come back. Otherwise `v_p` is the
+//! velocity with which the displacement comes out exactly, unless braking hard at first turns out to be shorter.
 
 use super::family::{Peak, Problem};
 use super::solve::Shape;
@@ -57,7 +57,7 @@ impl Ramps<'_> {
 
     fn shape(&self, v: f64, cruise: f64) -> Shape {
         let (_, first, second, up) = self.eval(v);
-        Shape { first, second, cruise, v_peak: v, joined: false, up: (false, up) }
+        Shape { first, second, cruise, v_peak: v, joined: false, up: (false, up), squeezed: false }
     }
 }
 
@@ -72,7 +72,7 @@ pub(super) fn solve(p: &Problem) -> Shape {
         return ramps.shape(p.v_max, -f_max / p.v_max);
     }
     if f_min >= 0.0 {
-        return ramps.shape(p.v_min, f_min / -p.v_min);
+        return Shape { squeezed: true, ..ramps.shape(p.v_min, f_min / -p.v_min) };
     }
     // Bisection with secant steps in between: rare enough not to be worth derivatives.
     let (mut lo, mut hi, mut f_lo, mut f_hi) = (p.v_min, p.v_max, f_min, f_max);
@@ -85,7 +85,18 @@ pub(super) fn solve(p: &Problem) -> Shape {
         let f = ramps.eval(mid).0;
         if f < 0.0 { (lo, f_lo) = (mid, f) } else { (hi, f_hi) = (mid, f) }
     }
-    ramps.shape(if -f_lo < f_hi { lo } else { hi }, 0.0)
+    Shape { squeezed: true, ..ramps.shape(if -f_lo < f_hi { lo } else { hi }, 0.0) }
+}
+
+/// Acceleration and time at its limit when the velocity is brought down to `v_max` as soon as possible.
+pub(super) fn brake_to_limit(p: &Problem) -> Peak {
+    let top = line(p.v0, p.a0, -p.j.inv_down).0;
+    let peak = (2.0 * p.j.down * (top - p.v_max)).max(0.0).sqrt();
+    if peak <= p.fall {
+        return Peak { a: -peak, hold: 0.0 };
+    }
+    let excess = top - 0.5 * p.fall * p.fall * p.j.inv_down - p.v_max;
+    Peak { a: -p.fall, hold: (excess / p.fall).max(0.0) }
 }
 
 const MAX_STEPS: usize = 200;

@@ -3,13 +3,15 @@
 use super::error::{StateToStateError, finite};
 use super::family::{Jerks, Problem};
 use super::limits::{AxisLimits, AxisState};
+use super::outside::brake_to_limit;
 use super::scale::Units;
 use super::solve::{Shape, solve};
 use crate::scurve::phases::Phase;
 use crate::state::{MotionLaw, MotionState};
 
-/// One phase to bring the acceleration inside its limits, three to the peak velocity, one at it, three to the target.
-const PHASES: usize = 8;
+/// At most two phases to bring acceleration and velocity inside their limits, three to the peak velocity, one at it, three to
+/// the target.
+const PHASES: usize = 9;
 
 /// The shortest motion of one axis between two states.
 ///
@@ -27,6 +29,8 @@ const PHASES: usize = 8;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StateToState {
     phases: [Phase; PHASES],
+    /// How long each phase lasts: the difference of two start times would have the round-off of the whole duration.
+    lasting: [f64; PHASES],
     count: usize,
     duration: f64,
     target: MotionState,
@@ -87,7 +91,7 @@ impl StateToState {
         let j = Jerks::new(l.j.1, -l.j.0);
         check_entry(t, l, &j)?;
         let target = MotionState { p: t.p, v: t.v, a: t.a, j: 0.0 };
-        let mut writer = Writer { phases: [Phase::default(); PHASES], count: 0, t: 0.0, side: 1.0 };
+        let mut writer = Writer::new();
         let mut s = *s;
         // Acceleration outside its bounds.
         let bound = s.a.clamp(l.a.0, l.a.1);
@@ -115,17 +119,21 @@ impl StateToState {
         };
         let noise = 2.0 * f64::EPSILON * (s.p.abs() + t.p.abs());
         let (shape, mirrored) = solve(&problem, noise);
-        if mirrored {
-            writer.side = -1.0;
-            writer.write(&problem.mirrored(), &shape, -s.p, -t.p);
-        } else {
-            writer.write(&problem, &shape, s.p, t.p);
+        let before = writer;
+        writer.write(&problem, &shape, mirrored, s.p, t.p);
+        if shape.squeezed {
+            let mut other = before;
+            other.brake_first(&problem, mirrored, s.p, t.p);
+            if other.t < writer.t {
+                writer = other;
+            }
         }
-        Ok(Self { phases: writer.phases, count: writer.count, duration: writer.t, target })
+        Ok(Self { phases: writer.phases, lasting: writer.lasting, count: writer.count, duration: writer.t, target })
     }
 
     fn rescaled(mut self, units: Units, target: &AxisState) -> Self {
-        for p in &mut self.phases[..self.count] {
+        for (p, dt) in self.phases.iter_mut().zip(&mut self.lasting) {
+            *dt = units.time_back(*dt);
             *p = Phase {
                 t: units.time_back(p.t),
                 s: units.back(p.s, 0),
@@ -144,9 +152,9 @@ impl StateToState {
         sum == 0.0 && self.duration.is_finite()
     }
 
-    /// The phases in order, none of zero duration; each lasts until the next one starts, the last one until the end.
-    pub fn phases(&self) -> &[Phase] {
-        &self.phases[..self.count]
+    /// The phases in order, each with its duration (s), which is not zero.
+    pub fn phases(&self) -> impl ExactSizeIterator<Item = (Phase, f64)> + '_ {
+        self.phases[..self.count].iter().copied().zip(self.lasting.iter().copied())
     }
 
     /// Lowest and highest position on the way, both ends included.
@@ -161,10 +169,9 @@ impl StateToState {
                 (range.max, range.t_max) = (p, t);
             }
         };
-        for (i, phase) in self.phases().iter().enumerate() {
-            let dt = self.phases().get(i + 1).map_or(self.duration, |n| n.t) - phase.t;
+        for (phase, dt) in self.phases() {
             visit(phase.t, phase.s);
-            for root in turning_times(phase) {
+            for root in turning_times(&phase) {
                 if root > 0.0 && root < dt {
                     visit(phase.t + root, phase.after(root).p);
                 }
@@ -185,8 +192,9 @@ impl MotionLaw for StateToState {
             return self.target;
         }
         let t = if t > 0.0 { t } else { 0.0 };
-        let later = self.phases().iter().skip(1).take_while(|p| p.t <= t).count();
-        self.phases.get(later).map_or(self.target, |p| p.after(t - p.t))
+        let i = (1..self.count).take_while(|&i| self.phases[i].t <= t).count();
+        let phase = &self.phases[i];
+        phase.after((t - phase.t).min(self.lasting[i]))
     }
 }
 
@@ -198,9 +206,14 @@ fn turning_times(p: &Phase) -> [f64; 2] {
     [w / p.j, 2.0 * p.v / w]
 }
 
+/// How far beyond a limit, relative to the larger of the two, a target may be: it must not be refused for round-off in the
+/// caller's arithmetic.
+const SLACK: f64 = 1e-13;
+
 fn check_inside(what: &'static str, value: f64, (lower, upper): (f64, f64)) -> Result<(), StateToStateError> {
+    let slack = SLACK * upper.max(-lower);
     let limit = if value < lower { lower } else { upper };
-    if (lower..=upper).contains(&value) {
+    if value >= lower - slack && value <= upper + slack {
         Ok(())
     } else {
         Err(StateToStateError::TargetOutside { what, value, limit })
@@ -209,8 +222,7 @@ fn check_inside(what: &'static str, value: f64, (lower, upper): (f64, f64)) -> R
 
 /// Whether the target can be entered at all: its acceleration cannot have come from nowhere.
 fn check_entry(t: &AxisState, l: &AxisLimits, j: &Jerks) -> Result<(), StateToStateError> {
-    // Round-off in the caller's arithmetic on a target that just fits must not refuse it.
-    let slack = 1e-13 * (l.v.1 - l.v.0);
+    let slack = SLACK * l.v.1.max(-l.v.0);
     let change = 0.5 * t.a * t.a;
     let (before, limit) = if t.a > 0.0 { (t.v - change * j.inv_up, l.v.0) } else { (t.v + change * j.inv_down, l.v.1) };
     let excess = if t.a > 0.0 { limit - before } else { before - limit };
@@ -230,28 +242,74 @@ fn rescaled_error(e: StateToStateError, units: Units) -> StateToStateError {
 }
 
 /// Collects phases; `side` is -1 while the problem is written in the mirrored frame.
+#[derive(Clone, Copy)]
 struct Writer {
     phases: [Phase; PHASES],
+    lasting: [f64; PHASES],
     count: usize,
     t: f64,
     side: f64,
 }
 
 impl Writer {
+    fn new() -> Self {
+        Self { phases: [Phase::default(); PHASES], lasting: [0.0; PHASES], count: 0, t: 0.0, side: 1.0 }
+    }
+
     #[inline]
     fn push(&mut self, dt: f64, p: f64, v: f64, a: f64, j: f64) {
-        if dt > 0.0
-            && let Some(slot) = self.phases.get_mut(self.count)
-        {
-            *slot = Phase { t: self.t, s: self.side * p, v: self.side * v, a: self.side * a, j: self.side * j };
+        if dt > 0.0 && self.count < PHASES {
+            self.lasting[self.count] = dt;
+            self.phases[self.count] = Phase { t: self.t, s: self.side * p, v: self.side * v, a: self.side * a, j: self.side * j };
             self.count += 1;
             self.t += dt;
         }
     }
 
+    /// Brakes as hard as possible until the velocity is at its limit and takes the shortest way from there. Writes an
+    /// endless motion if that leaves the other velocity limit.
+    fn brake_first(&mut self, problem: &Problem, mirrored: bool, from: f64, to: f64) {
+        let (p, from, to) = if mirrored {
+            self.side = -self.side;
+            (problem.mirrored(), -from, -to)
+        } else {
+            (*problem, from, to)
+        };
+        let brake = brake_to_limit(&p);
+        if p.v_max - 0.5 * brake.a * brake.a * p.j.inv_up < p.v_min {
+            self.t = f64::INFINITY;
+            return;
+        }
+        let t1 = ((p.a0 - brake.a) * p.j.inv_down).max(0.0);
+        let v1 = p.v_max - brake.a * brake.hold;
+        let p1 = t1 * (p.v0 + t1 * (2.0 * p.a0 + brake.a) / 6.0);
+        let p2 = p1 + 0.5 * brake.hold * (v1 + p.v_max);
+        if self.count > 0 && t1 > 0.0 {
+            // The acceleration was above its bound: the same phase goes on.
+            self.lasting[self.count - 1] += t1;
+            self.t += t1;
+        } else {
+            self.push(t1, from, p.v0, p.a0, -p.j.down);
+        }
+        self.push(brake.hold, from + p1, v1, brake.a, 0.0);
+        let rest = Problem { d: p.d - p2, v0: p.v_max, a0: brake.a, ..p };
+        let (shape, flipped) = solve(&rest, 0.0);
+        self.write(&rest, &shape, flipped, from + p2, to);
+    }
+
+    /// Writes a shape given in the frame of the problem, or in the mirrored one.
+    fn write(&mut self, problem: &Problem, shape: &Shape, mirrored: bool, from: f64, to: f64) {
+        if mirrored {
+            self.side = -self.side;
+            self.write_halves(&problem.mirrored(), shape, -from, -to);
+        } else {
+            self.write_halves(problem, shape, from, to);
+        }
+    }
+
     /// The first half forward from the start, the second backward from the target: round-off meets in the middle.
-    fn write(&mut self, p: &Problem, shape: &Shape, from: f64, to: f64) {
-        let Shape { first, second, cruise, v_peak, joined, up } = *shape;
+    fn write_halves(&mut self, p: &Problem, shape: &Shape, from: f64, to: f64) {
+        let Shape { first, second, cruise, v_peak, joined, up, .. } = *shape;
         let jerk = |up: bool| if up { (p.j.up, p.j.inv_up) } else { (-p.j.down, -p.j.inv_down) };
         let ((j1, i1), (j3, i3)) = (jerk(up.0), jerk(!up.0));
         let ((j5, i5), (j7, i7)) = (jerk(up.1), jerk(!up.1));

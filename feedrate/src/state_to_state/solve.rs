@@ -25,12 +25,15 @@ pub(super) struct Shape {
     pub joined: bool,
     /// Jerk directions of the two halves: `true` is up, hold, down.
     pub up: (bool, bool),
+    /// Whether a start outside the velocity limits left too little way to settle at the limit: braking harder at first may
+    /// then be shorter.
+    pub squeezed: bool,
 }
 
 impl Shape {
     fn going_up(family: &Family, s: f64) -> Self {
         let (first, second) = family.peaks(s);
-        Self { first, second, cruise: 0.0, v_peak: 0.0, joined: true, up: (true, false) }
+        Self { first, second, cruise: 0.0, v_peak: 0.0, joined: true, up: (true, false), squeezed: false }
     }
 }
 
@@ -65,7 +68,7 @@ impl Direct {
         } else {
             (Peak { a: p.a0, hold: 0.0 }, peak)
         };
-        let shape = Shape { first, second, cruise: 0.0, v_peak: 0.0, joined: true, up: (true, false) };
+        let shape = Shape { first, second, cruise: 0.0, v_peak: 0.0, joined: true, up: (true, false), squeezed: false };
         Self { up, displacement: sign * (d1 + d2 + d3), shape }
     }
 }
