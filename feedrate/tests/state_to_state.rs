@@ -310,3 +310,238 @@ fn answer_scales_exactly_with_the_units() {
         }
     }
 }
+
+/// Durations of every extremal of one direction found by scanning its first peak, without any of the algebra of the solver:
+/// jerk `+ [0] - [0] +` with the second peak from the velocity equation, the displacement by adding up phases.
+fn scan_up(c: &Case, found: &mut Vec<f64>) {
+    let (u, d) = (1.0 / c.j.1, -1.0 / c.j.0);
+    let (s, e) = (c.start, c.target);
+    // The five phases for a first peak and a time at it; the second peak from the branch of the square root.
+    let phases = |peak: f64, hold: f64, branch: f64| -> Option<[(f64, f64); 5]> {
+        let t1 = (peak - s.a) * u;
+        let after = s.v + 0.5 * t1 * (s.a + peak) + peak * hold;
+        // Falling to `low` and rising to the end: after + (peak² - low²) d/2 + (af² - low²) u/2 = vf.
+        let square = (after - e.v + 0.5 * peak * peak * d + 0.5 * e.a * e.a * u) / (0.5 * (u + d));
+        if square < 0.0 {
+            return None;
+        }
+        let mut low = branch * square.sqrt();
+        let mut low_hold = 0.0;
+        if low < c.a.0 {
+            low_hold = 0.5 * (u + d) * (square - c.a.0 * c.a.0) / -c.a.0;
+            low = c.a.0;
+        }
+        let out = [(t1, c.j.1), (hold, 0.0), ((peak - low) * d, c.j.0), (low_hold, 0.0), ((e.a - low) * u, c.j.1)];
+        out.iter().all(|x| x.0 >= 0.0).then_some(out)
+    };
+    let run = |list: &[(f64, f64); 5]| {
+        let (mut p, mut v, mut a, mut t, mut top) = (0.0, s.v, s.a, 0.0, s.v);
+        for &(dt, j) in list {
+            if a > 0.0 && j < 0.0 && -a / j < dt {
+                top = v - 0.5 * a * a / j;
+            }
+            p += dt * (v + dt * (0.5 * a + dt * j / 6.0));
+            v += dt * (a + 0.5 * dt * j);
+            a += dt * j;
+            t += dt;
+        }
+        (p - (e.p - s.p), t, top)
+    };
+    const N: usize = 600;
+    let longest = 2.0 * (c.v.1 - c.v.0) / c.a.1;
+    // Denser towards both ends of the first peak's range.
+    let place = |i: usize| 0.5 - 0.5 * (std::f64::consts::PI * i as f64 / N as f64).cos();
+    let setting = |x: f64| {
+        if x <= 1.0 { (s.a + (c.a.1 - s.a) * x, 0.0) } else { (c.a.1, longest * (x - 1.0)) }
+    };
+    for branch in [1.0, -1.0] {
+        let value = |x: f64| {
+            let (peak, hold) = setting(x);
+            phases(peak, hold, branch).map(|l| run(&l))
+        };
+        let xs = (0..=N).map(place).chain((1..=N).map(|i| 1.0 + place(i)));
+        let mut before: Option<(f64, f64)> = None;
+        for x in xs {
+            let now = value(x);
+            if let (Some((x0, f0)), Some((f1, ..))) = (before, now)
+                && (f0 < 0.0) != (f1 < 0.0)
+            {
+                let (mut lo, mut hi) = (x0, x);
+                for _ in 0..80 {
+                    let mid = 0.5 * (lo + hi);
+                    match value(mid) {
+                        Some((f, ..)) if (f < 0.0) == (f0 < 0.0) => lo = mid,
+                        _ => hi = mid,
+                    }
+                }
+                if let Some((f, t, top)) = value(lo)
+                    && f.abs() <= 1e-9 * (e.p - s.p).abs().max((c.v.1 - c.v.0) * t)
+                    && top <= c.v.1
+                {
+                    found.push(t);
+                }
+            }
+            before = now.map(|n| (x, n.0));
+        }
+    }
+}
+
+#[test]
+fn no_extremal_is_shorter() {
+    let mut rng = Rng(11);
+    let mut compared = 0;
+    for i in 0..20000 {
+        let case = random_case(&mut rng, false);
+        let t = case.solve().unwrap().duration();
+        let mut found = Vec::new();
+        scan_up(&case, &mut found);
+        scan_up(&case.mirrored(), &mut found);
+        if let Some(best) = found.iter().copied().reduce(f64::min) {
+            compared += 1;
+            assert!(t <= best * (1.0 + 1e-8), "case {i}: {t}, but {best} is possible: {case:?}");
+        }
+    }
+    assert!(compared > 7000, "only {compared} compared");
+}
+
+#[test]
+fn rest_to_rest_closed_forms() {
+    let (v, a, j) = (2.0_f64, 3.0_f64, 5.0_f64);
+    let limits = AxisLimits::symmetric(v, a, j).unwrap();
+    let duration = |d: f64| {
+        let t = StateToState::new(&AxisState::rest(0.7), &AxisState::rest(0.7 + d), &limits).unwrap().duration();
+        let back = StateToState::new(&AxisState::rest(0.7), &AxisState::rest(0.7 - d), &limits).unwrap().duration();
+        assert!((t - back).abs() < 1e-13 * t);
+        t
+    };
+    // Jerk alone; acceleration limit reached; velocity limit reached.
+    let (d1, d2) = (2.0 * a.powi(3) / (j * j), v * v / a + v * a / j);
+    let close = |x: f64, y: f64| assert!((x - y).abs() <= 1e-12 * y, "{x} {y}");
+    for d in [1e-3 * d1, 0.3 * d1, d1] {
+        close(duration(d), (32.0 * d / j).cbrt());
+    }
+    for d in [1.01 * d1, 0.5 * (d1 + d2), d2] {
+        close(duration(d), a / j + (a * a / (j * j) + 4.0 * d / a).sqrt());
+    }
+    for d in [1.01 * d2, 30.0 * d2] {
+        close(duration(d), d / v + v / a + a / j);
+    }
+    // Micrometres and a jerk of 1e12.
+    let sharp = AxisLimits::symmetric(1.0, 1e4, 1e12).unwrap();
+    let t = StateToState::new(&AxisState::rest(1.0), &AxisState::rest(1.0 + 1e-6), &sharp).unwrap().duration();
+    let d = (1.0 + 1e-6) - 1.0;
+    close(t, 1e-8 + (1e-16 + 4.0 * d / 1e4_f64).sqrt());
+}
+
+#[test]
+fn staying_takes_no_time() {
+    let limits = AxisLimits::symmetric(1.0, 2.0, 3.0).unwrap();
+    for s in [AxisState::rest(0.3), AxisState::new(1.0, 0.5, 0.2), AxisState::new(-1.0, 1.0, 0.0)] {
+        let motion = StateToState::new(&s, &s, &limits).unwrap();
+        assert_eq!(motion.duration(), 0.0);
+        assert_eq!(motion.phases().len(), 0);
+        let at = motion.at(0.0);
+        assert_eq!((at.p, at.v, at.a), (s.p, s.v, s.a));
+        assert_eq!(motion.position_range().max, s.p);
+    }
+}
+
+#[test]
+fn lowered_velocity_limit_brakes_without_coming_back() {
+    let limits = AxisLimits::symmetric(1.0, 2.0, 4.0).unwrap();
+    let motion = StateToState::new(&AxisState::new(0.0, 3.0, 0.0), &AxisState::rest(20.0), &limits).unwrap();
+    let t = motion.duration();
+    let mut slowed = false;
+    for i in 0..=10_000 {
+        let s = motion.at(t * f64::from(i) / 10_000.0);
+        slowed |= s.v <= 1.0;
+        assert!(s.v >= 0.0 && (!slowed || s.v <= 1.0 + 1e-12), "{s:?}");
+        if s.p < 15.0 {
+            assert!(s.v >= 1.0 - 1e-12, "dips: {s:?}");
+        }
+    }
+}
+
+#[test]
+fn position_range_is_the_extreme_of_the_samples() {
+    let mut rng = Rng(12);
+    for i in 0..2000 {
+        let case = random_case(&mut rng, i % 5 == 0);
+        let motion = case.solve().unwrap();
+        let range = motion.position_range();
+        let (mut lo, mut hi) = (f64::INFINITY, f64::NEG_INFINITY);
+        for k in 0..=2000 {
+            let p = motion.at(motion.duration() * f64::from(k) / 2000.0).p;
+            lo = lo.min(p);
+            hi = hi.max(p);
+        }
+        let size = hi - lo;
+        let eps = 1e-12 * (size + lo.abs() + hi.abs());
+        assert!(range.min <= lo + eps && range.max >= hi - eps, "{range:?} {lo} {hi}: {case:?}");
+        assert!((motion.at(range.t_min).p - range.min).abs() <= eps);
+        assert!((motion.at(range.t_max).p - range.max).abs() <= eps);
+    }
+}
+
+#[test]
+fn any_finite_input_is_answered_or_refused() {
+    let mut rng = Rng(13);
+    let special = [0.0, 1.0, 5e-324, 1e-300, 1e300, f64::MAX, f64::MIN_POSITIVE, 1e-10, 1e10];
+    let mut any = |signed: bool| {
+        let x = match (rng.unit() * 3.0) as u32 {
+            0 => special[(rng.unit() * special.len() as f64) as usize],
+            1 => f64::from_bits((rng.unit() * 9.2e18) as u64),
+            _ => rng.log(1e-3, 1e3),
+        };
+        let x = if x.is_finite() { x } else { 1.0 };
+        if signed && rng.unit() < 0.5 { -x } else { x }
+    };
+    let mut solved = 0;
+    for _ in 0..300_000 {
+        let positive = |x: f64| if x > 0.0 { x } else { 1.0 };
+        let mut pair = || (-positive(any(false)), positive(any(false)));
+        let (v, a, j) = (pair(), pair(), pair());
+        let mut state = || AxisState::new(any(true), any(true), any(true));
+        let (start, mut target) = (state(), state());
+        target.v = target.v.clamp(v.0, v.1);
+        target.a = 0.0;
+        let limits = AxisLimits::new(v, a, j).unwrap();
+        if let Ok(motion) = StateToState::new(&start, &target, &limits) {
+            solved += 1;
+            assert!(motion.duration() >= 0.0 && motion.duration().is_finite());
+            for k in 0..=8 {
+                let s = motion.at(motion.duration() * f64::from(k) / 8.0);
+                assert!(!s.a.is_nan() && !s.j.is_nan(), "{start:?} {target:?} {limits:?}");
+            }
+        }
+    }
+    assert!(solved > 30_000, "{solved}");
+}
+
+#[test]
+fn refusals_name_what_is_wrong() {
+    let limits = AxisLimits::new((-1.0, 2.0), (-3.0, 4.0), (-5.0, 6.0)).unwrap();
+    let rest = AxisState::rest(0.0);
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        for k in 0..6 {
+            let mut x = [0.0; 6];
+            x[k] = bad;
+            let r = StateToState::new(&AxisState::new(x[0], x[1], x[2]), &AxisState::new(x[3], x[4], x[5]), &limits);
+            let names = ["start.p", "start.v", "start.a", "target.p", "target.v", "target.a"];
+            assert!(matches!(r, Err(StateToStateError::NotFinite { what, .. }) if what == names[k]), "{r:?}");
+            let mut l = [-1.0, 1.0, -1.0, 1.0, -1.0, 1.0];
+            l[k] = bad;
+            let r = AxisLimits::new((l[0], l[1]), (l[2], l[3]), (l[4], l[5]));
+            let names = ["v_min", "v_max", "a_min", "a_max", "j_min", "j_max"];
+            assert!(matches!(r, Err(StateToStateError::NotFinite { what, .. }) if what == names[k]), "{r:?}");
+        }
+    }
+    assert!(matches!(AxisLimits::symmetric(1.0, 0.0, 1.0), Err(StateToStateError::LimitSign { what: "a_max", .. })));
+    let to = |v, a| StateToState::new(&rest, &AxisState::new(1.0, v, a), &limits).unwrap_err();
+    assert!(matches!(to(2.1, 0.0), StateToStateError::TargetOutside { what: "v", limit: 2.0, .. }));
+    assert!(matches!(to(0.0, -3.1), StateToStateError::TargetOutside { what: "a", limit: -3.0, .. }));
+    // 3² / (2 * 5) = 0.9 more just before.
+    assert!(matches!(to(1.5, -3.0), StateToStateError::TargetUnreachable { limit: 2.0, .. }));
+    assert!(matches!(to(-0.9, 4.0), StateToStateError::TargetUnreachable { limit: -1.0, .. }));
+    assert!(to(1.5, -3.0).to_string().contains("2.4"), "{}", to(1.5, -3.0));
+}

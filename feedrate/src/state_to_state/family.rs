@@ -92,12 +92,21 @@ pub(super) struct Peak {
 impl Peak {
     /// From the square of the peak acceleration a ramp would have without a limit on it.
     pub fn from_square(sq: f64, cap: f64, k: f64) -> Self {
-        if sq <= cap * cap {
-            Self { a: sq.max(0.0).sqrt(), hold: 0.0 }
-        } else {
-            Self { a: cap, hold: k * (sq - cap * cap) / cap }
-        }
+        Self::from_free(sq.max(0.0).sqrt(), cap, k)
     }
+
+    /// From the peak acceleration a ramp would have without a limit on it.
+    #[inline]
+    pub fn from_free(a: f64, cap: f64, k: f64) -> Self {
+        if a <= cap { Self { a, hold: 0.0 } } else { Self { a: cap, hold: k * (a - cap) * (a + cap) / cap } }
+    }
+}
+
+/// The free peaks of the lower and the higher ramp, the first one signed.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Peaks {
+    pub small: f64,
+    pub large: f64,
 }
 
 /// Displacement error over the signed peak acceleration `s`.
@@ -167,10 +176,14 @@ impl Family {
         ((v - self.base_small) / self.k).max(0.0).sqrt()
     }
 
-    /// The values of `s` at which the two ramps reach their acceleration limits, in ascending order.
-    fn corners(&self) -> (f64, f64) {
-        let large = (self.cap_large * self.cap_large - self.gap).max(0.0).sqrt();
-        (self.cap_small.min(large), self.cap_small.max(large))
+    /// The peaks at `s`.
+    pub fn at(&self, s: f64) -> Peaks {
+        Peaks { small: s, large: (s * s + self.gap).sqrt() }
+    }
+
+    /// The size of `s` beyond which the higher ramp holds its limit.
+    fn corner_large(&self) -> f64 {
+        (self.cap_large * self.cap_large - self.gap).max(0.0).sqrt()
     }
 
     /// Distance of a ramp beyond `base * duration`, its duration, and the derivatives of both by the free peak `a`.
@@ -201,45 +214,71 @@ impl Family {
         (self.offset + d_small + d_large, g_small + ratio * g_large)
     }
 
-    /// Peaks of rise and fall for `s`; the second is negative, or positive where the fall ends before zero acceleration.
-    pub fn peaks(&self, s: f64) -> (Peak, Peak) {
-        let small = if s > 0.0 { Peak::from_square(s * s, self.cap_small, self.k) } else { Peak { a: s, hold: 0.0 } };
-        let small = if s > 0.0 && small.hold == 0.0 { Peak { a: s, hold: 0.0 } } else { small };
-        let large = Peak::from_square(s * s + self.gap, self.cap_large, self.k);
+    /// Rise and fall; the peak of the second is negative, or positive where it ends before zero acceleration.
+    pub fn ramps(&self, peaks: Peaks) -> (Peak, Peak) {
+        let small = Peak::from_free(peaks.small, self.cap_small, self.k);
+        let large = Peak::from_free(peaks.large, self.cap_large, self.k);
         let (rise, fall) = if self.small_is_fall { (large, small) } else { (small, large) };
         (rise, Peak { a: -fall.a, hold: fall.hold })
     }
 
-    /// The root in `[lo, hi]`, where the displacement is too small at `lo` and large enough at `hi`, `0 <= lo`.
-    pub fn root_above(&self, lo: f64, f_lo: f64, hi: f64, f_hi: f64) -> f64 {
+    /// The root in `[lo, hi]`, where the displacement is too small at `lo` and large enough at `hi`.
+    pub fn root(&self, lo: f64, f_lo: f64, hi: f64, f_hi: f64) -> Peaks {
         let (mut lo, mut f_lo, mut hi, mut f_hi) = (lo, f_lo, hi, f_hi);
-        let (first, last) = self.corners();
-        if last > lo && last < hi {
-            let f = self.eval(last).0;
-            if f < 0.0 { (lo, f_lo) = (last, f) } else { (hi, f_hi) = (last, f) }
+        let large = self.corner_large();
+        for corner in [self.cap_small, large, -large] {
+            if corner > lo && corner < hi {
+                let f = self.eval(corner).0;
+                if f < 0.0 { (lo, f_lo) = (corner, f) } else { (hi, f_hi) = (corner, f) }
+            }
         }
-        if lo >= last {
-            return self.root_both_held(lo, hi);
+        let inside = 0.5 * (lo + hi);
+        match (inside > self.cap_small, inside.abs() > large) {
+            (false, false) => self.root_free(lo, f_lo, hi, f_hi),
+            (true, true) => self.root_both_held(lo, hi),
+            (false, true) => {
+                let held = OneHeld::new(self, self.base_small, self.base_large, self.cap_large);
+                self.at(bracketed(lo, f_lo, hi, f_hi, |r| held.eval(r)))
+            }
+            (true, false) => {
+                let held = OneHeld::new(self, self.base_large, self.base_small, self.cap_small);
+                let large = bracketed(self.at(lo).large, f_lo, self.at(hi).large, f_hi, |r| held.eval(r));
+                Peaks { small: (large * large - self.gap).max(0.0).sqrt(), large }
+            }
         }
-        if first > lo && first < hi {
-            let f = self.eval(first).0;
-            if f < 0.0 { (lo, f_lo) = (first, f) } else { (hi, f_hi) = (first, f) }
-        }
-        self.root(lo, f_lo, hi, f_hi)
     }
 
-    /// Both ramps hold their limits: the displacement is quadratic in the peak velocity.
-    fn root_both_held(&self, lo: f64, hi: f64) -> f64 {
-        // f = c0 + c1 z + c2 z² with z = k s².
-        let part = |cap: f64, base: f64, shift: f64| {
-            let inv = 1.0 / cap;
-            let fixed = cap * (2.0 * self.k * base + self.m * cap * cap);
-            let tail = base + self.q * cap * cap;
-            // hold = (z + shift) / cap
-            let w = shift * inv;
-            (fixed + w * (tail + 0.5 * cap * w), inv * (tail + cap * w), 0.5 * inv)
+    /// No ramp holds its limit. In `w = small + large`, to which the duration is proportional, the displacement is
+    /// `c + alpha w + beta w³ + gamma / w`.
+    fn root_free(&self, lo: f64, f_lo: f64, hi: f64, f_hi: f64) -> Peaks {
+        let w = |s: f64| {
+            let large = self.at(s).large;
+            if s < 0.0 { self.gap / (large - s) } else { large + s }
         };
-        let (k, cs, cl) = (self.k, self.cap_small, self.cap_large);
+        let (alpha, beta, gamma) = self.free_terms();
+        let root = bracketed(w(lo), f_lo, w(hi), f_hi, |w| {
+            let (inv, sq) = (1.0 / w, w * w);
+            (self.offset + w * (alpha + beta * sq) + gamma * inv, alpha + 3.0 * beta * sq - gamma * inv * inv)
+        });
+        let other = if self.gap > 0.0 { self.gap / root } else { 0.0 };
+        Peaks { small: 0.5 * (root - other), large: 0.5 * (root + other) }
+    }
+
+    fn free_terms(&self) -> (f64, f64, f64) {
+        let gamma = self.gap * self.gap * (0.75 * self.m - self.k * self.k);
+        (self.k * (self.base_small + self.base_large), 0.25 * self.m, gamma)
+    }
+
+    /// Both ramps hold their limits: the displacement is quadratic in `z = k s²`.
+    fn root_both_held(&self, lo: f64, hi: f64) -> Peaks {
+        let k = self.k;
+        let part = |cap: f64, base: f64, shift: f64| {
+            // The ramp holds its limit for (z + shift) / cap.
+            let (inv, tail) = (1.0 / cap, base + self.q * cap * cap);
+            let w = shift * inv;
+            (cap * (2.0 * k * base + self.m * cap * cap) + w * (tail + 0.5 * cap * w), inv * (tail + cap * w), 0.5 * inv)
+        };
+        let (cs, cl) = (self.cap_small, self.cap_large);
         let a = part(cs, self.base_small, -k * cs * cs);
         let b = part(cl, self.base_large, k * (self.gap - cl * cl));
         let (c0, c1, c2) = (self.offset + a.0 + b.0, a.1 + b.1, a.2 + b.2);
@@ -250,45 +289,96 @@ impl Family {
         // One Newton step takes off what cancellation left.
         let (f, g) = self.eval(s);
         let better = s - f / g;
-        if better.is_finite() { better.clamp(lo, hi) } else { s.clamp(lo, hi) }
+        self.at(if better.is_finite() { better.clamp(lo, hi) } else { s.clamp(lo, hi) })
     }
 
-    /// The root in `[lo, hi]` by Newton's method kept inside the bracket; `f(lo) < 0 <= f(hi)`.
-    pub fn root(&self, lo: f64, f_lo: f64, hi: f64, f_hi: f64) -> f64 {
-        let (mut lo, mut hi) = (lo, hi);
-        let width = hi - lo;
-        let mut s = lo + width * (f_lo / (f_lo - f_hi)).clamp(0.05, 1.0).sqrt().min(0.98);
-        let mut before = width;
-        for _ in 0..MAX_STEPS {
-            let (f, g) = self.eval(s);
-            if f < 0.0 { lo = s } else { hi = s }
-            let newton = s - f / g;
-            let inside = newton > lo && newton < hi;
-            let next = if inside && (newton - s).abs() < 0.7 * before { newton } else { 0.5 * (lo + hi) };
-            let step = (next - s).abs();
-            // Newton's steps square the error with a constant seen from the last two: stop when the next one is round-off.
-            let coming = step * (step / before).powi(2);
-            if inside && coming <= 0.5 * f64::EPSILON * next.abs() || hi - lo <= f64::EPSILON * hi.abs().max(lo.abs()) {
-                return next;
+    /// The first local maximum of the displacement in `(lo, hi)`, `hi <= 0`. Over the duration it is concave first and convex
+    /// then, so that there is one at most.
+    pub fn summit(&self, lo: f64, hi: f64) -> Option<f64> {
+        let corner = -self.corner_large();
+        let inside = |s: &f64| *s > lo && *s < hi;
+        if lo < corner {
+            // While the higher ramp holds its limit, d(displacement)/d(duration) is quadratic in s: see `OneHeld`.
+            let half = 0.5 * (self.q - self.k) * self.cap_large;
+            let root = (half * half - self.k * self.base_small).sqrt();
+            let s = -(half + root) / self.k;
+            if s <= corner && inside(&s) {
+                return Some(s);
             }
-            before = step;
-            s = next;
         }
-        s
+        // alpha + 3 beta w² - gamma / w² = 0: the smaller root; NaN and negative numbers where there is none.
+        let (alpha, beta, gamma) = self.free_terms();
+        let root = (alpha * alpha + 12.0 * beta * gamma).sqrt();
+        let w = (2.0 * gamma / (alpha - root)).sqrt();
+        Some(0.5 * (w - self.gap / w)).filter(|s| *s >= corner).filter(inside)
+    }
+}
+
+/// One ramp holds its limit, the other one has the free peak `r`.
+struct OneHeld {
+    k: f64,
+    m: f64,
+    constant: f64,
+    base: f64,
+    held_base: f64,
+    inv_cap: f64,
+    slope: f64,
+    shift: f64,
+    qc2: f64,
+}
+
+impl OneHeld {
+    fn new(f: &Family, base: f64, held_base: f64, cap: f64) -> Self {
+        let fixed = cap * (2.0 * f.k * held_base + f.m * cap * cap);
+        Self {
+            k: f.k,
+            m: f.m,
+            constant: f.offset + fixed,
+            base,
+            held_base,
+            inv_cap: 1.0 / cap,
+            slope: (f.q - f.k) * cap,
+            shift: base - held_base - f.k * cap * cap,
+            qc2: f.q * cap * cap,
+        }
     }
 
-    /// Where the displacement is largest inside `[lo, hi]`, given that it grows at `lo` and shrinks at `hi`.
-    pub fn summit(&self, lo: f64, hi: f64) -> f64 {
-        let (mut lo, mut hi) = (lo, hi);
-        for _ in 0..MAX_STEPS {
-            let mid = 0.5 * (lo + hi);
-            if mid <= lo || mid >= hi {
-                break;
-            }
-            if self.eval(mid).1 > 0.0 { lo = mid } else { hi = mid }
-        }
-        0.5 * (lo + hi)
+    /// Displacement error and derivative; the latter is `d(duration)/dr` times `base + k r² + (q - k) cap r`.
+    #[inline]
+    fn eval(&self, r: f64) -> (f64, f64) {
+        let sq = r * r;
+        let gained = self.k * sq + self.shift;
+        let hold = gained * self.inv_cap;
+        let f = self.constant + r * (2.0 * self.k * self.base + self.m * sq)
+            + hold * (self.held_base + self.qc2 + 0.5 * gained);
+        let g = 2.0 * self.k * (1.0 + r * self.inv_cap) * (self.base + self.k * sq + self.slope * r);
+        (f, g)
     }
+}
+
+/// Root of `f` by Newton's method kept inside a bracket with `f(lo) < 0 <= f(hi)`.
+#[inline]
+fn bracketed(lo: f64, f_lo: f64, hi: f64, f_hi: f64, f: impl Fn(f64) -> (f64, f64)) -> f64 {
+    let (mut lo, mut hi) = (lo, hi);
+    let mut before = hi - lo;
+    // The displacement bends upwards almost everywhere: start right of the chord's root.
+    let mut x = lo + before * (f_lo / (f_lo - f_hi)).sqrt().clamp(0.02, 0.98);
+    for _ in 0..MAX_STEPS {
+        let (value, slope) = f(x);
+        if value < 0.0 { lo = x } else { hi = x }
+        let newton = x - value / slope;
+        let inside = newton > lo && newton < hi && (newton - x).abs() < 0.8 * before;
+        let next = if inside { newton } else { 0.5 * (lo + hi) };
+        let step = (next - x).abs();
+        // Newton's steps square the error, by a factor seen from the last two: stop when what is to come is round-off.
+        let ratio = step / before;
+        if inside && step * ratio * ratio <= 0.25 * f64::EPSILON * next.abs() || hi - lo <= f64::EPSILON * hi.abs() {
+            return next;
+        }
+        before = step;
+        x = next;
+    }
+    x
 }
 
 /// Bisection alone needs this many steps to exhaust `f64` within a bracket of moderate ratio.

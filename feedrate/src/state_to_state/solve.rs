@@ -9,7 +9,7 @@
 //! the direct change and one that brings the acceleration through zero do not exist. The
 //! durations then fall into a short first range, between two direct changes, and a second one without end.
 
-use super::family::{Family, Peak, Problem};
+use super::family::{Family, Peak, Peaks, Problem};
 use super::outside;
 
 /// The phases of a solution, in the frame it was found in.
@@ -31,8 +31,8 @@ pub(super) struct Shape {
 }
 
 impl Shape {
-    fn going_up(family: &Family, s: f64) -> Self {
-        let (first, second) = family.peaks(s);
+    fn going_up(family: &Family, peaks: Peaks) -> Self {
+        let (first, second) = family.ramps(peaks);
         Self { first, second, cruise: 0.0, v_peak: 0.0, joined: true, up: (true, false), squeezed: false }
     }
 }
@@ -104,8 +104,8 @@ fn solve_up(p: &Problem, direct_rises: bool) -> (Shape, bool) {
         gap_in_durations = beyond > 0.0;
         if gap_in_durations || !starts_too_fast(p) {
             let end = -beyond.max(0.0).sqrt();
-            if let Some(s) = root_one_sided(&family, -reach, end) {
-                return (Shape::going_up(&family, s), false);
+            if let Some(peaks) = root_one_sided(&family, -reach, end) {
+                return (Shape::going_up(&family, peaks), false);
             }
         }
     }
@@ -121,27 +121,24 @@ fn solve_up(p: &Problem, direct_rises: bool) -> (Shape, bool) {
     (solve_peaked(p, &family, start, f_start), false)
 }
 
-/// First root between `from` and `to <= 0`, where the displacement is a concave function of the duration.
-fn root_one_sided(family: &Family, from: f64, to: f64) -> Option<f64> {
+/// First root between `from` and `to <= 0`. The displacement may rise, fall and rise again in between.
+fn root_one_sided(family: &Family, from: f64, to: f64) -> Option<Peaks> {
     if from >= to {
         return None;
     }
-    let (f_from, g_from) = family.eval(from);
+    let (mut from, mut f_from) = (from, family.eval(from).0);
     if f_from >= 0.0 {
-        return Some(from);
+        return Some(family.at(from));
     }
-    let (f_to, g_to) = family.eval(to);
-    if f_to >= 0.0 {
-        return Some(family.root(from, f_from, to, f_to));
-    }
-    if g_from > 0.0 && g_to < 0.0 {
-        let top = family.summit(from, to);
+    if let Some(top) = family.summit(from, to) {
         let f_top = family.eval(top).0;
         if f_top >= 0.0 {
             return Some(family.root(from, f_from, top, f_top));
         }
+        (from, f_from) = (top, f_top);
     }
-    None
+    let f_to = family.eval(to).0;
+    (f_to >= 0.0).then(|| family.root(from, f_from, to, f_to))
 }
 
 /// The lowest `s` at which the acceleration passes through zero between rise and fall.
@@ -159,9 +156,9 @@ fn solve_peaked(p: &Problem, family: &Family, start: f64, f_start: f64) -> Shape
     let top = family.at_velocity(p.v_max).max(start);
     let f_top = family.eval(top).0;
     if f_top <= 0.0 {
-        let shape = Shape::going_up(family, top);
+        let shape = Shape::going_up(family, family.at(top));
         return Shape { cruise: -f_top / p.v_max, v_peak: p.v_max, joined: false, ..shape };
     }
-    let s = if f_start >= 0.0 { start } else { family.root_above(start, f_start, top, f_top) };
-    Shape::going_up(family, s)
+    let peaks = if f_start >= 0.0 { family.at(start) } else { family.root(start, f_start, top, f_top) };
+    Shape::going_up(family, peaks)
 }
