@@ -1,6 +1,8 @@
 //! What one calculation of a time-optimal state-to-state motion of one axis costs, and one sample of it.
 //!
-//! Measured on a 2-core AMD EPYC VM (median): see the figures at each function.
+//! Measured on a 2-core AMD EPYC VM, release profile, least of many repetitions of each of 4096 cases: median 256 ns,
+//! 99th percentile 508 ns, largest 904 ns; a sample 5 ns. With other work on both cores criterion's medians were about
+//! twice that (558 ns, 18 ns).
 #![allow(missing_docs)]
 use std::hint::black_box;
 
@@ -38,7 +40,6 @@ fn cases(seed: u64, count: usize) -> Vec<(AxisState, AxisState, AxisLimits)> {
     all
 }
 
-/// Median ns.
 fn calculation(c: &mut Criterion) {
     let all = cases(1, 4096);
     let mut i = 0;
@@ -51,7 +52,6 @@ fn calculation(c: &mut Criterion) {
     });
 }
 
-/// Median ns.
 fn sampling(c: &mut Criterion) {
     let motions: Vec<StateToState> =
         cases(2, 64).iter().filter_map(|(s, t, l)| StateToState::new(s, t, l).ok()).collect();

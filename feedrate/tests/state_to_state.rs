@@ -1,4 +1,5 @@
 //! State to state of one axis: reference durations, exact ends, limits, symmetries, scales, refusals.
+#![allow(clippy::unwrap_used, clippy::neg_cmp_op_on_partial_ord)]
 use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, StateToState, StateToStateError};
 
 mod common;
@@ -26,13 +27,7 @@ impl Case {
     fn mirrored(&self) -> Self {
         let flip = |s: AxisState| AxisState::new(-s.p, -s.v, -s.a);
         let swap = |l: (f64, f64)| (-l.1, -l.0);
-        Self {
-            start: flip(self.start),
-            target: flip(self.target),
-            v: swap(self.v),
-            a: swap(self.a),
-            j: swap(self.j),
-        }
+        Self { start: flip(self.start), target: flip(self.target), v: swap(self.v), a: swap(self.a), j: swap(self.j) }
     }
 
     /// Backwards in time: position mirrored too, so that velocities keep their sign; accelerations change it.
@@ -80,11 +75,11 @@ fn fault(case: &Case, motion: &StateToState) -> Option<String> {
             return Some(format!("phase {i} lasts {dt}"));
         }
         scale.0 = scale.0.max(p.abs()).max(scale.1 * t_end);
-        let gap = ((phase.s - p).abs() / scale.0)
-            .max((phase.v - v).abs() / scale.1)
-            .max((phase.a - a).abs() / scale.2);
+        let gap = ((phase.s - p).abs() / scale.0).max((phase.v - v).abs() / scale.1).max((phase.a - a).abs() / scale.2);
         if gap > 1e-9 {
-            return Some(format!("phase {i} of {phases:?} starts {gap:e} away from where the one before ended: {p} {v} {a}"));
+            return Some(format!(
+                "phase {i} of {phases:?} starts {gap:e} away from where the one before ended: {p} {v} {a}"
+            ));
         }
         let eps = 1e-12;
         if phase.j < case.j.0 * (1.0 + eps) || phase.j > case.j.1 * (1.0 + eps) {
@@ -193,7 +188,7 @@ fn reference_durations() {
         entry.2 += usize::from(shorter);
         if let Some(text) = fault(&r.case, &motion) {
             failures.push(format!("{}: {text}: {:?}", r.family, r.case));
-        } else if !shorter && !(lo <= t && t <= hi) {
+        } else if !shorter && (t < lo || t > hi) {
             failures.push(format!("{}: {t} instead of {}: {:?}", r.family, r.duration, r.case));
         } else if r.outside && leaves_again(&r.case, &motion) > 1e-12 {
             failures.push(format!("{}: leaves the limits again: {:?}", r.family, r.case));
@@ -202,7 +197,12 @@ fn reference_durations() {
         }
     }
     println!("family: (passed, of, shorter than the reference) {counts:#?}");
-    assert!(failures.is_empty(), "{} failures, the first ones: {:#?}", failures.len(), &failures[..failures.len().min(6)]);
+    assert!(
+        failures.is_empty(),
+        "{} failures, the first ones: {:#?}",
+        failures.len(),
+        &failures[..failures.len().min(6)]
+    );
 }
 
 /// Random problems of every kind: resting, moving, short and long, limits far from symmetric.
@@ -212,7 +212,13 @@ fn random_case(rng: &mut Rng, outside: bool) -> Case {
     // Sometimes exactly zero or exactly at a limit.
     let within = |rng: &mut Rng, l: (f64, f64), over: f64| match (rng.unit() * 8.0) as u32 {
         0 | 1 => 0.0,
-        2 => if rng.unit() < 0.5 { l.0 } else { l.1 },
+        2 => {
+            if rng.unit() < 0.5 {
+                l.0
+            } else {
+                l.1
+            }
+        }
         _ => over * (l.0 + (l.1 - l.0) * rng.unit()),
     };
     let admissible = |rng: &mut Rng| {
@@ -390,7 +396,7 @@ fn scan_up(c: &Case, found: &mut Vec<f64>) {
 fn no_extremal_is_shorter() {
     let mut rng = Rng(11);
     let mut compared = 0;
-    for i in 0..20000 {
+    for i in 0..12000 {
         let case = random_case(&mut rng, false);
         let t = case.solve().unwrap().duration();
         let mut found = Vec::new();
@@ -401,7 +407,7 @@ fn no_extremal_is_shorter() {
             assert!(t <= best * (1.0 + 1e-8), "case {i}: {t}, but {best} is possible: {case:?}");
         }
     }
-    assert!(compared > 7000, "only {compared} compared");
+    assert!(compared > 4000, "only {compared} compared");
 }
 
 #[test]

@@ -276,7 +276,11 @@ impl Family {
             // The ramp holds its limit for (z + shift) / cap.
             let (inv, tail) = (1.0 / cap, base + self.q * cap * cap);
             let w = shift * inv;
-            (cap * (2.0 * k * base + self.m * cap * cap) + w * (tail + 0.5 * cap * w), inv * (tail + cap * w), 0.5 * inv)
+            (
+                cap * (2.0 * k * base + self.m * cap * cap) + w * (tail + 0.5 * cap * w),
+                inv * (tail + cap * w),
+                0.5 * inv,
+            )
         };
         let (cs, cl) = (self.cap_small, self.cap_large);
         let a = part(cs, self.base_small, -k * cs * cs);
@@ -349,7 +353,8 @@ impl OneHeld {
         let sq = r * r;
         let gained = self.k * sq + self.shift;
         let hold = gained * self.inv_cap;
-        let f = self.constant + r * (2.0 * self.k * self.base + self.m * sq)
+        let f = self.constant
+            + r * (2.0 * self.k * self.base + self.m * sq)
             + hold * (self.held_base + self.qc2 + 0.5 * gained);
         let g = 2.0 * self.k * (1.0 + r * self.inv_cap) * (self.base + self.k * sq + self.slope * r);
         (f, g)
@@ -365,7 +370,11 @@ fn bracketed(lo: f64, f_lo: f64, hi: f64, f_hi: f64, f: impl Fn(f64) -> (f64, f6
     let mut x = lo + before * (f_lo / (f_lo - f_hi)).sqrt().clamp(0.02, 0.98);
     for _ in 0..MAX_STEPS {
         let (value, slope) = f(x);
-        if value < 0.0 { lo = x } else { hi = x }
+        if value < 0.0 {
+            lo = x
+        } else {
+            hi = x
+        }
         let newton = x - value / slope;
         let inside = newton > lo && newton < hi && (newton - x).abs() < 0.8 * before;
         let next = if inside { newton } else { 0.5 * (lo + hi) };

@@ -74,16 +74,17 @@ impl StateToState {
         }
         check_inside("v", target.v, limits.v)?;
         check_inside("a", target.a, limits.a)?;
-        let motion = match Units::choose(start, target, limits) {
-            None => Self::within_range(start, target, limits)?,
+        match Units::choose(start, target, limits) {
+            // Nothing can leave the range of numbers here.
+            None => Self::within_range(start, target, limits),
             Some(units) => {
                 let (s, t) = (units.state_into(start), units.state_into(target));
-                Self::within_range(&s, &t, &units.limits_into(limits))
-                    .map(|m| m.rescaled(units, target))
+                let motion = Self::within_range(&s, &t, &units.limits_into(limits))
                     .map_err(|e| rescaled_error(e, units))?
+                    .rescaled(units, target);
+                if motion.is_sound() { Ok(motion) } else { Err(StateToStateError::OutOfRange) }
             }
-        };
-        if motion.is_sound() { Ok(motion) } else { Err(StateToStateError::OutOfRange) }
+        }
     }
 
     /// As [`StateToState::new`], for numbers whose products stay finite.
@@ -119,10 +120,10 @@ impl StateToState {
         };
         let noise = 2.0 * f64::EPSILON * (s.p.abs() + t.p.abs());
         let (shape, mirrored) = solve(&problem, noise);
-        let before = writer;
+        let (count, time) = (writer.count, writer.t);
         writer.write(&problem, &shape, mirrored, s.p, t.p);
         if shape.squeezed {
-            let mut other = before;
+            let mut other = Writer { count, t: time, side: 1.0, ..writer };
             other.brake_first(&problem, mirrored, s.p, t.p);
             if other.t < writer.t {
                 writer = other;
@@ -260,7 +261,8 @@ impl Writer {
     fn push(&mut self, dt: f64, p: f64, v: f64, a: f64, j: f64) {
         if dt > 0.0 && self.count < PHASES {
             self.lasting[self.count] = dt;
-            self.phases[self.count] = Phase { t: self.t, s: self.side * p, v: self.side * v, a: self.side * a, j: self.side * j };
+            self.phases[self.count] =
+                Phase { t: self.t, s: self.side * p, v: self.side * v, a: self.side * a, j: self.side * j };
             self.count += 1;
             self.t += dt;
         }

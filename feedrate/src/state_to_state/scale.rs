@@ -10,7 +10,7 @@ pub(super) struct Units {
 }
 
 /// Within these exponents nothing that is computed on the way can leave the range of `f64`.
-const COMFORTABLE: i32 = 90;
+const COMFORTABLE: i32 = 60;
 
 impl Units {
     /// The units to work in, or `None` if the given ones will do.

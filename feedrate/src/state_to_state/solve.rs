@@ -3,7 +3,8 @@
 //! Let `D0` be the displacement of the shortest change from `(v0, a0)` to `(vf, af)` wherever it ends. At a fixed duration
 //! the displacements that can be reached form an interval (the constraints are convex), whose upper end is the
 //! extremal going up and whose lower end the one going down; both start at `D0`. So the sign of `D - D0` gives the
-//! direction, and the first duration at which that extremal covers `D` is the shortest: nothing else has to be tried.
+//! direction, and the first duration at which that extremal covers `D` is the shortest: when the upper end of the interval
+//! has come up to `D`, the lower one is still below. Nothing else has to be tried.
 //!
 //! One complication: where both accelerations have the same sign and the change of velocity is small, durations between
 //! the direct change and one that brings the acceleration through zero do not exist. The
@@ -63,11 +64,8 @@ impl Direct {
         let v2 = vf - 0.5 * t3 * (peak.a + af);
         let d2 = peak.hold * (v2 - 0.5 * peak.a * peak.hold);
         let peak = Peak { a: sign * peak.a, hold: peak.hold };
-        let (first, second) = if up {
-            (peak, Peak { a: p.af, hold: 0.0 })
-        } else {
-            (Peak { a: p.a0, hold: 0.0 }, peak)
-        };
+        let (first, second) =
+            if up { (peak, Peak { a: p.af, hold: 0.0 }) } else { (Peak { a: p.a0, hold: 0.0 }, peak) };
         let shape = Shape { first, second, cruise: 0.0, v_peak: 0.0, joined: true, up: (true, false), squeezed: false };
         Self { up, displacement: sign * (d1 + d2 + d3), shape }
     }
