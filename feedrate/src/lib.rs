@@ -44,6 +44,7 @@ pub mod plan;
 pub mod scan;
 pub mod scurve;
 pub mod state;
+pub mod state_to_state;
 
 pub use error::FeedError;
 pub use limits::MotionLimits;
@@ -56,3 +57,4 @@ pub use scurve::phases::Phase;
 pub use scurve::profile::{Adjust, Adjusted, SProfile};
 pub use scurve::solve::{distance_for_change, highest_speed_over, lowest_speed_over};
 pub use state::{MotionLaw, MotionState};
+pub use state_to_state::{AxisLimits, AxisState, PositionRange, StateToState, StateToStateError};

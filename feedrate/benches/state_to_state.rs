@@ -1,0 +1,72 @@
+//! What one calculation of a time-optimal state-to-state motion of one axis costs, and one sample of it.
+//!
+//! Measured on a 2-core AMD EPYC VM, release profile, least of many repetitions of each of 4096 cases: median 256 ns,
+//! 99th percentile 508 ns, largest 904 ns; a sample 5 ns. With other work on both cores criterion's medians were about
+//! twice that (558 ns, 18 ns).
+#![allow(missing_docs)]
+use std::hint::black_box;
+
+use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, StateToState};
+use criterion::{Criterion, criterion_group, criterion_main};
+
+#[path = "../tests/common/mod.rs"]
+mod common;
+use common::Rng;
+
+/// The distribution ruckig's own benchmark draws from: normal positions, velocities and accelerations, each of the latter two
+/// zero in a part of the cases; limits uniform and wide enough for the states.
+fn cases(seed: u64, count: usize) -> Vec<(AxisState, AxisState, AxisLimits)> {
+    let mut rng = Rng(seed);
+    let normal = |rng: &mut Rng, sigma: f64| {
+        sigma * (-2.0 * (1.0 - rng.unit()).ln()).sqrt() * (std::f64::consts::TAU * rng.unit()).cos()
+    };
+    let sparse = |rng: &mut Rng| {
+        let x = normal(rng, 0.8);
+        if rng.unit() < 0.6 { 0.0 } else { x }
+    };
+    let mut all = Vec::with_capacity(count);
+    while all.len() < count {
+        let start = AxisState::new(normal(&mut rng, 4.0), sparse(&mut rng), sparse(&mut rng));
+        let target = AxisState::new(normal(&mut rng, 4.0), sparse(&mut rng), sparse(&mut rng));
+        let least = |x: f64, y: f64| x.abs().max(y.abs());
+        let v = 0.1 + 11.9 * rng.unit() + least(start.v, target.v);
+        let a = 0.1 + 11.9 * rng.unit() + least(start.a, target.a);
+        let j = 0.1 + 11.9 * rng.unit();
+        let Ok(limits) = AxisLimits::symmetric(v, a, j) else { continue };
+        if StateToState::new(&start, &target, &limits).is_ok() {
+            all.push((start, target, limits));
+        }
+    }
+    all
+}
+
+fn calculation(c: &mut Criterion) {
+    let all = cases(1, 4096);
+    let mut i = 0;
+    c.bench_function("state to state, one calculation", |b| {
+        b.iter(|| {
+            i = (i + 1) & 4095;
+            let (start, target, limits) = &all[i];
+            StateToState::new(black_box(start), black_box(target), black_box(limits))
+        });
+    });
+}
+
+fn sampling(c: &mut Criterion) {
+    let motions: Vec<StateToState> =
+        cases(2, 64).iter().filter_map(|(s, t, l)| StateToState::new(s, t, l).ok()).collect();
+    let (mut k, mut t) = (0, 0.0);
+    c.bench_function("state to state, one sample, 1 ms apart", |b| {
+        b.iter(|| {
+            t += 1e-3;
+            if t > motions[k].duration() {
+                t = 0.0;
+                k = (k + 1) & 63;
+            }
+            motions[k].at(black_box(t))
+        });
+    });
+}
+
+criterion_group!(benches, calculation, sampling);
+criterion_main!(benches);

@@ -1,0 +1,58 @@
+//! What can be wrong with a state-to-state request.
+
+/// Why a state-to-state motion was refused.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StateToStateError {
+    /// A number that must be finite is NaN or infinite.
+    #[error("{what} is {value}; it must be a finite number")]
+    NotFinite {
+        /// Name of the field.
+        what: &'static str,
+        /// The value given.
+        value: f64,
+    },
+    /// A limit lies on the wrong side of zero, or on it.
+    #[error("{what} is {value}; an upper limit must be greater and a lower limit less than 0")]
+    LimitSign {
+        /// Name of the limit.
+        what: &'static str,
+        /// The value given.
+        value: f64,
+    },
+    /// The target lies outside a limit.
+    #[error("{what} of the target is {value}, outside the limit {limit}; move the target inside or widen the limit")]
+    TargetOutside {
+        /// `"v"` or `"a"`.
+        what: &'static str,
+        /// The value given.
+        value: f64,
+        /// The limit it breaks.
+        limit: f64,
+    },
+    /// Every motion that arrives in the target state breaks a velocity limit right before it.
+    #[error(
+        "to arrive at v = {v} with a = {a} the velocity must have been {before} just before, outside the limit {limit}; \
+         lower the target's acceleration or move its velocity away from that limit"
+    )]
+    TargetUnreachable {
+        /// Velocity of the target (m/s).
+        v: f64,
+        /// Acceleration of the target (m/s²).
+        a: f64,
+        /// Velocity no motion towards the target can avoid (m/s).
+        before: f64,
+        /// The limit it breaks (m/s).
+        limit: f64,
+    },
+    /// The numbers are valid one by one, but the motion between them leaves the range of `f64`.
+    #[error(
+        "the motion is not representable in finite numbers for these arguments; \
+         use units in which the numbers are closer to 1"
+    )]
+    OutOfRange,
+}
+
+pub(super) fn finite(what: &'static str, value: f64) -> Result<f64, StateToStateError> {
+    if value.is_finite() { Ok(value) } else { Err(StateToStateError::NotFinite { what, value }) }
+}
