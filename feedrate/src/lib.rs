@@ -26,6 +26,7 @@
 //! | [`scurve::change`] | change of speed and braking from any state |
 //! | [`caps`] | bounds from chord error, normal acceleration and jerk, joints |
 //! | [`scan`] | [`Segment`], the scans per segment and joined |
+//! | [`StateToState`] | time-optimal motion from any position, speed and acceleration to any other |
 //! | [`plan`] | [`SpeedPlan`]: phases, sampling, position to speed |
 //! | [`error`] | [`FeedError`] |
 //!
