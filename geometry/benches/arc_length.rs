@@ -9,7 +9,7 @@
 //! | build `ArcLengthCurve` to 1e-15 m | 0.7 ms | |
 //! | s to u | 20 ns | |
 //! | s to point and three derivatives, plane | 45 ns | below 1e-11 mm |
-//! | s to point and three derivatives, space | 60 to 70 ns | below 1e-11 mm |
+//! | s to point and three derivatives, space | 60 to 70 ns | |
 //! | u to s | 0.2 us | below 1e-12 mm |
 #![allow(missing_docs, clippy::unwrap_used)]
 
