@@ -8,18 +8,17 @@ use arcfeed_geometry::nalgebra::{Vector2, vector};
 use arcfeed_geometry::{ArcLengthCurve, Curve, NurbsCurve};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // A rosette in mm: two of its control points pull much harder than the others.
-    let points: Vec<Vector2<f64>> = (0..16)
+    // A flower in mm: the control points at the petals pull harder than the others, each in its own measure.
+    let points: Vec<Vector2<f64>> = (0..=10)
         .map(|i| {
-            let angle = f64::from(i) * 0.4 * std::f64::consts::PI * 1.3;
-            let radius = if i % 2 == 0 { 60.0 } else { 22.0 };
-            vector![radius * angle.cos(), radius * angle.sin()]
+            let angle = f64::from(i) * 0.2 * std::f64::consts::PI;
+            let radius = if i % 2 == 1 { 70.0 } else { 15.0 };
+            vector![radius * angle.sin(), radius * angle.cos()]
         })
         .collect();
-    let mut weights = vec![1.0; 16];
-    (weights[4], weights[11]) = (12.0, 8.0);
+    let weights = vec![1.0, 2.0, 1.0, 4.0, 1.0, 8.0, 1.0, 4.0, 1.0, 2.0, 1.0];
     let mut knots = vec![0.0; 4];
-    knots.extend((1..13).map(|i| f64::from(i) / 13.0));
+    knots.extend((1..8).map(|i| f64::from(i) / 8.0));
     knots.extend([1.0; 4]);
     let curve = NurbsCurve::new(3, points, weights, knots)?;
 
@@ -28,7 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("length {length:.12} mm, map s -> u in {} pieces", path.map_pieces());
 
     // Steps of a tool that moves by equal steps of u, and of one that moves by equal steps of s.
-    let n = 120;
+    let n = 90;
     let by_u: Vec<_> = (0..=n).map(|i| curve.point(f64::from(i) / f64::from(n))).collect();
     let by_s: Vec<_> = (0..=n).map(|i| path.point(length * f64::from(i) / f64::from(n))).collect();
     let parts = |at: &dyn Fn(i32) -> f64| -> Result<(f64, f64), arcfeed_geometry::GeometryError> {

@@ -24,8 +24,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("heading within {:.1e} rad of the tangent", heading.deviation());
     }
     let turn = |angle: f64| UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
-    let keys =
-        [(0.0, turn(0.0)), (0.3 * length, turn(2.0)), (0.6 * length, turn(4.0)), (length, turn(2.0 * 3.2))];
+    let keys = [(0.0, turn(0.0)), (0.3 * length, turn(2.0)), (0.6 * length, turn(4.0)), (length, turn(2.0 * 3.2))];
     let through = OrientationPath::through(&keys)?;
 
     let mut svg = String::from(
@@ -40,7 +39,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             .map(|i| path.jet(length * f64::from(i) / 1000.0).d1.fixed_rows::<3>(3).norm())
             .fold(0.0, f64::max);
         println!("{title}: {} knots, turns by up to {fastest:.1} rad/m", path.knots().len());
-        writeln!(svg, "<g transform='translate(0 {shift})'><text x='-20' y='-64'>{title}</text>")?;
+        writeln!(svg, "<g transform='translate(0 {shift})'><text x='30' y='-60'>{title}</text>")?;
         let line: Vec<String> = (0..=600)
             .map(|i| path.pose(length * f64::from(i) / 600.0).translation.vector * 1e3)
             .map(|p| format!("{:.2},{:.2}", p.x, -p.y))

@@ -16,7 +16,7 @@
 //! | a curve | [`NurbsCurve::new`], [`NurbsCurve::bspline`], or a ready shape: `line`, `polyline`, `arc`, `circle` |
 //! | a curve through points | `NurbsCurve::interpolate`, `NurbsCurve::approximate` (feature `fit`) |
 //! | point and derivatives by `u` | [`Curve::jet`], [`Jet::curvature`] |
-//! | another form of the same curve | [`NurbsCurve::insert_knot`], [`NurbsCurve::elevate_degree`], [`NurbsCurve::decompose`] |
+//! | another form of the same curve | [`NurbsCurve::with_knot`], [`NurbsCurve::split`], [`NurbsCurve::elevated`], [`NurbsCurve::decompose`], ... |
 //! | chords within a tolerance | [`NurbsCurve::segment`], [`SegmentationMethod`] |
 //! | the length | [`NurbsCurve::arc_length`], [`NurbsCurve::arc_length_between`] |
 //! | point and derivatives by arc length | [`ArcLengthCurve`] |

@@ -9,7 +9,7 @@ use crate::spline::CubicSpline;
 /// Most knots a heading is given; where they do not suffice for its tolerance, [`Heading::deviation`] tells.
 const MAX_HEADING_KNOTS: usize = 100_000;
 /// Most rounds of the iteration that makes angular acceleration continuous.
-const MAX_ROUNDS: usize = 200;
+const MAX_ROUNDS: usize = 30;
 
 /// An orientation with its angular rate and the rate's derivatives, all by arc length and in base axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -121,6 +121,8 @@ impl OrientationPath {
     ///
     /// The angle is a cubic spline through the true heading, refined until it is within `tolerance` (rad) of it, so that
     /// angular acceleration is continuous even where the curvature of the path has kinks (at its knots).
+    /// A tolerance out of reach of double precision, or of 100 000 knots, ends the refinement early; [`Heading::deviation`]
+    /// tells what was reached.
     ///
     /// # Errors
     /// When the tolerance is not above 0, the path runs along the axis somewhere, or it has a corner.
@@ -257,38 +259,36 @@ impl Through {
     /// With the steps `r`, their widths `h`, the rates `w` in axes of their keys and the right Jacobian `J` of the
     /// rotation group at `r`, a stretch has the Hermite data `phi'(0) = w0`, `phi'(h) = J^-1 w1 = v`, so that its angular
     /// accelerations are `6 r / h^2 - (4 w0 + 2 v) / h` and `J (2 w0 + 4 v) / h - 6 r / h^2 + c(v)`. Without the quadratic
-    /// `c` the rates follow from a block tridiagonal system; `c` is small and found by iteration.
+    /// `c` the rates follow from a block tridiagonal system; with it, from a few steps of Newton's method.
     fn new(keys: &[(f64, UnitQuaternion<f64>)]) -> Self {
         let n = keys.len();
         let h: Vec<f64> = keys.windows(2).map(|k| k[1].0 - k[0].0).collect();
         let r: Vec<Vector3<f64>> = keys.windows(2).map(|k| shorter_way(&k[0].1, &k[1].1)).collect();
         let (j, j_inverse): (Vec<_>, Vec<_>) = r.iter().map(right_jacobian).unzip();
 
-        // Thomas' algorithm, its factors kept.
-        let lower = |i: usize| if i > 0 { j[i - 1] * (2.0 / h[i - 1]) } else { Matrix3::zeros() };
-        let mut pivots = Vec::with_capacity(n);
-        let mut upper: Vec<Matrix3<f64>> = Vec::with_capacity(n);
-        for i in 0..n {
-            let before = if i > 0 { 1.0 / h[i - 1] } else { 0.0 };
-            let after = if i + 1 < n { 1.0 / h[i] } else { 0.0 };
-            let mut pivot = Matrix3::identity() * (4.0 * (before + after));
-            if i > 0 {
-                pivot -= lower(i) * upper[i - 1];
-            }
-            // The system is diagonally dominant: the inverse exists.
-            let inverse = pivot.try_inverse().unwrap_or_else(Matrix3::zeros);
-            upper.push(if i + 1 < n { inverse * j_inverse[i] * (2.0 * after) } else { Matrix3::zeros() });
-            pivots.push(inverse);
-        }
         let fixed = |i: usize| if i + 1 < n { r[i] * (6.0 / (h[i] * h[i])) } else { Vector3::zeros() };
-        let solve = |c: &[Vector3<f64>]| {
+        // Thomas' algorithm, with `c` replaced by its tangent `c + slope (w - w_before)`.
+        let solve = |c: &[Vector3<f64>], slope: &[Matrix3<f64>], before: &[Vector3<f64>]| {
             let mut w: Vec<Vector3<f64>> = Vec::with_capacity(n);
+            let mut upper: Vec<Matrix3<f64>> = Vec::with_capacity(n);
             for i in 0..n {
+                let mut inverse_widths = 0.0;
+                let mut pivot = Matrix3::zeros();
                 let mut right = fixed(i);
                 if i > 0 {
-                    right += fixed(i - 1) - c[i - 1] - lower(i) * w[i - 1];
+                    let lower = j[i - 1] * (2.0 / h[i - 1]);
+                    inverse_widths += 1.0 / h[i - 1];
+                    pivot += slope[i - 1] - lower * upper[i - 1];
+                    right += fixed(i - 1) - c[i - 1] + slope[i - 1] * before[i] - lower * w[i - 1];
                 }
-                w.push(pivots[i] * right);
+                if i + 1 < n {
+                    inverse_widths += 1.0 / h[i];
+                }
+                pivot += Matrix3::identity() * (4.0 * inverse_widths);
+                // Diagonally dominant without the slopes; a singular one leaves the rate at 0, to be found next time.
+                let inverse = pivot.try_inverse().unwrap_or_else(Matrix3::zeros);
+                upper.push(if i + 1 < n { inverse * j_inverse[i] * (2.0 / h[i]) } else { Matrix3::zeros() });
+                w.push(inverse * right);
             }
             for i in (0..n - 1).rev() {
                 w[i] = w[i] - upper[i] * w[i + 1];
@@ -296,20 +296,31 @@ impl Through {
             w
         };
         let mut c = vec![Vector3::zeros(); n - 1];
-        let mut w = solve(&c);
+        let mut slope = vec![Matrix3::zeros(); n - 1];
+        let mut w = solve(&c, &slope, &vec![Vector3::zeros(); n]);
         for _ in 0..MAX_ROUNDS {
             for i in 0..n - 1 {
                 // The angular acceleration at the end, seen in the axes there, of a motion without phi''.
-                let jet = [r[i], j_inverse[i] * w[i + 1], Vector3::zeros(), Vector3::zeros()];
-                let end = rotate_along(&UnitQuaternion::identity(), &jet);
-                c[i] = end.rotation.inverse() * end.d_rate;
+                let at = |v: Vector3<f64>| {
+                    let end = rotate_along(&UnitQuaternion::identity(), &[r[i], v, Vector3::zeros(), Vector3::zeros()]);
+                    end.rotation.inverse() * end.d_rate
+                };
+                let v = j_inverse[i] * w[i + 1];
+                c[i] = at(v);
+                // It is quadratic in v: c(v + e) - c(v) - c(e) is its derivative along e, exactly.
+                let along = |e: Vector3<f64>| at(v + e) - c[i] - at(e);
+                let size = v.norm();
+                if size > 0.0 {
+                    let [x, y, z] = [Vector3::x(), Vector3::y(), Vector3::z()].map(|e| along(e * size) / size);
+                    slope[i] = Matrix3::from_columns(&[x, y, z]) * j_inverse[i];
+                }
             }
-            let next = solve(&c);
+            let next = solve(&c, &slope, &w);
             let change = next.iter().zip(&w).fold(0.0f64, |m, (a, b)| m.max((a - b).norm()));
             let size = next.iter().fold(0.0f64, |m, a| m.max(a.norm()));
             w = next;
-            // Written so that NaN ends it.
-            if !(change > 4.0 * f64::EPSILON * size) {
+            // Sizes that are not numbers end it too: `max` above drops them.
+            if change <= 1e-15 * size {
                 break;
             }
         }

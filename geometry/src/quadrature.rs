@@ -79,7 +79,7 @@ fn error_estimate(values: &[f64; N], width: f64) -> f64 {
     let even: [f64; N / 2] = std::array::from_fn(|j| values[j + N / 2] + values[j]);
     let odd: [f64; N / 2] = std::array::from_fn(|j| values[j + N / 2] - values[j]);
     let coefficient = |row: usize| {
-        let parts = if ORDERS[row] % 2 == 0 { &even } else { &odd };
+        let parts = if ORDERS[row].is_multiple_of(2) { &even } else { &odd };
         let mut sum = 0.0;
         for j in 0..N / 2 {
             sum += PROJECTIONS[row][j] * parts[j];

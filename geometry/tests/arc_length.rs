@@ -1,4 +1,5 @@
 //! Arc length against values computed with 50 digits, against closed forms and against brute force.
+#![allow(clippy::unwrap_used)]
 
 mod common;
 
@@ -418,12 +419,16 @@ proptest! {
 
     #[test]
     fn random_curves(curve in random_cubic()) {
-        let Ok(path) = ArcLengthCurve::new(curve.clone(), 1e-11) else {
-            // Only curves that stand still somewhere, or nearly, are refused.
-            let (a, b) = curve.domain();
-            let slowest = (0..=20_000).map(|i| curve.jet(a + (b - a) * f64::from(i) / 20_000.0).speed());
-            prop_assert!(slowest.fold(f64::INFINITY, f64::min) < 1e-3 * curve.arc_length(1e-6).unwrap() / (b - a));
-            return Ok(());
+        let path = match ArcLengthCurve::new(curve.clone(), 1e-11) {
+            Ok(path) => path,
+            Err(GeometryError::StandsStill { u, mean, .. }) => {
+                // Only curves that do so, or nearly, are refused; control points on a line often turn back.
+                let speed = curve.jet(u).speed();
+                prop_assert!(speed < 1e-4 * mean, "refused, but {speed} of {mean} at {u}");
+                return Ok(());
+            }
+            Err(GeometryError::ZeroLength { .. }) => return Ok(()),
+            Err(other) => panic!("{other}"),
         };
         let length = curve.arc_length(1e-11).unwrap();
         prop_assert!((path.length() - length).abs() < 1e-10, "{} and {length}", path.length());

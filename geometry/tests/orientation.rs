@@ -1,4 +1,5 @@
 //! Orientation profiles: keys, rates against finite differences, continuity, headings.
+#![allow(clippy::unwrap_used)]
 
 use arcfeed_geometry::nalgebra::{Unit, UnitQuaternion, Vector3, vector};
 use arcfeed_geometry::{ArcLengthCurve, GeometryError, NurbsCurve, OrientationPath};

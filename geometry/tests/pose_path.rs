@@ -1,4 +1,5 @@
 //! Tool poses by arc length: derivatives, sides at knots, corners.
+#![allow(clippy::unwrap_used)]
 
 mod common;
 
