@@ -282,9 +282,9 @@ fn check(arm: &impl Arm, range: &JointRange<6>, case: &Case, planned: &Cell<usiz
     check_by_differences(arm, &plan, &limits, case)
 }
 
-/// Few cases with a fixed seed; more and others by the variables `PROPTEST_CASES` and `PROPTEST_RNG_SEED`.
+/// Few cases with a fixed seed, and no shrinking, which lets points coincide: that is another story; more and others by the variables `PROPTEST_CASES` and `PROPTEST_RNG_SEED`.
 fn config(seed: u64) -> ProptestConfig {
-    let mut config = ProptestConfig { failure_persistence: None, max_shrink_iters: 40, ..ProptestConfig::default() };
+    let mut config = ProptestConfig { failure_persistence: None, max_shrink_iters: 0, ..ProptestConfig::default() };
     if std::env::var_os("PROPTEST_CASES").is_none() {
         config.cases = 10;
     }
