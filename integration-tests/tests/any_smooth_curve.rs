@@ -264,7 +264,7 @@ fn check(arm: &impl Arm, range: &JointRange<6>, case: &Case, planned: &Cell<usiz
     planned.set(planned.get() + 1);
     let own = plan.verification().expect("a plan is verified");
     prop_assert!(own.holds(TOLERANCE), "{:?}", own.worst());
-    prop_assert_eq!(own.checks().len(), 31);
+    prop_assert!(own.checks().len() >= 31, "only {} limits were looked at", own.checks().len());
 
     // The same judge at another period: other moments, and cycles that do not divide the first ones.
     let period = case.period * 0.377;
