@@ -165,7 +165,10 @@ fn plan(arm: &impl Arm, range: &JointRange<6>, case: &Case) -> Result<Option<(Pl
         Ok(plan) => Ok(Some((plan, limits))),
         // The arm does not get there: the message has to name a place on the path.
         Err(
-            ref error @ (PlanError::Arm { .. } | PlanError::BranchChange { .. } | PlanError::NoConfiguration { .. }),
+            ref error @ (PlanError::Arm { .. }
+            | PlanError::BranchChange { .. }
+            | PlanError::JointRange { .. }
+            | PlanError::NoConfiguration { .. }),
         ) => {
             let place = match error {
                 PlanError::NoConfiguration { best, .. } => place(best),
@@ -186,7 +189,7 @@ fn plan(arm: &impl Arm, range: &JointRange<6>, case: &Case) -> Result<Option<(Pl
 fn place(error: &PlanError) -> Option<(f64, Option<[f64; 3]>)> {
     match error {
         PlanError::Arm { s, position, .. } => Some((*s, Some(*position))),
-        PlanError::BranchChange { s, .. } => Some((*s, None)),
+        PlanError::BranchChange { s, .. } | PlanError::JointRange { s, .. } => Some((*s, None)),
         _ => None,
     }
 }
