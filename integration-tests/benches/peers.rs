@@ -1,4 +1,12 @@
 //! Curves beside curvo 0.3 in one run, on the butterfly in the plane (cubic, 51 control points, rational, mm).
+//!
+//! Measured on a 2-core AMD EPYC VM while other programs kept both cores busy, medians of one run:
+//!
+//! | | arcfeed | curvo 0.3.3 |
+//! |---|---|---|
+//! | point and derivatives at random u | 22.8 ns (three derivatives) | 271 ns (two) |
+//! | arc length | 31.5 us, to 1e-12 mm | 171 us, 4e-5 mm off |
+//! | parameter at a random arc length | 17.9 ns, to 1e-12 mm, from a map built in 0.70 ms | 162 us, to 1e-6 mm |
 
 use std::hint::black_box;
 use std::time::Duration;

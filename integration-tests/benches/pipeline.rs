@@ -1,4 +1,15 @@
 //! The whole way of the main job on the butterfly: 383 mm at 100 mm/s on the CR7, chord tolerance 0.001 mm, 1 ms.
+//!
+//! Measured on a 2-core AMD EPYC VM while other programs kept both cores busy, medians:
+//!
+//! | | |
+//! |---|---|
+//! | arc-length map of the butterfly, to 1e-12 mm | 0.70 ms |
+//! | choice of the start (all branches walked) | 2.2 ms |
+//! | plan without verification: 1174 chord segments, joint path, scans | 10.5 ms |
+//! | verification of the 7.9 s of motion on eight samples per cycle | 120 ms |
+//! | one cycle of sampling with inverse kinematics | 1.44 us |
+//! | one S-profile | 53 ns |
 
 use std::hint::black_box;
 use std::time::Duration;

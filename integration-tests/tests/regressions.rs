@@ -1,0 +1,116 @@
+//! Inputs that once went wrong, each a test by what went wrong.
+
+use arcfeed_geometry::{ArcLengthCurve, GeometryError, NurbsCurve, OrientationPath, PosePath};
+use arcfeed_interp::{Plan, PlanError, Planner, Requirement, ToolLimits, best_start, verify};
+use arcfeed_kinematics::{Joints, models};
+use nalgebra::{UnitQuaternion, Vector3, vector};
+
+/// Weights that the random search came up with.
+const WEIGHTS: [f64; 14] = [
+    1.6391262646869673,
+    1.195893308149745,
+    0.8179094319116863,
+    1.1819753309301477,
+    1.6370931518868532,
+    1.4285363769530997,
+    0.8878050172476418,
+    1.1338881503105607,
+    1.590696824516621,
+    0.781670732711393,
+    1.4594845677428305,
+    1.6391558509985567,
+    1.5328147040784745,
+    0.6393585983797155,
+];
+
+fn plan(curve: ArcLengthCurve<3>) -> Result<Plan, PlanError> {
+    let down = UnitQuaternion::from_euler_angles(std::f64::consts::PI, 0.0, 0.0);
+    let path = PosePath::new(curve, OrientationPath::Constant(down));
+    let arm = models::cr7();
+    let limits =
+        arm.range().with_rates(Joints::repeat(1.643), Joints::repeat(9.936), Joints::repeat(375.3)).expect("valid");
+    let tool = ToolLimits {
+        feed: 0.2105,
+        tangential_acceleration: 1.229,
+        tangential_jerk: 13.53,
+        normal_acceleration: 1.959,
+        normal_jerk: None,
+    };
+    let start = best_start(&arm, &path, limits.lower(), limits.upper())?;
+    let planner = Planner::new(&arm, limits, tool)?.with_chord_tolerance(1.143e-5)?.with_period(7.602e-3)?;
+    planner.plan(path, &start)
+}
+
+/// Jumps of curvature and the third derivative together claimed more than all of a joint's jerk, which left a negative
+/// acceleration for the scan.
+#[test]
+fn many_jumps_of_curvature_leave_some_acceleration() {
+    let points = [
+        [0.391651, -0.059695, 0.120337],
+        [0.391162, -0.073206, 0.123141],
+        [0.410252, -0.076058, 0.153578],
+        [0.394748, -0.046753, 0.130834],
+        [0.397160, -0.063823, 0.142012],
+        [0.384203, -0.046828, 0.120718],
+        [0.405236, -0.060402, 0.130531],
+        [0.414245, -0.057203, 0.143460],
+        [0.383591, -0.048734, 0.123057],
+        [0.401359, -0.073418, 0.150328],
+        [0.397271, -0.048873, 0.125724],
+        [0.402650, -0.046791, 0.129356],
+        [0.409554, -0.055416, 0.155275],
+        [0.411827, -0.066395, 0.152334],
+    ];
+    let mut knots = vec![0.0; 5];
+    for (knot, times) in [(0.6645, 3), (1.59, 3), (2.0197, 3), (2.3872, 5)] {
+        knots.extend(vec![knot; times]);
+    }
+    let points = points.map(Vector3::from).to_vec();
+    let curve = NurbsCurve::new(4, points, WEIGHTS.to_vec(), knots).expect("a valid curve");
+    let plan = plan(ArcLengthCurve::new(curve, 1e-15).expect("a curve of some length")).expect("it can be followed");
+    assert_eq!(plan.stops().len(), 0);
+    assert!(plan.verification().expect("verified").holds(1e-6));
+}
+
+/// A first span whose points coincide is a stand-still; the plan took 6e54 s, and the verification of so many samples
+/// wrapped around and looked at one.
+#[test]
+fn a_span_without_length_is_refused_and_not_planned_for_ever() {
+    let points =
+        [vec![vector![0.3, 0.0, 0.1]; 6], vec![vector![0.3, 0.0, 0.0933], vector![0.314, 0.0043, 0.1062]]].concat();
+    let mut knots = vec![0.0; 5];
+    knots.extend([0.66, 0.66, 0.66, 1.6, 1.6, 1.6, 1.6, 1.6]);
+    let curve = NurbsCurve::new(4, points, WEIGHTS[..8].to_vec(), knots);
+    match curve.and_then(|curve| ArcLengthCurve::new(curve, 1e-15)) {
+        Err(GeometryError::StandsStill { .. }) => {}
+        Err(other) => panic!("another reason: {other}"),
+        Ok(curve) => match plan(curve) {
+            Err(_) => {}
+            Ok(plan) => assert!(plan.duration() < 1e3, "a plan of {} s was let through", plan.duration()),
+        },
+    }
+}
+
+/// A duration that no number of samples covers.
+#[test]
+fn an_endless_motion_is_not_verified() {
+    let line = NurbsCurve::line(vector![0.4, 0.0, 0.2], vector![0.4, 0.01, 0.2]).expect("a line");
+    let plan = plan(ArcLengthCurve::new(line, 1e-15).expect("a line")).expect("in reach");
+    let arm = models::cr7();
+    let limits =
+        arm.range().with_rates(Joints::repeat(1.643), Joints::repeat(9.936), Joints::repeat(375.3)).expect("valid");
+    let tool = ToolLimits {
+        feed: 1.0,
+        tangential_acceleration: 10.0,
+        tangential_jerk: 100.0,
+        normal_acceleration: 10.0,
+        normal_jerk: None,
+    };
+    let requirement =
+        Requirement { path: plan.path(), tool: &tool, joints: &limits, chord_tolerance: 1e-5, period: plan.period() };
+    let mut sampler = plan.sampler(&arm, plan.period()).expect("a valid period");
+    for duration in [f64::INFINITY, f64::NAN, 1e300, -1.0] {
+        let result = verify(&arm, &requirement, duration, |t| sampler.at(t));
+        assert!(!result.as_ref().is_ok_and(|v| v.holds(1e-6)), "{duration} s hold: {result:?}");
+    }
+}
