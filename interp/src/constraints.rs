@@ -151,7 +151,9 @@ fn one_box(reach: &Reach, step: &Joints<AXES>, bounds: &Bounds<'_>) -> (f64, f64
             v = v.min((bounds.shares.speed * left[k] / d3).cbrt());
         }
         if step[k] > 0.0 {
-            v = v.min((0.5 * left[k] * bounds.period / step[k]).sqrt());
+            // Half of what the speed's own share leaves, so that something is kept for the acceleration.
+            let share = 0.5 * (1.0 - bounds.shares.speed);
+            v = v.min((share * left[k] * bounds.period / step[k]).sqrt());
         }
     }
     for k in 0..AXES {

@@ -66,6 +66,16 @@ pub enum PlanError {
         /// The value given.
         value: f64,
     },
+    /// A motion takes longer than can be verified.
+    #[error(
+        "the motion takes {duration:.3e} s, more than the {longest:.3e} s that can be verified at this control period: raise the limits, lengthen the period, or split the path"
+    )]
+    TooLong {
+        /// Duration, s.
+        duration: f64,
+        /// Longest duration that is verified at the control period, s.
+        longest: f64,
+    },
     /// The shape of the path cannot be used.
     #[error(transparent)]
     Geometry(#[from] GeometryError),

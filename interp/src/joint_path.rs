@@ -175,10 +175,10 @@ where
         // The representative nearest to the middle of the joint ranges leaves most room for turning on.
         let seed =
             candidate.zip_map(&middle, |q, m| q + ((m - q) / std::f64::consts::TAU).round() * std::f64::consts::TAU);
-        match walk(arm, path, &seed, &grid, lower, upper) {
-            Ok(quality) => {
+        match walk_from_any_turn(arm, path, seed, &grid, lower, upper) {
+            Ok((quality, start)) => {
                 if best.as_ref().is_none_or(|b| quality > b.0) {
-                    best = Some((quality, seed));
+                    best = Some((quality, start));
                 }
             }
             Err((s, error)) => {
@@ -196,6 +196,34 @@ where
         // `inverse_all` is never empty, so one of the two is there.
         (None, None) => Ok(middle),
     }
+}
+
+/// [`walk`], and where a joint uses up its range on the way, again with that joint a turn further from that end of it.
+/// Returns the quality and the start that was used.
+fn walk_from_any_turn<A>(
+    arm: &A,
+    path: &PosePath,
+    mut start: Joints<AXES>,
+    grid: &[f64],
+    lower: &Joints<AXES>,
+    upper: &Joints<AXES>,
+) -> Result<(f64, Joints<AXES>), (f64, PlanError)>
+where
+    A: ForwardKinematics<AXES> + InverseKinematics<AXES> + ?Sized,
+{
+    for _ in 0..AXES {
+        match walk(arm, path, &start, grid, lower, upper) {
+            Err((s, PlanError::JointRange { joint, value, lower: low, upper: high, s: place })) => {
+                let turn = if value < low { std::f64::consts::TAU } else { -std::f64::consts::TAU };
+                if !(low..=high).contains(&(start[joint] + turn)) {
+                    return Err((s, PlanError::JointRange { joint, value, lower: low, upper: high, s: place }));
+                }
+                start[joint] += turn;
+            }
+            other => return other.map(|quality| (quality, start)),
+        }
+    }
+    walk(arm, path, &start, grid, lower, upper).map(|quality| (quality, start))
 }
 
 /// Least of (smallest singular value, distance to a joint limit / 10) on a coarse walk; or how far it got and why it

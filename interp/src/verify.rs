@@ -15,6 +15,8 @@ use crate::trajectory::Setpoint;
 
 /// Samples per control period.
 const DENSITY: usize = 8;
+/// Motions with more samples than this are refused: more than three hours at 1 ms.
+const MOST_SAMPLES: f64 = 1e8;
 /// How far the tool may be turned away from the path's orientation, rad. Exact inverses stay below 1e-9; the step of any
 /// encoder is larger.
 const ORIENTATION_TOLERANCE: f64 = 1e-6;
@@ -196,7 +198,8 @@ impl Worst {
 /// `setpoint` gives the setpoint at a time; it is called with increasing times, eight per control period.
 ///
 /// # Errors
-/// [`PlanError::Limit`] for a duration that is not a finite number of 0 or more; otherwise whatever `setpoint` returns.
+/// [`PlanError::Limit`] for a duration that is not a finite number of 0 or more, [`PlanError::TooLong`] for one that
+/// would take too many samples; otherwise whatever `setpoint` returns.
 pub fn verify<A>(
     arm: &A,
     requirement: &Requirement<'_>,
@@ -211,6 +214,10 @@ where
     }
     let mut tally = Tally::new(requirement);
     let dt = requirement.period / DENSITY as f64;
+    let longest = MOST_SAMPLES * dt;
+    if duration > longest {
+        return Err(PlanError::TooLong { duration, longest });
+    }
     let steps = (duration / dt * (1.0 - 1e-12)).floor() as usize;
     // Ring of the samples of the last control period.
     let mut ring: Vec<Sample> = Vec::with_capacity(DENSITY + 1);
