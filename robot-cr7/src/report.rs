@@ -159,7 +159,7 @@ fn badness(line: &LimitLine) -> f64 {
 const MOST_LIMITS: usize = 15;
 const MOST_JOINT_ROWS: usize = 5;
 const MOST_WARNINGS: usize = 3;
-const MOST_FILES: usize = 5;
+const MOST_FILES: usize = 3;
 const WIDTH: usize = 100;
 
 impl Display for Report {
