@@ -223,6 +223,7 @@ fn check_by_differences(
         let t = i as f64 * STEP;
         let feed = (tip[i] - tip[i - 1]).norm() / STEP;
         prop_assert!(feed <= case.tool.feed * (1.0 + TOLERANCE) + 1e-10, "feed {} at t = {}", feed, t);
+        #[allow(clippy::needless_range_loop)] // several arrays run in step
         for k in 0..6 {
             prop_assert!(
                 q[i][k] >= limits.lower()[k] && q[i][k] <= limits.upper()[k],
