@@ -294,7 +294,7 @@ fn table_2(r: &mut Reproduction, motion: &Motion) -> Result<(), Cr7Error> {
     r.add(PLACE, "truncation error, mm (0.001, 0.001, 0)", "0", format!("{}", missing * 1e3))
         .guaranteed(missing == 0.0);
     r.add(PLACE, "bidirectional scan, s (0.01, 0.1, 0.01)", "0.3", format!("{:.4}", timings.scan.as_secs_f64()))
-        .note("ours: three scans with different shares of the joint limits, the fastest kept");
+        .note("ours: up to four scans with different shares of the joint limits, the fastest kept");
     r.add(PLACE, "one S-profile, s (6e-5, 6e-5, 6e-5)", "7e-5", format!("{:.1e}", s_profile_time()));
     r.add(PLACE, "interpolation of the whole path, s (9, 10, 13)", "10", format!("{sampling:.4}")).note(format!(
         "{samples} cycles of 1 ms with inverse kinematics: {:.2} us a cycle",
