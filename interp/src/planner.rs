@@ -8,7 +8,7 @@ use arcfeed_feedrate::{
 use arcfeed_geometry::{PosePath, Segmentation, SegmentationMethod};
 use arcfeed_kinematics::{ForwardKinematics, InverseKinematics, JointLimits, Joints};
 
-use crate::constraints::{self, Bounds, Shares};
+use crate::constraints::{Bounds, Reaches, Shares};
 use crate::error::PlanError;
 use crate::grid;
 use crate::joint_path::JointPath;
@@ -160,7 +160,8 @@ where
             // Bounds between grid points are estimates; where they were too wide all are tightened by as much.
             scale *= 0.999 / worst.ratio.min(1.5);
             let begin = Instant::now();
-            (plan.bounds, plan.speed) = self.scan(&plan.path, &plan.joint_path, &plan.stops, scale)?;
+            let reaches = Reaches::of(&plan.path, &plan.joint_path, &plan.stops);
+            (plan.bounds, plan.speed) = self.scan(&reaches, &plan.stops, scale)?;
             plan.timings.scan += begin.elapsed();
         }
         let worst = plan.verification.as_ref().map(Verification::worst);
@@ -198,7 +199,8 @@ where
         let stops: Vec<usize> =
             path.corners(CORNER).iter().map(|corner| grid.partition_point(|&s| s < corner.s)).collect();
         let begin = Instant::now();
-        let (bounds, speed) = self.scan(&path, &joint_path, &stops, 1.0)?;
+        let reaches = Reaches::of(&path, &joint_path, &stops);
+        let (bounds, speed) = self.scan(&reaches, &stops, 1.0)?;
         timings.scan = begin.elapsed();
         Ok(Plan {
             path,
@@ -216,13 +218,7 @@ where
     }
 
     /// The fastest of the scans over the ways to share the limits, using the fraction `scale` of each.
-    fn scan(
-        &self,
-        path: &PosePath,
-        joint_path: &JointPath,
-        stops: &[usize],
-        scale: f64,
-    ) -> Result<(Vec<Segment>, SpeedPlan), PlanError> {
+    fn scan(&self, reaches: &Reaches, stops: &[usize], scale: f64) -> Result<(Vec<Segment>, SpeedPlan), PlanError> {
         let with = |shares| {
             let bounds = Bounds {
                 tool: &self.tool,
@@ -232,7 +228,7 @@ where
                 shares,
                 scale,
             };
-            constraints::boxes(path, joint_path, stops, &bounds)
+            reaches.boxes(&bounds)
         };
         // The joined scans that go through at once are the quick ones, and the fastest plans are among them; the thorough
         // scan is for where none does.

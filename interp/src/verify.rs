@@ -5,6 +5,8 @@
 //! differences of the accelerations, which are averages of the true jerk and so never exceed its maximum; and each
 //! position and velocity is held against the one before, so that a jump cannot hide between samples.
 
+use std::collections::VecDeque;
+
 use arcfeed_geometry::PosePath;
 use arcfeed_kinematics::{ForwardKinematics, JointLimits, Joints};
 use nalgebra::Vector3;
@@ -13,8 +15,13 @@ use crate::error::PlanError;
 use crate::limits::{AXES, ToolLimits};
 use crate::trajectory::Setpoint;
 
-/// Samples per control period.
+/// Samples per control period, at least.
 const DENSITY: usize = 8;
+/// And so many more, that they are no further apart than this, s: a bend takes the arm no less time when its controller is
+/// slow.
+const FINEST: f64 = 1.25e-4;
+/// But not more than this many per period.
+const DENSEST: usize = 4096;
 /// Motions with more samples than this are refused: more than three hours at 1 ms.
 const MOST_SAMPLES: f64 = 1e8;
 /// How far the tool may be turned away from the path's orientation, rad. Exact inverses stay below 1e-9; the step of any
@@ -195,7 +202,8 @@ impl Worst {
 
 /// Holds a trajectory of length `duration` (s) against `requirement`.
 ///
-/// `setpoint` gives the setpoint at a time; it is called with increasing times, eight per control period.
+/// `setpoint` gives the setpoint at a time; it is called with increasing times, eight per control period or
+/// more: at least one every 0.125 ms.
 ///
 /// # Errors
 /// [`PlanError::Limit`] for a duration that is not a finite number of 0 or more, [`PlanError::TooLong`] for one that
@@ -213,14 +221,15 @@ where
         return Err(PlanError::Limit { what: "duration", value: duration });
     }
     let mut tally = Tally::new(requirement);
-    let dt = requirement.period / DENSITY as f64;
+    let density = ((requirement.period / FINEST).ceil() as usize).max(DENSITY).min(DENSEST);
+    let dt = requirement.period / density as f64;
     let longest = MOST_SAMPLES * dt;
     if duration > longest {
         return Err(PlanError::TooLong { duration, longest });
     }
     let steps = (duration / dt * (1.0 - 1e-12)).floor() as usize;
     // Ring of the samples of the last control period.
-    let mut ring: Vec<Sample> = Vec::with_capacity(DENSITY + 1);
+    let mut ring: VecDeque<Sample> = VecDeque::with_capacity(density + 1);
     for i in 0..=steps + 1 {
         let t = if i > steps { duration } else { i as f64 * dt };
         let sample = Sample::new(arm, requirement.path, setpoint(t)?);
@@ -231,20 +240,21 @@ where
         if i > steps {
             tally.end(&sample, requirement.path.length(), requirement);
         }
-        if let Some(before) = ring.last() {
-            tally.compare(before, &sample, requirement, &ring);
+        if let (Some(first), Some(before)) = (ring.front(), ring.back()) {
+            tally.compare(first, before, &sample, requirement);
         }
-        if ring.len() > DENSITY {
-            ring.remove(0);
+        if ring.len() > density {
+            ring.pop_front();
         }
-        ring.push(sample);
+        ring.push_back(sample);
         // One control cycle is complete: the path within it against its chord.
-        if ring.len() == DENSITY + 1 && i % DENSITY == 0 {
-            tally.chord(&ring);
+        if ring.len() == density + 1 && i % density == 0 {
+            tally.chord(ring.make_contiguous());
         }
     }
     // The last, shorter cycle.
-    tally.chord(&ring[ring.len().saturating_sub(steps % DENSITY + 2)..]);
+    let last = ring.len().saturating_sub(steps % density + 2);
+    tally.chord(&ring.make_contiguous()[last..]);
     Ok(Verification { checks: tally.worst.into_iter().map(|w| w.check).collect(), samples: steps + 2 })
 }
 
@@ -401,8 +411,8 @@ impl Tally {
         self.see(ENDS, (speed + acceleration + place) / ZERO, at);
     }
 
-    /// Limits on what happens from one sample to the next.
-    fn compare(&mut self, before: &Sample, now: &Sample, r: &Requirement<'_>, ring: &[Sample]) {
+    /// Limits on what happens from one sample to the next; `first` is the one a control period ago.
+    fn compare(&mut self, first: &Sample, before: &Sample, now: &Sample, r: &Requirement<'_>) {
         let (a, b) = (&before.at, &now.at);
         let dt = b.t - a.t;
         if dt <= 0.0 {
@@ -410,9 +420,8 @@ impl Tally {
         }
         let crosses = |from: f64, to: f64| self.jumps.iter().any(|&s| from <= s && s <= to);
         // Where the curvature itself jumps, acceleration has to step; a controller sees it spread over its period.
-        let base = if crosses(a.s, b.s) { ring.first().unwrap_or(before) } else { before };
-        let span = if std::ptr::eq(base, before) { dt } else { r.period };
-        let jumped = !std::ptr::eq(base, before) || ring.first().is_some_and(|f| crosses(f.at.s, b.s));
+        let (base, span) = if crosses(a.s, b.s) { (first, r.period) } else { (before, dt) };
+        let jumped = crosses(first.at.s, b.s);
         let jerk = (b.qdd - base.at.qdd) / span;
         for k in 0..AXES {
             self.see(JERK + k, jerk[k].abs(), b);

@@ -44,6 +44,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     };
     let file = read_path(args.path.as_deref().or(job.path_file.as_deref()), args.unit.as_deref(), job.csv_unit)?;
 
+    // Before the work, not after it.
+    std::fs::create_dir_all(&args.out).map_err(|source| InputError::Write { file: args.out.clone(), source })?;
+
     let bar = spinner("planning");
     let motion = robot_cr7::plan(&job, &file)?;
     bar.set_message("sampling");
@@ -55,7 +58,6 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let sampling = begin.elapsed();
 
     bar.set_message("writing");
-    std::fs::create_dir_all(&args.out).map_err(|source| InputError::Write { file: args.out.clone(), source })?;
     let mut report = motion.report(setpoints.len(), sampling);
     let trajectory = args.out.join("trajectory.csv");
     write_trajectory(&trajectory, setpoints.iter().map(trajectory_row))?;
