@@ -20,7 +20,7 @@ use nalgebra::Vector3;
 
 use crate::error::PlanError;
 use crate::joint_path::{JointJet, JointPath};
-use crate::limits::{AXES, ToolLimits};
+use crate::limits::ToolLimits;
 
 /// How the rows that couple speed, acceleration and jerk are shared out between them, as fractions of each joint's
 /// limit. What one of them leaves unused goes to the others.
@@ -36,9 +36,9 @@ pub struct Shares {
 
 /// Everything that bounds the speed along a path.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Bounds<'a> {
+pub(crate) struct Bounds<'a, const N: usize> {
     pub tool: &'a ToolLimits,
-    pub joints: &'a JointLimits<AXES>,
+    pub joints: &'a JointLimits<N>,
     /// Chord error between two control cycles, m.
     pub chord: f64,
     /// Control period, s.
@@ -50,15 +50,15 @@ pub(crate) struct Bounds<'a> {
 
 /// Bounds of the path's derivatives on every interval: what the boxes are made from, once for a path.
 #[derive(Debug, Clone)]
-pub(crate) struct Reaches {
-    intervals: Vec<Reach>,
+pub(crate) struct Reaches<const N: usize> {
+    intervals: Vec<Reach<N>>,
     /// Jump of `q''` at every grid point.
-    steps: Vec<Joints<AXES>>,
+    steps: Vec<Joints<N>>,
 }
 
-impl Reaches {
+impl<const N: usize> Reaches<N> {
     /// At the grid points `stops` the tool stands, so that a jump of the derivatives there needs no bound.
-    pub fn of(path: &PosePath, joints: &JointPath, stops: &[usize]) -> Self {
+    pub fn of(path: &PosePath, joints: &JointPath<N>, stops: &[usize]) -> Self {
         let mut steps = acceleration_steps(joints);
         for &i in stops {
             steps[i] = Joints::zeros();
@@ -73,7 +73,7 @@ impl Reaches {
     }
 
     /// One box per interval, safe anywhere inside it.
-    pub fn boxes(&self, bounds: &Bounds<'_>) -> Result<Vec<Segment>, PlanError> {
+    pub fn boxes(&self, bounds: &Bounds<'_, N>) -> Result<Vec<Segment>, PlanError> {
         let boxes = self.intervals.iter().zip(self.steps.windows(2)).map(|(reach, steps)| {
             let step = steps[0].zip_map(&steps[1], f64::max);
             let (v, a, j) = one_box(reach, &step, bounds);
@@ -86,7 +86,7 @@ impl Reaches {
 /// Where the curvature of the joint path jumps (a path that is only tangent-continuous), joint acceleration steps by
 /// `|jump of q''| v^2`. No jerk limit can allow that in zero time, so it is spread over one control period. Returns the
 /// jump at every grid point, zero where there is none.
-fn acceleration_steps(joints: &JointPath) -> Vec<Joints<AXES>> {
+fn acceleration_steps<const N: usize>(joints: &JointPath<N>) -> Vec<Joints<N>> {
     (0..joints.nodes().len())
         .map(|i| {
             let (left, right) = joints.sides(i);
@@ -100,16 +100,16 @@ fn acceleration_steps(joints: &JointPath) -> Vec<Joints<AXES>> {
 
 /// Bounds of the path's derivatives on one interval.
 #[derive(Debug, Clone)]
-struct Reach {
+struct Reach<const N: usize> {
     length: f64,
-    d1: Joints<AXES>,
-    d2: Joints<AXES>,
-    d3: Joints<AXES>,
+    d1: Joints<N>,
+    d2: Joints<N>,
+    d3: Joints<N>,
     curvature: f64,
 }
 
-impl Reach {
-    fn of(path: &PosePath, start: &JointJet, end: &JointJet) -> Self {
+impl<const N: usize> Reach<N> {
+    fn of(path: &PosePath, start: &JointJet<N>, end: &JointJet<N>) -> Self {
         let h = end.s - start.s;
         let inset = 1e-9 * h;
         let tool = [start.s + inset, start.s + 0.5 * h, end.s - inset].map(|s| path.jet(s));
@@ -118,12 +118,12 @@ impl Reach {
         let enclose = |f0: f64, g0: f64, f1: f64, g1: f64| {
             f0.abs().max((f0 + h * g0 / 3.0).abs()).max((f1 - h * g1 / 3.0).abs()).max(f1.abs())
         };
-        let d1 = Joints::<AXES>::from_fn(|k, _| enclose(start.d1[k], start.d2[k], end.d1[k], end.d2[k]));
-        let d2 = Joints::<AXES>::from_fn(|k, _| {
+        let d1 = Joints::<N>::from_fn(|k, _| enclose(start.d1[k], start.d2[k], end.d1[k], end.d2[k]));
+        let d2 = Joints::<N>::from_fn(|k, _| {
             enclose(start.d2[k], start.d3[k], end.d2[k], end.d3[k]) * (1.0 + misfit.second)
         });
         // Of the third derivative only the ends are known: a margin for what lies between.
-        let d3 = Joints::<AXES>::from_fn(|k, _| {
+        let d3 = Joints::<N>::from_fn(|k, _| {
             let (a, b) = (start.d3[k], end.d3[k]);
             a.abs().max(b.abs()) * (1.0 + misfit.third) + 0.15 * (b - a).abs()
         });
@@ -169,7 +169,7 @@ fn angular(twist: &Twist) -> Vector3<f64> {
     twist.fixed_rows::<3>(3).into_owned()
 }
 
-fn one_box(reach: &Reach, step: &Joints<AXES>, bounds: &Bounds<'_>) -> (f64, f64, f64) {
+fn one_box<const N: usize>(reach: &Reach<N>, step: &Joints<N>, bounds: &Bounds<'_, N>) -> (f64, f64, f64) {
     let (tool, joints, scale) = (bounds.tool, bounds.joints, bounds.scale);
     let kappa = reach.curvature;
     let mut v = tool.feed * scale;
@@ -181,7 +181,7 @@ fn one_box(reach: &Reach, step: &Joints<AXES>, bounds: &Bounds<'_>) -> (f64, f64
     let mut a = tool.tangential_acceleration * scale;
     let mut j = tool.tangential_jerk * scale;
     // First what acceleration and jerk may use at most, then the speed from what is left, then both again.
-    for k in 0..AXES {
+    for k in 0..N {
         let d1 = reach.d1[k];
         if d1 > 0.0 {
             v = v.min(joints.velocity()[k] * scale / d1);
@@ -189,8 +189,8 @@ fn one_box(reach: &Reach, step: &Joints<AXES>, bounds: &Bounds<'_>) -> (f64, f64
             j = j.min(bounds.shares.jerk * joints.jerk()[k] * scale / d1);
         }
     }
-    let mut left = Joints::<AXES>::zeros();
-    for k in 0..AXES {
+    let mut left = Joints::<N>::zeros();
+    for k in 0..N {
         let (d1, d2, d3) = (reach.d1[k], reach.d2[k], reach.d3[k]);
         left[k] = joints.jerk()[k] * scale - d1 * j;
         if d2 > 0.0 {
@@ -205,7 +205,7 @@ fn one_box(reach: &Reach, step: &Joints<AXES>, bounds: &Bounds<'_>) -> (f64, f64
             v = v.min((share * left[k] * bounds.period / step[k]).sqrt());
         }
     }
-    for k in 0..AXES {
+    for k in 0..N {
         let cross = 3.0 * reach.d2[k] * v;
         if cross > 0.0 {
             let spent = reach.d3[k] * v * v * v + step[k] * v * v / bounds.period;
