@@ -11,7 +11,7 @@ use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use thiserror::Error;
 
 use crate::error::InputError;
-use crate::job::{Job, Scan, ToolOrientation};
+use crate::job::{Job, JointValues, Scan, ToolOrientation};
 use crate::model::Cr7;
 use crate::path_file::PathFile;
 use crate::report::{LimitLine, LimitUnit, Report, SegmentCount};
@@ -44,6 +44,16 @@ pub enum Cr7Error {
     /// A tool frame or a joint limit is unusable: exit code 2.
     #[error("the arm of the job: {0}")]
     Arm(#[from] KinematicsError),
+    /// A list of joint limits in the job has another length than the arm has joints: exit code 2.
+    #[error("{key} of the job lists {given} numbers, but the arm has {joints} joints: give one number, or {joints}")]
+    JointCount {
+        /// Key of the job.
+        key: &'static str,
+        /// How many numbers it lists.
+        given: usize,
+        /// How many joints there are.
+        joints: usize,
+    },
     /// The path cannot be planned: exit code 1.
     #[error("{file}: {source}{hint}")]
     Plan {
@@ -129,14 +139,19 @@ pub fn plan(job: &Job, file: &PathFile) -> Result<Motion, Cr7Error> {
     Ok(Motion { name: file.name.clone(), cr7, tool, plan, preparation, warnings })
 }
 
-fn arm_of(job: &Job) -> Result<Cr7, KinematicsError> {
-    let or = |given: Option<[f64; 6]>, assumed: f64| given.map_or(Joints::repeat(assumed), Joints::from);
-    Cr7::with_limits(
+fn arm_of(job: &Job) -> Result<Cr7, Cr7Error> {
+    let or = |key, given: &Option<JointValues>, assumed| match given {
+        None => Ok(Joints::repeat(assumed)),
+        Some(values) => {
+            values.of::<6>().map(Joints::from).map_err(|given| Cr7Error::JointCount { key, given, joints: 6 })
+        }
+    };
+    Ok(Cr7::with_limits(
         job.tool,
-        or(job.joints.velocity, crate::model::VELOCITY),
-        or(job.joints.acceleration, crate::model::ACCELERATION),
-        or(job.joints.jerk, crate::model::JERK),
-    )
+        or("joints.velocity_deg_s", &job.joints.velocity, crate::model::VELOCITY)?,
+        or("joints.acceleration_deg_s2", &job.joints.acceleration, crate::model::ACCELERATION)?,
+        or("joints.jerk_deg_s3", &job.joints.jerk, crate::model::JERK)?,
+    )?)
 }
 
 fn orientation_of(job: &Job, curve: &ArcLengthCurve<3>) -> Result<OrientationPath, GeometryError> {
@@ -261,7 +276,7 @@ impl Motion {
 }
 
 /// A setpoint as a row of the trajectory file.
-pub fn trajectory_row(setpoint: &Setpoint) -> TrajectoryRow {
+pub fn trajectory_row<const N: usize>(setpoint: &Setpoint<N>) -> TrajectoryRow<N> {
     let q = setpoint.pose.rotation.quaternion();
     TrajectoryRow {
         t: setpoint.t,

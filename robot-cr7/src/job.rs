@@ -50,14 +50,36 @@ pub struct FeedLimits {
 }
 
 /// Joint limits that replace those of the arm's model, all above 0.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct JointOverrides {
     /// Velocity in rad/s.
-    pub velocity: Option<[f64; 6]>,
+    pub velocity: Option<JointValues>,
     /// Acceleration in rad/s^2.
-    pub acceleration: Option<[f64; 6]>,
+    pub acceleration: Option<JointValues>,
     /// Jerk in rad/s^3.
-    pub jerk: Option<[f64; 6]>,
+    pub jerk: Option<JointValues>,
+}
+
+/// A value for the joints of an arm whose number the job does not know.
+#[derive(Debug, Clone, PartialEq)]
+pub enum JointValues {
+    /// The same for all joints.
+    All(f64),
+    /// One for each joint.
+    Each(Vec<f64>),
+}
+
+impl JointValues {
+    /// The values for an arm of `N` joints.
+    ///
+    /// # Errors
+    /// How many there are, when that is another number.
+    pub fn of<const N: usize>(&self) -> Result<[f64; N], usize> {
+        match self {
+            Self::All(value) => Ok([*value; N]),
+            Self::Each(values) => <[f64; N]>::try_from(values.as_slice()).map_err(|_| values.len()),
+        }
+    }
 }
 
 /// How the speed is planned over the segments.
@@ -217,9 +239,9 @@ impl Check<'_> {
             orientation: self.orientation(&raw.orientation)?,
             feed,
             joints: JointOverrides {
-                velocity: self.joints("joints.velocity_deg_s", raw.joints.velocity_deg_s)?,
-                acceleration: self.joints("joints.acceleration_deg_s2", raw.joints.acceleration_deg_s2)?,
-                jerk: self.joints("joints.jerk_deg_s3", raw.joints.jerk_deg_s3)?,
+                velocity: self.joints("joints.velocity_deg_s", raw.joints.velocity_deg_s.as_ref())?,
+                acceleration: self.joints("joints.acceleration_deg_s2", raw.joints.acceleration_deg_s2.as_ref())?,
+                jerk: self.joints("joints.jerk_deg_s3", raw.joints.jerk_deg_s3.as_ref())?,
             },
             chord_tolerance: self
                 .limit("tolerance.chord_mm", raw.tolerance.chord_mm, mm)?
@@ -288,14 +310,16 @@ impl Check<'_> {
         Err(self.wrong(key, value, rule, "raise it, or remove the key to use the default"))
     }
 
-    fn joints(&self, key: &str, value: Option<PerJoint>) -> Result<Option<[f64; 6]>, InputError> {
-        let Some(PerJoint { values, listed }) = value else { return Ok(None) };
-        let mut si = [0.0; 6];
-        for (i, (si, &v)) in si.iter_mut().zip(&values).enumerate() {
-            let key = if listed { format!("{key}[{i}]") } else { key.to_owned() };
-            *si = self.limit(&key, Some(v), 180.0 / std::f64::consts::PI)?.unwrap_or(v);
-        }
-        Ok(Some(si))
+    fn joints(&self, key: &str, value: Option<&PerJoint>) -> Result<Option<JointValues>, InputError> {
+        let si = |key: &str, v: f64| Ok(self.limit(key, Some(v), 180.0 / std::f64::consts::PI)?.unwrap_or(v));
+        Ok(match value {
+            None => None,
+            Some(PerJoint::All(v)) => Some(JointValues::All(si(key, *v)?)),
+            Some(PerJoint::Each(list)) => {
+                let each = list.iter().enumerate().map(|(i, &v)| si(&format!("{key}[{i}]"), v));
+                Some(JointValues::Each(each.collect::<Result<_, InputError>>()?))
+            }
+        })
     }
 
     fn period(&self, ms: Option<f64>) -> Result<Option<f64>, InputError> {

@@ -17,10 +17,10 @@ mod unit;
 
 pub use cr7::{Cr7Error, Motion, drawn_segments, plan, trajectory_row};
 pub use error::InputError;
-pub use job::{FeedLimits, Job, JointOverrides, Scan, ToolOrientation};
+pub use job::{FeedLimits, Job, JointOverrides, JointValues, Scan, ToolOrientation};
 pub use model::{ACCELERATION, Cr7, JERK, VELOCITY};
 pub use path_file::{PathFile, PathGeometry};
 pub use report::{LimitLine, LimitUnit, Report, SegmentCount};
 pub use sample_paths::{SamplePath, butterfly};
-pub use trajectory_csv::{TRAJECTORY_COLUMNS, TrajectoryRow, TrajectoryWriter, read_trajectory, write_trajectory};
+pub use trajectory_csv::{TrajectoryRow, TrajectoryWriter, read_trajectory, trajectory_columns, write_trajectory};
 pub use unit::LengthUnit;

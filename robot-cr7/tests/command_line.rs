@@ -5,7 +5,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use robot_cr7::{SamplePath, TRAJECTORY_COLUMNS, TrajectoryRow, read_trajectory};
+use robot_cr7::{SamplePath, TrajectoryRow, read_trajectory, trajectory_columns};
 use serde_json::Value;
 
 /// A folder of its own for one test, empty.
@@ -168,7 +168,7 @@ fn the_trajectory_runs_from_rest_to_rest_without_a_jump() {
     desk.write("job.toml", &format!("{IN_BASE}[sampling]\nperiod_ms = 2.0\n"));
     let report = desk.run(&["plan", "line.json", "--job", "job.toml", "--json"]).done().json();
     let text = std::fs::read_to_string(desk.folder.join("out/trajectory.csv")).expect("written");
-    assert_eq!(text.lines().next(), Some(TRAJECTORY_COLUMNS.join(",").as_str()));
+    assert_eq!(text.lines().next(), Some(trajectory_columns(6).join(",").as_str()));
     let rows = desk.trajectory("out");
     let (first, last) = (&rows[0], &rows[rows.len() - 1]);
     assert_eq!(first.t, 0.0);
@@ -395,6 +395,8 @@ fn bad_jobs_are_refused_by_line_key_value_and_rule() {
         desk.write("job.toml", text);
         desk.run(&["plan", "--job", "job.toml"]).refused(2, parts).refused(2, &["job.toml"]);
     }
+    desk.write("job.toml", "[joints]\njerk_deg_s3 = [1, 2, 3]\n");
+    desk.run(&["plan", "--job", "job.toml"]).refused(2, &["joints.jerk_deg_s3", "lists 3 numbers", "6 joints"]);
     desk.run(&["plan", "--job", "none.toml"]).refused(2, &["none.toml", "check the name"]);
     desk.write("job.toml", "[path]\nfile = \"gone.json\"\n");
     desk.run(&["plan", "--job", "job.toml"]).refused(2, &["gone.json"]);

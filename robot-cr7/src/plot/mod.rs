@@ -259,30 +259,31 @@ pub fn joint_picture(
     name: &str,
     quantity: JointQuantity,
     t: &[f64],
-    values: &[&[f64]; 6],
-    limits: &[f64; 6],
+    values: &[&[f64]],
+    limits: &[f64],
 ) -> Result<String, io::Error> {
     let (words, unit) = quantity.words();
     let degrees = 180.0 / std::f64::consts::PI;
     let x = range(t.iter().copied());
-    let peaks: [f64; 6] = std::array::from_fn(|j| values[j].iter().fold(0.0, |a: f64, v| a.max(v.abs())));
+    let joints = values.len().min(limits.len());
+    let peaks: Vec<f64> = values.iter().map(|v| v.iter().fold(0.0, |a: f64, v| a.max(v.abs()))).collect();
     let used = |j: usize| peaks[j] / limits[j];
-    let worst = (0..6).fold(0, |a, j| if used(j) > used(a) { j } else { a });
+    let worst = (0..joints).fold(0, |a, j| if used(j) > used(a) { j } else { a });
     let facts = format!(
         "{words} over {} s; most of its limit: J{} with {}",
         number(x.1 - x.0),
         worst + 1,
-        percent(used(worst))
+        percent(if joints > 0 { used(worst) } else { 0.0 })
     );
     let (top, pitch, height) = (70.0, 116.0, 96.0);
-    page(WIDTH, (top + 6.0 * pitch + 32.0) as u32, |canvas| {
+    page(WIDTH, (top + joints as f64 * pitch + 32.0) as u32, |canvas| {
         let line = Pen::solid(PALETTE[0], 1.4);
         canvas.header(
             &format!("{name}: {}", words.to_lowercase()),
             &facts,
             &[(words, line), ("limit", Pen::dashed(LIMIT, 1.6))],
         )?;
-        for j in 0..6 {
+        for j in 0..joints {
             let limit = limits[j] * degrees;
             let peak = peaks[j] * degrees;
             let points: Vec<_> = t.iter().zip(values[j]).map(|(&t, &v)| (t, v * degrees)).collect();
@@ -295,7 +296,7 @@ pub fn joint_picture(
             };
             let panel_top = top + j as f64 * pitch;
             let panel = Panel { left: LEFT, right: RIGHT - 128.0, top: panel_top, bottom: panel_top + height, x, y };
-            panel.axes(canvas, (j == 5).then_some(Along::Time.label()), &format!("J{} [{unit}]", j + 1))?;
+            panel.axes(canvas, (j + 1 == joints).then_some(Along::Time.label()), &format!("J{} [{unit}]", j + 1))?;
             panel.series(canvas, &points, line)?;
             panel.level(canvas, limit)?;
             panel.level(canvas, -limit)?;
