@@ -41,6 +41,40 @@ pub enum FeedError {
         /// The limit.
         limit: f64,
     },
+    /// A quantity that must be below zero is not.
+    #[error("{what} is {value}; it must be less than 0")]
+    NotBelowZero {
+        /// Name of the argument or field.
+        what: &'static str,
+        /// The value given.
+        value: f64,
+    },
+    /// A requested value is below the least one possible.
+    #[error("{what} is {value}, below the limit {limit}; raise it or lower the limit")]
+    BelowLimit {
+        /// Name of the argument or field.
+        what: &'static str,
+        /// The value given.
+        value: f64,
+        /// The limit.
+        limit: f64,
+    },
+    /// The end of the path cannot be reached from here without running backwards.
+    #[error(
+        "the end is {remaining} ahead and cannot be reached there with v = {v} and a = {a} without running backwards: the \
+         shortest change of speed covers {needed}; move the end, bring its speed closer to the present one, or \
+         allow more acceleration and jerk"
+    )]
+    EndTooClose {
+        /// Displacement left (m).
+        remaining: f64,
+        /// Displacement of the shortest change of speed (m).
+        needed: f64,
+        /// Speed asked for at the end (m/s).
+        v: f64,
+        /// Acceleration asked for at the end (m/s²).
+        a: f64,
+    },
     /// The displacement does not suffice to change the speed as asked.
     #[error(
         "going from {v_start} to {v_end} takes a displacement of {required}, only {length} is given; \
@@ -129,4 +163,9 @@ pub(crate) fn positive(what: &'static str, value: f64) -> Result<f64, FeedError>
 pub(crate) fn not_negative(what: &'static str, value: f64) -> Result<f64, FeedError> {
     finite(what, value)?;
     if value >= 0.0 { Ok(value) } else { Err(FeedError::Negative { what, value }) }
+}
+
+pub(crate) fn below_zero(what: &'static str, value: f64) -> Result<f64, FeedError> {
+    finite(what, value)?;
+    if value < 0.0 { Ok(value) } else { Err(FeedError::NotBelowZero { what, value }) }
 }

@@ -27,20 +27,23 @@
 //! | [`caps`] | bounds from chord error, normal acceleration and jerk, joints |
 //! | [`scan`] | [`Segment`], the scans per segment and joined |
 //! | [`StateToState`] | time-optimal motion from any position, speed and acceleration to any other |
+//! | [`online`] | [`FeedScheduler`]: speed towards the end of a path under limits that change while it runs |
 //! | [`plan`] | [`SpeedPlan`]: phases, sampling, position to speed |
 //! | [`error`] | [`FeedError`] |
 //!
 //! # Units
 //! Metres and seconds in the docs, but nothing depends on them: no tolerance in this crate is absolute.
 //!
-//! # Source
+//! # Sources
 //! X. Liu et al., "A High-Precision Planar NURBS Interpolation System Based on Segmentation Method for Industrial Robot",
-//! Appl. Sci. 2023, 13, 13210, cited as Liu et al. 2023. Where a formula departs from print its docs say how and why.
+//! Appl. Sci. 2023, 13, 13210, cited as Liu et al. 2023; online trajectory generation in robot task and joint spaces, Actuators
+//! 2024, 13, 108, cited as Liu et al. 2024. Where a formula departs from print its docs say how and why.
 #![forbid(unsafe_code)]
 
 pub mod caps;
 pub mod error;
 pub mod limits;
+pub mod online;
 pub mod plan;
 pub mod scan;
 pub mod scurve;
@@ -49,6 +52,7 @@ pub mod state_to_state;
 
 pub use error::FeedError;
 pub use limits::MotionLimits;
+pub use online::{Adoption, FeedLimits, FeedScheduler, FeedStatus, FeedStep};
 pub use plan::{Cursor, SpeedPlan};
 pub use scan::joined::{plan_joined, plan_joined_at_once};
 pub use scan::segment::{boundary_speeds, plan_per_segment, plan_windowed};
