@@ -134,4 +134,23 @@ pub enum KinematicsError {
         /// Largest over smallest singular value.
         condition: f64,
     },
+
+    /// A body that cannot exist, or numbers that are none.
+    #[error("{what} of a body is {value}: it must be {rule} ({bound})")]
+    InvalidInertial {
+        /// Which of its numbers.
+        what: &'static str,
+        /// The value that was given, kg, m or kg m^2.
+        value: f64,
+        /// The rule it breaks.
+        rule: &'static str,
+        /// The bound of the rule.
+        bound: f64,
+    },
+
+    /// The mass matrix is not positive definite.
+    #[error(
+        "the mass matrix is not positive definite: some joint moves no mass, or the bodies' parameters contradict each other; give the links mass or the joints rotor inertia"
+    )]
+    MassMatrix,
 }

@@ -54,7 +54,7 @@ fn six_arms_agree_with_pinocchio() {
         *counts.entry(sample.arm).or_insert(0) += 1;
     }
     assert_eq!(counts.len(), 6, "{counts:?}");
-    assert_eq!(counts["cr7"], 200);
+    assert!(counts.values().all(|count| *count == 40), "{counts:?}");
 }
 
 #[test]
@@ -83,7 +83,11 @@ struct Inverse {
 fn inverse_solutions_are_exactly_those_of_eaik() {
     let (mut poses, mut unreachable) = (0, 0);
     for record in records::<Inverse>("inverse_kinematics.jsonl") {
-        let arm = if record.arm == "cr7" { models::cr7() } else { models::ur5e() };
+        let arm = match record.arm.as_str() {
+            "cr7" => models::cr7(),
+            "ur5e" => models::ur5e(),
+            _ => continue,
+        };
         let target = isometry(&record.pos, &record.quat_xyzw);
         let place = format!("{} {}", record.arm, record.id);
         poses += 1;
@@ -112,5 +116,5 @@ fn inverse_solutions_are_exactly_those_of_eaik() {
             assert!((arm.inverse(&target, &seed).unwrap() - seed).amax() < 1e-9, "{place}");
         }
     }
-    assert_eq!((poses, unreachable), (440, 40));
+    assert_eq!((poses, unreachable), (185, 24));
 }
