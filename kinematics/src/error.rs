@@ -75,6 +75,19 @@ pub enum KinematicsError {
         tolerance: f64,
     },
 
+    /// The chain is not of the kind the closed-form solver is for.
+    #[error(
+        "no closed-form inverse for this arm: {rule}, but it is off by {deviation:.3e} (at most {tolerance:.1e} is corrected)"
+    )]
+    NotSphericalWrist {
+        /// What the solver needs.
+        rule: &'static str,
+        /// By how much the arm misses it, rad or m.
+        deviation: f64,
+        /// How much is accepted, rad or m.
+        tolerance: f64,
+    },
+
     /// The target is outside the reach of the arm, in every branch.
     #[error(
         "target is out of reach, {side} by {distance:.6} m: move it {} the shoulder by about that much, or turn the tool", if *.side == ReachSide::TooFar { "towards" } else { "away from" }
@@ -134,4 +147,23 @@ pub enum KinematicsError {
         /// Largest over smallest singular value.
         condition: f64,
     },
+
+    /// A body that cannot exist, or numbers that are none.
+    #[error("{what} of a body is {value}: it must be {rule} ({bound})")]
+    InvalidInertial {
+        /// Which of its numbers.
+        what: &'static str,
+        /// The value that was given, kg, m or kg m^2.
+        value: f64,
+        /// The rule it breaks.
+        rule: &'static str,
+        /// The bound of the rule.
+        bound: f64,
+    },
+
+    /// The mass matrix is not positive definite.
+    #[error(
+        "the mass matrix is not positive definite: some joint moves no mass, or the bodies' parameters contradict each other; give the links mass or the joints rotor inertia"
+    )]
+    MassMatrix,
 }

@@ -39,30 +39,35 @@
 #![forbid(unsafe_code)]
 
 mod analytic;
-mod arm;
 mod branch;
 mod chain;
+mod closed_form;
 mod dh;
 mod differential;
+mod dynamics;
 mod error;
 mod jacobian;
 mod joint;
 mod lu;
 pub mod models;
+mod normalised;
 mod singularity;
 mod traits;
 mod trig;
 
 pub use nalgebra;
 
-pub use analytic::Solutions;
-pub use arm::ParallelAxisArm;
+pub use analytic::{ClosedForm, Solutions};
 pub use branch::{BranchTracker, Candidate, LimitExcess, largest_step, nearest_solution, nearest_turns};
 pub use chain::Chain;
+pub use closed_form::{ClosedFormArm, ParallelAxisArm, SphericalWristArm};
 pub use dh::DhRow;
 pub use differential::{JointDerivatives, MIN_SINGULAR_VALUE, ToolDerivatives, joint_derivatives};
+pub use dynamics::{ArmDynamics, Dynamics, Friction, GRAVITY, Inertial, PathTorque};
 pub use error::{KinematicsError, ReachSide};
 pub use jacobian::{Configuration, Jacobian, Twist};
 pub use joint::{Joint, JointKind, JointLimits, JointRange, Joints};
-pub use singularity::{SingularityKind, condition_number, manipulability, singular_values, smallest_singular_value};
+pub use singularity::{
+    SingularityDistances, SingularityKind, condition_number, manipulability, singular_values, smallest_singular_value,
+};
 pub use traits::{AnalyticInverse, ForwardKinematics, InverseKinematics};

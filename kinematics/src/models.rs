@@ -4,12 +4,12 @@
 //! maker and depend on the task: add your own with [`JointRange::with_rates`].
 
 use crate::{
-    arm::ParallelAxisArm,
     chain::Chain,
+    closed_form::{ParallelAxisArm, SphericalWristArm},
     dh::DhRow,
     joint::{Joint, JointRange, Joints},
 };
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Joint speed of the CR7, rad/s, for all joints: 180 deg/s, **assumed** from the maker's catalogue class (the published
@@ -69,6 +69,50 @@ pub fn ur5e() -> ParallelAxisArm {
         ],
         range,
     )
+}
+
+/// KUKA KR 6 R700-2 (Agilus): base to flange (tool0), z out of the tool face.
+///
+/// Source: github.com/kroshu/kuka_robot_descriptions, `kuka_agilus_support`, commit 7766e92, Apache-2.0; its readme marks
+/// this model as verified. Joint ranges are the source's.
+pub fn kr6_r700() -> SphericalWristArm {
+    let joint = |xyz: [f64; 3], rpy: [f64; 3]| {
+        let turn = UnitQuaternion::from_euler_angles(rpy[0], rpy[1], rpy[2]);
+        Joint::revolute(Isometry3::from_parts(xyz.into(), turn), Vector3::z())
+    };
+    let build = || {
+        let chain = Chain::new([
+            joint([0.0, 0.0, 0.208], [PI, 0.0, 0.0])?,
+            joint([0.025, -0.0907, -0.192], [FRAC_PI_2, 0.0, 0.0])?,
+            joint([0.335, 0.0, -0.0042], [0.0, 0.0, 0.0])?,
+            joint([0.141, -0.025, -0.0865], [FRAC_PI_2, 0.0, -FRAC_PI_2])?,
+            joint([0.0, 0.0505, -0.224], [0.0, FRAC_PI_2, FRAC_PI_2])?,
+            joint([0.0615, 0.0, -0.0505], [FRAC_PI_2, 0.0, -FRAC_PI_2])?,
+        ])?
+        .with_flange(Isometry3::new(Vector3::new(0.0, 0.0, -0.0285), Vector3::new(0.0, PI, 0.0)))?;
+        let lower = Joints::from([-2.967059725, -3.316125575, -2.0943951, -3.2288591125, -2.0943951, -6.108652375]);
+        let upper = Joints::from([2.967059725, 0.7853981625, 2.72271363, 3.2288591125, 2.0943951, 6.108652375]);
+        SphericalWristArm::new(chain, JointRange::new(lower, upper)?)
+    };
+    build().expect("the numbers above are of an arm with a spherical wrist")
+}
+
+/// Unimation Puma 560: base to the **wrist centre**, as in its source; the mounting face is 0.05625 m further along z.
+///
+/// Source: Corke and Armstrong-Helouvry, ICRA 1994, as in github.com/petercorke/robotics-toolbox-python,
+/// `models/DH/Puma560.py`, commit a9ed8d4, MIT. Joint ranges are the source's.
+pub fn puma560() -> SphericalWristArm {
+    let rows = [
+        DhRow::revolute(0.0, FRAC_PI_2, 0.67183, 0.0),
+        DhRow::revolute(0.4318, 0.0, 0.0, 0.0),
+        DhRow::revolute(0.0203, -FRAC_PI_2, 0.15005, 0.0),
+        DhRow::revolute(0.0, FRAC_PI_2, 0.4318, 0.0),
+        DhRow::revolute(0.0, -FRAC_PI_2, 0.0, 0.0),
+        DhRow::revolute(0.0, 0.0, 0.0, 0.0),
+    ];
+    let range = Joints::from([160.0_f64, 110.0, 135.0, 266.0, 100.0, 266.0].map(f64::to_radians));
+    let build = || SphericalWristArm::new(Chain::from_dh(&rows)?, JointRange::new(-range, range)?);
+    build().expect("the table above is of an arm with a spherical wrist")
 }
 
 fn six_axis(rows: [DhRow; 6], range: Joints<6>) -> ParallelAxisArm {

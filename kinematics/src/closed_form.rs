@@ -1,17 +1,17 @@
-//! A six-joint arm with three parallel axes: chain, joint range and closed-form solver in one.
+//! A six-joint arm with a closed-form inverse: chain, joint range and solver in one.
 
 use crate::{
-    analytic::{ParallelAxisSolver, Solutions},
+    analytic::{ClosedForm, ParallelAxes, Solutions, SphericalWrist},
     branch::{Candidate, nearest_solution},
     chain::Chain,
     error::KinematicsError,
-    jacobian::{Configuration, Twist},
+    jacobian::{Configuration, pose_error},
     joint::{JointRange, Joints},
     lu::Lu6,
-    singularity::SingularityKind,
+    singularity::{SingularityDistances, SingularityKind},
     traits::{AnalyticInverse, ForwardKinematics, InverseKinematics},
 };
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::Isometry3;
 
 /// A six-joint arm whose axes 2, 3 and 4 are parallel (Universal Robots, Dobot CR and their kin), with its joint range.
 ///
@@ -24,20 +24,36 @@ use nalgebra::{Isometry3, Vector3};
 /// assert!((arm.inverse(&pose, &q)? - q).amax() < 1e-12);
 /// # Ok::<(), arcfeed_kinematics::KinematicsError>(())
 /// ```
+pub type ParallelAxisArm = ClosedFormArm<ParallelAxes>;
+
+/// A six-joint arm whose last three axes meet in a point, with its joint range: KUKA, ABB, Fanuc and their kin, the Puma.
+///
+/// ```
+/// use arcfeed_kinematics::{AnalyticInverse, ForwardKinematics, InverseKinematics, Joints, models};
+/// let arm = models::kr6_r700();
+/// let q = Joints::<6>::from([0.4, -1.2, 1.1, -0.9, -1.4, 0.2]);
+/// let pose = arm.forward(&q);
+/// assert_eq!(arm.inverse_all(&pose)?.len(), 8);
+/// assert!((arm.inverse(&pose, &q)? - q).amax() < 1e-12);
+/// # Ok::<(), arcfeed_kinematics::KinematicsError>(())
+/// ```
+pub type SphericalWristArm = ClosedFormArm<SphericalWrist>;
+
+/// A six-joint arm with a closed-form inverse: a [`ParallelAxisArm`] or a [`SphericalWristArm`].
 #[derive(Debug, Clone, Copy)]
-pub struct ParallelAxisArm {
+pub struct ClosedFormArm<S> {
     chain: Chain<6>,
     range: JointRange<6>,
-    solver: ParallelAxisSolver,
+    solver: S,
 }
 
-impl ParallelAxisArm {
+impl<S: ClosedForm> ClosedFormArm<S> {
     /// An arm from its chain and joint range; the geometry is recognised, not the name.
     ///
     /// # Errors
-    /// [`KinematicsError::NotParallelAxis`] names the rule of the geometry that the chain breaks.
+    /// [`KinematicsError::NotParallelAxis`] or [`KinematicsError::NotSphericalWrist`] names the rule of the geometry that the chain breaks.
     pub fn new(chain: Chain<6>, range: JointRange<6>) -> Result<Self, KinematicsError> {
-        let solver = ParallelAxisSolver::recognise(&chain.configuration(&Joints::zeros()))?;
+        let solver = S::recognise(&chain.configuration(&Joints::zeros()))?;
         Ok(Self { chain, range, solver })
     }
 
@@ -70,6 +86,11 @@ impl ParallelAxisArm {
     /// Where the joints may stand.
     pub fn range(&self) -> &JointRange<6> {
         &self.range
+    }
+
+    /// How far the arm at `q` is from its singular poses, kind by kind.
+    pub fn singularity_distances(&self, q: &Joints<6>) -> SingularityDistances {
+        self.solver.singularity_distances(&self.chain.configuration(q))
     }
 
     /// What becomes of each inverse solution of `target` when seen from `seed`: inside the limits with which step, or
@@ -121,39 +142,40 @@ impl ParallelAxisArm {
     }
 }
 
-/// The twist that leads from `at` to `target`, to first order.
-fn pose_error(target: &Isometry3<f64>, at: &Configuration<6>) -> Twist {
-    let linear = target.translation.vector - at.position();
-    let wanted = target.rotation.to_rotation_matrix();
-    let angular: Vector3<f64> = (0..3)
-        .map(|i| {
-            let is: Vector3<f64> = at.rotation().column(i).into();
-            let should: Vector3<f64> = wanted.matrix().column(i).into();
-            is.cross(&should) * 0.5
-        })
-        .sum();
-    Twist::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
-}
-
-impl ForwardKinematics<6> for ParallelAxisArm {
+impl<S: ClosedForm> ForwardKinematics<6> for ClosedFormArm<S> {
     #[inline]
     fn configuration(&self, q: &Joints<6>) -> Configuration<6> {
         self.chain.configuration(q)
     }
 
     fn nearest_singularity(&self, q: &Joints<6>) -> Option<SingularityKind> {
-        Some(self.solver.nearest_singularity(&self.chain.configuration(q)))
+        Some(self.singularity_distances(q).nearest)
     }
 }
 
-impl AnalyticInverse<6> for ParallelAxisArm {
+impl<S: ClosedForm> AnalyticInverse<6> for ClosedFormArm<S> {
     fn inverse_all(&self, target: &Isometry3<f64>) -> Result<Solutions<6>, KinematicsError> {
         self.solve(target, &Joints::zeros())
     }
 }
 
-impl InverseKinematics<6> for ParallelAxisArm {
+impl<S: ClosedForm> InverseKinematics<6> for ClosedFormArm<S> {
     fn inverse(&self, target: &Isometry3<f64>, seed: &Joints<6>) -> Result<Joints<6>, KinematicsError> {
-        nearest_solution(&self.solve(target, seed)?, seed, &self.range)
+        // What a singular pose leaves free takes its value from the seed, so that must be a possible one.
+        let possible = |seed: &Joints<6>| seed.zip_zip_map(self.range.lower(), self.range.upper(), f64::clamp);
+        let solutions = self.solve(target, &possible(seed))?;
+        let found = nearest_solution(&solutions, seed, &self.range);
+        match found {
+            Err(KinematicsError::OutsideLimits { excess, .. }) if solutions.wrist_singular() => {
+                // One of a family was tried; the one that moves the free joint by the excess may be inside.
+                let other = |shift: f64| {
+                    let mut moved = *seed;
+                    moved[S::FREE_JOINT] += shift;
+                    nearest_solution(&self.solve(target, &possible(&moved))?, seed, &self.range)
+                };
+                other(excess).or_else(|_| other(-excess)).or(found)
+            }
+            found => found,
+        }
     }
 }
