@@ -310,7 +310,7 @@ fn limit_lines(verification: &arcfeed_interp::Verification) -> Vec<LimitLine> {
             value: c.value,
             limit: c.limit,
             ratio: c.ratio,
-            at_s_m: c.s,
+            at_s_m: Some(c.s),
             at_t_s: c.t,
         })
         .collect()

@@ -12,6 +12,7 @@ pub mod plot;
 mod report;
 pub mod reproduce;
 mod sample_paths;
+mod toml_check;
 mod trajectory_csv;
 mod unit;
 

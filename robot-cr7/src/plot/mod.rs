@@ -66,6 +66,31 @@ impl JointQuantity {
     }
 }
 
+/// The limit of one joint in [`joint_picture`], in the unit of the curve, for both signs.
+#[derive(Debug, Clone, Copy)]
+pub enum Bound<'a> {
+    /// The same all the time.
+    Constant(f64),
+    /// One value for each time of the picture.
+    OverTime(&'a [f64]),
+}
+
+impl Bound<'_> {
+    fn at(&self, i: usize) -> f64 {
+        match self {
+            Self::Constant(limit) => *limit,
+            Self::OverTime(limits) => limits.get(i).copied().unwrap_or(f64::INFINITY),
+        }
+    }
+
+    fn largest(&self) -> f64 {
+        match self {
+            Self::Constant(limit) => *limit,
+            Self::OverTime(limits) => limits.iter().fold(0.0, |a: f64, &v| a.max(v)),
+        }
+    }
+}
+
 /// A named line of [`lines_picture`].
 #[derive(Debug, Clone, Copy)]
 pub struct Line<'a> {
@@ -250,8 +275,8 @@ fn mean_speed(feed: &[(f64, f64)], along: Along) -> Option<f64> {
 
 /// One panel a joint with its own limit lines.
 ///
-/// `t` in s; `values` in rad, rad/s, ... one slice a joint, as long as `t`; `limits` in the same unit, for +- both. A
-/// limit far above the curve would flatten it: then the panel shows the curve, and the number tells how much is used.
+/// `t` in s; `values` in rad, rad/s, ... one slice a joint, as long as `t`; `limits` in the same unit, for +- both; a thin line
+/// at each of `marks` (s). A limit far above the curve would flatten it: then the panel shows the curve, and the number tells how much is used.
 ///
 /// # Errors
 /// When the drawing library fails.
@@ -260,20 +285,22 @@ pub fn joint_picture(
     quantity: JointQuantity,
     t: &[f64],
     values: &[&[f64]],
-    limits: &[f64],
+    limits: &[Bound<'_>],
+    marks: &[f64],
 ) -> Result<String, io::Error> {
     let (words, unit) = quantity.words();
     let degrees = 180.0 / std::f64::consts::PI;
     let x = range(t.iter().copied());
     let joints = values.len().min(limits.len());
     let peaks: Vec<f64> = values.iter().map(|v| v.iter().fold(0.0, |a: f64, v| a.max(v.abs()))).collect();
-    let used = |j: usize| peaks[j] / limits[j];
-    let worst = (0..joints).fold(0, |a, j| if used(j) > used(a) { j } else { a });
+    let used = |j: usize| values[j].iter().enumerate().fold(0.0, |a: f64, (i, v)| a.max(v.abs() / limits[j].at(i)));
+    let used: Vec<f64> = (0..joints).map(used).collect();
+    let worst = (0..joints).fold(0, |a, j| if used[j] > used[a] { j } else { a });
     let facts = format!(
         "{words} over {} s; most of its limit: J{} with {}",
         number(x.1 - x.0),
         worst + 1,
-        percent(if joints > 0 { used(worst) } else { 0.0 })
+        percent(used.get(worst).copied().unwrap_or(0.0))
     );
     let (top, pitch, height) = (70.0, 116.0, 96.0);
     page(WIDTH, (top + joints as f64 * pitch + 32.0) as u32, |canvas| {
@@ -284,7 +311,7 @@ pub fn joint_picture(
             &[(words, line), ("limit", Pen::dashed(LIMIT, 1.6))],
         )?;
         for j in 0..joints {
-            let limit = limits[j] * degrees;
+            let limit = limits[j].largest() * degrees;
             let peak = peaks[j] * degrees;
             let points: Vec<_> = t.iter().zip(values[j]).map(|(&t, &v)| (t, v * degrees)).collect();
             // A joint that rests shows rounding, which deserves no scale of its own.
@@ -297,17 +324,30 @@ pub fn joint_picture(
             let panel_top = top + j as f64 * pitch;
             let panel = Panel { left: LEFT, right: RIGHT - 128.0, top: panel_top, bottom: panel_top + height, x, y };
             panel.axes(canvas, (j + 1 == joints).then_some(Along::Time.label()), &format!("J{} [{unit}]", j + 1))?;
+            for &mark in marks.iter().filter(|&&t| t >= x.0 && t <= x.1) {
+                panel.series(canvas, &[(mark, y.0), (mark, y.1)], Pen::dashed(PALETTE[5], 0.9))?;
+            }
             panel.series(canvas, &points, line)?;
-            panel.level(canvas, limit)?;
-            panel.level(canvas, -limit)?;
+            match limits[j] {
+                Bound::Constant(_) => {
+                    panel.level(canvas, limit)?;
+                    panel.level(canvas, -limit)?;
+                }
+                Bound::OverTime(limits) => {
+                    for sign in [1.0, -1.0] {
+                        let over: Vec<_> = t.iter().zip(limits).map(|(&t, &v)| (t, sign * v * degrees)).collect();
+                        panel.series(canvas, &over, Pen::dashed(LIMIT, 1.6))?;
+                    }
+                }
+            }
             let beside = |row: f64| (panel.right + 10.0, panel_top + 18.0 + 20.0 * row);
             canvas.text(&format!("peak {} {unit}", number(peak)), beside(0.0), Anchor::Left)?;
             canvas.text(&format!("limit {} {unit}", number(limit)), beside(1.0), Anchor::Left)?;
-            let used = format!("used {}", percent(used(j)));
-            if peak > limit {
-                canvas.alarm(&used, beside(2.0), Anchor::Left)?;
+            let text = format!("used {}", percent(used[j]));
+            if used[j] > 1.0 + 1e-6 {
+                canvas.alarm(&text, beside(2.0), Anchor::Left)?;
             } else {
-                canvas.text(&used, beside(2.0), Anchor::Left)?;
+                canvas.text(&text, beside(2.0), Anchor::Left)?;
             }
             if !(panel.y.0..=panel.y.1).contains(&limit) {
                 canvas.text("limit is off this scale", beside(3.0), Anchor::Left)?;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
-use robot_cr7::plot::{Along, JointQuantity, feed_picture, joint_picture, path_picture, save_picture};
+use robot_cr7::plot::{Along, Bound, JointQuantity, feed_picture, joint_picture, path_picture, save_picture};
 use robot_cr7::{
     InputError, Job, LengthUnit, Motion, PathFile, butterfly, drawn_segments, trajectory_row, write_trajectory,
 };
@@ -127,7 +127,7 @@ fn pictures(motion: &Motion, job: &Job, setpoints: &[arcfeed_interp::Setpoint]) 
     let picture = |quantity, of: fn(&arcfeed_interp::Setpoint) -> [f64; 6], limits: [f64; 6]| {
         let columns: [Vec<f64>; 6] = std::array::from_fn(|k| setpoints.iter().map(|p| of(p)[k]).collect());
         let values: [&[f64]; 6] = std::array::from_fn(|k| columns[k].as_slice());
-        joint_picture(name, quantity, &t, &values, &limits)
+        joint_picture(name, quantity, &t, &values, &limits.map(Bound::Constant), &[])
     };
     vec![
         ("path.svg", path_picture(name, &segments, plan.segmentation().deviations(), plan.chord_tolerance())),
