@@ -22,6 +22,29 @@ pub enum SyncError {
         /// The value given (s).
         value: f64,
     },
+    /// A control cycle is NaN, infinite, zero or negative.
+    #[error("the control cycle is {value} s; it must be finite and greater than 0")]
+    Cycle {
+        /// The value given (s).
+        value: f64,
+    },
+    /// The motion of one axis between two states is impossible.
+    #[error("axis {axis}: {source}")]
+    State {
+        /// Index of the axis, from 0.
+        axis: usize,
+        /// What is wrong with it.
+        source: arcfeed_feedrate::StateToStateError,
+    },
+    /// A motion that has to be straight cannot be.
+    #[error(
+        "axis {axis} leaves the straight line: displacement, velocities and accelerations of both states must all \
+         point along one line; start and end at rest, or synchronise by time"
+    )]
+    NotStraight {
+        /// Index of the first axis that is off the line, from 0.
+        axis: usize,
+    },
     /// The scalar motion along the line cannot be built.
     #[error("along the line: {0}")]
     Line(#[from] arcfeed_feedrate::FeedError),

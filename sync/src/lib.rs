@@ -3,12 +3,21 @@
 //! [`PointToPoint`] moves `N` axes from rest to rest on an exactly straight line in joint space, as fast as the
 //! bounds of each axis on velocity, acceleration and jerk allow. All axes share one scalar motion, so they start and stop together.
 //!
+//! [`Trajectory`] moves them from any state of motion to any other: together in the shortest common time, each on its
+//! own, or on a straight line ([`Synchronisation`]).
+//!
 //! Positions are in radians and times in seconds; prismatic axes in metres work just as well, axis by axis.
 #![forbid(unsafe_code)]
 
 pub mod error;
+pub mod mode;
 pub mod point_to_point;
+pub mod state_to_state;
+mod straight;
 
+pub use arcfeed_feedrate as feedrate;
 pub use error::SyncError;
+pub use mode::{MotionOptions, Synchronisation};
 pub use nalgebra;
 pub use point_to_point::{AxisLimits, JointState, PointToPoint};
+pub use state_to_state::{Cursor, Trajectory};

@@ -11,7 +11,7 @@ use crate::state::{MotionLaw, MotionState};
 /// seven each.
 pub(super) const PHASES: usize = 16;
 
-/// The shortest motion of one axis between two states.
+/// A motion of one axis between two states, the shortest one or one of a given duration. The default one stands still at 0.
 ///
 /// ```
 /// use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, StateToState};
@@ -24,7 +24,7 @@ pub(super) const PHASES: usize = 16;
 /// assert!(motion.position_range().max <= 1.2);
 /// # Ok::<(), arcfeed_feedrate::StateToStateError>(())
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct StateToState {
     pub(super) phases: [Phase; PHASES],
     /// How long each phase lasts: the difference of two start times would have the round-off of the whole duration.
@@ -101,6 +101,40 @@ impl StateToState {
         self.phases[..self.count].iter().copied().zip(self.lasting.iter().copied())
     }
 
+    /// As [`MotionLaw::at`], but beyond the end the motion goes on with the velocity it arrived with, and the search
+    /// starts at `phase`, the one of the last sample, and leaves there the one found.
+    #[inline]
+    pub fn at_from(&self, t: f64, phase: &mut usize) -> MotionState {
+        if t >= self.duration {
+            let end = self.target;
+            let late = t - self.duration;
+            return if late > 0.0 { MotionState { p: end.p + late * end.v, v: end.v, a: 0.0, j: 0.0 } } else { end };
+        }
+        let t = if t > 0.0 { t } else { 0.0 };
+        let mut i = (*phase).min(self.count.max(1) - 1);
+        while i + 1 < self.count && self.phases[i + 1].t <= t {
+            i += 1;
+        }
+        while i > 0 && self.phases[i].t > t {
+            i -= 1;
+        }
+        *phase = i;
+        let phase = &self.phases[i];
+        phase.after((t - phase.t).min(self.lasting[i]))
+    }
+
+    /// The same motion of another axis that moves `ratio` times as far, from `start` to `target`, which must be in that proportion
+    /// to the states of this one but for round-off.
+    pub fn in_proportion(&self, ratio: f64, start: &AxisState, target: &AxisState) -> Self {
+        let from = if self.count > 0 { self.phases[0].s } else { self.target.p };
+        let mut other = *self;
+        for p in &mut other.phases[..self.count] {
+            *p = Phase { t: p.t, s: start.p + ratio * (p.s - from), v: ratio * p.v, a: ratio * p.a, j: ratio * p.j };
+        }
+        other.target = MotionState { p: target.p, v: target.v, a: target.a, j: 0.0 };
+        other
+    }
+
     /// Lowest and highest position on the way, both ends included.
     pub fn position_range(&self) -> PositionRange {
         let end = self.target.p;
@@ -132,13 +166,7 @@ impl MotionLaw for StateToState {
 
     #[inline]
     fn at(&self, t: f64) -> MotionState {
-        if t >= self.duration {
-            return self.target;
-        }
-        let t = if t > 0.0 { t } else { 0.0 };
-        let i = (1..self.count).take_while(|&i| self.phases[i].t <= t).count();
-        let phase = &self.phases[i];
-        phase.after((t - phase.t).min(self.lasting[i]))
+        self.at_from(if t > self.duration { self.duration } else { t }, &mut 0)
     }
 }
 
