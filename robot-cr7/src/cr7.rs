@@ -6,12 +6,12 @@ use arcfeed_geometry::{
     ArcLengthCurve, GeometryError, NurbsCurve, OrientationPath, PosePath, SegmentationMethod, Spacing,
 };
 use arcfeed_interp::{Plan, PlanError, Planner, Quantity, Scan as PlanScan, Setpoint, ToolLimits, best_start};
-use arcfeed_kinematics::{Joints, KinematicsError};
+use arcfeed_kinematics::KinematicsError;
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use thiserror::Error;
 
 use crate::error::InputError;
-use crate::job::{Job, JointValues, Scan, ToolOrientation};
+use crate::job::{Job, Scan, ToolOrientation};
 use crate::model::Cr7;
 use crate::path_file::PathFile;
 use crate::report::{LimitLine, LimitUnit, Report, SegmentCount};
@@ -96,7 +96,7 @@ pub fn plan(job: &Job, file: &PathFile) -> Result<Motion, Cr7Error> {
     let begin = Instant::now();
     let shown = file.file.display().to_string();
     let curve_error = |source| Cr7Error::Curve { file: shown.clone(), source };
-    let cr7 = arm_of(job)?;
+    let cr7 = Cr7::of(job)?;
     let curve = file
         .curve_with(|points| {
             let degree = FIT_DEGREE.min(points.len().saturating_sub(1));
@@ -137,21 +137,6 @@ pub fn plan(job: &Job, file: &PathFile) -> Result<Motion, Cr7Error> {
         warnings.push(format!("the path has {} corners, where the tool stops", plan.stops().len()));
     }
     Ok(Motion { name: file.name.clone(), cr7, tool, plan, preparation, warnings })
-}
-
-fn arm_of(job: &Job) -> Result<Cr7, Cr7Error> {
-    let or = |key, given: &Option<JointValues>, assumed| match given {
-        None => Ok(Joints::repeat(assumed)),
-        Some(values) => {
-            values.of::<6>().map(Joints::from).map_err(|given| Cr7Error::JointCount { key, given, joints: 6 })
-        }
-    };
-    Ok(Cr7::with_limits(
-        job.tool,
-        or("joints.velocity_deg_s", &job.joints.velocity, crate::model::VELOCITY)?,
-        or("joints.acceleration_deg_s2", &job.joints.acceleration, crate::model::ACCELERATION)?,
-        or("joints.jerk_deg_s3", &job.joints.jerk, crate::model::JERK)?,
-    )?)
 }
 
 fn orientation_of(job: &Job, curve: &ArcLengthCurve<3>) -> Result<OrientationPath, GeometryError> {

@@ -67,12 +67,8 @@ const MOST_EVENTS: usize = 12;
 impl Display for JointReport {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}", clip(&self.name, WIDTH))?;
-        let samples = format!(
-            "{} s, {} samples at {} ms",
-            number(self.duration_s),
-            self.samples,
-            number(self.period_s * 1e3)
-        );
+        let samples =
+            format!("{} s, {} samples at {} ms", number(self.duration_s), self.samples, number(self.period_s * 1e3));
         writeln!(f, "  {:<16}{samples}", "duration")?;
         for (name, value) in &self.facts {
             writeln!(f, "  {name:<16}{}", clip(value, WIDTH - 18))?;
@@ -152,7 +148,7 @@ pub fn check_joints<const N: usize>(
             // Rounding of an acceleration over a short time is no jerk.
             let noise = 4.0 * f64::EPSILON * (row.qdd[k].abs() + before.qdd[k].abs()) / dt;
             let jerk = (row.qdd[k] - before.qdd[k]) / dt;
-            see(3, k, jerk.signum() * (jerk.abs() - noise).max(0.0) + 0.0 * jerk, limit, row.t);
+            see(3, k, jerk.signum() * (jerk.abs() - noise).max(0.0), limit, row.t);
             // With the jerk below J: |q1 - q0 - dt (v0 + v1) / 2| <= J dt^3 / 12, |v1 - v0 - dt (a0 + a1) / 2| <= J dt^2 / 4.
             let q = row.q[k] - before.q[k] - 0.5 * dt * (row.qd[k] + before.qd[k]);
             let v = row.qd[k] - before.qd[k] - 0.5 * dt * (row.qdd[k] + before.qdd[k]);

@@ -5,6 +5,7 @@ mod cr7;
 mod error;
 mod job;
 mod job_file;
+mod joint_run;
 mod model;
 mod path_file;
 #[cfg(feature = "plot")]
@@ -19,6 +20,7 @@ mod unit;
 pub use cr7::{Cr7Error, Motion, drawn_segments, plan, trajectory_row};
 pub use error::InputError;
 pub use job::{FeedLimits, Job, JointOverrides, JointValues, Scan, ToolOrientation};
+pub use joint_run::{Happening, JointReport, Rates, check_joints};
 pub use model::{ACCELERATION, Cr7, JERK, VELOCITY};
 pub use path_file::{PathFile, PathGeometry};
 pub use report::{LimitLine, LimitUnit, Report, SegmentCount};

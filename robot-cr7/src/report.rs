@@ -334,7 +334,7 @@ mod tests {
 
     fn line(name: &str, joint: Option<usize>, unit: LimitUnit, value: f64, limit: f64) -> LimitLine {
         let ratio = (value / limit).abs();
-        LimitLine { name: name.to_owned(), joint, unit, value, limit, ratio, at_s_m: 0.123456, at_t_s: 1.234567 }
+        LimitLine { name: name.to_owned(), joint, unit, value, limit, ratio, at_s_m: Some(0.123456), at_t_s: 1.234567 }
     }
 
     fn report() -> Report {

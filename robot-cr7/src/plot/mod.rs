@@ -66,27 +66,41 @@ impl JointQuantity {
     }
 }
 
-/// The limit of one joint in [`joint_picture`], in the unit of the curve, for both signs.
+/// The limit of one joint in [`joint_picture`], in the unit of the curve.
 #[derive(Debug, Clone, Copy)]
 pub enum Bound<'a> {
-    /// The same all the time.
+    /// The same all the time, for both signs.
     Constant(f64),
-    /// One value for each time of the picture.
+    /// From a lower to an upper end.
+    Between(f64, f64),
+    /// One value for each time of the picture, for both signs.
     OverTime(&'a [f64]),
 }
 
 impl Bound<'_> {
-    fn at(&self, i: usize) -> f64 {
+    /// Lower and upper end at sample `i`.
+    fn at(&self, i: usize) -> (f64, f64) {
         match self {
-            Self::Constant(limit) => *limit,
-            Self::OverTime(limits) => limits.get(i).copied().unwrap_or(f64::INFINITY),
+            Self::Constant(limit) => (-limit, *limit),
+            Self::Between(low, high) => (*low, *high),
+            Self::OverTime(limits) => limits.get(i).map_or((0.0, 0.0), |&limit| (-limit, limit)),
         }
     }
 
-    fn largest(&self) -> f64 {
+    /// How much of it `value` uses.
+    fn used(&self, value: f64, i: usize) -> f64 {
+        let (low, high) = self.at(i);
+        (value - 0.5 * (low + high)).abs() / (0.5 * (high - low))
+    }
+
+    /// Widest lower and upper end.
+    fn widest(&self) -> (f64, f64) {
         match self {
-            Self::Constant(limit) => *limit,
-            Self::OverTime(limits) => limits.iter().fold(0.0, |a: f64, &v| a.max(v)),
+            Self::OverTime(limits) => {
+                let most = limits.iter().fold(0.0, |a: f64, &v| a.max(v));
+                (-most, most)
+            }
+            _ => self.at(0),
         }
     }
 }
@@ -293,7 +307,7 @@ pub fn joint_picture(
     let x = range(t.iter().copied());
     let joints = values.len().min(limits.len());
     let peaks: Vec<f64> = values.iter().map(|v| v.iter().fold(0.0, |a: f64, v| a.max(v.abs()))).collect();
-    let used = |j: usize| values[j].iter().enumerate().fold(0.0, |a: f64, (i, v)| a.max(v.abs() / limits[j].at(i)));
+    let used = |j: usize| values[j].iter().enumerate().fold(0.0, |a: f64, (i, &v)| a.max(limits[j].used(v, i)));
     let used: Vec<f64> = (0..joints).map(used).collect();
     let worst = (0..joints).fold(0, |a, j| if used[j] > used[a] { j } else { a });
     let facts = format!(
@@ -311,13 +325,14 @@ pub fn joint_picture(
             &[(words, line), ("limit", Pen::dashed(LIMIT, 1.6))],
         )?;
         for j in 0..joints {
-            let limit = limits[j].largest() * degrees;
+            let (low, high) = limits[j].widest();
+            let (low, high) = (low * degrees, high * degrees);
+            let limit = high.max(-low);
             let peak = peaks[j] * degrees;
             let points: Vec<_> = t.iter().zip(values[j]).map(|(&t, &v)| (t, v * degrees)).collect();
             // A joint that rests shows rounding, which deserves no scale of its own.
             let y = if peak >= 0.2 * limit || peak <= 1e-6 * limit {
-                let half = 1.12 * peak.max(limit);
-                range([-half, half])
+                widened(range([low.min(-peak), high.max(peak)]), 0.06)
             } else {
                 widened(range(points.iter().map(|p| p.1)), 0.12)
             };
@@ -329,9 +344,9 @@ pub fn joint_picture(
             }
             panel.series(canvas, &points, line)?;
             match limits[j] {
-                Bound::Constant(_) => {
-                    panel.level(canvas, limit)?;
-                    panel.level(canvas, -limit)?;
+                Bound::Constant(_) | Bound::Between(..) => {
+                    panel.level(canvas, high)?;
+                    panel.level(canvas, low)?;
                 }
                 Bound::OverTime(limits) => {
                     for sign in [1.0, -1.0] {
@@ -342,7 +357,11 @@ pub fn joint_picture(
             }
             let beside = |row: f64| (panel.right + 10.0, panel_top + 18.0 + 20.0 * row);
             canvas.text(&format!("peak {} {unit}", number(peak)), beside(0.0), Anchor::Left)?;
-            canvas.text(&format!("limit {} {unit}", number(limit)), beside(1.0), Anchor::Left)?;
+            let words = match limits[j] {
+                Bound::Between(..) => format!("{} to {} {unit}", number(low), number(high)),
+                _ => format!("limit {} {unit}", number(limit)),
+            };
+            canvas.text(&words, beside(1.0), Anchor::Left)?;
             let text = format!("used {}", percent(used[j]));
             if used[j] > 1.0 + 1e-6 {
                 canvas.alarm(&text, beside(2.0), Anchor::Left)?;
