@@ -7,6 +7,7 @@ mod job;
 mod job_file;
 mod joint_run;
 mod model;
+mod online_scenario;
 mod path_file;
 #[cfg(feature = "plot")]
 pub mod plot;
@@ -22,6 +23,7 @@ pub use error::InputError;
 pub use job::{FeedLimits, Job, JointOverrides, JointValues, Scan, ToolOrientation};
 pub use joint_run::{Happening, JointReport, Rates, check_joints};
 pub use model::{ACCELERATION, Cr7, JERK, VELOCITY};
+pub use online_scenario::{OnlineRun, OnlineScenario, ScenarioError};
 pub use path_file::{PathFile, PathGeometry};
 pub use report::{LimitLine, LimitUnit, Report, SegmentCount};
 pub use sample_paths::{SamplePath, butterfly};

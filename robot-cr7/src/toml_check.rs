@@ -104,6 +104,21 @@ impl<'a> Check<'a> {
         })
     }
 
+    /// Finite numbers of any sign, times `si`.
+    pub fn values(&self, key: &str, value: &PerJoint, si: f64) -> Result<JointValues, InputError> {
+        let one = |key: &str, v: f64| match v.is_finite() {
+            true => Ok(v * si),
+            false => Err(self.wrong(key, v, FINITE.0, FINITE.1)),
+        };
+        Ok(match value {
+            PerJoint::All(v) => JointValues::All(one(key, *v)?),
+            PerJoint::Each(list) => {
+                let each = list.iter().enumerate().map(|(i, &v)| one(&format!("{key}[{i}]"), v));
+                JointValues::Each(each.collect::<Result<_, InputError>>()?)
+            }
+        })
+    }
+
     pub fn period(&self, ms: Option<f64>) -> Result<Option<f64>, InputError> {
         let key = "sampling.period_ms";
         let period = self.limit(key, ms, 1e3)?;
