@@ -8,7 +8,9 @@
 
 pub mod error;
 pub mod point_to_point;
+pub mod projection;
 
 pub use error::SyncError;
 pub use nalgebra;
 pub use point_to_point::{AxisLimits, JointState, PointToPoint};
+pub use projection::{ProjectionStatus, ProjectionStep, ProjectionSync};
