@@ -123,3 +123,21 @@ fn invalid_input_is_named() {
     assert!(matches!(SpeedChange::new(0.0, 0.0, 2.0, &limits), Err(FeedError::AboveLimit { what: "target", .. })));
     assert!(matches!(SpeedChange::new(0.0, 0.0, -2.0, &limits), Err(FeedError::Negative { what: "target", .. })));
 }
+
+/// A start at its peak acceleration was sampled with the jerk of the first phase, which lasts no time.
+#[test]
+fn a_start_at_the_peak_acceleration_is_sampled_right() {
+    let limits = MotionLimits::new(2.0, 2.0, 10.0).unwrap();
+    for (v, a) in [(1.5, -2.0), (-1.5, 2.0), (0.2, -2.0)] {
+        let change = SpeedChange::brake(v, a, &limits).unwrap();
+        let mut before = change.at(0.0);
+        assert_eq!((before.p, before.v, before.a), (0.0, v, a));
+        for i in 1..=1000 {
+            let h = change.duration() / 1000.0;
+            let now = change.at(h * f64::from(i));
+            assert!((now.a - before.a).abs() <= 10.0 * h * (1.0 + 1e-9), "{i}: {now:?}");
+            assert!(now.a.abs() <= 2.0 * (1.0 + 1e-12), "{i}: {now:?}");
+            before = now;
+        }
+    }
+}

@@ -229,7 +229,12 @@ impl OnlineScenario {
         }
         if values.iter().all(Option::is_none) {
             let rule = "a change has to change something";
-            return Err(check.wrong(&format!("change[{i}]"), "empty", rule, "add q_deg, velocity_deg_s or another key"));
+            return Err(check.wrong(
+                &format!("change[{i}]"),
+                "empty",
+                rule,
+                "add q_deg, velocity_deg_s or another key",
+            ));
         }
         Ok(Change { at: raw.at_s, joint, values })
     }
@@ -381,11 +386,7 @@ fn axis_limits<const N: usize>(rates: &Rates<N>) -> Result<[AxisLimits; N], Sync
         *slot = Some(limits.map_err(|source| SyncError::State { axis, source })?);
     }
     // Every slot is filled by now.
-    axes.into_iter()
-        .flatten()
-        .collect::<Vec<_>>()
-        .try_into()
-        .map_err(|_| SyncError::NoSuchAxis { axis: 0, count: N })
+    axes.into_iter().flatten().collect::<Vec<_>>().try_into().map_err(|_| SyncError::NoSuchAxis { axis: 0, count: N })
 }
 
 fn state_of<const N: usize>(state: &[AxisState; N]) -> JointState<N> {

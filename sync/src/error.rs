@@ -45,6 +45,17 @@ pub enum SyncError {
         /// Index of the first axis that is off the line, from 0.
         axis: usize,
     },
+    /// The period of a cycle is NaN, infinite or negative.
+    #[error("the period is {value} s; it must be finite and not negative")]
+    Period {
+        /// The value given (s).
+        value: f64,
+    },
+    /// The numbers are valid one by one, but the motion between them leaves the range of `f64`.
+    #[error(
+        "the motion is not representable in finite numbers for these arguments; use units in which the numbers are closer to 1"
+    )]
+    OutOfRange,
     /// The scalar motion along the line cannot be built.
     #[error("along the line: {0}")]
     Line(#[from] arcfeed_feedrate::FeedError),

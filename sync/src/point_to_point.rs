@@ -72,6 +72,14 @@ pub struct JointState<const N: usize> {
     pub qddd: SVector<f64, N>,
 }
 
+impl<const N: usize> JointState<N> {
+    /// At rest at a position (rad).
+    pub fn rest(q: SVector<f64, N>) -> Self {
+        let still = SVector::zeros();
+        Self { q, qd: still, qdd: still, qddd: still }
+    }
+}
+
 /// The fastest motion from rest to rest on the straight line between two joint positions.
 ///
 /// With `q = start + sigma (goal - start)` every bound of an axis is a bound of the one scalar `sigma`, so

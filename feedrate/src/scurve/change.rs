@@ -139,7 +139,10 @@ impl MotionLaw for SpeedChange {
             return self.end;
         }
         let t = if t.is_nan() { 0.0 } else { t.max(0.0) };
-        let i = (1..3).rev().find(|&i| self.phases[i].t <= t && self.phases[i].t > 0.0).unwrap_or(0);
-        self.phases[i].after(t - self.phases[i].t)
+        let i = (1..3).rev().find(|&i| self.phases[i].t <= t).unwrap_or(0);
+        let state = self.phases[i].after(t - self.phases[i].t);
+        let start = &self.phases[0];
+        // Later phases are computed from the end: at the start itself their round-off does not count.
+        if t > 0.0 { state } else { MotionState { p: start.s, v: start.v, a: start.a, j: state.j } }
     }
 }

@@ -3,6 +3,7 @@
 mod inspect;
 mod joint_move;
 mod joint_space;
+mod online;
 mod plan;
 mod pose;
 mod reproduce;
@@ -32,6 +33,7 @@ const EXAMPLES: &str = "Examples:
   cr7 ik --xyz-mm 400 0 300 --rpy-deg 180 0 0
   cr7 move --from-deg 0 -30 90 30 -90 0 --to-deg 60 0 60 30 -90 45
                                         a joint move: trajectory, pictures and report
+  cr7 online scenario.toml              targets and limits that change while the arm moves
   cr7 reproduce pn                      the numbers of a paper beside ours";
 
 #[derive(Debug, Subcommand)]
@@ -46,6 +48,8 @@ enum Command {
     Ik(pose::InverseArgs),
     /// Joint move: from one joint state to another, all joints together
     Move(joint_move::Args),
+    /// Joint motion towards targets, and within limits, that change on the way
+    Online(online::Args),
     /// Reproduce a paper's numbers beside ours, and check our guarantees
     Reproduce(reproduce::Args),
 }
@@ -80,6 +84,7 @@ fn main() -> ExitCode {
         Command::Fk(args) => pose::forward(&args),
         Command::Ik(args) => pose::inverse(&args),
         Command::Move(args) => joint_move::run(&args),
+        Command::Online(args) => online::run(&args),
         Command::Reproduce(args) => reproduce::run(&args),
     };
     match outcome {

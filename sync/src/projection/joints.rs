@@ -1,0 +1,294 @@
+//! The synchroniser in joint space.
+
+use nalgebra::SVector;
+
+use super::ProjectionStatus;
+use super::fade::Ranges;
+use super::line::{LinePlan, Start};
+use super::recover::Recovery;
+use super::room::{FLOOR, Order, RESERVE, Room, Rooms, WIDEST};
+use crate::error::SyncError;
+use crate::point_to_point::{AxisLimits, JointState};
+
+/// State and status after a cycle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ProjectionStep<const N: usize> {
+    /// Position of all joints and its derivatives.
+    pub state: JointState<N>,
+    /// What the motion is doing.
+    pub status: ProjectionStatus,
+}
+
+/// Joints on a straight line to a target that may change in any cycle (Liu et al. 2024, section 4.2, corrected; see the
+/// [module](crate::projection)).
+///
+/// **Guarantees**: every joint keeps its velocity, acceleration and jerk limit at all times to 1e-9 of the limit; a start outside
+/// them, or bound to get outside, is brought inside first, with the largest jerk, and the limits hold from the first
+/// moment at which that is possible (jerk always). The target is reached exactly, at rest. From the moment the
+/// transverse motion has faded, the joints move on a straight line; from a start at rest, or moving along the
+/// error, on a straight line throughout. Nothing allocates.
+///
+/// ```
+/// use arcfeed_sync::{AxisLimits, JointState, ProjectionStatus, ProjectionSync};
+/// use nalgebra::Vector3;
+/// let limits = AxisLimits::new(Vector3::repeat(2.0), Vector3::repeat(10.0), Vector3::repeat(200.0))?;
+/// let mut sync = ProjectionSync::new(&JointState::rest(Vector3::zeros()), Vector3::new(1.0, -0.5, 0.2), &limits)?;
+/// for cycle in 0.. {
+///     if cycle == 300 {
+///         sync.set_target(Vector3::new(0.4, -0.5, 0.2))?; // joint 1 somewhere else: the others adapt
+///     }
+///     if let ProjectionStatus::Reached { .. } = sync.step(1e-3)?.status {
+///         break;
+///     }
+/// }
+/// assert_eq!(sync.state().q, Vector3::new(0.4, -0.5, 0.2));
+/// # Ok::<(), arcfeed_sync::SyncError>(())
+/// ```
+#[derive(Debug, Clone, Copy)]
+pub struct ProjectionSync<const N: usize> {
+    limits: AxisLimits<N>,
+    target: SVector<f64, N>,
+    /// Where the motion in force began.
+    from: JointState<N>,
+    motion: Motion<N>,
+    /// Time since then (s).
+    t: f64,
+}
+
+#[derive(Debug, Clone, Copy)]
+// One of each synchroniser, never moved about.
+#[allow(clippy::large_enum_variant)]
+enum Motion<const N: usize> {
+    Recovering { joints: [Recovery; N], duration: f64 },
+    Planned(LinePlan<N>),
+}
+
+impl<const N: usize> ProjectionSync<N> {
+    /// From `start`, in any state of motion (its jerk does not matter), to rest at `target` (rad).
+    ///
+    /// # Errors
+    /// [`SyncError::Axis`] naming the joint and what is not finite; [`SyncError::OutOfRange`] if the numbers leave the range
+    /// of `f64`.
+    pub fn new(start: &JointState<N>, target: SVector<f64, N>, limits: &AxisLimits<N>) -> Result<Self, SyncError> {
+        let parts = [("start position", &start.q), ("start velocity", &start.qd), ("start acceleration", &start.qdd)];
+        for (what, values) in parts {
+            check_finite(what, values)?;
+        }
+        check_finite("target", &target)?;
+        let motion = Motion::new(start, &target, limits)?;
+        Ok(Self { limits: *limits, target, from: *start, motion, t: 0.0 })
+    }
+
+    /// Another target (rad), for any of the joints, from here on.
+    ///
+    /// # Errors
+    /// As [`ProjectionSync::new`]; the motion then goes on to the old one.
+    pub fn set_target(&mut self, target: SVector<f64, N>) -> Result<(), SyncError> {
+        if target == self.target {
+            return Ok(());
+        }
+        check_finite("target", &target)?;
+        self.replan(target, self.limits)
+    }
+
+    /// Other limits from here on.
+    ///
+    /// # Errors
+    /// [`SyncError::OutOfRange`]; the motion then goes on with the old ones.
+    pub fn set_limits(&mut self, limits: &AxisLimits<N>) -> Result<(), SyncError> {
+        if *limits == self.limits {
+            return Ok(());
+        }
+        self.replan(self.target, *limits)
+    }
+
+    fn replan(&mut self, target: SVector<f64, N>, limits: AxisLimits<N>) -> Result<(), SyncError> {
+        let from = self.state();
+        self.motion = Motion::new(&from, &target, &limits)?;
+        (self.target, self.limits, self.from, self.t) = (target, limits, from, 0.0);
+        Ok(())
+    }
+
+    /// Advances by `period` (s).
+    ///
+    /// # Errors
+    /// [`SyncError::Duration`] if the period is negative or not finite; the motion then stays where it is.
+    #[inline]
+    pub fn step(&mut self, period: f64) -> Result<ProjectionStep<N>, SyncError> {
+        if !(period.is_finite() && period >= 0.0) {
+            return Err(SyncError::Period { value: period });
+        }
+        self.t += period;
+        if let Motion::Recovering { duration, .. } = self.motion
+            && self.t >= duration
+        {
+            let over = self.t - duration;
+            self.t = duration;
+            let from = self.state();
+            let plan = plan(&from, &self.target, &self.limits).ok_or(SyncError::OutOfRange)?;
+            (self.from, self.motion, self.t) = (from, Motion::Planned(plan), over);
+        }
+        let status = match &self.motion {
+            Motion::Recovering { .. } => ProjectionStatus::Recovering,
+            Motion::Planned(plan) if self.t >= plan.duration => {
+                let unused = (self.t - plan.duration).min(period);
+                self.t = plan.duration;
+                ProjectionStatus::Reached { unused }
+            }
+            Motion::Planned(plan) if self.t >= plan.faded => ProjectionStatus::Straight,
+            Motion::Planned(_) => ProjectionStatus::Turning,
+        };
+        Ok(ProjectionStep { state: self.state(), status })
+    }
+
+    /// The state now.
+    #[inline]
+    pub fn state(&self) -> JointState<N> {
+        match &self.motion {
+            Motion::Recovering { joints, .. } => {
+                let s = joints.each_ref().map(|joint| joint.at(self.t));
+                JointState {
+                    q: self.from.q + SVector::from_fn(|k, _| s[k].p),
+                    qd: SVector::from_fn(|k, _| s[k].v),
+                    qdd: SVector::from_fn(|k, _| s[k].a),
+                    qddd: SVector::from_fn(|k, _| s[k].j),
+                }
+            }
+            Motion::Planned(plan) if self.t >= plan.duration => JointState::rest(self.target),
+            Motion::Planned(plan) => {
+                let x = plan.x(self.t);
+                let w = plan.w(self.t);
+                JointState {
+                    q: SVector::from_fn(|k, _| self.from.q[k] + (plan.u[k] * x.p + w[k].p)),
+                    qd: SVector::from_fn(|k, _| plan.u[k] * x.v + w[k].v),
+                    qdd: SVector::from_fn(|k, _| plan.u[k] * x.a + w[k].a),
+                    qddd: SVector::from_fn(|k, _| plan.u[k] * x.j + w[k].j),
+                }
+            }
+        }
+    }
+
+    /// Time to the target if nothing changes (s); `None` while the state is brought inside the limits.
+    pub fn remaining(&self) -> Option<f64> {
+        match &self.motion {
+            Motion::Recovering { .. } => None,
+            Motion::Planned(plan) => Some(plan.duration - self.t),
+        }
+    }
+
+    /// The target (rad).
+    pub const fn target(&self) -> &SVector<f64, N> {
+        &self.target
+    }
+
+    /// The limits.
+    pub const fn limits(&self) -> &AxisLimits<N> {
+        &self.limits
+    }
+}
+
+impl<const N: usize> Motion<N> {
+    fn new(from: &JointState<N>, target: &SVector<f64, N>, limits: &AxisLimits<N>) -> Result<Self, SyncError> {
+        if let Some(plan) = plan(from, target, limits) {
+            return Ok(Self::Planned(plan));
+        }
+        let (v, a, j) = (limits.velocity(), limits.acceleration(), limits.jerk());
+        let recovery = |k: usize| Recovery::new(from.qd[k], from.qdd[k], (v[k], a[k], j[k]));
+        let joints: [Recovery; N] = std::array::from_fn(recovery);
+        let duration = joints.iter().map(Recovery::duration).fold(0.0, f64::max);
+        if !duration.is_finite() {
+            return Err(SyncError::OutOfRange);
+        }
+        Ok(Self::Recovering { joints, duration })
+    }
+}
+
+fn plan<const N: usize>(from: &JointState<N>, target: &SVector<f64, N>, limits: &AxisLimits<N>) -> Option<LinePlan<N>> {
+    let inside = |x: &SVector<f64, N>, bound: &SVector<f64, N>| {
+        x.iter().zip(bound.iter()).all(|(x, b)| x.abs() <= b * (1.0 + 2.0 * FLOOR))
+    };
+    if !(inside(&from.qd, limits.velocity()) && inside(&from.qdd, limits.acceleration())) {
+        return None;
+    }
+    LinePlan::new(&Start { v: from.qd, a: from.qdd }, limits, |d| target - from.q - d)
+}
+
+fn check_finite<const N: usize>(what: &'static str, values: &SVector<f64, N>) -> Result<(), SyncError> {
+    for (axis, &value) in values.iter().enumerate() {
+        if !value.is_finite() {
+            return Err(SyncError::Axis { axis, what, value, rule: "finite" });
+        }
+    }
+    Ok(())
+}
+
+/// A box per joint.
+impl<const N: usize> Room<N> for AxisLimits<N> {
+    fn project(&self, order: Order, y: &SVector<f64, N>, u: &SVector<f64, N>) -> f64 {
+        let bound = self.bound(order);
+        let (mut dot, mut square) = (0.0, 0.0);
+        for k in 0..N {
+            let (y, u) = (y[k] / bound[k], u[k] / bound[k]);
+            dot += y * u;
+            square += u * u;
+        }
+        dot / square
+    }
+
+    fn share(&self, order: Order, part: &SVector<f64, N>, whole: &SVector<f64, N>) -> f64 {
+        let bound = self.bound(order);
+        let mut share = 1.0f64;
+        for k in 0..N {
+            let (p, c, b) = (part[k].abs(), whole[k].abs(), bound[k]);
+            let against = part[k] * whole[k] < 0.0;
+            let most = match order {
+                // A velocity that fades stays on its side of zero and so leaves the other one free.
+                Order::Velocity if against => b - c,
+                Order::Velocity => b,
+                Order::Acceleration if against => (0.5 * (b - c)).min((1.0 - RESERVE) * b),
+                Order::Acceleration => (0.5 * (b + c)).min((1.0 - RESERVE) * b),
+            };
+            if p > 0.0 {
+                share = share.min((most / p).max(0.0));
+            }
+        }
+        share
+    }
+
+    fn fading(&self, line: &SVector<f64, N>, w: &SVector<f64, N>, share: f64) -> [(f64, f64); N] {
+        std::array::from_fn(|k| {
+            let (a, j) = (self.acceleration()[k], self.jerk()[k]);
+            (w[k].abs().max((share * a).min(a - line[k].abs())), share * j)
+        })
+    }
+
+    fn rooms(&self, u: &SVector<f64, N>, ranges: &[Ranges; N]) -> Rooms {
+        let room = |bound: &SVector<f64, N>, range: fn(&Ranges) -> (f64, f64)| {
+            let (mut lower, mut upper) = (-WIDEST, WIDEST);
+            for k in 0..N {
+                let (low, high) = range(&ranges[k]);
+                let (down, up) = (-bound[k] - low, bound[k] - high);
+                if u[k] > 0.0 {
+                    (lower, upper) = (lower.max(down / u[k]), upper.min(up / u[k]));
+                } else if u[k] < 0.0 {
+                    (lower, upper) = (lower.max(up / u[k]), upper.min(down / u[k]));
+                }
+            }
+            (lower, upper)
+        };
+        Rooms {
+            v: room(self.velocity(), |r| r.v),
+            a: room(self.acceleration(), |r| r.a),
+            j: room(self.jerk(), |r| r.j),
+        }
+    }
+}
+
+impl<const N: usize> AxisLimits<N> {
+    fn bound(&self, order: Order) -> &SVector<f64, N> {
+        match order {
+            Order::Velocity => self.velocity(),
+            Order::Acceleration => self.acceleration(),
+        }
+    }
+}

@@ -1,0 +1,217 @@
+//! The plan: which part of the motion goes along the line, which fades, and both over time.
+//!
+//! Wanted is a motion from `(q0, v, a)` to rest at `g`. It is composed as
+//!
+//! ```text
+//! q(t) = q0 + u x(t) + w(t),     x: 0 -> 1,  x'(0) = alpha, x''(0) = beta,
+//!                                w: 0 -> D,  w'(0) = v - alpha u,  w''(0) = a - beta u,  each coordinate braking to rest,
+//!                                u = g - q0 - D,
+//! ```
+//!
+//! so that both parts end at rest in `g`, and from the moment `w` has faded the error is parallel to `u`: a straight line.
+//! `alpha u` and `beta u` are the projections of velocity and acceleration on the error.
+//!
+//! **Why the limits hold.** The fading part is planned first. Over the time that is left of it, its derivatives run
+//! through known ranges; what these leave of every limit, divided by the component of `u`, bounds the derivatives of `x`
+//! (the least over the coordinates: Liu et al. 2024, eq. 17, corrected). `x` is time-optimal within these bounds, so the
+//! sum is inside the limits whatever the phases of the two. As `w` fades the ranges shrink and the bounds widen; `x` is planned
+//! again at [`STAGES`] moments from where it is then, which is inside the wider bounds too.
+
+use arcfeed_feedrate::{AxisLimits as ScalarLimits, AxisState, MotionLaw, MotionState, StateToState};
+use nalgebra::SVector;
+
+use super::fade::{Fade, Ranges};
+use super::room::{FLOOR, Order, Room, Rooms};
+
+/// How often the line takes up what the fading part has freed.
+pub(super) const STAGES: usize = 4;
+
+/// Parts of the limits that the fading motion may take; the best is kept.
+const SHARES: [f64; 2] = [0.2, 0.55];
+
+/// Parts of the projected velocity and acceleration tried, in this order.
+const TRIES: [(f64, f64); 4] = [(1.0, 1.0), (1.0, 0.8), (0.6, 0.45), (0.0, 0.0)];
+
+/// Steps to make the line end where the fading part lets it.
+const MAX_STEPS: usize = 40;
+
+/// Excess over a bound that counts as round-off.
+const SLACK: f64 = 1e-11;
+
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LinePlan<const M: usize> {
+    /// From where `w` ends to the target.
+    pub u: SVector<f64, M>,
+    fades: [Fade; M],
+    /// When `w` has faded (s).
+    pub faded: f64,
+    stages: [(f64, StateToState); STAGES + 1],
+    count: usize,
+    pub duration: f64,
+}
+
+/// Velocity and acceleration at the start of a plan.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Start<const M: usize> {
+    pub v: SVector<f64, M>,
+    pub a: SVector<f64, M>,
+}
+
+struct Parts<const M: usize> {
+    u: SVector<f64, M>,
+    alpha: f64,
+    beta: f64,
+    fades: [Fade; M],
+}
+
+impl<const M: usize> Parts<M> {
+    /// `aim` gives the way left after a displacement `D`. `None` if the line would have to turn too much.
+    fn new(
+        start: &Start<M>,
+        room: &impl Room<M>,
+        aim: impl Fn(&SVector<f64, M>) -> SVector<f64, M>,
+        (keep_v, keep_a): (f64, f64),
+        share: f64,
+    ) -> Option<Self> {
+        let mut u = aim(&SVector::zeros());
+        for _ in 0..MAX_STEPS {
+            let (alpha, beta) = if u.iter().all(|&x| x == 0.0) {
+                (0.0, 0.0)
+            } else {
+                let part = |order, y: &SVector<f64, M>, keep: f64| {
+                    let factor = keep * room.project(order, y, &u);
+                    factor * room.share(order, &(u * factor), y)
+                };
+                (part(Order::Velocity, &start.v, keep_v), part(Order::Acceleration, &start.a, keep_a))
+            };
+            let (w_v, w_a) = (start.v - u * alpha, start.a - u * beta);
+            let limits = room.fading(&(u * beta), &w_a, share);
+            // A remainder of round-off would take its time.
+            let clean = |whole: f64, rest: f64| if rest.abs() <= 4.0 * f64::EPSILON * whole.abs() { 0.0 } else { rest };
+            let fades: [Fade; M] = std::array::from_fn(|k| {
+                Fade::new(clean(start.v[k], w_v[k]), clean(start.a[k], w_a[k]), limits[k].0, limits[k].1)
+            });
+            let d = SVector::from_fn(|k, _| fades[k].length());
+            let next = aim(&d);
+            let settled = (next - u).amax() <= 1e-14 * (u.amax() + d.amax());
+            u = next;
+            if settled || (alpha == 0.0 && beta == 0.0) {
+                return Some(Self { u, alpha, beta, fades });
+            }
+        }
+        None
+    }
+
+    fn ranges_after(&self, t: f64) -> [Ranges; M] {
+        std::array::from_fn(|k| self.fades[k].ranges_after(t))
+    }
+
+    /// Whether the start of the line is inside what the fading part leaves, now and when its acceleration has been taken off.
+    fn fit(&self, rooms: &Rooms) -> bool {
+        let inside = |x: f64, (lower, upper): (f64, f64)| {
+            x >= lower - SLACK * (upper - lower) && x <= upper + SLACK * (upper - lower)
+        };
+        let release = if self.beta > 0.0 { -rooms.j.0 } else { rooms.j.1 };
+        let later = self.alpha + 0.5 * self.beta * (self.beta.abs() / release);
+        rooms.j.0 < 0.0
+            && rooms.j.1 > 0.0
+            // The fading part alone fits.
+            && inside(0.0, rooms.v)
+            && inside(0.0, rooms.a)
+            && inside(self.alpha, rooms.v)
+            && inside(self.beta, rooms.a)
+            && inside(later, rooms.v)
+    }
+}
+
+impl<const M: usize> LinePlan<M> {
+    /// The best of a few ways to divide the motion, or `None` if none keeps the limits from this start.
+    pub fn new(
+        start: &Start<M>,
+        room: &impl Room<M>,
+        aim: impl Fn(&SVector<f64, M>) -> SVector<f64, M>,
+    ) -> Option<Self> {
+        let mut best: Option<Self> = None;
+        for share in SHARES {
+            for keep in TRIES {
+                let Some(parts) = Parts::new(start, room, &aim, keep, share) else { continue };
+                let Some(plan) = Self::along(&parts, room) else { continue };
+                if best.as_ref().is_none_or(|b| plan.duration < b.duration) {
+                    best = Some(plan);
+                }
+                break;
+            }
+        }
+        best
+    }
+
+    fn along(parts: &Parts<M>, room: &impl Room<M>) -> Option<Self> {
+        let faded = parts.fades.iter().map(Fade::duration).fold(0.0, f64::max);
+        let target = AxisState::rest(1.0);
+        let mut x = AxisState::new(0.0, parts.alpha, parts.beta);
+        let still = StateToState::new(&target, &target, &ScalarLimits::symmetric(1.0, 1.0, 1.0).ok()?).ok()?;
+        let mut plan = Self {
+            u: parts.u,
+            fades: parts.fades,
+            faded,
+            stages: [(0.0, still); STAGES + 1],
+            count: 1,
+            duration: faded,
+        };
+        if parts.u.iter().all(|&c| c == 0.0) {
+            return Some(plan);
+        }
+        let full = room.rooms(&parts.u, &[Ranges::default(); M]);
+        let mut last: Option<(f64, StateToState)> = None;
+        for i in 0..=STAGES {
+            let t = faded * i as f64 / STAGES as f64;
+            if i > 0 && t == 0.0 {
+                break;
+            }
+            if let Some((began, motion)) = &last {
+                if t - began >= motion.duration() {
+                    break;
+                }
+                let now = motion.at(t - began);
+                x = AxisState::new(now.p, now.v, now.a);
+            }
+            let rooms = room.rooms(&parts.u, &parts.ranges_after(t));
+            if i == 0 && !parts.fit(&rooms) {
+                return None;
+            }
+            let motion = StateToState::new(&x, &target, &scalar_limits(&rooms, &full)?).ok()?;
+            match &last {
+                // Round-off must not replace a plan by a detour.
+                Some((began, before)) if motion.duration() >= (before.duration() - (t - began)) * (1.0 - SLACK) => {}
+                _ => {
+                    plan.count = if last.is_none() { 1 } else { plan.count + 1 };
+                    plan.stages[plan.count - 1] = (t, motion);
+                    last = Some((t, motion));
+                }
+            }
+        }
+        let (began, motion) = plan.stages[plan.count - 1];
+        plan.duration = faded.max(began + motion.duration());
+        plan.duration.is_finite().then_some(plan)
+    }
+
+    /// The scalar along the line.
+    #[inline]
+    pub fn x(&self, t: f64) -> MotionState {
+        let i = (1..self.count).take_while(|&i| self.stages[i].0 <= t).count();
+        let (began, motion) = &self.stages[i];
+        motion.at(t - began)
+    }
+
+    /// The fading part: displacement and its derivatives.
+    #[inline]
+    pub fn w(&self, t: f64) -> [MotionState; M] {
+        std::array::from_fn(|k| self.fades[k].at(t))
+    }
+}
+
+/// Bounds of the scalar, each at least a trace of what it is without the fading part.
+fn scalar_limits(rooms: &Rooms, full: &Rooms) -> Option<ScalarLimits> {
+    let open = |r: (f64, f64), f: (f64, f64)| (r.0.min(FLOOR * f.0), r.1.max(FLOOR * f.1));
+    ScalarLimits::new(open(rooms.v, full.v), open(rooms.a, full.a), open(rooms.j, full.j)).ok()
+}

@@ -1,0 +1,45 @@
+//! What one part of a motion leaves to the other inside the limits.
+
+use nalgebra::SVector;
+
+use super::fade::Ranges;
+
+/// Which derivative of the position.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Order {
+    Velocity,
+    Acceleration,
+}
+
+/// Bounds of the scalar along the line, as `(lower, upper)`.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Rooms {
+    pub v: (f64, f64),
+    pub a: (f64, f64),
+    pub j: (f64, f64),
+}
+
+/// The limits of all coordinates, seen by the two parts of a motion: `u x(t)` along the line and `w(t)` that fades.
+pub(super) trait Room<const M: usize> {
+    /// Factor of `u` nearest to `y`, measured in limits so that units do not matter.
+    fn project(&self, order: Order, y: &SVector<f64, M>, u: &SVector<f64, M>) -> f64;
+
+    /// Largest factor in `[0, 1]` of `part` with which `part` and the rest of `whole` are inside the limits together.
+    fn share(&self, order: Order, part: &SVector<f64, M>, whole: &SVector<f64, M>) -> f64;
+
+    /// Acceleration and jerk limit of the fading part in each coordinate: `share` of what there is, and no more than a line with
+    /// acceleration `line` leaves, but enough for its own acceleration `w`.
+    fn fading(&self, line: &SVector<f64, M>, w: &SVector<f64, M>, share: f64) -> [(f64, f64); M];
+
+    /// What is left to `x` while `w` runs through `ranges`.
+    fn rooms(&self, u: &SVector<f64, M>, ranges: &[Ranges; M]) -> Rooms;
+}
+
+/// The least room, but not so little that no motion could be planned: this part of a limit counts as round-off.
+pub(super) const FLOOR: f64 = 1e-10;
+
+/// The line leaves at least this part of the acceleration to what has to fade.
+pub(super) const RESERVE: f64 = 0.1;
+
+/// Bound of a scalar that no coordinate bounds.
+pub(super) const WIDEST: f64 = 1e150;
