@@ -85,6 +85,23 @@ impl<const N: usize> Chain<N> {
         Ok(chain)
     }
 
+    /// The chain of the `M` = N - 1 other joints with `joint` held at `value`.
+    pub(crate) fn locked<const M: usize>(&self, joint: usize, value: f64) -> Result<Chain<M>, KinematicsError> {
+        let mut carried = Isometry3::identity();
+        let mut joints = [self.joints[0]; M];
+        let mut place = joints.iter_mut();
+        for (i, one) in self.joints.iter().enumerate() {
+            let origin = carried * one.origin();
+            if i == joint {
+                carried = origin * one.motion(value);
+            } else if let Some(place) = place.next() {
+                *place = Joint::new(origin, one.axis().into_inner(), one.kind())?;
+                carried = Isometry3::identity();
+            }
+        }
+        Chain::new(joints)?.with_base(self.base)?.with_flange(carried * self.flange)?.with_tool(self.tool)
+    }
+
     /// The form the arithmetic runs in, and the orientation of its link frames in those of the joints.
     pub(crate) fn normalised(&self) -> (Normalised<N>, [Matrix3<f64>; N]) {
         Normalised::new(&self.base, &self.joints, &(self.flange * self.tool))

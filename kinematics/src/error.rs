@@ -166,4 +166,46 @@ pub enum KinematicsError {
         "the mass matrix is not positive definite: some joint moves no mass, or the bodies' parameters contradict each other; give the links mass or the joints rotor inertia"
     )]
     MassMatrix,
+
+    /// A setting breaks a rule.
+    #[error("{what} is {value}: it must be {rule}")]
+    InvalidSetting {
+        /// Which setting.
+        what: &'static str,
+        /// The value that was given.
+        value: f64,
+        /// The rule it breaks.
+        rule: &'static str,
+    },
+
+    /// No attempt of a numeric inverse ended at the target.
+    #[error(
+        "no joint values found: the best of {attempts} attempts stays {position:.3e} m and {orientation:.3e} rad from the target{}; it may be out of reach, or reachable only outside the joint range",
+        match .at_limit { Some(joint) => format!(" with joint {} at its limit", joint + 1), None => String::new() }
+    )]
+    NotConverged {
+        /// Distance of the tool point from the target in the best attempt, m.
+        position: f64,
+        /// Angle between tool and target there, rad.
+        orientation: f64,
+        /// How many attempts were made.
+        attempts: usize,
+        /// A joint that stands at a limit there, from 0.
+        at_limit: Option<usize>,
+    },
+
+    /// A joint that cannot be held there.
+    #[error(
+        "joint {} cannot be held at {value}: the value must be inside its range, and an arm of {joints} joints leaves {} (not {left})", .joint + 1, .joints - 1
+    )]
+    InvalidLock {
+        /// Which joint, from 0.
+        joint: usize,
+        /// Where it was to be held, rad (m).
+        value: f64,
+        /// How many joints the arm has.
+        joints: usize,
+        /// How many the other one was to have.
+        left: usize,
+    },
 }

@@ -39,6 +39,7 @@
 #![forbid(unsafe_code)]
 
 mod analytic;
+mod arm;
 mod branch;
 mod chain;
 mod closed_form;
@@ -51,6 +52,7 @@ mod joint;
 mod lu;
 pub mod models;
 mod normalised;
+mod numeric;
 mod singularity;
 mod traits;
 mod trig;
@@ -58,15 +60,19 @@ mod trig;
 pub use nalgebra;
 
 pub use analytic::{ClosedForm, Solutions};
+pub use arm::{Arm, DriveLimits, InverseMethod};
 pub use branch::{BranchTracker, Candidate, LimitExcess, largest_step, nearest_solution, nearest_turns};
 pub use chain::Chain;
 pub use closed_form::{ClosedFormArm, ParallelAxisArm, SphericalWristArm};
 pub use dh::DhRow;
-pub use differential::{JointDerivatives, MIN_SINGULAR_VALUE, ToolDerivatives, joint_derivatives};
+pub use differential::{
+    JointDerivatives, MIN_SINGULAR_VALUE, ToolDerivatives, joint_derivatives, least_norm_derivatives,
+};
 pub use dynamics::{ArmDynamics, Dynamics, Friction, GRAVITY, Inertial, PathTorque};
 pub use error::{KinematicsError, ReachSide};
 pub use jacobian::{Configuration, Jacobian, Twist};
 pub use joint::{Joint, JointKind, JointLimits, JointRange, Joints};
+pub use numeric::{NullSpace, NumericArm, NumericSettings, NumericSolution};
 pub use singularity::{
     SingularityDistances, SingularityKind, condition_number, manipulability, singular_values, smallest_singular_value,
 };

@@ -8,6 +8,7 @@ use crate::{
     closed_form::{ParallelAxisArm, SphericalWristArm},
     dh::DhRow,
     joint::{Joint, JointRange, Joints},
+    numeric::NumericArm,
 };
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -113,6 +114,29 @@ pub fn puma560() -> SphericalWristArm {
     let range = Joints::from([160.0_f64, 110.0, 135.0, 266.0, 100.0, 266.0].map(f64::to_radians));
     let build = || SphericalWristArm::new(Chain::from_dh(&rows)?, JointRange::new(-range, range)?);
     build().expect("the table above is of an arm with a spherical wrist")
+}
+
+/// Franka Emika Panda, seven joints: base to flange (link 8), z out of the mounting face.
+///
+/// Source: github.com/frankaemika/franka_ros, `franka_description`, commit c11f000, Apache-2.0. Joint ranges are the
+/// source's; joint 4 cannot be stretched out.
+pub fn panda() -> NumericArm<7> {
+    let rows = [
+        DhRow::revolute(0.0, 0.0, 0.333, 0.0),
+        DhRow::revolute(0.0, -FRAC_PI_2, 0.0, 0.0),
+        DhRow::revolute(0.0, FRAC_PI_2, 0.316, 0.0),
+        DhRow::revolute(0.0825, FRAC_PI_2, 0.0, 0.0),
+        DhRow::revolute(-0.0825, -FRAC_PI_2, 0.384, 0.0),
+        DhRow::revolute(0.0, FRAC_PI_2, 0.0, 0.0),
+        DhRow::revolute(0.088, FRAC_PI_2, 0.0, 0.0),
+    ];
+    let lower = Joints::from([-2.8973, -1.7628, -2.8973, -3.0718, -2.8973, -0.0175, -2.8973]);
+    let upper = Joints::from([2.8973, 1.7628, 2.8973, -0.0698, 2.8973, 3.7525, 2.8973]);
+    let build = || {
+        let chain = Chain::from_modified_dh(&rows)?.with_flange(Isometry3::translation(0.0, 0.0, 0.107))?;
+        Ok::<_, crate::KinematicsError>(NumericArm::new(chain, JointRange::new(lower, upper)?))
+    };
+    build().expect("the numbers above are finite")
 }
 
 fn six_axis(rows: [DhRow; 6], range: Joints<6>) -> ParallelAxisArm {

@@ -100,7 +100,7 @@ pub struct ArmDynamics<const N: usize> {
     rotor: Joints<N>,
     friction: Friction<N>,
     gravity: Vector3<f64>,
-    /// The last link's body without payload, and the flange in its frame.
+    /// The links without payload, and the flange in the frame of the last one.
     inertials: [Inertial; N],
     payload: Option<Inertial>,
     flange: nalgebra::Isometry3<f64>,
@@ -152,6 +152,38 @@ impl<const N: usize> ArmDynamics<N> {
     pub fn with_chain(&self, chain: &Chain<N>) -> Result<Self, KinematicsError> {
         let (normalised, frames) = chain.normalised();
         Self { chain: normalised, frames, flange: *chain.flange(), ..*self }.assembled()
+    }
+
+    /// The dynamics of `left`, which is `chain` with `joint` held at `value`.
+    pub(crate) fn locked<const M: usize>(
+        &self,
+        chain: &Chain<N>,
+        left: &Chain<M>,
+        joint: usize,
+        value: f64,
+    ) -> Result<ArmDynamics<M>, KinematicsError> {
+        let keep = |values: &Joints<N>| Joints::<M>::from_fn(|i, _| values[i + usize::from(i >= joint)]);
+        let held = &chain.joints()[joint];
+        let mut inertials = self.inertials;
+        if joint > 0 {
+            // The held link becomes part of the one before it; the first one, of the base.
+            let body = self.inertials[joint].seen_from(&(held.origin() * held.motion(value)));
+            inertials[joint - 1] = inertials[joint - 1].joined(&body);
+        }
+        let inertials = std::array::from_fn(|i| inertials[i + usize::from(i >= joint)]);
+        let friction = Friction::new(
+            keep(self.friction.viscous()),
+            keep(self.friction.forward()),
+            keep(self.friction.backward()),
+        )?;
+        let dynamics = ArmDynamics::new(left, inertials)?
+            .with_gravity(self.gravity)?
+            .with_rotor_inertia(keep(&self.rotor))?
+            .with_friction(friction);
+        match self.payload {
+            Some(payload) => dynamics.with_payload(payload),
+            None => Ok(dynamics),
+        }
     }
 
     /// The same arm with gravity `gravity`, m/s^2, along the axes of the working frame.
