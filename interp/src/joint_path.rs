@@ -150,6 +150,19 @@ pub fn best_start<A, const N: usize>(
 where
     A: PathArm<N> + AnalyticInverse<N> + ?Sized,
 {
+    best_start_of(arm, path, lower, upper).map(|(_, start)| start)
+}
+
+/// [`best_start`] with its quality: the more, the better.
+pub(crate) fn best_start_of<A, const N: usize>(
+    arm: &A,
+    path: &PosePath,
+    lower: &Joints<N>,
+    upper: &Joints<N>,
+) -> Result<(f64, Joints<N>), PlanError>
+where
+    A: PathArm<N> + AnalyticInverse<N> + ?Sized,
+{
     const WALK: usize = 64;
     let start = path.jet(0.0);
     let fail = |source| PlanError::Arm { s: 0.0, position: start.pose.translation.vector.into(), source };
@@ -177,12 +190,12 @@ where
         }
     }
     match (best, farthest) {
-        (Some((_, q)), _) => Ok(q),
+        (Some(best), _) => Ok(best),
         (None, Some((_, error))) => {
             Err(PlanError::NoConfiguration { candidates: candidates.len(), best: Box::new(error) })
         }
         // `inverse_all` is never empty, so one of the two is there.
-        (None, None) => Ok(middle),
+        (None, None) => Ok((0.0, middle)),
     }
 }
 

@@ -19,6 +19,7 @@
 //! | room | holds |
 //! |---|---|
 //! | `arm` | what is asked of an arm: [`PathArm`] |
+//! | `locked` | arms of seven joints: [`LockedArm`] |
 //! | `joint_path` | joint values and derivatives along the path, branch by continuity, best start |
 //! | `grid`, `constraints` | where and how limits become bounds |
 //! | `planner` | the way from path to verified plan |
@@ -37,6 +38,7 @@ mod error;
 mod grid;
 mod joint_path;
 mod limits;
+mod locked;
 pub mod parameter;
 mod planner;
 mod sampler;
@@ -48,6 +50,7 @@ pub use constraints::Shares;
 pub use error::PlanError;
 pub use joint_path::{JointJet, JointPath, best_start, joint_jet};
 pub use limits::ToolLimits;
+pub use locked::LockedArm;
 pub use planner::{Plan, Planner, Scan, Timings};
 pub use sampler::Sampler;
 pub use trajectory::Setpoint;

@@ -18,7 +18,7 @@ mod toml_check;
 mod trajectory_csv;
 mod unit;
 
-pub use cr7::{Cr7Error, Motion, drawn_segments, plan, trajectory_row};
+pub use cr7::{Cr7Error, Motion, drawn_segments, plan, plan_with, trajectory_row};
 pub use error::InputError;
 pub use job::{FeedLimits, Job, JointOverrides, JointValues, Scan, ToolOrientation};
 pub use joint_run::{Happening, JointReport, Rates, check_joints};

@@ -12,14 +12,14 @@
 pub mod error;
 pub mod mode;
 pub mod point_to_point;
+pub mod projection;
 pub mod state_to_state;
 mod straight;
-pub mod projection;
 
 pub use arcfeed_feedrate as feedrate;
 pub use error::SyncError;
 pub use mode::{MotionOptions, Synchronisation};
 pub use nalgebra;
 pub use point_to_point::{AxisLimits, JointState, PointToPoint};
-pub use state_to_state::{Cursor, Trajectory};
 pub use projection::{ProjectionStatus, ProjectionStep, ProjectionSync};
+pub use state_to_state::{Cursor, Trajectory};

@@ -50,9 +50,13 @@ impl<const N: usize> Solutions<N> {
 
     /// The same set for an arm of `M` joints, which is `N` by another name.
     pub(crate) fn for_joints<const M: usize>(&self) -> Solutions<M> {
-        let same = |q: &Joints<N>| Joints::from_fn(|i, _| q.get(i).copied().unwrap_or(0.0));
+        self.map(|q| Joints::from_fn(|i, _| q.get(i).copied().unwrap_or(0.0)))
+    }
+
+    /// The same set in other joints: every solution as `other` gives it.
+    pub fn map<const M: usize>(&self, other: impl Fn(&Joints<N>) -> Joints<M>) -> Solutions<M> {
         Solutions {
-            joints: self.joints.each_ref().map(same),
+            joints: self.joints.each_ref().map(other),
             len: self.len,
             wrist_singular: self.wrist_singular,
             shoulder_singular: self.shoulder_singular,
