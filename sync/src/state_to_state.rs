@@ -69,6 +69,18 @@ impl<const N: usize> Trajectory<N> {
         }
     }
 
+    /// No target: the velocity stays what it is once the acceleration is zero and the velocity inside its limits.
+    pub(crate) fn coasting(start: &[AxisState; N], limits: &[AxisLimits; N]) -> Result<Self, SyncError> {
+        let mut all = Self { axes: [StateToState::default(); N], duration: 0.0, straight: false };
+        for (axis, ((s, l), out)) in start.iter().zip(limits).zip(&mut all.axes).enumerate() {
+            let jerk = if s.a > 0.0 { -l.j_min() } else { -l.j_max() };
+            let v = (s.v + 0.5 * s.a * s.a / jerk).clamp(l.v_min(), l.v_max());
+            *out = StateToState::to_velocity(s, v, 0.0, l).map_err(|source| SyncError::State { axis, source })?;
+            all.duration = all.duration.max(out.duration());
+        }
+        Ok(all)
+    }
+
     fn each(
         start: &[AxisState; N],
         target: &[AxisState; N],

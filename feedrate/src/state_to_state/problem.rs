@@ -5,11 +5,11 @@ use super::durations::{Durations, Gaps};
 use super::error::{StateToStateError, finite};
 use super::extremal::Extremals;
 use super::family::{Jerks, Problem};
-use super::limits::{AxisLimits, AxisState};
+use super::limits::{AxisLimits, AxisState, SLACK};
 use super::outside::Brake;
 use super::profile::StateToState;
 use super::scale::Units;
-use super::solve::{Direct, SLACK, solve, starts_too_fast};
+use super::solve::{Direct, solve, starts_too_fast};
 use super::writer::Writer;
 use crate::state::MotionState;
 
@@ -172,8 +172,11 @@ impl Entry {
         let j = Jerks::new(l.j.1, -l.j.0);
         check_entry(t, l, &j)?;
         let (lead, mut s) = (*s, *s);
-        // Acceleration outside its bounds.
+        // Acceleration outside its bounds by more than round-off.
         let bound = s.a.clamp(l.a.0, l.a.1);
+        if (s.a - bound).abs() <= SLACK * l.a.1.max(-l.a.0) {
+            s.a = bound;
+        }
         let jerk = if s.a > bound { l.j.0 } else { l.j.1 };
         let lead_time = if bound == s.a { 0.0 } else { (bound - s.a) / jerk };
         if bound != s.a {
@@ -315,8 +318,7 @@ fn between(p: &Problem, t: f64, ends: (f64, f64), writer: &mut Writer) -> bool {
     if up.0 < -noise || down.0 < -noise {
         return false;
     }
-    writer.between(p, t, (&up, &down), ends);
-    true
+    writer.between(p, t, (&up, &down), ends)
 }
 
 const ROUND_OFF: f64 = 1e-13;

@@ -61,14 +61,24 @@ impl Writer {
     /// Writes the motion between the farthest and the least far one of duration `t` that ends `to`.
     ///
     /// The two keep the limits, and so does every mean of them because the motions that keep the limits form a convex set; the
-    /// one whose weights are as the excesses of the two goes as far as wanted.
-    pub fn between(&mut self, p: &Problem, t: f64, (up, down): (&(f64, Shape), &(f64, Shape)), (from, to): (f64, f64)) {
+    /// one whose weights are as the excesses of the two goes as far as wanted. False if round-off leaves none.
+    pub fn between(
+        &mut self,
+        p: &Problem,
+        t: f64,
+        (up, down): (&(f64, Shape), &(f64, Shape)),
+        (from, to): (f64, f64),
+    ) -> bool {
         let (more, less) = (up.0.max(0.0), down.0.max(0.0));
         let all = more + less;
         let weight = if all > 0.0 { less / all } else { 0.5 };
         let (mut far, mut near) = (Self::new(), Self::new());
         far.write(p, &up.1, false, from, to + up.0);
         near.write(p, &down.1, true, from, to - down.0);
+        let lasts = |w: &Self| (w.t - t).abs() <= ROUND_OFF * t;
+        if !(lasts(&far) && lasts(&near)) {
+            return false;
+        }
         let mean = |x: f64, y: f64| y + weight * (x - y);
         let state = |(i, since_i): (usize, f64), (k, since_k): (usize, f64)| {
             let (x, y) = (far.phases[i].after(since_i), near.phases[k].after(since_k));
@@ -80,8 +90,9 @@ impl Writer {
         let (middle, start) = loop {
             let left = (far.left(i, since_i), near.left(k, since_k));
             let dt = left.0.min(left.1);
-            let (p, v, a, j) = state((i, since_i), (k, since_k));
-            if now + dt > half * (1.0 + 2.0 * MIDDLE) {
+            let (i0, k0) = (i.min(PHASES - 1), k.min(PHASES - 1));
+            let (p, v, a, j) = state((i0, since_i), (k0, since_k));
+            if now + dt > half * (1.0 + 2.0 * MIDDLE) || i >= far.count || k >= near.count {
                 break ((p, v, a, j), now);
             }
             self.push(dt, p, v, a, j);
@@ -101,7 +112,7 @@ impl Writer {
             // Ends of what is left of the phases before `i` and `k`, which are written from their ends on.
             let left = (far.left(i.saturating_sub(1), to_i), near.left(k.saturating_sub(1), to_k));
             let dt = left.0.min(left.1);
-            if back + dt > half * (1.0 - MIDDLE) || count == PHASES {
+            if back + dt > half * (1.0 - MIDDLE) || count == PHASES || i == 0 || k == 0 {
                 break;
             }
             (to_i, to_k) = (to_i + dt, to_k + dt);
@@ -121,6 +132,7 @@ impl Writer {
         for &(dt, (p, v, a, j)) in later[..count].iter().rev() {
             self.push(dt, p, v, a, j);
         }
+        true
     }
 
     /// What is left of a phase after a part of it; without end where there is none.
@@ -173,6 +185,9 @@ impl Writer {
         self.push(t7, p7, v7, a2, j7);
     }
 }
+
+/// Of the time that the phases take, relative to the one they were made for. More means numbers too far apart to work with.
+const ROUND_OFF: f64 = 1e-6;
 
 /// How close to the middle of the duration a change of jerk counts as being there.
 const MIDDLE: f64 = 1e-12;
