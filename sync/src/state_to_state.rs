@@ -108,7 +108,7 @@ impl<const N: usize> Trajectory<N> {
         let mut shortest = 0.0_f64;
         for (axis, problem) in problems.iter().enumerate() {
             match problem {
-                Ok(p) => shortest = shortest.max(p.shortest().duration()),
+                Ok(p) => shortest = shortest.max(p.shortest_duration()),
                 Err(source) => return Err(SyncError::State { axis, source: *source }),
             }
         }
@@ -133,7 +133,7 @@ impl<const N: usize> Trajectory<N> {
     fn fill(&mut self, problems: &[Result<AxisProblem, StateToStateError>; N]) -> Result<(), SyncError> {
         for (axis, (motion, problem)) in self.axes.iter_mut().zip(problems).enumerate() {
             if let Ok(problem) = problem {
-                *motion = problem.lasting(self.duration).map_err(|source| SyncError::State { axis, source })?;
+                problem.lasting_into(self.duration, motion).map_err(|source| SyncError::State { axis, source })?;
             }
         }
         Ok(())
@@ -198,7 +198,7 @@ impl<const N: usize> Trajectory<N> {
 
 /// The shortest motion of one axis whose duration the options allow.
 fn lasting_at_least(problem: &AxisProblem, options: &MotionOptions) -> Result<StateToState, StateToStateError> {
-    let mut t = options.round_up(problem.shortest().duration());
+    let mut t = options.round_up(problem.shortest_duration());
     for _ in 0..ROUNDS {
         match problem.lasting(t) {
             Err(StateToStateError::DurationImpossible { above, .. }) if above > t => t = options.round_up(above),
