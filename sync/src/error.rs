@@ -36,6 +36,14 @@ pub enum SyncError {
         /// What is wrong with it.
         source: arcfeed_feedrate::StateToStateError,
     },
+    /// There is no axis with this index.
+    #[error("there is no axis {axis}; the last one is {}", count.saturating_sub(1))]
+    NoSuchAxis {
+        /// The index given.
+        axis: usize,
+        /// How many axes there are.
+        count: usize,
+    },
     /// A motion that has to be straight cannot be.
     #[error(
         "axis {axis} leaves the straight line: displacement, velocities and accelerations of both states must all \

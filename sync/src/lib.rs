@@ -4,12 +4,13 @@
 //! bounds of each axis on velocity, acceleration and jerk allow. All axes share one scalar motion, so they start and stop together.
 //!
 //! [`Trajectory`] moves them from any state of motion to any other: together in the shortest common time, each on its
-//! own, or on a straight line ([`Synchronisation`]).
+//! own, or on a straight line ([`Synchronisation`]). [`OnlineGenerator`] does so cycle by cycle, while targets and limits change.
 //!
 //! Positions are in radians and times in seconds; prismatic axes in metres work just as well, axis by axis.
 #![forbid(unsafe_code)]
 
 pub mod error;
+pub mod generator;
 pub mod mode;
 pub mod point_to_point;
 pub mod projection;
@@ -18,6 +19,7 @@ mod straight;
 
 pub use arcfeed_feedrate as feedrate;
 pub use error::SyncError;
+pub use generator::{Events, OnlineGenerator, Step};
 pub use mode::{MotionOptions, Synchronisation};
 pub use nalgebra;
 pub use point_to_point::{AxisLimits, JointState, PointToPoint};

@@ -69,6 +69,18 @@ impl<const N: usize> Trajectory<N> {
         }
     }
 
+    /// No target: the velocity stays what it is once the acceleration is zero and the velocity inside its limits.
+    pub(crate) fn coasting(start: &[AxisState; N], limits: &[AxisLimits; N]) -> Result<Self, SyncError> {
+        let mut all = Self { axes: [StateToState::default(); N], duration: 0.0, straight: false };
+        for (axis, ((s, l), out)) in start.iter().zip(limits).zip(&mut all.axes).enumerate() {
+            let jerk = if s.a > 0.0 { -l.j_min() } else { -l.j_max() };
+            let v = (s.v + 0.5 * s.a * s.a / jerk).clamp(l.v_min(), l.v_max());
+            *out = StateToState::to_velocity(s, v, 0.0, l).map_err(|source| SyncError::State { axis, source })?;
+            all.duration = all.duration.max(out.duration());
+        }
+        Ok(all)
+    }
+
     fn each(
         start: &[AxisState; N],
         target: &[AxisState; N],
@@ -96,7 +108,7 @@ impl<const N: usize> Trajectory<N> {
         let mut shortest = 0.0_f64;
         for (axis, problem) in problems.iter().enumerate() {
             match problem {
-                Ok(p) => shortest = shortest.max(p.shortest().duration()),
+                Ok(p) => shortest = shortest.max(p.shortest_duration()),
                 Err(source) => return Err(SyncError::State { axis, source: *source }),
             }
         }
@@ -121,7 +133,7 @@ impl<const N: usize> Trajectory<N> {
     fn fill(&mut self, problems: &[Result<AxisProblem, StateToStateError>; N]) -> Result<(), SyncError> {
         for (axis, (motion, problem)) in self.axes.iter_mut().zip(problems).enumerate() {
             if let Ok(problem) = problem {
-                *motion = problem.lasting(self.duration).map_err(|source| SyncError::State { axis, source })?;
+                problem.lasting_into(self.duration, motion).map_err(|source| SyncError::State { axis, source })?;
             }
         }
         Ok(())
@@ -186,7 +198,7 @@ impl<const N: usize> Trajectory<N> {
 
 /// The shortest motion of one axis whose duration the options allow.
 fn lasting_at_least(problem: &AxisProblem, options: &MotionOptions) -> Result<StateToState, StateToStateError> {
-    let mut t = options.round_up(problem.shortest().duration());
+    let mut t = options.round_up(problem.shortest_duration());
     for _ in 0..ROUNDS {
         match problem.lasting(t) {
             Err(StateToStateError::DurationImpossible { above, .. }) if above > t => t = options.round_up(above),

@@ -36,7 +36,8 @@ impl<const N: usize> Line<N> {
             let largest = w.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
             for k in 0..N {
                 let slack = SLACK * (largest + w[reference].abs() * off(k));
-                if !((w[k] - ratios[k] * w[reference]).abs() <= slack) {
+                let distance = (w[k] - ratios[k] * w[reference]).abs();
+                if distance.is_nan() || distance > slack {
                     return Err(k);
                 }
             }

@@ -5,12 +5,12 @@ use super::durations::{Durations, Gaps};
 use super::error::{StateToStateError, finite};
 use super::extremal::Extremals;
 use super::family::{Jerks, Problem};
-use super::limits::{AxisLimits, AxisState};
+use super::limits::{AxisLimits, AxisState, SLACK};
 use super::outside::Brake;
 use super::profile::StateToState;
 use super::scale::Units;
-use super::solve::{Direct, SLACK, solve, starts_too_fast};
-use super::writer::Writer;
+use super::solve::{Direct, Shape, solve, starts_too_fast};
+use super::writer::{Writer, end_of};
 use crate::state::MotionState;
 
 /// A motion of one axis from state to state whose duration is not decided yet.
@@ -36,10 +36,21 @@ pub struct AxisProblem {
     units: Option<Units>,
     /// The target in the caller's units.
     target: AxisState,
-    /// Whether the shortest motion is an extremal of the mirrored frame, and how long it takes, in working units.
-    mirrored: bool,
+    /// How long the shortest motion takes, in the caller's units.
     duration: f64,
-    shortest: StateToState,
+    shortest: Shortest,
+}
+
+/// The shortest motion, not yet written down.
+#[derive(Debug, Clone, Copy)]
+struct Shortest {
+    shape: Shape,
+    /// Whether it is an extremal of the mirrored frame.
+    mirrored: bool,
+    /// Whether it begins with braking as hard as possible to the velocity limit, and goes on with another shape from there.
+    brakes_first: bool,
+    /// In working units.
+    duration: f64,
 }
 
 /// A problem whose start acceleration is inside its limits, and the phase that brought it there.
@@ -81,24 +92,25 @@ impl AxisProblem {
             Some(u) => Entry::new(&u.state_into(start), &u.state_into(target), &u.limits_into(limits))
                 .map_err(|e| rescaled_error(e, u))?,
         };
-        let (writer, mirrored) = entry.shortest();
-        let duration = writer.t;
-        let goal = at_target(target);
-        let mut shortest = writer.finish(duration, goal);
-        if let Some(u) = units {
-            shortest = shortest.rescaled(u);
-            shortest.check_sound()?;
+        let shortest = entry.solve();
+        let duration = units.map_or(shortest.duration, |u| u.time_back(shortest.duration));
+        let problem = Self { entry, units, target: *target, duration, shortest };
+        if units.is_some() {
+            problem.shortest().check_sound()?;
         }
-        Ok(Self { entry, units, target: *target, mirrored, duration, shortest })
+        Ok(problem)
     }
 
     /// The shortest motion to the velocity and acceleration of `target`, all numbers finite.
     pub(super) fn direct(s: &AxisState, t: &AxisState, l: &AxisLimits) -> Result<StateToState, StateToStateError> {
+        let mut motion = StateToState::default();
         let Some(units) = Units::choose(s, t, l) else {
-            return Ok(Entry::new(s, t, l)?.direct());
+            Entry::new(s, t, l)?.direct(&mut motion);
+            return Ok(motion);
         };
         let (s, t, l) = (units.state_into(s), units.state_into(t), units.limits_into(l));
-        let mut motion = Entry::new(&s, &t, &l).map_err(|e| rescaled_error(e, units))?.direct().rescaled(units);
+        Entry::new(&s, &t, &l).map_err(|e| rescaled_error(e, units))?.direct(&mut motion);
+        motion.rescale(units);
         let end = motion.target;
         motion.target =
             MotionState { p: units.back(end.p, 0), v: units.back(end.v, 1), a: units.back(end.a, 2), j: 0.0 };
@@ -106,12 +118,24 @@ impl AxisProblem {
     }
 
     /// The shortest motion.
-    pub const fn shortest(&self) -> &StateToState {
-        &self.shortest
+    pub fn shortest(&self) -> StateToState {
+        let mut motion = StateToState::default();
+        self.write_shortest(&mut motion);
+        motion
     }
 
-    pub(super) fn into_shortest(self) -> StateToState {
-        self.shortest
+    /// How long the shortest motion takes (s).
+    pub const fn shortest_duration(&self) -> f64 {
+        self.duration
+    }
+
+    fn write_shortest(&self, out: &mut StateToState) {
+        let mut writer = self.entry.writer(out);
+        self.entry.write(&self.shortest, &mut writer);
+        writer.finish(self.shortest.duration, at_target(&self.target));
+        if let Some(u) = self.units {
+            out.rescale(u);
+        }
     }
 
     /// The durations that are possible.
@@ -119,11 +143,11 @@ impl AxisProblem {
     /// From a start outside the limits every duration counts as possible in which either of two ways back is: settling at the
     /// velocity limit without undershooting it, or braking as hard as possible until inside.
     pub fn durations(&self) -> Durations {
-        let gaps = self.entry.gaps(self.duration - self.entry.lead_time, self.mirrored);
-        let to = |t: f64| t + self.entry.lead_time;
+        let lead = self.entry.lead_time;
+        let gaps = self.entry.gaps(self.shortest.duration - lead, self.shortest.mirrored);
         match self.units {
-            None => gaps.durations(self.shortest.duration, to),
-            Some(u) => gaps.durations(self.shortest.duration, |t| u.time_back(to(t))),
+            None => gaps.durations(self.duration, |t| t + lead),
+            Some(u) => gaps.durations(self.duration, |t| u.time_back(t + lead)),
         }
     }
 
@@ -135,35 +159,39 @@ impl AxisProblem {
     /// # Errors
     /// [`StateToStateError::DurationImpossible`] with the nearest possible ones, [`StateToStateError::NotFinite`].
     pub fn lasting(&self, duration: f64) -> Result<StateToState, StateToStateError> {
+        let mut motion = StateToState::default();
+        self.lasting_into(duration, &mut motion).map(|()| motion)
+    }
+
+    /// As [`AxisProblem::lasting`], into a motion that is there already; an error leaves it undefined.
+    ///
+    /// # Errors
+    /// As [`AxisProblem::lasting`].
+    pub fn lasting_into(&self, duration: f64, out: &mut StateToState) -> Result<(), StateToStateError> {
+        if duration == self.duration {
+            self.write_shortest(out);
+            return Ok(());
+        }
         finite("duration", duration)?;
-        if duration == self.shortest.duration {
-            return Ok(self.shortest);
-        }
         let inside = self.units.map_or(duration, |u| u.time_into(duration));
-        let goal = at_target(&self.target);
-        let finish = |writer: Writer| {
-            let motion = writer.finish(inside, goal);
-            match self.units {
-                None => Ok(motion),
-                Some(u) => {
-                    let mut motion = motion.rescaled(u);
-                    motion.duration = duration;
-                    motion.check_sound().map(|()| motion)
-                }
-            }
-        };
         // One cruise velocity proves the duration possible by itself.
-        if duration > self.shortest.duration
-            && let Some(writer) = self.entry.cruising(inside)
-        {
-            return finish(writer);
+        if !(duration > self.duration && self.entry.cruising(inside, out)) {
+            let durations = self.durations();
+            if !durations.contains(duration) {
+                let (below, above) = (durations.at_most(duration), durations.at_least(duration));
+                return Err(StateToStateError::DurationImpossible { duration, below, above });
+            }
+            if !self.entry.between(inside, out) {
+                return Err(StateToStateError::OutOfRange);
+            }
         }
-        let durations = self.durations();
-        if !durations.contains(duration) {
-            let (below, above) = (durations.at_most(duration), durations.at_least(duration));
-            return Err(StateToStateError::DurationImpossible { duration, below, above });
+        out.target = at_target(&self.target);
+        if let Some(u) = self.units {
+            out.rescale(u);
+            out.check_sound()?;
         }
-        finish(self.entry.between(inside).ok_or(StateToStateError::OutOfRange)?)
+        out.duration = duration;
+        Ok(())
     }
 }
 
@@ -172,8 +200,11 @@ impl Entry {
         let j = Jerks::new(l.j.1, -l.j.0);
         check_entry(t, l, &j)?;
         let (lead, mut s) = (*s, *s);
-        // Acceleration outside its bounds.
+        // Acceleration outside its bounds by more than round-off.
         let bound = s.a.clamp(l.a.0, l.a.1);
+        if (s.a - bound).abs() <= SLACK * l.a.1.max(-l.a.0) {
+            s.a = bound;
+        }
         let jerk = if s.a > bound { l.j.0 } else { l.j.1 };
         let lead_time = if bound == s.a { 0.0 } else { (bound - s.a) / jerk };
         if bound != s.a {
@@ -201,42 +232,55 @@ impl Entry {
     }
 
     /// A writer with the phase that brings the acceleration inside its limits.
-    fn writer(&self) -> Writer {
-        let mut writer = Writer::new();
+    fn writer<'a>(&self, out: &'a mut StateToState) -> Writer<'a> {
+        let mut writer = Writer::new(out);
         writer.push(self.lead_time, self.lead.p, self.lead.v, self.lead.a, self.jerk);
         writer
     }
 
-    /// The shortest motion, and whether it is an extremal of the mirrored frame.
-    fn shortest(&self) -> (Writer, bool) {
+    fn solve(&self) -> Shortest {
         let p = &self.problem;
         let (shape, mirrored) = solve(p, self.noise);
-        let mut writer = self.writer();
-        writer.write(p, &shape, mirrored, self.from, self.to);
-        if shape.squeezed {
-            let frame = if mirrored { p.mirrored() } else { *p };
-            if let Some(brake) = Brake::new(&frame) {
-                let mut other = self.writer();
-                let from = other.brake(&brake, mirrored, self.from);
-                let (shape, flipped) = solve(&brake.rest, 0.0);
-                other.write(&brake.rest, &shape, flipped, from, if mirrored { -self.to } else { self.to });
-                if other.t < writer.t {
-                    writer = other;
-                }
-            }
+        let duration = end_of(p, &shape, mirrored, self.lead_time);
+        let settling = Shortest { shape, mirrored, brakes_first: false, duration };
+        if !shape.squeezed {
+            return settling;
         }
-        (writer, mirrored)
+        // Rare enough to write both down.
+        let mut scratch = StateToState::default();
+        let mut writer = self.writer(&mut scratch);
+        let braking = Shortest { brakes_first: true, ..settling };
+        if !self.write(&braking, &mut writer) || writer.t >= duration {
+            return settling;
+        }
+        Shortest { duration: writer.t, ..braking }
+    }
+
+    /// Writes the shortest motion; false if it would have to brake first and cannot.
+    fn write(&self, shortest: &Shortest, writer: &mut Writer<'_>) -> bool {
+        let Shortest { shape, mirrored, brakes_first, .. } = shortest;
+        let p = &self.problem;
+        if !brakes_first {
+            writer.write(p, shape, *mirrored, self.from, self.to);
+            return true;
+        }
+        let frame = if *mirrored { p.mirrored() } else { *p };
+        let Some(brake) = Brake::new(&frame) else { return false };
+        let from = writer.brake(&brake, *mirrored, self.from);
+        let (shape, flipped) = solve(&brake.rest, 0.0);
+        writer.write(&brake.rest, &shape, flipped, from, if *mirrored { -self.to } else { self.to });
+        true
     }
 
     /// The shortest change of velocity and acceleration, wherever it ends.
-    fn direct(&self) -> StateToState {
+    fn direct(&self, out: &mut StateToState) {
         let p = &self.problem;
         let direct = Direct::new(p);
         let to = self.from + direct.displacement;
-        let mut writer = self.writer();
+        let mut writer = self.writer(out);
         writer.write(p, &direct.shape, false, self.from, to);
         let duration = writer.t;
-        writer.finish(duration, MotionState { p: to, v: p.vf, a: p.af, j: 0.0 })
+        writer.finish(duration, MotionState { p: to, v: p.vf, a: p.af, j: 0.0 });
     }
 
     /// The frame in which the velocity starts above its limit, and whether it is the mirrored one.
@@ -260,37 +304,40 @@ impl Entry {
         };
         // Braking first: the same question from the end of the brake on.
         let lead = brake.duration();
-        let mut writer = Writer::new();
         let (shape, mirrored) = solve(&brake.rest, 0.0);
-        writer.write(&brake.rest, &shape, mirrored, 0.0, brake.rest.d);
-        let later = gaps_inside(&brake.rest, writer.t, Some(mirrored));
+        let later = gaps_inside(&brake.rest, end_of(&brake.rest, &shape, mirrored, 0.0), Some(mirrored));
         settling.common(&later.delayed(shortest, lead))
     }
 
-    fn cruising(&self, duration: f64) -> Option<Writer> {
-        let shape = cruise::solve(&self.problem, duration - self.lead_time)?;
-        let mut writer = self.writer();
+    fn cruising(&self, duration: f64, out: &mut StateToState) -> bool {
+        let Some(shape) = cruise::solve(&self.problem, duration - self.lead_time) else { return false };
+        let mut writer = self.writer(out);
         writer.write(&self.problem, &shape, false, self.from, self.to);
-        Some(writer)
+        writer.finish(duration, MotionState::default());
+        true
     }
 
     /// The mean of the farthest motion of this duration and the least far one.
-    fn between(&self, duration: f64) -> Option<Writer> {
+    fn between(&self, duration: f64, out: &mut StateToState) -> bool {
         let left = duration - self.lead_time;
-        let mut writer = self.writer();
-        if between(&self.problem, left, (self.from, self.to), &mut writer) {
-            return Some(writer);
-        }
-        let (frame, mirrored) = self.too_fast()?;
-        let brake = Brake::new(&frame)?;
+        let mut writer = self.writer(out);
+        let done = between(&self.problem, left, (self.from, self.to), &mut writer)
+            || self.between_after_braking(left, &mut writer);
+        writer.finish(duration, MotionState::default());
+        done
+    }
+
+    fn between_after_braking(&self, left: f64, writer: &mut Writer<'_>) -> bool {
+        let Some((frame, mirrored)) = self.too_fast() else { return false };
+        let Some(brake) = Brake::new(&frame) else { return false };
         let from = writer.brake(&brake, mirrored, self.from);
         let to = if mirrored { -self.to } else { self.to };
         let left = left - brake.duration();
         if let Some(shape) = cruise::solve(&brake.rest, left) {
             writer.write(&brake.rest, &shape, false, from, to);
-            return Some(writer);
+            return true;
         }
-        between(&brake.rest, left, (from, to), &mut writer).then_some(writer)
+        between(&brake.rest, left, (from, to), writer)
     }
 }
 
@@ -302,7 +349,7 @@ fn gaps_inside(p: &Problem, shortest: f64, solved_mirrored: Option<bool>) -> Gap
     gaps
 }
 
-fn between(p: &Problem, t: f64, ends: (f64, f64), writer: &mut Writer) -> bool {
+fn between(p: &Problem, t: f64, ends: (f64, f64), writer: &mut Writer<'_>) -> bool {
     let rises = Direct::new(p).up;
     let up = Extremals::new(p, rises).at(t);
     let down = Extremals::new(&p.mirrored(), !rises).at(t);
@@ -315,8 +362,7 @@ fn between(p: &Problem, t: f64, ends: (f64, f64), writer: &mut Writer) -> bool {
     if up.0 < -noise || down.0 < -noise {
         return false;
     }
-    writer.between(p, t, (&up, &down), ends);
-    true
+    writer.between(p, t, (&up, &down), ends)
 }
 
 const ROUND_OFF: f64 = 1e-13;

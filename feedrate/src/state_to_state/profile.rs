@@ -24,7 +24,7 @@ pub(super) const PHASES: usize = 16;
 /// assert!(motion.position_range().max <= 1.2);
 /// # Ok::<(), arcfeed_feedrate::StateToStateError>(())
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct StateToState {
     pub(super) phases: [Phase; PHASES],
     /// How long each phase lasts: the difference of two start times would have the round-off of the whole duration.
@@ -59,7 +59,7 @@ impl StateToState {
     /// [`StateToStateError::TargetUnreachable`] if the target breaks a limit or forces to break one right
     /// before it; [`StateToStateError::OutOfRange`] if the motion has no finite representation.
     pub fn new(start: &AxisState, target: &AxisState, limits: &AxisLimits) -> Result<Self, StateToStateError> {
-        Ok(AxisProblem::new(start, target, limits)?.into_shortest())
+        Ok(AxisProblem::new(start, target, limits)?.shortest())
     }
 
     /// A motion that takes exactly `duration` (s): see [`AxisProblem::lasting`].
@@ -76,8 +76,8 @@ impl StateToState {
     }
 
     /// Out of working units, the target excepted.
-    pub(super) fn rescaled(mut self, units: Units) -> Self {
-        for (p, dt) in self.phases.iter_mut().zip(&mut self.lasting) {
+    pub(super) fn rescale(&mut self, units: Units) {
+        for (p, dt) in self.phases[..self.count].iter_mut().zip(&mut self.lasting) {
             *dt = units.time_back(*dt);
             *p = Phase {
                 t: units.time_back(p.t),
@@ -88,7 +88,6 @@ impl StateToState {
             };
         }
         self.duration = units.time_back(self.duration);
-        self
     }
 
     pub(super) fn check_sound(&self) -> Result<(), StateToStateError> {
@@ -156,6 +155,13 @@ impl StateToState {
             }
         }
         range
+    }
+}
+
+/// Only phases that are in use count.
+impl PartialEq for StateToState {
+    fn eq(&self, other: &Self) -> bool {
+        self.duration == other.duration && self.target == other.target && self.phases().eq(other.phases())
     }
 }
 

@@ -11,6 +11,7 @@
 //! durations then fall into a short first range, between two direct changes, and a second one without end.
 
 use super::family::{Family, Peak, Peaks, Problem};
+use super::limits::SLACK;
 use super::outside;
 
 /// The phases of a solution, in the frame it was found in.
@@ -89,10 +90,6 @@ pub(super) fn starts_too_fast(p: &Problem) -> bool {
     let inv = if p.a0 > 0.0 { p.j.inv_down } else { p.j.inv_up };
     p.v0 + 0.5 * p.a0 * p.a0.abs() * inv > p.v_max + SLACK * p.v_max.max(-p.v_min)
 }
-
-/// How far beyond a limit, relative to the larger of the two, a state still counts as inside: round-off in the caller's
-/// arithmetic must not change the answer.
-pub(super) const SLACK: f64 = 1e-13;
 
 /// Extremals with the acceleration on one side of zero throughout, from the direct change on.
 pub(super) struct OneSided {
