@@ -9,6 +9,7 @@
 pub mod error;
 pub mod point_to_point;
 pub mod projection;
+pub mod so3;
 
 pub use error::SyncError;
 pub use nalgebra;
