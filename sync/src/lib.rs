@@ -16,6 +16,7 @@ pub mod point_to_point;
 pub mod projection;
 pub mod state_to_state;
 mod straight;
+pub mod so3;
 
 pub use arcfeed_feedrate as feedrate;
 pub use error::SyncError;
