@@ -39,16 +39,20 @@
 #![forbid(unsafe_code)]
 
 mod analytic;
+mod any_arm;
 mod arm;
 mod branch;
 mod chain;
 mod closed_form;
+mod description;
 mod dh;
 mod differential;
 mod dynamics;
 mod error;
 mod jacobian;
 mod joint;
+#[cfg(feature = "json")]
+mod json;
 mod lu;
 pub mod models;
 mod normalised;
@@ -56,20 +60,24 @@ mod numeric;
 mod singularity;
 mod traits;
 mod trig;
+#[cfg(feature = "urdf")]
+mod urdf;
 
 pub use nalgebra;
 
 pub use analytic::{ClosedForm, Solutions};
+pub use any_arm::{AnyArm, Dexterity};
 pub use arm::{Arm, DriveLimits, InverseMethod};
 pub use branch::{BranchTracker, Candidate, LimitExcess, largest_step, nearest_solution, nearest_turns};
 pub use chain::Chain;
 pub use closed_form::{ClosedFormArm, ParallelAxisArm, SphericalWristArm};
-pub use dh::DhRow;
+pub use description::{ASSUMED_RANGE, ArmDescription, JointDescription};
+pub use dh::{DhRow, DhTable};
 pub use differential::{
     JointDerivatives, MIN_SINGULAR_VALUE, ToolDerivatives, joint_derivatives, least_norm_derivatives,
 };
 pub use dynamics::{ArmDynamics, Dynamics, Friction, GRAVITY, Inertial, PathTorque};
-pub use error::{KinematicsError, ReachSide};
+pub use error::{KinematicsError, Part, ReachSide};
 pub use jacobian::{Configuration, Jacobian, Twist};
 pub use joint::{Joint, JointKind, JointLimits, JointRange, Joints};
 pub use numeric::{NullSpace, NumericArm, NumericSettings, NumericSolution};
