@@ -5,7 +5,7 @@
 #[non_exhaustive]
 pub enum SyncError {
     /// A number of one axis breaks a rule.
-    #[error("axis {axis}: {what} is {value}; it must be {rule}")]
+    #[error("axis {}: {what} is {value}; it must be {rule}", axis + 1)]
     Axis {
         /// Index of the axis, from 0.
         axis: usize,
@@ -29,7 +29,7 @@ pub enum SyncError {
         value: f64,
     },
     /// The motion of one axis between two states is impossible.
-    #[error("axis {axis}: {source}")]
+    #[error("axis {}: {source}", axis + 1)]
     State {
         /// Index of the axis, from 0.
         axis: usize,
@@ -37,7 +37,7 @@ pub enum SyncError {
         source: arcfeed_feedrate::StateToStateError,
     },
     /// There is no axis with this index.
-    #[error("there is no axis {axis}; the last one is {}", count.saturating_sub(1))]
+    #[error("there is no axis {}: there are {count}", axis + 1)]
     NoSuchAxis {
         /// The index given.
         axis: usize,
@@ -46,8 +46,9 @@ pub enum SyncError {
     },
     /// A motion that has to be straight cannot be.
     #[error(
-        "axis {axis} leaves the straight line: displacement, velocities and accelerations of both states must all \
-         point along one line; start and end at rest, or synchronise by time"
+        "axis {} leaves the straight line: displacement, velocities and accelerations of both states must all \
+         point along one line; start and end at rest, or synchronise by time",
+        axis + 1
     )]
     NotStraight {
         /// Index of the first axis that is off the line, from 0.

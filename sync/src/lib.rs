@@ -14,9 +14,9 @@ pub mod generator;
 pub mod mode;
 pub mod point_to_point;
 pub mod projection;
+pub mod so3;
 pub mod state_to_state;
 mod straight;
-pub mod so3;
 
 pub use arcfeed_feedrate as feedrate;
 pub use error::SyncError;
