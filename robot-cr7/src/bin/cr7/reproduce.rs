@@ -4,6 +4,7 @@ use clap::ValueEnum;
 use robot_cr7::reproduce::{Reproduction, liu_2023};
 
 use crate::Failure;
+use crate::output::{say, say_as_is};
 use crate::plan::spinner;
 
 /// Arguments of `cr7 reproduce`.
@@ -32,9 +33,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     };
     bar.finish_and_clear();
     if args.json {
-        println!("{}", reproduction.to_json());
+        say!("{}", reproduction.to_json());
     } else {
-        print!("{reproduction}");
+        say_as_is!("{reproduction}");
     }
     match reproduction.broken().count() {
         0 => Ok(()),
