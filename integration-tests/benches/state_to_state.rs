@@ -7,7 +7,7 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use arcfeed_sync::feedrate::{AxisLimits, AxisState, MotionLaw, StateToState};
+use arcfeed_sync::feedrate::{AxisLimits, AxisState, StateToState};
 use arcfeed_sync::{Cursor, MotionOptions, OnlineGenerator, Synchronisation, Trajectory};
 use criterion::{Criterion, criterion_group, criterion_main};
 use rsruckig::prelude::{InputParameter, Ruckig, ThrowErrorHandler};
