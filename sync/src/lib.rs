@@ -13,6 +13,7 @@ pub mod error;
 pub mod generator;
 pub mod mode;
 pub mod point_to_point;
+pub mod sampler;
 pub mod state_to_state;
 mod straight;
 
@@ -22,4 +23,5 @@ pub use generator::{Events, OnlineGenerator, Step};
 pub use mode::{MotionOptions, Synchronisation};
 pub use nalgebra;
 pub use point_to_point::{AxisLimits, JointState, PointToPoint};
-pub use state_to_state::{Cursor, Trajectory};
+pub use sampler::Sampler;
+pub use state_to_state::Trajectory;
