@@ -16,13 +16,19 @@ pub(super) fn solve(p: &Problem) -> Shape {
     if f_max <= 0.0 {
         return changes.at(p.v_max).shape(-f_max / p.v_max);
     }
-    let f_min = excess(p.v_min);
-    if f_min >= 0.0 {
-        return Shape { squeezed: true, ..changes.at(p.v_min).shape(f_min / -p.v_min) };
+    // Down to this velocity the jerk is still down, or zero, when the limit is passed: braking first is the same until there and
+    // goes on in the shortest way.
+    let brake = brake_to_limit(p).a;
+    let lowest = p.v_max - 0.5 * brake * brake * p.j.inv_up;
+    let (f_low, lowest) = if lowest > p.v_min { (excess(lowest), lowest) } else { (excess(p.v_min), p.v_min) };
+    if f_low >= 0.0 {
+        // No cruise: a motion with one is of no use but where braking first is impossible.
+        let cruise = if lowest > p.v_min { f64::INFINITY } else { f_low / -p.v_min };
+        return Shape { squeezed: true, ..changes.at(lowest).shape(cruise) };
     }
     // Newton's method inside a bracket.
-    let (mut lo, mut hi) = (p.v_min, p.v_max);
-    let mut v = lo - f_min * (hi - lo) / (f_max - f_min);
+    let (mut lo, mut hi) = (lowest, p.v_max);
+    let mut v = lo - f_low * (hi - lo) / (f_max - f_low);
     let mut before = hi - lo;
     for _ in 0..MAX_STEPS {
         let pair = changes.at(v);

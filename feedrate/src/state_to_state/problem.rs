@@ -47,8 +47,8 @@ struct Shortest {
     shape: Shape,
     /// Whether it is an extremal of the mirrored frame.
     mirrored: bool,
-    /// Whether it begins with braking as hard as possible to the velocity limit, and goes on with another shape from there.
-    brakes_first: bool,
+    /// It begins with braking as hard as possible to the velocity limit; the shape goes on from there, mirrored or not.
+    after_braking: Option<bool>,
     /// In working units.
     duration: f64,
 }
@@ -242,34 +242,30 @@ impl Entry {
         let p = &self.problem;
         let (shape, mirrored) = solve(p, self.noise);
         let duration = end_of(p, &shape, mirrored, self.lead_time);
-        let settling = Shortest { shape, mirrored, brakes_first: false, duration };
+        let settling = Shortest { shape, mirrored, after_braking: None, duration };
         if !shape.squeezed {
             return settling;
         }
-        // Rare enough to write both down.
-        let mut scratch = StateToState::default();
-        let mut writer = self.writer(&mut scratch);
-        let braking = Shortest { brakes_first: true, ..settling };
-        if !self.write(&braking, &mut writer) || writer.t >= duration {
-            return settling;
-        }
-        Shortest { duration: writer.t, ..braking }
+        let frame = if mirrored { p.mirrored() } else { *p };
+        let Some(brake) = Brake::new(&frame) else { return settling };
+        let (shape, flipped) = solve(&brake.rest, 0.0);
+        let duration = end_of(&brake.rest, &shape, flipped, self.lead_time + brake.t1 + brake.peak.hold);
+        let braking = Shortest { shape, mirrored, after_braking: Some(flipped), duration };
+        if braking.duration < settling.duration { braking } else { settling }
     }
 
-    /// Writes the shortest motion; false if it would have to brake first and cannot.
-    fn write(&self, shortest: &Shortest, writer: &mut Writer<'_>) -> bool {
-        let Shortest { shape, mirrored, brakes_first, .. } = shortest;
+    fn write(&self, shortest: &Shortest, writer: &mut Writer<'_>) {
+        let Shortest { shape, mirrored, after_braking, .. } = *shortest;
         let p = &self.problem;
-        if !brakes_first {
-            writer.write(p, shape, *mirrored, self.from, self.to);
-            return true;
+        let frame = if mirrored { p.mirrored() } else { *p };
+        if let Some(flipped) = after_braking
+            && let Some(brake) = Brake::new(&frame)
+        {
+            let from = writer.brake(&brake, mirrored, self.from);
+            writer.write(&brake.rest, &shape, flipped, from, if mirrored { -self.to } else { self.to });
+        } else {
+            writer.write(p, &shape, mirrored, self.from, self.to);
         }
-        let frame = if *mirrored { p.mirrored() } else { *p };
-        let Some(brake) = Brake::new(&frame) else { return false };
-        let from = writer.brake(&brake, *mirrored, self.from);
-        let (shape, flipped) = solve(&brake.rest, 0.0);
-        writer.write(&brake.rest, &shape, flipped, from, if *mirrored { -self.to } else { self.to });
-        true
     }
 
     /// The shortest change of velocity and acceleration, wherever it ends.
