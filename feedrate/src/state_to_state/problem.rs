@@ -129,7 +129,7 @@ impl AxisProblem {
         self.duration
     }
 
-    fn write_shortest(&self, out: &mut StateToState) {
+    pub(super) fn write_shortest(&self, out: &mut StateToState) {
         let mut writer = self.entry.writer(out);
         self.entry.write(&self.shortest, &mut writer);
         writer.finish(self.shortest.duration, at_target(&self.target));

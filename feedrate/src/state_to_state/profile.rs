@@ -62,6 +62,20 @@ impl StateToState {
         Ok(AxisProblem::new(start, target, limits)?.shortest())
     }
 
+    /// As [`StateToState::new`], in place: saves moving the result. An error leaves the motion as it was.
+    ///
+    /// # Errors
+    /// As [`StateToState::new`].
+    pub fn recompute(
+        &mut self,
+        start: &AxisState,
+        target: &AxisState,
+        limits: &AxisLimits,
+    ) -> Result<(), StateToStateError> {
+        AxisProblem::new(start, target, limits)?.write_shortest(self);
+        Ok(())
+    }
+
     /// A motion that takes exactly `duration` (s): see [`AxisProblem::lasting`].
     ///
     /// # Errors
