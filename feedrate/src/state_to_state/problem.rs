@@ -141,7 +141,8 @@ impl AxisProblem {
     /// The durations that are possible.
     ///
     /// From a start outside the limits every duration counts as possible in which either of two ways back is: settling at the
-    /// velocity limit without undershooting it, or braking as hard as possible until inside.
+    /// velocity limit without undershooting it, or braking as hard as possible until inside. [`AxisProblem::lasting`] may find
+    /// more then; from inside the limits these are all.
     pub fn durations(&self) -> Durations {
         let lead = self.entry.lead_time;
         let gaps = self.entry.gaps(self.shortest.duration - lead, self.shortest.mirrored);
@@ -317,7 +318,7 @@ impl Entry {
     fn between(&self, duration: f64, out: &mut StateToState) -> bool {
         let left = duration - self.lead_time;
         let mut writer = self.writer(out);
-        let done = between(&self.problem, left, (self.from, self.to), &mut writer)
+        let done = between(&self.problem, left, self.noise, (self.from, self.to), &mut writer)
             || self.between_after_braking(left, &mut writer);
         writer.finish(duration, MotionState::default());
         done
@@ -333,7 +334,7 @@ impl Entry {
             writer.write(&brake.rest, &shape, false, from, to);
             return true;
         }
-        between(&brake.rest, left, (from, to), writer)
+        between(&brake.rest, left, self.noise, (from, to), writer)
     }
 }
 
@@ -345,7 +346,7 @@ fn gaps_inside(p: &Problem, shortest: f64, solved_mirrored: Option<bool>) -> Gap
     gaps
 }
 
-fn between(p: &Problem, t: f64, ends: (f64, f64), writer: &mut Writer<'_>) -> bool {
+fn between(p: &Problem, t: f64, noise: f64, ends: (f64, f64), writer: &mut Writer<'_>) -> bool {
     let rises = Direct::new(p).up;
     let up = Extremals::new(p, rises).at(t);
     let down = Extremals::new(&p.mirrored(), !rises).at(t);
@@ -354,7 +355,7 @@ fn between(p: &Problem, t: f64, ends: (f64, f64), writer: &mut Writer<'_>) -> bo
     let slow = p.j.up.min(p.j.down);
     let lead = |v: f64, a: f64| a.abs() / slow * (v.abs() + a * a / slow);
     let speeds = p.v0.abs() + p.vf.abs() + p.v_max - p.v_min;
-    let noise = ROUND_OFF * (p.d.abs() + t * speeds + lead(p.v0, p.a0) + lead(p.vf, p.af));
+    let noise = 4.0 * noise + ROUND_OFF * (p.d.abs() + t * speeds + lead(p.v0, p.a0) + lead(p.vf, p.af));
     if up.0 < -noise || down.0 < -noise {
         return false;
     }
