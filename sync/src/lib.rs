@@ -15,6 +15,7 @@ pub mod mode;
 pub mod point_to_point;
 pub mod projection;
 pub mod so3;
+pub mod sampler;
 pub mod state_to_state;
 mod straight;
 
@@ -25,4 +26,5 @@ pub use mode::{MotionOptions, Synchronisation};
 pub use nalgebra;
 pub use point_to_point::{AxisLimits, JointState, PointToPoint};
 pub use projection::{ProjectionStatus, ProjectionStep, ProjectionSync};
-pub use state_to_state::{Cursor, Trajectory};
+pub use sampler::Sampler;
+pub use state_to_state::Trajectory;
