@@ -22,6 +22,16 @@ pub enum SyncError {
         /// The value given (s).
         value: f64,
     },
+    /// A number of a tool's state or limits breaks a rule.
+    #[error("{what} is {value}; it must be {rule}")]
+    Tool {
+        /// Name of the argument.
+        what: &'static str,
+        /// The value given.
+        value: f64,
+        /// What the value must be.
+        rule: &'static str,
+    },
     /// The period of a cycle is NaN, infinite or negative.
     #[error("the period is {value} s; it must be finite and not negative")]
     Period {

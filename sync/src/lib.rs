@@ -3,6 +3,9 @@
 //! [`PointToPoint`] moves `N` axes from rest to rest on an exactly straight line in joint space, as fast as the
 //! bounds of each axis on velocity, acceleration and jerk allow. All axes share one scalar motion, so they start and stop together.
 //!
+//! [`ProjectionSync`] takes them, and [`PoseProjectionSync`] a tool, from any state of motion to rest at a target that may change in any
+//! cycle, on a straight line as soon as the state permits.
+//!
 //! Positions are in radians and times in seconds; prismatic axes in metres work just as well, axis by axis.
 #![forbid(unsafe_code)]
 
@@ -14,4 +17,6 @@ pub mod so3;
 pub use error::SyncError;
 pub use nalgebra;
 pub use point_to_point::{AxisLimits, JointState, PointToPoint};
-pub use projection::{ProjectionStatus, ProjectionStep, ProjectionSync};
+pub use projection::{
+    PoseLimits, PoseProjectionSync, PoseState, PoseStep, ProjectionStatus, ProjectionStep, ProjectionSync,
+};
