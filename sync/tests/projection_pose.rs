@@ -96,10 +96,10 @@ fn run(sync: &mut PoseProjectionSync) -> Run {
         let unused = if let ProjectionStatus::Reached { unused } = status { unused } else { 0.0 };
         out.recovered |= status == ProjectionStatus::Recovering;
         let e = excess(&before, &state, &l, T - unused);
-        for i in 0..3 {
+        for (i, (worst, e)) in out.worst.iter_mut().zip(e).enumerate() {
             // What is left of a cycle may be too short to tell a jerk from round-off.
             if i < 2 || T - unused > 1e-4 {
-                out.worst[i] = out.worst[i].max(e[i]);
+                *worst = worst.max(e);
             }
         }
         out.duration += T - unused;
