@@ -62,4 +62,6 @@ pub use scurve::phases::Phase;
 pub use scurve::profile::{Adjust, Adjusted, SProfile};
 pub use scurve::solve::{distance_for_change, highest_speed_over, lowest_speed_over};
 pub use state::{MotionLaw, MotionState};
-pub use state_to_state::{AxisLimits, AxisState, PositionRange, StateToState, StateToStateError};
+pub use state_to_state::{
+    AxisLimits, AxisProblem, AxisState, Durations, PositionRange, StateToState, StateToStateError,
+};

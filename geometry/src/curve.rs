@@ -59,7 +59,8 @@ impl<const D: usize> Jet<D> {
         let b = self.d1.dot(&self.d2);
         let c = self.d1.dot(&self.d3) + self.d2.norm_squared();
         let iq = 1.0 / q;
-        let u1 = iq.sqrt();
+        // Not `iq.sqrt()`: the root need not wait for the division.
+        let u1 = q.sqrt() * iq;
         let u2 = -b * iq * iq;
         let u3 = (4.0 * b * b - q * c) * (iq * iq * iq * u1);
         Jet {

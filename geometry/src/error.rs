@@ -12,6 +12,24 @@ pub enum GeometryError {
     /// The degree is zero.
     #[error("degree is 0, but a curve needs degree 1 (a polyline) or more")]
     DegreeZero,
+    /// The degree is higher than any curve that can be evaluated.
+    #[error(
+        "degree {degree} is more than {limit}: binomial coefficients beyond it leave the range of f64; lower the degree"
+    )]
+    DegreeTooHigh {
+        /// The degree given.
+        degree: usize,
+        /// The highest degree.
+        limit: usize,
+    },
+    /// An orientation key is not a rotation.
+    #[error("orientation key {index} has {value} in its quaternion; give four finite numbers x y z w of a rotation")]
+    QuaternionNotFinite {
+        /// Which key, from 0.
+        index: usize,
+        /// The value found.
+        value: f64,
+    },
     /// Fewer control points than degree + 1.
     #[error("{points} control points are too few for degree {degree}: at least {} are needed; lower the degree or add points", degree + 1)]
     TooFewPoints {

@@ -49,7 +49,7 @@ impl<const D: usize> NurbsCurve<D> {
     /// When there are fewer than degree + 1 points, the degree is 0 or above 15, two consecutive points coincide, or a
     /// coordinate is not finite.
     pub fn interpolate(points: &[SVector<f64, D>], degree: usize, spacing: Spacing) -> Result<Fit<D>, GeometryError> {
-        check_input(points, degree, degree + 1)?;
+        check_input(points, degree, degree.saturating_add(1))?;
         interpolate(points, degree, spaced(points, spacing)?)
     }
 
@@ -68,7 +68,7 @@ impl<const D: usize> NurbsCurve<D> {
         tolerance: f64,
     ) -> Result<Fit<D>, GeometryError> {
         check_positive("tolerance", tolerance)?;
-        check_input(points, degree, degree + 1)?;
+        check_input(points, degree, degree.saturating_add(1))?;
         let parameters = spaced(points, spacing)?;
         let mut interior: Vec<f64> = Vec::new();
         for _ in 0..MAX_ROUNDS {

@@ -2,6 +2,18 @@
 
 use crate::error::GeometryError;
 
+/// Binomial coefficients of twice this degree are finite.
+const HIGHEST_DEGREE: usize = 500;
+
+/// A degree that curves can have.
+pub(crate) fn check_degree(degree: usize) -> Result<(), GeometryError> {
+    match degree {
+        0 => Err(GeometryError::DegreeZero),
+        1..=HIGHEST_DEGREE => Ok(()),
+        _ => Err(GeometryError::DegreeTooHigh { degree, limit: HIGHEST_DEGREE }),
+    }
+}
+
 /// A validated, non-decreasing knot vector for curves of one degree.
 ///
 /// The domain is `[knots[degree], knots[points]]`; clamped vectors (first and last knot repeated degree + 1 times) and
@@ -20,9 +32,7 @@ impl KnotVector {
     /// When the degree is 0, a knot is not finite, the knots decrease, a knot stands more than degree + 1 times, there
     /// are too few for one span, or the domain is empty.
     pub fn new(degree: usize, knots: Vec<f64>) -> Result<Self, GeometryError> {
-        if degree == 0 {
-            return Err(GeometryError::DegreeZero);
-        }
+        check_degree(degree)?;
         if knots.len() < 2 * (degree + 1) {
             return Err(GeometryError::TooFewPoints { points: knots.len().saturating_sub(degree + 1), degree });
         }
@@ -53,9 +63,7 @@ impl KnotVector {
     /// # Errors
     /// When the degree is 0 or there are fewer than degree + 1 points.
     pub fn clamped_uniform(degree: usize, points: usize) -> Result<Self, GeometryError> {
-        if degree == 0 {
-            return Err(GeometryError::DegreeZero);
-        }
+        check_degree(degree)?;
         if points < degree + 1 {
             return Err(GeometryError::TooFewPoints { points, degree });
         }

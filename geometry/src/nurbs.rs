@@ -6,7 +6,7 @@ use crate::bezier::{self, Homogeneous, to_centred_powers};
 use crate::curve::{Curve, Jet};
 use crate::decompose::span_control_points;
 use crate::error::GeometryError;
-use crate::knots::KnotVector;
+use crate::knots::{KnotVector, check_degree};
 
 /// Up to this degree a knot span is one polynomial piece; above it the span is halved, so that the centred power basis
 /// stays accurate to a few units in the last place whatever the degree.
@@ -77,9 +77,7 @@ impl<const D: usize> NurbsCurve<D> {
         knots: Vec<f64>,
     ) -> Result<Self, GeometryError> {
         const { assert!(D == 2 || D == 3, "curves live in the plane or in space") };
-        if degree == 0 {
-            return Err(GeometryError::DegreeZero);
-        }
+        check_degree(degree)?;
         if points.len() < degree + 1 {
             return Err(GeometryError::TooFewPoints { points: points.len(), degree });
         }

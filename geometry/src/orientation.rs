@@ -89,7 +89,7 @@ impl OrientationPath {
     /// Before the first and after the last key the orientation goes on as the spline does.
     ///
     /// # Errors
-    /// When there are fewer than two keys, or their arc lengths do not increase.
+    /// When there are fewer than two keys, their arc lengths do not increase, or a quaternion is not finite.
     pub fn through(keys: &[(f64, UnitQuaternion<f64>)]) -> Result<Self, GeometryError> {
         if keys.len() < 2 {
             return Err(GeometryError::TooFewPoints { points: keys.len(), degree: 1 });
@@ -100,6 +100,9 @@ impl OrientationPath {
             if !(key.0.is_finite() && key.0 > previous) {
                 let start = if index > 0 { previous } else { 0.0 };
                 return Err(GeometryError::OrientationKey { index, value: key.0, start, end: f64::INFINITY });
+            }
+            if let Some(&value) = key.1.coords.iter().find(|x| !x.is_finite()) {
+                return Err(GeometryError::QuaternionNotFinite { index, value });
             }
         }
         Ok(Self::Through(Through::new(keys)))

@@ -6,7 +6,7 @@ mod common;
 use std::f64::consts::{PI, TAU};
 
 use arcfeed_geometry::nalgebra::{Isometry3, UnitQuaternion, Vector3, vector};
-use arcfeed_geometry::{Curve, GeometryError, NurbsCurve};
+use arcfeed_geometry::{Curve, GeometryError, KnotVector, NurbsCurve};
 use common::de_boor;
 use common::random::{cases, curve, unclamped};
 use proptest::prelude::*;
@@ -204,4 +204,14 @@ fn hostile_edits_are_refused() {
     assert!(NurbsCurve::line(vector![0.0, f64::NAN], vector![1.0, 0.0]).is_err());
     let tilted = Isometry3::translation(f64::NAN, 0.0, 0.0);
     assert!(c.lifted().transformed(&tilted).is_err());
+}
+
+#[test]
+fn a_degree_beyond_all_use_is_refused_before_anything_overflows() {
+    for degree in [501, usize::MAX / 2, usize::MAX] {
+        let error = KnotVector::new(degree, vec![0.0, 1.0]).expect_err("too high");
+        assert!(matches!(error, GeometryError::DegreeTooHigh { .. }), "{error}");
+        assert!(NurbsCurve::<2>::bspline(degree, vec![], vec![]).is_err());
+        assert!(KnotVector::clamped_uniform(degree, 4).is_err());
+    }
 }

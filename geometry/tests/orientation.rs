@@ -257,3 +257,11 @@ proptest! {
         check_keys(&path, &keys);
     }
 }
+
+#[test]
+fn a_quaternion_that_is_not_a_number_is_refused_by_its_index() {
+    let good = UnitQuaternion::identity();
+    let bad = UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(f64::NAN, 0.0, 0.0, 0.0));
+    let error = OrientationPath::through(&[(0.0, good), (1.0, bad)]).expect_err("not a rotation");
+    assert!(matches!(error, GeometryError::QuaternionNotFinite { index: 1, .. }), "{error}");
+}

@@ -114,3 +114,95 @@ fn an_endless_motion_is_not_verified() {
         assert!(!result.as_ref().is_ok_and(|v| v.holds(1e-6)), "{duration} s hold: {result:?}");
     }
 }
+
+/// On a small curve with sharp bends and a long control period the peak of the normal jerk lay between the points that
+/// the planner bounded and those that the verification looked at.
+#[test]
+fn a_peak_between_the_samples_is_not_missed() {
+    let points = [
+        [0.30208555013430294, -0.23729530939784332, 0.13873308109837132],
+        [0.30181776774862284, -0.23977999105427844, 0.13781553776989333],
+        [0.30431660615110384, -0.2341687395698689, 0.14208992997236605],
+        [0.29900130279749165, -0.2368715751679512, 0.13876336245754908],
+        [0.3039759978912815, -0.2412331039272951, 0.13826142860191917],
+        [0.3023819949984762, -0.23870063956858192, 0.14314608371140597],
+        [0.29813319731251153, -0.23833440361934088, 0.14180167177949618],
+        [0.30411011062657095, -0.23528854166790142, 0.14430428962468012],
+        [0.3000523695737658, -0.23640150725834835, 0.13803041272606345],
+        [0.3002692504639956, -0.24150578576991666, 0.14311025294054733],
+    ];
+    let weights = vec![
+        1.0787736019999021,
+        1.8959839666689215,
+        0.7078005755397311,
+        1.3114722030382544,
+        1.7061921013546748,
+        1.742827043209806,
+        0.5831071957998701,
+        1.9093968085583395,
+        0.8637644547487716,
+        1.0731034097459264,
+    ];
+    let mut knots = vec![0.0; 5];
+    let spans = [
+        0.5102190527026235,
+        0.6960437612885193,
+        0.3154871904980457,
+        0.8727091595184764,
+        0.3150384668410981,
+        0.3944130669937037,
+    ];
+    for (i, span) in spans.iter().enumerate() {
+        let next = knots[knots.len() - 1] + span;
+        knots.extend(vec![next; if i == 5 { 5 } else { 1 }]);
+    }
+    let curve = NurbsCurve::new(4, points.map(Vector3::from).to_vec(), weights, knots).expect("a valid curve");
+    let down = UnitQuaternion::from_euler_angles(std::f64::consts::PI, 0.0, 0.0);
+    let path = PosePath::new(
+        ArcLengthCurve::new(curve, 1e-15).expect("a curve of some length"),
+        OrientationPath::Constant(down),
+    );
+    let arm = models::cr7();
+    let limits = arm
+        .range()
+        .with_rates(
+            Joints::repeat(1.0785187511629948),
+            Joints::repeat(3.5912201085154303),
+            Joints::repeat(375.61177008562095),
+        )
+        .expect("valid");
+    let tool = ToolLimits {
+        feed: 0.21096931205794667,
+        tangential_acceleration: 2.4906292510949273,
+        tangential_jerk: 153.59805801344237,
+        normal_acceleration: 1.1559040291987546,
+        normal_jerk: Some(55.61613716602325),
+    };
+    let start = best_start(&arm, &path, limits.lower(), limits.upper()).expect("in reach");
+    let (chord_tolerance, period) = (8.757132687754506e-6, 0.004731580506084866);
+    let planner = Planner::new(&arm, limits, tool).and_then(|p| p.with_period(period)).expect("valid");
+    let planner = planner.with_chord_tolerance(chord_tolerance).expect("valid");
+    let plan = planner.plan(path, &start).expect("it can be followed");
+    // Held against the same limits at a hundredth of the period.
+    let requirement =
+        Requirement { path: plan.path(), tool: &tool, joints: &limits, chord_tolerance, period: 0.01 * period };
+    let mut sampler = plan.sampler(&arm, period).expect("a valid period");
+    let dense = verify(&arm, &requirement, plan.duration(), |t| sampler.at(t)).expect("on the path");
+    assert!(dense.holds(1e-6), "{:?}", dense.worst());
+}
+
+/// On a straight line the tool turned back within a span, where the curve stands still; the plan ended in "continuity reaches
+/// 83977441 % of its limit".
+#[test]
+fn a_path_that_turns_back_on_itself_is_refused_with_its_place() {
+    let heights = [0.1, 0.035, 0.1, 0.1, 0.134, 0.1, 0.059];
+    let points = heights.map(|z| vector![0.3, 0.0, z]).to_vec();
+    let mut knots = vec![0.0; 4];
+    knots.extend([1.0, 2.0, 3.0]);
+    knots.extend([4.0; 4]);
+    let curve = NurbsCurve::bspline(3, points, knots).expect("a valid curve");
+    let error = ArcLengthCurve::new(curve, 1e-15).expect_err("it turns back");
+    let GeometryError::StandsStill { u, .. } = error else { panic!("{error}") };
+    // The first place where z'(u) = 0, on the first span: z = 0.1 - 0.065 (3 u (1 - u)^2) + ... falls, then rises.
+    assert!((0.0..1.0).contains(&u), "{error}");
+}

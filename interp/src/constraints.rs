@@ -14,12 +14,13 @@
 //! a box `v <= V, |a| <= A, |j| <= J` on every interval that satisfies all rows with every sign.
 
 use arcfeed_feedrate::{Segment, caps};
-use arcfeed_geometry::PosePath;
-use arcfeed_kinematics::{JointLimits, Joints};
+use arcfeed_geometry::{PoseJet, PosePath};
+use arcfeed_kinematics::{JointLimits, Joints, Twist};
+use nalgebra::Vector3;
 
 use crate::error::PlanError;
 use crate::joint_path::{JointJet, JointPath};
-use crate::limits::{AXES, ToolLimits};
+use crate::limits::ToolLimits;
 
 /// How the rows that couple speed, acceleration and jerk are shared out between them, as fractions of each joint's
 /// limit. What one of them leaves unused goes to the others.
@@ -35,9 +36,9 @@ pub struct Shares {
 
 /// Everything that bounds the speed along a path.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Bounds<'a> {
+pub(crate) struct Bounds<'a, const N: usize> {
     pub tool: &'a ToolLimits,
-    pub joints: &'a JointLimits<AXES>,
+    pub joints: &'a JointLimits<N>,
     /// Chord error between two control cycles, m.
     pub chord: f64,
     /// Control period, s.
@@ -47,34 +48,45 @@ pub(crate) struct Bounds<'a> {
     pub scale: f64,
 }
 
-/// One box per interval of the joint path, safe anywhere inside it.
-///
-/// At the grid points `stops` the tool stands, so that a jump of the derivatives there needs no bound.
-pub(crate) fn boxes(
-    path: &PosePath,
-    joints: &JointPath,
-    stops: &[usize],
-    bounds: &Bounds<'_>,
-) -> Result<Vec<Segment>, PlanError> {
-    let mut steps = acceleration_steps(joints);
-    for &i in stops {
-        steps[i] = Joints::zeros();
+/// Bounds of the path's derivatives on every interval: what the boxes are made from, once for a path.
+#[derive(Debug, Clone)]
+pub(crate) struct Reaches<const N: usize> {
+    intervals: Vec<Reach<N>>,
+    /// Jump of `q''` at every grid point.
+    steps: Vec<Joints<N>>,
+}
+
+impl<const N: usize> Reaches<N> {
+    /// At the grid points `stops` the tool stands, so that a jump of the derivatives there needs no bound.
+    pub fn of(path: &PosePath, joints: &JointPath<N>, stops: &[usize]) -> Self {
+        let mut steps = acceleration_steps(joints);
+        for &i in stops {
+            steps[i] = Joints::zeros();
+        }
+        let intervals = (0..joints.intervals())
+            .map(|i| {
+                let (start, end) = joints.interval(i);
+                Reach::of(path, start, end)
+            })
+            .collect();
+        Self { intervals, steps }
     }
-    (0..joints.intervals())
-        .map(|i| {
-            let (start, end) = joints.interval(i);
-            let reach = Reach::of(path, start, end);
-            let step = steps[i].zip_map(&steps[i + 1], f64::max);
-            let (v, a, j) = one_box(&reach, &step, bounds);
-            Ok(Segment::new(end.s - start.s, v, a, j)?)
-        })
-        .collect()
+
+    /// One box per interval, safe anywhere inside it.
+    pub fn boxes(&self, bounds: &Bounds<'_, N>) -> Result<Vec<Segment>, PlanError> {
+        let boxes = self.intervals.iter().zip(self.steps.windows(2)).map(|(reach, steps)| {
+            let step = steps[0].zip_map(&steps[1], f64::max);
+            let (v, a, j) = one_box(reach, &step, bounds);
+            Ok(Segment::new(reach.length, v, a, j)?)
+        });
+        boxes.collect()
+    }
 }
 
 /// Where the curvature of the joint path jumps (a path that is only tangent-continuous), joint acceleration steps by
 /// `|jump of q''| v^2`. No jerk limit can allow that in zero time, so it is spread over one control period. Returns the
 /// jump at every grid point, zero where there is none.
-fn acceleration_steps(joints: &JointPath) -> Vec<Joints<AXES>> {
+fn acceleration_steps<const N: usize>(joints: &JointPath<N>) -> Vec<Joints<N>> {
     (0..joints.nodes().len())
         .map(|i| {
             let (left, right) = joints.sides(i);
@@ -87,40 +99,77 @@ fn acceleration_steps(joints: &JointPath) -> Vec<Joints<AXES>> {
 }
 
 /// Bounds of the path's derivatives on one interval.
-struct Reach {
-    d1: Joints<AXES>,
-    d2: Joints<AXES>,
-    d3: Joints<AXES>,
+#[derive(Debug, Clone)]
+struct Reach<const N: usize> {
+    length: f64,
+    d1: Joints<N>,
+    d2: Joints<N>,
+    d3: Joints<N>,
     curvature: f64,
 }
 
-impl Reach {
-    fn of(path: &PosePath, start: &JointJet, end: &JointJet) -> Self {
+impl<const N: usize> Reach<N> {
+    fn of(path: &PosePath, start: &JointJet<N>, end: &JointJet<N>) -> Self {
         let h = end.s - start.s;
+        let inset = 1e-9 * h;
+        let tool = [start.s + inset, start.s + 0.5 * h, end.s - inset].map(|s| path.jet(s));
+        let misfit = Misfit::of(&tool, h);
         // Values and slopes at both ends give a cubic; its Bernstein coefficients enclose it.
         let enclose = |f0: f64, g0: f64, f1: f64, g1: f64| {
             f0.abs().max((f0 + h * g0 / 3.0).abs()).max((f1 - h * g1 / 3.0).abs()).max(f1.abs())
         };
-        let d1 = Joints::<AXES>::from_fn(|k, _| enclose(start.d1[k], start.d2[k], end.d1[k], end.d2[k]));
-        let d2 = Joints::<AXES>::from_fn(|k, _| enclose(start.d2[k], start.d3[k], end.d2[k], end.d3[k]));
-        // Of the third derivative only the ends are known: a margin for what lies between.
-        let d3 = Joints::<AXES>::from_fn(|k, _| {
-            let (a, b) = (start.d3[k], end.d3[k]);
-            a.abs().max(b.abs()) + 0.15 * (b - a).abs()
+        let d1 = Joints::<N>::from_fn(|k, _| enclose(start.d1[k], start.d2[k], end.d1[k], end.d2[k]));
+        let d2 = Joints::<N>::from_fn(|k, _| {
+            enclose(start.d2[k], start.d3[k], end.d2[k], end.d3[k]) * (1.0 + misfit.second)
         });
-        let inset = 1e-9 * h;
-        let (c0, c1) = (path.curve().jet(start.s + inset), path.curve().jet(end.s - inset));
-        let curvature = c0
-            .d2
-            .norm()
-            .max((c0.d2 + c0.d3 * (h / 3.0)).norm())
-            .max((c1.d2 - c1.d3 * (h / 3.0)).norm())
-            .max(c1.d2.norm());
-        Self { d1, d2, d3, curvature }
+        // Of the third derivative only the ends are known: a margin for what lies between.
+        let d3 = Joints::<N>::from_fn(|k, _| {
+            let (a, b) = (start.d3[k], end.d3[k]);
+            a.abs().max(b.abs()) * (1.0 + misfit.third) + 0.15 * (b - a).abs()
+        });
+        let [c0, _, c1] = tool.map(|jet| (linear(&jet.d2), linear(&jet.d3)));
+        let curvature = c0.0.norm().max((c0.0 + c0.1 * (h / 3.0)).norm()).max((c1.0 - c1.1 * (h / 3.0)).norm());
+        let curvature = curvature.max(c1.0.norm()) * (1.0 + misfit.second);
+        Self { length: h, d1, d2, d3, curvature }
     }
 }
 
-fn one_box(reach: &Reach, step: &Joints<AXES>, bounds: &Bounds<'_>) -> (f64, f64, f64) {
+/// How much the tool path's derivatives in the middle of an interval differ from what its ends foretell, relative to
+/// their size: by so much more than their ends say derivatives may reach in between.
+struct Misfit {
+    second: f64,
+    third: f64,
+}
+
+/// The peak between two points where a misfit was measured in the middle is higher than the middle, if a little.
+const PEAK: f64 = 1.25;
+
+impl Misfit {
+    fn of(tool: &[PoseJet; 3], h: f64) -> Self {
+        let [a, m, b] = tool;
+        let relative = |part: fn(&Twist) -> Vector3<f64>| {
+            let second = part(&m.d2) - (part(&a.d2) + part(&b.d2)) * 0.5 - (part(&a.d3) - part(&b.d3)) * (h / 8.0);
+            let third = part(&m.d3) - (part(&a.d3) + part(&b.d3)) * 0.5;
+            let size = |f: fn(&PoseJet) -> Twist| part(&f(a)).norm().max(part(&f(b)).norm());
+            let over = |x: f64, size: f64| if x > 0.0 { PEAK * x / size.max(f64::MIN_POSITIVE) } else { 0.0 };
+            // A derivative that is rounding is no measure of anything: it counts against the one below it.
+            let (s2, s3) = (size(|jet| jet.d2), size(|jet| jet.d3));
+            (over(second.norm(), s2.max(1e-6 * h * s3)), over(third.norm(), s3.max(1e-6 * s2 / h)))
+        };
+        let (by_shift, by_turn) = (relative(linear), relative(angular));
+        Self { second: by_shift.0.max(by_turn.0).min(1.0), third: by_shift.1.max(by_turn.1).min(1.0) }
+    }
+}
+
+fn linear(twist: &Twist) -> Vector3<f64> {
+    twist.fixed_rows::<3>(0).into_owned()
+}
+
+fn angular(twist: &Twist) -> Vector3<f64> {
+    twist.fixed_rows::<3>(3).into_owned()
+}
+
+fn one_box<const N: usize>(reach: &Reach<N>, step: &Joints<N>, bounds: &Bounds<'_, N>) -> (f64, f64, f64) {
     let (tool, joints, scale) = (bounds.tool, bounds.joints, bounds.scale);
     let kappa = reach.curvature;
     let mut v = tool.feed * scale;
@@ -132,7 +181,7 @@ fn one_box(reach: &Reach, step: &Joints<AXES>, bounds: &Bounds<'_>) -> (f64, f64
     let mut a = tool.tangential_acceleration * scale;
     let mut j = tool.tangential_jerk * scale;
     // First what acceleration and jerk may use at most, then the speed from what is left, then both again.
-    for k in 0..AXES {
+    for k in 0..N {
         let d1 = reach.d1[k];
         if d1 > 0.0 {
             v = v.min(joints.velocity()[k] * scale / d1);
@@ -140,8 +189,8 @@ fn one_box(reach: &Reach, step: &Joints<AXES>, bounds: &Bounds<'_>) -> (f64, f64
             j = j.min(bounds.shares.jerk * joints.jerk()[k] * scale / d1);
         }
     }
-    let mut left = Joints::<AXES>::zeros();
-    for k in 0..AXES {
+    let mut left = Joints::<N>::zeros();
+    for k in 0..N {
         let (d1, d2, d3) = (reach.d1[k], reach.d2[k], reach.d3[k]);
         left[k] = joints.jerk()[k] * scale - d1 * j;
         if d2 > 0.0 {
@@ -156,7 +205,7 @@ fn one_box(reach: &Reach, step: &Joints<AXES>, bounds: &Bounds<'_>) -> (f64, f64
             v = v.min((share * left[k] * bounds.period / step[k]).sqrt());
         }
     }
-    for k in 0..AXES {
+    for k in 0..N {
         let cross = 3.0 * reach.d2[k] * v;
         if cross > 0.0 {
             let spent = reach.d3[k] * v * v * v + step[k] * v * v / bounds.period;

@@ -32,7 +32,7 @@ pub enum PlanError {
         /// How far, rad.
         jump: f64,
         /// Where the joints would have gone on, rad.
-        predicted: [f64; 6],
+        predicted: Vec<f64>,
     },
     /// A joint reaches the end of its range on the path.
     #[error("at s = {s:.6} m joint {} would have to go on to about {value:.4} rad, outside its range [{lower:.4}, {upper:.4}]: start from a configuration with more room, turn the tool about its axis, or move the path", joint + 1)]
@@ -98,11 +98,11 @@ pub enum PlanError {
 
 impl PlanError {
     /// A joint that has used up its range shows as a jump to another turn or branch: says so, where the limits are known.
-    pub(crate) fn within(self, lower: &Joints<6>, upper: &Joints<6>) -> Self {
-        if let Self::BranchChange { s, predicted, .. } = self {
-            for (joint, value) in predicted.into_iter().enumerate() {
+    pub(crate) fn within<const N: usize>(self, lower: &Joints<N>, upper: &Joints<N>) -> Self {
+        if let Self::BranchChange { s, predicted, .. } = &self {
+            for (joint, &value) in predicted.iter().enumerate() {
                 if !(lower[joint]..=upper[joint]).contains(&value) {
-                    return Self::JointRange { s, joint, value, lower: lower[joint], upper: upper[joint] };
+                    return Self::JointRange { s: *s, joint, value, lower: lower[joint], upper: upper[joint] };
                 }
             }
         }

@@ -1,36 +1,30 @@
 //! The joint path: joint values and their derivatives by arc length, on a grid that knows the path's own knots.
 
 use arcfeed_geometry::{PoseJet, PosePath};
-use arcfeed_kinematics::{
-    AnalyticInverse, ForwardKinematics, InverseKinematics, Joints, ToolDerivatives, joint_derivatives, largest_step,
-};
+use arcfeed_kinematics::{AnalyticInverse, Joints, ToolDerivatives, largest_step};
 
+use crate::arm::PathArm;
 use crate::error::PlanError;
-use crate::limits::AXES;
-
-/// Below this smallest singular value of the Jacobian (rows in m and rad) a pose counts as singular: a tool speed of
-/// 1 m/s would ask some joint for 1000 rad/s.
-pub const MIN_SINGULAR_VALUE: f64 = 1e-3;
 
 /// Joint values and three derivatives by arc length at one place of a path.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct JointJet {
+pub struct JointJet<const N: usize = 6> {
     /// Arc length, m.
     pub s: f64,
     /// Joint values, rad.
-    pub q: Joints<AXES>,
+    pub q: Joints<N>,
     /// dq/ds, rad/m.
-    pub d1: Joints<AXES>,
+    pub d1: Joints<N>,
     /// d2q/ds2, rad/m^2.
-    pub d2: Joints<AXES>,
+    pub d2: Joints<N>,
     /// d3q/ds3, rad/m^3.
-    pub d3: Joints<AXES>,
+    pub d3: Joints<N>,
 }
 
-impl JointJet {
+impl<const N: usize> JointJet<N> {
     /// Joint values a distance `h` (m) further on, by the Taylor series to third order.
     #[inline]
-    pub fn ahead(&self, h: f64) -> Joints<AXES> {
+    pub fn ahead(&self, h: f64) -> Joints<N> {
         self.q + (self.d1 + (self.d2 / 2.0 + self.d3 * (h / 6.0)) * h) * h
     }
 }
@@ -40,9 +34,9 @@ impl JointJet {
 /// # Errors
 /// [`PlanError::Arm`] with the place.
 #[inline]
-pub fn joint_jet<A>(arm: &A, s: f64, tool: &PoseJet, seed: &Joints<AXES>) -> Result<JointJet, PlanError>
+pub fn joint_jet<A, const N: usize>(arm: &A, s: f64, tool: &PoseJet, seed: &Joints<N>) -> Result<JointJet<N>, PlanError>
 where
-    A: ForwardKinematics<AXES> + InverseKinematics<AXES> + ?Sized,
+    A: PathArm<N> + ?Sized,
 {
     let fail = |source| PlanError::Arm { s, position: tool.pose.translation.vector.into(), source };
     let q = arm.inverse(&tool.pose, seed).map_err(fail)?;
@@ -50,12 +44,12 @@ where
 }
 
 /// Derivatives by arc length at `s`, where the joints are known to be `q`.
-fn joint_jet_at<A>(arm: &A, s: f64, tool: &PoseJet, q: Joints<AXES>) -> Result<JointJet, PlanError>
+fn joint_jet_at<A, const N: usize>(arm: &A, s: f64, tool: &PoseJet, q: Joints<N>) -> Result<JointJet<N>, PlanError>
 where
-    A: ForwardKinematics<AXES> + ?Sized,
+    A: PathArm<N> + ?Sized,
 {
     let derivatives = ToolDerivatives { first: tool.d1, second: tool.d2, third: tool.d3 };
-    let d = joint_derivatives(arm, &q, &derivatives, MIN_SINGULAR_VALUE).map_err(|source| PlanError::Arm {
+    let d = arm.derivatives(&q, &derivatives).map_err(|source| PlanError::Arm {
         s,
         position: tool.pose.translation.vector.into(),
         source,
@@ -65,14 +59,14 @@ where
 
 /// Joint values and derivatives along a whole path, on a grid of arc lengths.
 #[derive(Debug, Clone)]
-pub struct JointPath {
+pub struct JointPath<const N: usize = 6> {
     /// Values from the right at each grid point.
-    right: Vec<JointJet>,
+    right: Vec<JointJet<N>>,
     /// Values from the left: they differ at the path's knots, where higher derivatives jump.
-    left: Vec<JointJet>,
+    left: Vec<JointJet<N>>,
 }
 
-impl JointPath {
+impl<const N: usize> JointPath<N> {
     /// Follows `path` from `start` over the increasing arc lengths `grid`, staying on one branch of the inverse.
     ///
     /// `start` is refined to the exact solution nearest to it. `knots` are the arc lengths where derivatives may jump;
@@ -80,22 +74,16 @@ impl JointPath {
     ///
     /// # Errors
     /// [`PlanError::Arm`] or [`PlanError::BranchChange`] with the place.
-    pub fn new<A>(
-        arm: &A,
-        path: &PosePath,
-        start: &Joints<AXES>,
-        grid: &[f64],
-        knots: &[f64],
-    ) -> Result<Self, PlanError>
+    pub fn new<A>(arm: &A, path: &PosePath, start: &Joints<N>, grid: &[f64], knots: &[f64]) -> Result<Self, PlanError>
     where
-        A: ForwardKinematics<AXES> + InverseKinematics<AXES> + ?Sized,
+        A: PathArm<N> + ?Sized,
     {
-        let (mut right, mut left) = (Vec::with_capacity(grid.len()), Vec::<JointJet>::with_capacity(grid.len()));
-        let mut last: Option<JointJet> = None;
+        let (mut right, mut left) = (Vec::with_capacity(grid.len()), Vec::<JointJet<N>>::with_capacity(grid.len()));
+        let mut last: Option<JointJet<N>> = None;
         let mut knot = 0;
         for &s in grid {
             // The Taylor series from the grid point before tells where to look, and how far off a jump would be.
-            let seed = last.map_or(*start, |jet: JointJet| jet.ahead(s - jet.s));
+            let seed = last.map_or(*start, |jet: JointJet<N>| jet.ahead(s - jet.s));
             let tool = path.jet(s);
             let jet = joint_jet(arm, s, &tool, &seed)?;
             if let Some(before) = last {
@@ -113,7 +101,7 @@ impl JointPath {
     }
 
     /// Grid points, with the derivatives from the right.
-    pub fn nodes(&self) -> &[JointJet] {
+    pub fn nodes(&self) -> &[JointJet<N>] {
         &self.right
     }
 
@@ -123,27 +111,27 @@ impl JointPath {
     }
 
     /// The two ends of interval `i`, each with the derivatives inside the interval.
-    pub fn interval(&self, i: usize) -> (&JointJet, &JointJet) {
+    pub fn interval(&self, i: usize) -> (&JointJet<N>, &JointJet<N>) {
         (&self.right[i], &self.left[i + 1])
     }
 
     /// Both one-sided values at grid point `i`: from the left, from the right.
-    pub fn sides(&self, i: usize) -> (&JointJet, &JointJet) {
+    pub fn sides(&self, i: usize) -> (&JointJet<N>, &JointJet<N>) {
         (&self.left[i], &self.right[i])
     }
 
     /// Joint values near `s`, good enough as a seed: Taylor series from the grid point before.
-    pub fn near(&self, s: f64) -> Joints<AXES> {
+    pub fn near(&self, s: f64) -> Joints<N> {
         let i = self.right.partition_point(|jet| jet.s <= s).saturating_sub(1);
         self.right[i].ahead(s - self.right[i].s)
     }
 }
 
 /// A step that misses the prediction by more than `allowed` (rad) is a change of branch.
-fn check_step(jet: &JointJet, predicted: &Joints<AXES>, allowed: f64) -> Result<(), PlanError> {
+fn check_step<const N: usize>(jet: &JointJet<N>, predicted: &Joints<N>, allowed: f64) -> Result<(), PlanError> {
     let (joint, jump) = largest_step(&jet.q, predicted);
     if jump > allowed {
-        return Err(PlanError::BranchChange { s: jet.s, joint, jump, predicted: (*predicted).into() });
+        return Err(PlanError::BranchChange { s: jet.s, joint, jump, predicted: predicted.iter().copied().collect() });
     }
     Ok(())
 }
@@ -153,14 +141,27 @@ fn check_step(jet: &JointJet, predicted: &Joints<AXES>, allowed: f64) -> Result<
 ///
 /// # Errors
 /// [`PlanError::Arm`] when the start is out of reach, [`PlanError::NoConfiguration`] when no branch gets to the end.
-pub fn best_start<A>(
+pub fn best_start<A, const N: usize>(
     arm: &A,
     path: &PosePath,
-    lower: &Joints<AXES>,
-    upper: &Joints<AXES>,
-) -> Result<Joints<AXES>, PlanError>
+    lower: &Joints<N>,
+    upper: &Joints<N>,
+) -> Result<Joints<N>, PlanError>
 where
-    A: ForwardKinematics<AXES> + InverseKinematics<AXES> + AnalyticInverse<AXES> + ?Sized,
+    A: PathArm<N> + AnalyticInverse<N> + ?Sized,
+{
+    best_start_of(arm, path, lower, upper).map(|(_, start)| start)
+}
+
+/// [`best_start`] with its quality: the more, the better.
+pub(crate) fn best_start_of<A, const N: usize>(
+    arm: &A,
+    path: &PosePath,
+    lower: &Joints<N>,
+    upper: &Joints<N>,
+) -> Result<(f64, Joints<N>), PlanError>
+where
+    A: PathArm<N> + AnalyticInverse<N> + ?Sized,
 {
     const WALK: usize = 64;
     let start = path.jet(0.0);
@@ -169,7 +170,7 @@ where
     let length = path.length();
     let grid: Vec<f64> = (0..=WALK).map(|i| length * i as f64 / WALK as f64).collect();
     let middle = (lower + upper) / 2.0;
-    let mut best: Option<(f64, Joints<AXES>)> = None;
+    let mut best: Option<(f64, Joints<N>)> = None;
     let mut farthest: Option<(f64, PlanError)> = None;
     for candidate in candidates.iter() {
         // The representative nearest to the middle of the joint ranges leaves most room for turning on.
@@ -189,29 +190,29 @@ where
         }
     }
     match (best, farthest) {
-        (Some((_, q)), _) => Ok(q),
+        (Some(best), _) => Ok(best),
         (None, Some((_, error))) => {
             Err(PlanError::NoConfiguration { candidates: candidates.len(), best: Box::new(error) })
         }
         // `inverse_all` is never empty, so one of the two is there.
-        (None, None) => Ok(middle),
+        (None, None) => Ok((0.0, middle)),
     }
 }
 
 /// [`walk`], and where a joint uses up its range on the way, again with that joint a turn further from that end of it.
 /// Returns the quality and the start that was used.
-fn walk_from_any_turn<A>(
+fn walk_from_any_turn<A, const N: usize>(
     arm: &A,
     path: &PosePath,
-    mut start: Joints<AXES>,
+    mut start: Joints<N>,
     grid: &[f64],
-    lower: &Joints<AXES>,
-    upper: &Joints<AXES>,
-) -> Result<(f64, Joints<AXES>), (f64, PlanError)>
+    lower: &Joints<N>,
+    upper: &Joints<N>,
+) -> Result<(f64, Joints<N>), (f64, PlanError)>
 where
-    A: ForwardKinematics<AXES> + InverseKinematics<AXES> + ?Sized,
+    A: PathArm<N> + ?Sized,
 {
-    for _ in 0..AXES {
+    for _ in 0..N {
         match walk(arm, path, &start, grid, lower, upper) {
             Err((s, PlanError::JointRange { joint, value, lower: low, upper: high, s: place })) => {
                 let turn = if value < low { std::f64::consts::TAU } else { -std::f64::consts::TAU };
@@ -228,21 +229,21 @@ where
 
 /// Least of (smallest singular value, distance to a joint limit / 10) on a coarse walk; or how far it got and why it
 /// stopped.
-fn walk<A>(
+fn walk<A, const N: usize>(
     arm: &A,
     path: &PosePath,
-    seed: &Joints<AXES>,
+    seed: &Joints<N>,
     grid: &[f64],
-    lower: &Joints<AXES>,
-    upper: &Joints<AXES>,
+    lower: &Joints<N>,
+    upper: &Joints<N>,
 ) -> Result<f64, (f64, PlanError)>
 where
-    A: ForwardKinematics<AXES> + InverseKinematics<AXES> + ?Sized,
+    A: PathArm<N> + ?Sized,
 {
-    let mut last: Option<JointJet> = None;
+    let mut last: Option<JointJet<N>> = None;
     let mut quality = f64::INFINITY;
     for &s in grid {
-        let near = last.map_or(*seed, |jet: JointJet| jet.q);
+        let near = last.map_or(*seed, |jet: JointJet<N>| jet.q);
         let jet = joint_jet(arm, s, &path.jet(s), &near).map_err(|e| (s, e))?;
         if let Some(before) = last {
             check_step(&jet, &before.ahead(s - before.s), 1.0).map_err(|e| (s, e.within(lower, upper)))?;

@@ -18,6 +18,8 @@
 //!
 //! | room | holds |
 //! |---|---|
+//! | `arm` | what is asked of an arm: [`PathArm`] |
+//! | `locked` | arms of seven joints: [`LockedArm`] |
 //! | `joint_path` | joint values and derivatives along the path, branch by continuity, best start |
 //! | `grid`, `constraints` | where and how limits become bounds |
 //! | `planner` | the way from path to verified plan |
@@ -25,26 +27,30 @@
 //! | `verify` | the independent check |
 //! | [`parameter`] | Taylor steps, closed-loop steps and the arc-length map behind one trait |
 //!
-//! Units: m, rad, s. Poses: tool in base. The arm is anything with
-//! [`ForwardKinematics<6>`](arcfeed_kinematics::ForwardKinematics) and
-//! [`InverseKinematics<6>`](arcfeed_kinematics::InverseKinematics).
+//! Units: m, rad, s. Poses: tool in base. The arm is any [`PathArm`]: of six joints, anything with
+//! [`ForwardKinematics`](arcfeed_kinematics::ForwardKinematics) and
+//! [`InverseKinematics`](arcfeed_kinematics::InverseKinematics).
 #![forbid(unsafe_code)]
 
+mod arm;
 mod constraints;
 mod error;
 mod grid;
 mod joint_path;
 mod limits;
+mod locked;
 pub mod parameter;
 mod planner;
 mod sampler;
 mod trajectory;
 mod verify;
 
+pub use arm::{MIN_SINGULAR_VALUE, PathArm};
 pub use constraints::Shares;
 pub use error::PlanError;
-pub use joint_path::{JointJet, JointPath, MIN_SINGULAR_VALUE, best_start, joint_jet};
-pub use limits::{AXES, ToolLimits};
+pub use joint_path::{JointJet, JointPath, best_start, joint_jet};
+pub use limits::ToolLimits;
+pub use locked::LockedArm;
 pub use planner::{Plan, Planner, Scan, Timings};
 pub use sampler::Sampler;
 pub use trajectory::Setpoint;

@@ -2,9 +2,6 @@
 
 use crate::error::PlanError;
 
-/// Number of joints of the arms this crate plans for.
-pub const AXES: usize = 6;
-
 /// Limits of the tool's motion along the path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ToolLimits {

@@ -6,13 +6,14 @@ use arcfeed_feedrate::{
     MotionLaw, Segment, SpeedPlan, plan_joined, plan_joined_at_once, plan_per_segment, plan_windowed,
 };
 use arcfeed_geometry::{PosePath, Segmentation, SegmentationMethod};
-use arcfeed_kinematics::{ForwardKinematics, InverseKinematics, JointLimits, Joints};
+use arcfeed_kinematics::{JointLimits, Joints};
 
-use crate::constraints::{self, Bounds, Shares};
+use crate::arm::PathArm;
+use crate::constraints::{Bounds, Reaches, Shares};
 use crate::error::PlanError;
 use crate::grid;
 use crate::joint_path::JointPath;
-use crate::limits::{AXES, ToolLimits, positive};
+use crate::limits::{ToolLimits, positive};
 use crate::sampler::Sampler;
 use crate::verify::{Requirement, Verification, verify};
 
@@ -72,9 +73,9 @@ pub enum Scan {
 /// # Ok(()) }
 /// ```
 #[derive(Debug, Clone)]
-pub struct Planner<'a, A: ?Sized> {
+pub struct Planner<'a, A: ?Sized, const N: usize = 6> {
     arm: &'a A,
-    joints: JointLimits<AXES>,
+    joints: JointLimits<N>,
     tool: ToolLimits,
     chord_tolerance: f64,
     period: f64,
@@ -94,16 +95,16 @@ pub struct Timings {
     pub verification: Duration,
 }
 
-impl<'a, A> Planner<'a, A>
+impl<'a, A, const N: usize> Planner<'a, A, N>
 where
-    A: ForwardKinematics<AXES> + InverseKinematics<AXES> + ?Sized,
+    A: PathArm<N> + ?Sized,
 {
     /// A planner for `arm` under limits of its joints and of the tool, with a chord tolerance of 1 um, a control period
     /// of 1 ms and the joined scan.
     ///
     /// # Errors
     /// When a limit is not a finite number above 0.
-    pub fn new(arm: &'a A, joints: JointLimits<AXES>, tool: ToolLimits) -> Result<Self, PlanError> {
+    pub fn new(arm: &'a A, joints: JointLimits<N>, tool: ToolLimits) -> Result<Self, PlanError> {
         tool.check()?;
         Ok(Self { arm, joints, tool, chord_tolerance: 1e-6, period: 1e-3, scan: Scan::Joined })
     }
@@ -141,7 +142,7 @@ where
     /// # Errors
     /// [`PlanError::Arm`] or [`PlanError::BranchChange`] where the arm cannot follow; [`PlanError::Unverified`] when no
     /// plan passes verification.
-    pub fn plan(&self, path: PosePath, start: &Joints<AXES>) -> Result<Plan, PlanError> {
+    pub fn plan(&self, path: PosePath, start: &Joints<N>) -> Result<Plan<N>, PlanError> {
         let mut plan = self.draft(path, start)?;
         let mut scale = 1.0;
         for _ in 0..ROUNDS {
@@ -160,7 +161,8 @@ where
             // Bounds between grid points are estimates; where they were too wide all are tightened by as much.
             scale *= 0.999 / worst.ratio.min(1.5);
             let begin = Instant::now();
-            (plan.bounds, plan.speed) = self.scan(&plan.path, &plan.joint_path, &plan.stops, scale)?;
+            let reaches = Reaches::of(&plan.path, &plan.joint_path, &plan.stops);
+            (plan.bounds, plan.speed) = self.scan(&reaches, &plan.stops, scale)?;
             plan.timings.scan += begin.elapsed();
         }
         let worst = plan.verification.as_ref().map(Verification::worst);
@@ -180,7 +182,7 @@ where
     ///
     /// # Errors
     /// As [`Planner::plan`].
-    pub fn draft(&self, path: PosePath, start: &Joints<AXES>) -> Result<Plan, PlanError> {
+    pub fn draft(&self, path: PosePath, start: &Joints<N>) -> Result<Plan<N>, PlanError> {
         let mut timings = Timings::default();
         let begin = Instant::now();
         let segmentation =
@@ -198,7 +200,8 @@ where
         let stops: Vec<usize> =
             path.corners(CORNER).iter().map(|corner| grid.partition_point(|&s| s < corner.s)).collect();
         let begin = Instant::now();
-        let (bounds, speed) = self.scan(&path, &joint_path, &stops, 1.0)?;
+        let reaches = Reaches::of(&path, &joint_path, &stops);
+        let (bounds, speed) = self.scan(&reaches, &stops, 1.0)?;
         timings.scan = begin.elapsed();
         Ok(Plan {
             path,
@@ -216,13 +219,7 @@ where
     }
 
     /// The fastest of the scans over the ways to share the limits, using the fraction `scale` of each.
-    fn scan(
-        &self,
-        path: &PosePath,
-        joint_path: &JointPath,
-        stops: &[usize],
-        scale: f64,
-    ) -> Result<(Vec<Segment>, SpeedPlan), PlanError> {
+    fn scan(&self, reaches: &Reaches<N>, stops: &[usize], scale: f64) -> Result<(Vec<Segment>, SpeedPlan), PlanError> {
         let with = |shares| {
             let bounds = Bounds {
                 tool: &self.tool,
@@ -232,7 +229,7 @@ where
                 shares,
                 scale,
             };
-            constraints::boxes(path, joint_path, stops, &bounds)
+            reaches.boxes(&bounds)
         };
         // The joined scans that go through at once are the quick ones, and the fastest plans are among them; the thorough
         // scan is for where none does.
@@ -284,9 +281,9 @@ fn between_stops<'b>(boxes: &'b [Segment], stops: &'b [usize]) -> impl Iterator<
 
 /// A motion along a path: where, how fast, and with which joints.
 #[derive(Debug, Clone)]
-pub struct Plan {
+pub struct Plan<const N: usize = 6> {
     path: PosePath,
-    joint_path: JointPath,
+    joint_path: JointPath<N>,
     segmentation: Segmentation,
     breaks: Vec<f64>,
     stops: Vec<usize>,
@@ -298,14 +295,14 @@ pub struct Plan {
     timings: Timings,
 }
 
-impl Plan {
+impl<const N: usize> Plan<N> {
     /// The tool path.
     pub fn path(&self) -> &PosePath {
         &self.path
     }
 
     /// Joint values and derivatives on the planning grid.
-    pub fn joint_path(&self) -> &JointPath {
+    pub fn joint_path(&self) -> &JointPath<N> {
         &self.joint_path
     }
 
@@ -368,9 +365,9 @@ impl Plan {
     ///
     /// # Errors
     /// When the period is not a finite number above 0.
-    pub fn sampler<'a, A>(&'a self, arm: &'a A, period: f64) -> Result<Sampler<'a, A>, PlanError>
+    pub fn sampler<'a, A>(&'a self, arm: &'a A, period: f64) -> Result<Sampler<'a, A, N>, PlanError>
     where
-        A: ForwardKinematics<AXES> + InverseKinematics<AXES> + ?Sized,
+        A: PathArm<N> + ?Sized,
     {
         positive("control period", period)?;
         Ok(Sampler::new(self, arm, period))
@@ -380,9 +377,9 @@ impl Plan {
     ///
     /// # Errors
     /// [`PlanError::Arm`] where a setpoint cannot be computed.
-    pub fn verify<A>(&self, arm: &A, tool: &ToolLimits, joints: &JointLimits<AXES>) -> Result<Verification, PlanError>
+    pub fn verify<A>(&self, arm: &A, tool: &ToolLimits, joints: &JointLimits<N>) -> Result<Verification, PlanError>
     where
-        A: ForwardKinematics<AXES> + InverseKinematics<AXES> + ?Sized,
+        A: PathArm<N> + ?Sized,
     {
         let requirement =
             Requirement { path: &self.path, tool, joints, chord_tolerance: self.chord_tolerance, period: self.period };

@@ -1,11 +1,11 @@
 //! From a plan to setpoints at the control period.
 
 use arcfeed_feedrate::{Cursor, MotionLaw};
-use arcfeed_kinematics::{ForwardKinematics, InverseKinematics, Joints};
+use arcfeed_kinematics::Joints;
 
+use crate::arm::PathArm;
 use crate::error::PlanError;
 use crate::joint_path::joint_jet;
-use crate::limits::AXES;
 use crate::planner::Plan;
 use crate::trajectory::Setpoint;
 
@@ -14,21 +14,21 @@ use crate::trajectory::Setpoint;
 /// `s(t)` is the plan's own piecewise-cubic law, the pose at `s` is exact, and the joints come from the closed-form
 /// inverse nearest to the setpoint before, so that nothing accumulates. Sampling allocates nothing.
 #[derive(Debug, Clone)]
-pub struct Sampler<'a, A: ?Sized> {
-    plan: &'a Plan,
+pub struct Sampler<'a, A: ?Sized, const N: usize = 6> {
+    plan: &'a Plan<N>,
     arm: &'a A,
     cursor: Cursor<'a>,
     period: f64,
     cycle: usize,
     cycles: usize,
-    seed: Joints<AXES>,
+    seed: Joints<N>,
 }
 
-impl<'a, A> Sampler<'a, A>
+impl<'a, A, const N: usize> Sampler<'a, A, N>
 where
-    A: ForwardKinematics<AXES> + InverseKinematics<AXES> + ?Sized,
+    A: PathArm<N> + ?Sized,
 {
-    pub(crate) fn new(plan: &'a Plan, arm: &'a A, period: f64) -> Self {
+    pub(crate) fn new(plan: &'a Plan<N>, arm: &'a A, period: f64) -> Self {
         let duration = plan.speed().duration();
         // The last full cycle may fall on the end to within rounding: then the end is not sampled twice.
         let cycles = (duration / period * (1.0 - 1e-12)).floor() as usize + 1;
@@ -53,7 +53,7 @@ where
     /// # Errors
     /// [`PlanError::Arm`] where the arm cannot stand; after a successful plan that does not happen on its path.
     #[inline]
-    pub fn at(&mut self, t: f64) -> Result<Setpoint, PlanError> {
+    pub fn at(&mut self, t: f64) -> Result<Setpoint<N>, PlanError> {
         let state = self.cursor.at(t);
         let tool = self.plan.path().jet(state.p);
         let jet = joint_jet(self.arm, state.p, &tool, &self.seed)?;
@@ -77,7 +77,7 @@ where
     /// # Errors
     /// As [`Sampler::at`].
     #[inline]
-    pub fn next_setpoint(&mut self) -> Option<Result<Setpoint, PlanError>> {
+    pub fn next_setpoint(&mut self) -> Option<Result<Setpoint<N>, PlanError>> {
         if self.cycle > self.cycles {
             return None;
         }
@@ -87,11 +87,11 @@ where
     }
 }
 
-impl<A> Iterator for Sampler<'_, A>
+impl<A, const N: usize> Iterator for Sampler<'_, A, N>
 where
-    A: ForwardKinematics<AXES> + InverseKinematics<AXES> + ?Sized,
+    A: PathArm<N> + ?Sized,
 {
-    type Item = Result<Setpoint, PlanError>;
+    type Item = Result<Setpoint<N>, PlanError>;
 
     fn next(&mut self) -> Option<Self::Item> {
         self.next_setpoint()

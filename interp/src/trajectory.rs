@@ -3,11 +3,9 @@
 use arcfeed_kinematics::Joints;
 use nalgebra::Isometry3;
 
-use crate::limits::AXES;
-
 /// What the joints do at one moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Setpoint {
+pub struct Setpoint<const N: usize = 6> {
     /// Time since the start, s.
     pub t: f64,
     /// Arc length along the path, m.
@@ -17,13 +15,13 @@ pub struct Setpoint {
     /// Tangential acceleration, m/s^2.
     pub acceleration: f64,
     /// Joint positions, rad.
-    pub q: Joints<AXES>,
+    pub q: Joints<N>,
     /// Joint velocities, rad/s.
-    pub qd: Joints<AXES>,
+    pub qd: Joints<N>,
     /// Joint accelerations, rad/s^2.
-    pub qdd: Joints<AXES>,
+    pub qdd: Joints<N>,
     /// Joint jerks, rad/s^3.
-    pub jerk: Joints<AXES>,
+    pub jerk: Joints<N>,
     /// Commanded tool pose in base.
     pub pose: Isometry3<f64>,
 }

@@ -5,16 +5,23 @@
 //! differences of the accelerations, which are averages of the true jerk and so never exceed its maximum; and each
 //! position and velocity is held against the one before, so that a jump cannot hide between samples.
 
+use std::collections::VecDeque;
+
 use arcfeed_geometry::PosePath;
 use arcfeed_kinematics::{ForwardKinematics, JointLimits, Joints};
 use nalgebra::Vector3;
 
 use crate::error::PlanError;
-use crate::limits::{AXES, ToolLimits};
+use crate::limits::ToolLimits;
 use crate::trajectory::Setpoint;
 
-/// Samples per control period.
+/// Samples per control period, at least.
 const DENSITY: usize = 8;
+/// And so many more, that they are no further apart than this, s: a bend takes the arm no less time when its controller is
+/// slow.
+const FINEST: f64 = 1.25e-4;
+/// But not more than this many per period.
+const DENSEST: usize = 4096;
 /// Motions with more samples than this are refused: more than three hours at 1 ms.
 const MOST_SAMPLES: f64 = 1e8;
 /// How far the tool may be turned away from the path's orientation, rad. Exact inverses stay below 1e-9; the step of any
@@ -120,13 +127,13 @@ pub struct Check {
 
 /// What a trajectory must keep.
 #[derive(Debug, Clone, Copy)]
-pub struct Requirement<'a> {
+pub struct Requirement<'a, const N: usize = 6> {
     /// The path the tool follows.
     pub path: &'a PosePath,
     /// Limits of the tool.
     pub tool: &'a ToolLimits,
     /// Limits of the joints.
-    pub joints: &'a JointLimits<AXES>,
+    pub joints: &'a JointLimits<N>,
     /// Largest chord error between two control cycles, m.
     pub chord_tolerance: f64,
     /// Control period, s.
@@ -181,7 +188,7 @@ struct Worst {
 }
 
 impl Worst {
-    fn see(&mut self, value: f64, at: &Setpoint) {
+    fn see<const N: usize>(&mut self, value: f64, at: &Setpoint<N>) {
         let ratio = value / self.check.limit;
         // A NaN, once seen, stays.
         if self.check.ratio.is_nan() {
@@ -195,32 +202,34 @@ impl Worst {
 
 /// Holds a trajectory of length `duration` (s) against `requirement`.
 ///
-/// `setpoint` gives the setpoint at a time; it is called with increasing times, eight per control period.
+/// `setpoint` gives the setpoint at a time; it is called with increasing times, eight per control period or
+/// more: at least one every 0.125 ms.
 ///
 /// # Errors
 /// [`PlanError::Limit`] for a duration that is not a finite number of 0 or more, [`PlanError::TooLong`] for one that
 /// would take too many samples; otherwise whatever `setpoint` returns.
-pub fn verify<A>(
+pub fn verify<A, const N: usize>(
     arm: &A,
-    requirement: &Requirement<'_>,
+    requirement: &Requirement<'_, N>,
     duration: f64,
-    mut setpoint: impl FnMut(f64) -> Result<Setpoint, PlanError>,
+    mut setpoint: impl FnMut(f64) -> Result<Setpoint<N>, PlanError>,
 ) -> Result<Verification, PlanError>
 where
-    A: ForwardKinematics<AXES> + ?Sized,
+    A: ForwardKinematics<N> + ?Sized,
 {
     if !(duration.is_finite() && duration >= 0.0) {
         return Err(PlanError::Limit { what: "duration", value: duration });
     }
     let mut tally = Tally::new(requirement);
-    let dt = requirement.period / DENSITY as f64;
+    let density = ((requirement.period / FINEST).ceil() as usize).max(DENSITY).min(DENSEST);
+    let dt = requirement.period / density as f64;
     let longest = MOST_SAMPLES * dt;
     if duration > longest {
         return Err(PlanError::TooLong { duration, longest });
     }
     let steps = (duration / dt * (1.0 - 1e-12)).floor() as usize;
     // Ring of the samples of the last control period.
-    let mut ring: Vec<Sample> = Vec::with_capacity(DENSITY + 1);
+    let mut ring: VecDeque<Sample<N>> = VecDeque::with_capacity(density + 1);
     for i in 0..=steps + 1 {
         let t = if i > steps { duration } else { i as f64 * dt };
         let sample = Sample::new(arm, requirement.path, setpoint(t)?);
@@ -231,26 +240,27 @@ where
         if i > steps {
             tally.end(&sample, requirement.path.length(), requirement);
         }
-        if let Some(before) = ring.last() {
-            tally.compare(before, &sample, requirement, &ring);
+        if let (Some(first), Some(before)) = (ring.front(), ring.back()) {
+            tally.compare(first, before, &sample, requirement);
         }
-        if ring.len() > DENSITY {
-            ring.remove(0);
+        if ring.len() > density {
+            ring.pop_front();
         }
-        ring.push(sample);
+        ring.push_back(sample);
         // One control cycle is complete: the path within it against its chord.
-        if ring.len() == DENSITY + 1 && i % DENSITY == 0 {
-            tally.chord(&ring);
+        if ring.len() == density + 1 && i % density == 0 {
+            tally.chord(ring.make_contiguous());
         }
     }
     // The last, shorter cycle.
-    tally.chord(&ring[ring.len().saturating_sub(steps % DENSITY + 2)..]);
+    let last = ring.len().saturating_sub(steps % density + 2);
+    tally.chord(&ring.make_contiguous()[last..]);
     Ok(Verification { checks: tally.worst.into_iter().map(|w| w.check).collect(), samples: steps + 2 })
 }
 
 /// A setpoint with what the tool really does there.
-struct Sample {
-    at: Setpoint,
+struct Sample<const N: usize> {
+    at: Setpoint<N>,
     position: Vector3<f64>,
     velocity: Vector3<f64>,
     /// Along the motion and across it.
@@ -263,8 +273,8 @@ struct Sample {
     misstated: f64,
 }
 
-impl Sample {
-    fn new<A: ForwardKinematics<AXES> + ?Sized>(arm: &A, path: &PosePath, at: Setpoint) -> Self {
+impl<const N: usize> Sample<N> {
+    fn new<A: ForwardKinematics<N> + ?Sized>(arm: &A, path: &PosePath, at: Setpoint<N>) -> Self {
         let configuration = arm.configuration(&at.q);
         let jacobian = configuration.jacobian();
         let linear = |v: arcfeed_kinematics::Twist| Vector3::new(v[0], v[1], v[2]);
@@ -290,33 +300,33 @@ impl Sample {
     }
 }
 
-struct Tally {
+struct Tally<const N: usize> {
     worst: Vec<Worst>,
-    lower: Joints<AXES>,
-    upper: Joints<AXES>,
+    lower: Joints<N>,
+    upper: Joints<N>,
     /// Arc lengths where the curvature of the path jumps.
     jumps: Vec<f64>,
 }
 
-/// Positions in `Tally::worst`: four joint quantities of `AXES` entries, then the others in the order of `Tally::new`.
-const POSITION: usize = 0;
-const VELOCITY: usize = AXES;
-const ACCELERATION: usize = 2 * AXES;
-const JERK: usize = 3 * AXES;
-const TOOL: usize = 4 * AXES;
-const TANGENTIAL: usize = TOOL + 1;
-const TANGENTIAL_JERK: usize = TOOL + 2;
-const NORMAL: usize = TOOL + 3;
-const CHORD: usize = TOOL + 4;
-const OFF_PATH: usize = TOOL + 5;
-const TURNED: usize = TOOL + 6;
-const CONTINUITY: usize = TOOL + 7;
-const ENDS: usize = TOOL + 8;
-const AGREEMENT: usize = TOOL + 9;
-const NORMAL_JERK: usize = TOOL + 10;
+impl<const N: usize> Tally<N> {
+    /// Positions in `Tally::worst`: four joint quantities of `N` entries, then the others in the order of `Tally::new`.
+    const POSITION: usize = 0;
+    const VELOCITY: usize = N;
+    const ACCELERATION: usize = 2 * N;
+    const JERK: usize = 3 * N;
+    const TOOL: usize = 4 * N;
+    const TANGENTIAL: usize = Self::TOOL + 1;
+    const TANGENTIAL_JERK: usize = Self::TOOL + 2;
+    const NORMAL: usize = Self::TOOL + 3;
+    const CHORD: usize = Self::TOOL + 4;
+    const OFF_PATH: usize = Self::TOOL + 5;
+    const TURNED: usize = Self::TOOL + 6;
+    const CONTINUITY: usize = Self::TOOL + 7;
+    const ENDS: usize = Self::TOOL + 8;
+    const AGREEMENT: usize = Self::TOOL + 9;
+    const NORMAL_JERK: usize = Self::TOOL + 10;
 
-impl Tally {
-    fn new(r: &Requirement<'_>) -> Self {
+    fn new(r: &Requirement<'_, N>) -> Self {
         let mut worst = Vec::new();
         let mut add = |quantity, joint, limit| {
             worst.push(Worst { check: Check { quantity, joint, value: 0.0, limit, ratio: 0.0, s: 0.0, t: 0.0 } });
@@ -328,7 +338,7 @@ impl Tally {
             (Quantity::JointAcceleration, *r.joints.acceleration()),
             (Quantity::JointJerk, *r.joints.jerk()),
         ] {
-            for joint in 0..AXES {
+            for joint in 0..N {
                 add(quantity, Some(joint), limits[joint]);
             }
         }
@@ -361,48 +371,48 @@ impl Tally {
         Self { worst, lower, upper, jumps }
     }
 
-    fn see(&mut self, index: usize, value: f64, at: &Setpoint) {
+    fn see(&mut self, index: usize, value: f64, at: &Setpoint<N>) {
         self.worst[index].see(value, at);
     }
 
     /// Limits on what happens at one moment.
-    fn look(&mut self, sample: &Sample) {
+    fn look(&mut self, sample: &Sample<N>) {
         let at = &sample.at;
-        for k in 0..AXES {
+        for k in 0..N {
             let middle = 0.5 * (self.lower[k] + self.upper[k]);
-            self.see(POSITION + k, (at.q[k] - middle).abs(), at);
-            self.see(VELOCITY + k, at.qd[k].abs(), at);
-            self.see(ACCELERATION + k, at.qdd[k].abs(), at);
+            self.see(Self::POSITION + k, (at.q[k] - middle).abs(), at);
+            self.see(Self::VELOCITY + k, at.qd[k].abs(), at);
+            self.see(Self::ACCELERATION + k, at.qdd[k].abs(), at);
         }
         let speed = sample.velocity.norm();
-        self.see(TOOL, speed, at);
-        self.see(TANGENTIAL, sample.tangential.abs(), at);
-        self.see(NORMAL, sample.normal, at);
-        self.see(OFF_PATH, sample.off_path, at);
-        self.see(TURNED, sample.turned, at);
-        let (feed, tangential) = (self.worst[TOOL].check.limit, self.worst[TANGENTIAL].check.limit);
+        self.see(Self::TOOL, speed, at);
+        self.see(Self::TANGENTIAL, sample.tangential.abs(), at);
+        self.see(Self::NORMAL, sample.normal, at);
+        self.see(Self::OFF_PATH, sample.off_path, at);
+        self.see(Self::TURNED, sample.turned, at);
+        let (feed, tangential) = (self.worst[Self::TOOL].check.limit, self.worst[Self::TANGENTIAL].check.limit);
         let misfit = ((at.feed - speed).abs() / feed)
             + ((at.acceleration - sample.tangential).abs() / tangential)
             + sample.misstated / ORIENTATION_TOLERANCE * ZERO;
-        self.see(AGREEMENT, misfit / ZERO, at);
+        self.see(Self::AGREEMENT, misfit / ZERO, at);
         // normal = kappa v^2, so that kappa^2 v^3 = normal^2 / v.
-        if self.worst.len() > NORMAL_JERK && speed > ZERO * feed {
-            self.see(NORMAL_JERK, sample.normal * sample.normal / speed, at);
+        if self.worst.len() > Self::NORMAL_JERK && speed > ZERO * feed {
+            self.see(Self::NORMAL_JERK, sample.normal * sample.normal / speed, at);
         }
     }
 
     /// The first and the last sample: at `s` on the path and at rest.
-    fn end(&mut self, sample: &Sample, s: f64, r: &Requirement<'_>) {
+    fn end(&mut self, sample: &Sample<N>, s: f64, r: &Requirement<'_, N>) {
         let at = &sample.at;
         let speed = at.qd.component_div(r.joints.velocity()).amax();
         let acceleration = at.qdd.component_div(r.joints.acceleration()).amax();
         let place = (at.s - s).abs() / r.path.length();
         // Not `max`: a NaN has to show.
-        self.see(ENDS, (speed + acceleration + place) / ZERO, at);
+        self.see(Self::ENDS, (speed + acceleration + place) / ZERO, at);
     }
 
-    /// Limits on what happens from one sample to the next.
-    fn compare(&mut self, before: &Sample, now: &Sample, r: &Requirement<'_>, ring: &[Sample]) {
+    /// Limits on what happens from one sample to the next; `first` is the one a control period ago.
+    fn compare(&mut self, first: &Sample<N>, before: &Sample<N>, now: &Sample<N>, r: &Requirement<'_, N>) {
         let (a, b) = (&before.at, &now.at);
         let dt = b.t - a.t;
         if dt <= 0.0 {
@@ -410,22 +420,21 @@ impl Tally {
         }
         let crosses = |from: f64, to: f64| self.jumps.iter().any(|&s| from <= s && s <= to);
         // Where the curvature itself jumps, acceleration has to step; a controller sees it spread over its period.
-        let base = if crosses(a.s, b.s) { ring.first().unwrap_or(before) } else { before };
-        let span = if std::ptr::eq(base, before) { dt } else { r.period };
-        let jumped = !std::ptr::eq(base, before) || ring.first().is_some_and(|f| crosses(f.at.s, b.s));
+        let (base, span) = if crosses(a.s, b.s) { (first, r.period) } else { (before, dt) };
+        let jumped = crosses(first.at.s, b.s);
         let jerk = (b.qdd - base.at.qdd) / span;
-        for k in 0..AXES {
-            self.see(JERK + k, jerk[k].abs(), b);
+        for k in 0..N {
+            self.see(Self::JERK + k, jerk[k].abs(), b);
             if !jumped {
-                self.see(JERK + k, b.jerk[k].abs(), b);
+                self.see(Self::JERK + k, b.jerk[k].abs(), b);
             }
         }
-        self.see(TANGENTIAL_JERK, ((now.tangential - before.tangential) / dt).abs(), b);
+        self.see(Self::TANGENTIAL_JERK, ((now.tangential - before.tangential) / dt).abs(), b);
 
         // A motion with jerk below J satisfies |q1 - q0 - dt (v0 + v1) / 2| <= J dt^3 / 12 and
         // |v1 - v0 - dt (a0 + a1) / 2| <= J dt^2 / 4; an acceleration step within a period adds J period to that.
         let step = if jumped { r.period } else { 0.0 };
-        for k in 0..AXES {
+        for k in 0..N {
             let limit = r.joints.jerk()[k];
             let q = b.q[k] - a.q[k] - 0.5 * dt * (a.qd[k] + b.qd[k]);
             let v = b.qd[k] - a.qd[k] - 0.5 * dt * (a.qdd[k] + b.qdd[k]);
@@ -434,19 +443,19 @@ impl Tally {
             let noise_v = 1e-12;
             let ratio_q = q.abs() / (limit * (dt / 12.0 + step / 8.0) * dt * dt + noise_q);
             let ratio_v = v.abs() / (limit * (dt / 4.0 + step / 2.0) * dt + noise_v);
-            self.see(CONTINUITY, ratio_q.max(ratio_v), b);
+            self.see(Self::CONTINUITY, ratio_q.max(ratio_v), b);
         }
     }
 
     /// The samples of one control cycle against the straight line between its first and last.
-    fn chord(&mut self, cycle: &[Sample]) {
+    fn chord(&mut self, cycle: &[Sample<N>]) {
         let (Some(first), Some(last)) = (cycle.first(), cycle.last()) else { return };
         let along = last.position - first.position;
         let length2 = along.norm_squared();
         for sample in cycle {
             let d = sample.position - first.position;
             let f = if length2 > 0.0 { (d.dot(&along) / length2).max(0.0).min(1.0) } else { 0.0 };
-            self.see(CHORD, (d - along * f).norm(), &sample.at);
+            self.see(Self::CHORD, (d - along * f).norm(), &sample.at);
         }
     }
 }

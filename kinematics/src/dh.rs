@@ -3,9 +3,10 @@
 use crate::{
     chain::Chain,
     error::KinematicsError,
-    joint::{Joint, JointKind},
+    joint::{Joint, JointKind, Joints},
+    traits::ForwardKinematics,
 };
-use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
 /// One row of a Denavit-Hartenberg table (m, rad). Which row `a` and `alpha` belong to is a matter of the convention.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,6 +77,111 @@ impl<const N: usize> Chain<N> {
         let joints = try_map(rows, |row| Joint::new(row.about_normal() * row.about_axis(), Vector3::z(), row.kind))?;
         Self::new(joints)
     }
+}
+
+/// A chain in standard Denavit-Hartenberg form: `base * A_1(q_1) * ... * A_N(q_N) * flange`, with
+/// `A_i = Rz(theta_i + q_i) Tz(d_i) Tx(a_i) Rx(alpha_i)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DhTable<const N: usize> {
+    /// From the working frame to frame 0 of the table.
+    pub base: Isometry3<f64>,
+    /// The table.
+    pub rows: [DhRow; N],
+    /// From frame N of the table to the flange.
+    pub flange: Isometry3<f64>,
+}
+
+/// Sine of the angle between axes, and their distance in m, below which they count as parallel or meeting.
+const DH_ROUNDING: f64 = 1e-9;
+
+impl<const N: usize> Chain<N> {
+    /// The chain in standard Denavit-Hartenberg form, tool left out: same zero, same senses of rotation.
+    ///
+    /// Frame 0 is the base itself if axis 1 is its z, and frame N the flange itself if its z is along axis N; otherwise
+    /// the table's base and flange hold the difference.
+    ///
+    /// # Errors
+    /// [`KinematicsError::NoDhForm`] if two axes are so nearly parallel that the form would not give the arm back to
+    /// 1e-9.
+    pub fn to_dh(&self) -> Result<DhTable<N>, KinematicsError> {
+        let bare = self.with_tool(Isometry3::identity())?;
+        let zero = bare.configuration(&Joints::zeros());
+        let (z, o) = (zero.axes(), zero.points());
+        let flange = bare.forward(&Joints::zeros());
+        if N == 0 {
+            return Ok(DhTable {
+                base: *self.base(),
+                rows: [DhRow::revolute(0.0, 0.0, 0.0, 0.0); N],
+                flange: *self.flange(),
+            });
+        }
+        let mut rows = [DhRow::revolute(0.0, 0.0, 0.0, 0.0); N];
+        // Frame 0: the base, moved onto axis 1 if that is elsewhere.
+        let base_z = self.base().rotation * Vector3::z();
+        let from_axis = o[0] - self.base().translation.vector;
+        let on_axis = base_z.cross(&z[0]).norm() < DH_ROUNDING
+            && base_z.dot(&z[0]) > 0.0
+            && z[0].cross(&from_axis).norm() < DH_ROUNDING;
+        let start = if on_axis { *self.base() } else { frame_on(&o[0], &z[0], &(self.base().rotation * Vector3::x())) };
+        let mut before = start;
+        for i in 0..N {
+            let here = before.translation.vector;
+            let x = before.rotation * Vector3::x();
+            let next = if i + 1 < N {
+                let across = z[i].cross(&z[i + 1]);
+                if across.norm() < DH_ROUNDING {
+                    // Parallel: of the common normals the one through the origin before.
+                    let foot = o[i + 1] + z[i + 1] * z[i + 1].dot(&(here - o[i + 1]));
+                    let normal = foot - here - z[i] * z[i].dot(&(foot - here));
+                    let direction = if normal.norm() < DH_ROUNDING { x } else { normal };
+                    frame_on(&foot, &z[i + 1], &direction)
+                } else {
+                    // The foot of the common normal on axis i + 1.
+                    let along = (o[i] - o[i + 1]).cross(&z[i]).dot(&across) / across.norm_squared();
+                    let foot = o[i + 1] - z[i + 1] * along;
+                    let normal = foot - o[i];
+                    let side =
+                        if normal.dot(&across).abs() < DH_ROUNDING { across.dot(&x) } else { normal.dot(&across) };
+                    frame_on(&foot, &z[i + 1], &(if side < 0.0 { -across } else { across }))
+                }
+            } else {
+                // Frame N: on axis N, at the flange if that is there.
+                let (p, turn) = (flange.translation.vector, flange.rotation);
+                let foot = o[i] + z[i] * z[i].dot(&(p - o[i]));
+                if (turn * Vector3::z() - z[i]).norm() < DH_ROUNDING && (p - foot).norm() < DH_ROUNDING {
+                    flange
+                } else {
+                    frame_on(&foot, &z[i], &(turn * Vector3::x()))
+                }
+            };
+            let step = before.inv_mul(&next);
+            let (r, p) = (step.rotation.to_rotation_matrix().into_inner(), step.translation.vector);
+            let theta = r[(1, 0)].atan2(r[(0, 0)]);
+            let a = p.x * theta.cos() + p.y * theta.sin();
+            rows[i] = DhRow { a, alpha: r[(2, 1)].atan2(r[(2, 2)]), d: p.z, theta, kind: self.joints()[i].kind() };
+            before = next;
+        }
+        let table = DhTable { base: start, rows, flange: before.inv_mul(&flange) };
+        let again = Self::from_dh(&rows)?.with_base(table.base)?;
+        let again = again.with_flange(again.flange() * table.flange)?;
+        let mut off = 0.0_f64;
+        for k in 0..4 {
+            let q = Joints::from_fn(|i, _| f64::from(k) * (0.3 + 0.2 * i as f64));
+            let (a, b) = (bare.configuration(&q), again.configuration(&q));
+            off = off.max((a.position() - b.position()).amax()).max((a.rotation() - b.rotation()).amax());
+        }
+        if off < DH_ROUNDING { Ok(table) } else { Err(KinematicsError::NoDhForm { deviation: off }) }
+    }
+}
+
+/// A frame at `origin` with z along `z` and x as near to `x` as that allows.
+fn frame_on(origin: &Vector3<f64>, z: &Vector3<f64>, x: &Vector3<f64>) -> Isometry3<f64> {
+    let flat = x - z * z.dot(x);
+    // Should x be along z, any direction across will do.
+    let flat = if flat.norm() < DH_ROUNDING { Vector3::new(z.y, z.z, -z.x).cross(z) } else { flat };
+    let x = flat.normalize();
+    let turn = Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[x, z.cross(&x), *z]));
+    Isometry3::from_parts((*origin).into(), UnitQuaternion::from_rotation_matrix(&turn))
 }
 
 /// `map` over an array, stopping at the first error.

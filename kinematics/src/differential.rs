@@ -103,3 +103,50 @@ pub fn joint_derivatives<A: ForwardKinematics<6> + ?Sized>(
     }
     Ok(JointDerivatives { first, second, third })
 }
+
+/// The joint derivatives of least norm, order by order, that follow a tool path with an arm of more than six joints.
+///
+/// At each order the tool's derivative is met exactly and the norm of the joints' derivative is least. Along a path these
+/// are not derivatives of one another, as the least second derivative is not that of the least first one: they serve
+/// control at one instant. To plan along a path, hold a joint ([`Arm::locked`](crate::Arm::locked)) and take
+/// [`joint_derivatives`].
+///
+/// # Errors
+/// As [`joint_derivatives`]; an arm of fewer than six joints is always [`KinematicsError::Singular`].
+pub fn least_norm_derivatives<const N: usize, A: ForwardKinematics<N> + ?Sized>(
+    arm: &A,
+    q: &Joints<N>,
+    tool: &ToolDerivatives,
+    min_singular_value: f64,
+) -> Result<JointDerivatives<N>, KinematicsError> {
+    let at = arm.configuration(q);
+    let jacobian = at.jacobian();
+    if !jacobian.iter().chain(q.iter()).all(|v| v.is_finite()) {
+        return Err(KinematicsError::NotFinite { what: "the joint vector" });
+    }
+    let sigma_min = if N < 6 { 0.0 } else { smallest_singular_value(&jacobian) };
+    let singular = || KinematicsError::Singular {
+        kind: arm.nearest_singularity(q),
+        sigma_min,
+        required: min_singular_value,
+        condition: condition_number(&jacobian),
+    };
+    if sigma_min < min_singular_value || sigma_min == 0.0 {
+        return Err(singular());
+    }
+    let lu = Lu6::new(&(jacobian * jacobian.transpose())).ok_or_else(singular)?;
+    let solve = |twist: &Twist| {
+        let once = jacobian.transpose() * lu.solve(twist);
+        // J J^T has the square of J's condition: one correction gives the digits back.
+        once + jacobian.transpose() * lu.solve(&(twist - jacobian * once))
+    };
+    let first = solve(&tool.first);
+    let second = solve(&(tool.second - at.acceleration_bias(&first)));
+    let third = solve(&(tool.third - at.jerk_bias(&first, &second)));
+    if !third.sum().is_finite() {
+        return Err(KinematicsError::NotFinite {
+            what: "a derivative of the tool path (or of a joint that follows it)",
+        });
+    }
+    Ok(JointDerivatives { first, second, third })
+}

@@ -20,11 +20,36 @@ impl std::fmt::Display for ReachSide {
     }
 }
 
+/// A part of an arm that has a name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// A joint.
+    Joint,
+    /// A link.
+    Link,
+}
+
+impl std::fmt::Display for Part {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Joint => "joint",
+            Self::Link => "link",
+        })
+    }
+}
+
+impl KinematicsError {
+    /// This error, told of a named part.
+    pub(crate) fn in_part(self, part: Part, name: &str) -> Self {
+        Self::InPart { part, name: name.to_owned(), source: Box::new(self) }
+    }
+}
+
 /// Everything that can go wrong in this crate.
 ///
 /// Joint indices in the fields count from 0, in the texts from 1 (as makers number their joints).
 #[non_exhaustive]
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum KinematicsError {
     /// A number that describes an arm, a target or a path is NaN or infinite.
     #[error("{what} is not finite: every number in it must be an ordinary number")]
@@ -67,6 +92,19 @@ pub enum KinematicsError {
         "no closed-form inverse for this arm: {rule}, but it is off by {deviation:.3e} (at most {tolerance:.1e} is corrected)"
     )]
     NotParallelAxis {
+        /// What the solver needs.
+        rule: &'static str,
+        /// By how much the arm misses it, rad or m.
+        deviation: f64,
+        /// How much is accepted, rad or m.
+        tolerance: f64,
+    },
+
+    /// The chain is not of the kind the closed-form solver is for.
+    #[error(
+        "no closed-form inverse for this arm: {rule}, but it is off by {deviation:.3e} (at most {tolerance:.1e} is corrected)"
+    )]
+    NotSphericalWrist {
         /// What the solver needs.
         rule: &'static str,
         /// By how much the arm misses it, rad or m.
@@ -133,5 +171,141 @@ pub enum KinematicsError {
         required: f64,
         /// Largest over smallest singular value.
         condition: f64,
+    },
+
+    /// A body that cannot exist, or numbers that are none.
+    #[error("{what} of a body is {value}: it must be {rule} ({bound})")]
+    InvalidInertial {
+        /// Which of its numbers.
+        what: &'static str,
+        /// The value that was given, kg, m or kg m^2.
+        value: f64,
+        /// The rule it breaks.
+        rule: &'static str,
+        /// The bound of the rule.
+        bound: f64,
+    },
+
+    /// The mass matrix is not positive definite.
+    #[error(
+        "the mass matrix is not positive definite: some joint moves no mass, or the bodies' parameters contradict each other; give the links mass or the joints rotor inertia"
+    )]
+    MassMatrix,
+
+    /// A setting breaks a rule.
+    #[error("{what} is {value}: it must be {rule}")]
+    InvalidSetting {
+        /// Which setting.
+        what: &'static str,
+        /// The value that was given.
+        value: f64,
+        /// The rule it breaks.
+        rule: &'static str,
+    },
+
+    /// No attempt of a numeric inverse ended at the target.
+    #[error(
+        "no joint values found: the best of {attempts} attempts stays {position:.3e} m and {orientation:.3e} rad from the target{}; it may be out of reach, or reachable only outside the joint range",
+        match .at_limit { Some(joint) => format!(" with joint {} at its limit", joint + 1), None => String::new() }
+    )]
+    NotConverged {
+        /// Distance of the tool point from the target in the best attempt, m.
+        position: f64,
+        /// Angle between tool and target there, rad.
+        orientation: f64,
+        /// How many attempts were made.
+        attempts: usize,
+        /// A joint that stands at a limit there, from 0.
+        at_limit: Option<usize>,
+    },
+
+    /// A joint that cannot be held there.
+    #[error(
+        "joint {} cannot be held at {value}: the value must be inside its range, and an arm of {joints} joints leaves {} (not {left})", .joint + 1, .joints - 1
+    )]
+    InvalidLock {
+        /// Which joint, from 0.
+        joint: usize,
+        /// Where it was to be held, rad (m).
+        value: f64,
+        /// How many joints the arm has.
+        joints: usize,
+        /// How many the other one was to have.
+        left: usize,
+    },
+
+    /// Joint values for another number of joints, or an arm with none or too many.
+    #[error("{given} joint values were given, but the arm has {expected} joints")]
+    JointCount {
+        /// How many there are.
+        given: usize,
+        /// How many there should be.
+        expected: usize,
+    },
+
+    /// Something is wrong with a joint or link that has a name.
+    #[error("{part} '{name}': {source}")]
+    InPart {
+        /// Joint or link.
+        part: Part,
+        /// Its name.
+        name: String,
+        /// What is wrong.
+        source: Box<KinematicsError>,
+    },
+
+    /// An axis in a file whose length is not 1.
+    #[error("the axis has length {length}, not 1: divide it by its length")]
+    NotUnitAxis {
+        /// Its length.
+        length: f64,
+    },
+
+    /// Something that is needed is not there.
+    #[error("there is no {what}")]
+    Missing {
+        /// What is missing.
+        what: &'static str,
+    },
+
+    /// A text that is not what it should be.
+    #[error("not a valid {format} description of an arm: {reason}")]
+    Unreadable {
+        /// The format: "URDF" or "JSON".
+        format: &'static str,
+        /// What the reader says.
+        reason: String,
+    },
+
+    /// A joint of a kind that no arm here has.
+    #[error("joints of type '{kind}' are not supported: revolute, continuous, prismatic and fixed are")]
+    UnsupportedJoint {
+        /// Its type.
+        kind: String,
+    },
+
+    /// A joint that copies another one.
+    #[error("it mimics joint '{of}': coupled joints are not supported")]
+    Mimic {
+        /// The joint it follows.
+        of: String,
+    },
+
+    /// The links and joints do not make a tree, or not the chain that was asked for.
+    #[error("{rule} (found: '{found}')")]
+    Structure {
+        /// The rule that is broken.
+        rule: &'static str,
+        /// The names that break it.
+        found: String,
+    },
+
+    /// The chain has no Denavit-Hartenberg form that gives it back.
+    #[error(
+        "no Denavit-Hartenberg table gives this arm back: the best is off by {deviation:.3e} m or rad, as axes are nearly parallel"
+    )]
+    NoDhForm {
+        /// By how much, m or rad.
+        deviation: f64,
     },
 }

@@ -125,3 +125,17 @@ impl<const N: usize> Configuration<N> {
 fn stack(linear: &Vector3<f64>, angular: &Vector3<f64>) -> Twist {
     Twist::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
 }
+
+/// The twist that leads from `at` to `target`, to first order.
+pub(crate) fn pose_error<const N: usize>(target: &Isometry3<f64>, at: &Configuration<N>) -> Twist {
+    let linear = target.translation.vector - at.position();
+    let wanted = target.rotation.to_rotation_matrix();
+    let angular: Vector3<f64> = (0..3)
+        .map(|i| {
+            let is: Vector3<f64> = at.rotation().column(i).into();
+            let should: Vector3<f64> = wanted.matrix().column(i).into();
+            is.cross(&should) * 0.5
+        })
+        .sum();
+    Twist::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
+}

@@ -1,7 +1,7 @@
 //! Joints, joint vectors and joint limits.
 
 use crate::error::KinematicsError;
-use nalgebra::{Isometry3, SVector, Unit, Vector3};
+use nalgebra::{Isometry3, SVector, Unit, UnitQuaternion, Vector3};
 
 /// One value per joint: rad for a revolute joint, m for a prismatic one (or their derivatives).
 pub type Joints<const N: usize> = SVector<f64, N>;
@@ -62,6 +62,16 @@ impl Joint {
     /// The axis, in the joint's own frame.
     pub fn axis(&self) -> &Unit<Vector3<f64>> {
         &self.axis
+    }
+
+    /// What the joint does at `value` (rad or m): from its frame at value 0 to the one after the motion.
+    pub fn motion(&self, value: f64) -> Isometry3<f64> {
+        match self.kind {
+            JointKind::Revolute => Isometry3::rotation(self.axis.into_inner() * value),
+            JointKind::Prismatic => {
+                Isometry3::from_parts((self.axis.into_inner() * value).into(), UnitQuaternion::identity())
+            }
+        }
     }
 
     /// Revolute or prismatic.

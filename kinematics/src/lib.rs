@@ -39,30 +39,49 @@
 #![forbid(unsafe_code)]
 
 mod analytic;
+mod any_arm;
 mod arm;
 mod branch;
 mod chain;
+mod closed_form;
+mod description;
 mod dh;
 mod differential;
+mod dynamics;
 mod error;
 mod jacobian;
 mod joint;
+#[cfg(feature = "json")]
+mod json;
 mod lu;
 pub mod models;
+mod normalised;
+mod numeric;
 mod singularity;
 mod traits;
 mod trig;
+#[cfg(feature = "urdf")]
+mod urdf;
 
 pub use nalgebra;
 
-pub use analytic::Solutions;
-pub use arm::ParallelAxisArm;
+pub use analytic::{ClosedForm, Solutions};
+pub use any_arm::{AnyArm, Dexterity};
+pub use arm::{Arm, DriveLimits, InverseMethod};
 pub use branch::{BranchTracker, Candidate, LimitExcess, largest_step, nearest_solution, nearest_turns};
 pub use chain::Chain;
-pub use dh::DhRow;
-pub use differential::{JointDerivatives, MIN_SINGULAR_VALUE, ToolDerivatives, joint_derivatives};
-pub use error::{KinematicsError, ReachSide};
+pub use closed_form::{ClosedFormArm, ParallelAxisArm, SphericalWristArm};
+pub use description::{ASSUMED_RANGE, ArmDescription, JointDescription};
+pub use dh::{DhRow, DhTable};
+pub use differential::{
+    JointDerivatives, MIN_SINGULAR_VALUE, ToolDerivatives, joint_derivatives, least_norm_derivatives,
+};
+pub use dynamics::{ArmDynamics, Dynamics, Friction, GRAVITY, Inertial, PathTorque};
+pub use error::{KinematicsError, Part, ReachSide};
 pub use jacobian::{Configuration, Jacobian, Twist};
 pub use joint::{Joint, JointKind, JointLimits, JointRange, Joints};
-pub use singularity::{SingularityKind, condition_number, manipulability, singular_values, smallest_singular_value};
+pub use numeric::{NullSpace, NumericArm, NumericSettings, NumericSolution};
+pub use singularity::{
+    SingularityDistances, SingularityKind, condition_number, manipulability, singular_values, smallest_singular_value,
+};
 pub use traits::{AnalyticInverse, ForwardKinematics, InverseKinematics};

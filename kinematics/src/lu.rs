@@ -1,4 +1,4 @@
-//! LU factors of a 6 x 6 matrix with row pivoting, on the stack.
+//! Small linear systems on the stack: LU factors of a 6 x 6 matrix with row pivoting, and Cholesky's method.
 
 use nalgebra::{Matrix6, Vector6};
 
@@ -67,4 +67,45 @@ fn eliminate<const K: usize>(rows: &mut [[f64; 6]; 6], order: &mut [usize; 6]) -
     }
     rows[K][K] = reciprocal;
     reciprocal.is_finite()
+}
+
+/// x of A x = `b` for a symmetric positive definite A, of which the lower triangle is read; none if it is not.
+#[inline]
+pub(crate) fn solve_positive<const K: usize>(mut a: [[f64; K]; K], b: [f64; K]) -> Option<[f64; K]> {
+    // A = L D L^T, with the reciprocals of D on the diagonal.
+    for j in 0..K {
+        for i in j..K {
+            let mut sum = a[i][j];
+            for k in 0..j {
+                // The upper triangle holds L D.
+                sum -= a[i][k] * a[k][j];
+            }
+            a[i][j] = sum;
+        }
+        let pivot = a[j][j];
+        if !(pivot > 0.0 && pivot.is_finite()) {
+            return None;
+        }
+        let reciprocal = 1.0 / pivot;
+        a[j][j] = reciprocal;
+        for i in j + 1..K {
+            a[j][i] = a[i][j];
+            a[i][j] *= reciprocal;
+        }
+    }
+    let mut x = b;
+    for i in 0..K {
+        for k in 0..i {
+            x[i] -= a[i][k] * x[k];
+        }
+    }
+    for i in 0..K {
+        x[i] *= a[i][i];
+    }
+    for i in (0..K).rev() {
+        for k in i + 1..K {
+            x[i] -= a[k][i] * x[k];
+        }
+    }
+    Some(x)
 }

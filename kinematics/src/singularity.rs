@@ -4,6 +4,7 @@
 //! two: compare them between poses of one arm, not between arms of different size.
 
 use crate::jacobian::Jacobian;
+use nalgebra::Vector3;
 
 /// Which kind of singular pose a six-joint arm is close to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,6 +34,37 @@ impl std::fmt::Display for SingularityKind {
             Self::Elbow => "elbow",
             Self::Shoulder => "shoulder",
         })
+    }
+}
+
+/// How far a six-joint arm is from its singular poses, kind by kind.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SingularityDistances {
+    /// Angle between the wrist's first and last axis, or its complement to a half turn: 0 where they line up, rad.
+    pub wrist: f64,
+    /// Angle between upper arm and forearm, likewise: 0 where the arm is stretched or folded, rad.
+    pub elbow: f64,
+    /// How far the wrist is from the plane through axis 1 that is parallel to axis 2, m.
+    pub shoulder: f64,
+    /// The nearest of the three, with the shoulder's distance taken relative to the size of the arm.
+    pub nearest: SingularityKind,
+}
+
+impl SingularityDistances {
+    pub(crate) fn new(wrist: f64, elbow: f64, shoulder: f64, size: f64) -> Self {
+        let nearest = if wrist <= elbow && wrist <= shoulder / size {
+            SingularityKind::Wrist
+        } else if elbow <= shoulder / size {
+            SingularityKind::Elbow
+        } else {
+            SingularityKind::Shoulder
+        };
+        Self { wrist, elbow, shoulder, nearest }
+    }
+
+    /// Angle between two lines, rad in [0, pi/2].
+    pub(crate) fn between_lines(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
+        a.cross(b).norm().atan2(a.dot(b).abs())
     }
 }
 

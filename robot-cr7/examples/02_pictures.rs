@@ -8,7 +8,7 @@ use std::path::Path;
 
 use arcfeed_geometry::Curve;
 use robot_cr7::plot::{
-    Along, JointQuantity, Line, feed_picture, joint_picture, lines_picture, path_picture, save_picture,
+    Along, Bound, JointQuantity, Line, feed_picture, joint_picture, lines_picture, path_picture, save_picture,
 };
 use robot_cr7::{PathGeometry, butterfly};
 
@@ -68,7 +68,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .map(|j| t.iter().map(|t| (0.3 * f64::from(j)) * (TAU * t / 5.4 * f64::from(j)).sin().powi(3)).collect())
         .collect();
     let values: [&[f64]; 6] = std::array::from_fn(|j| joints[j].as_slice());
-    let svg = joint_picture("Butterfly", JointQuantity::Velocity, &t, &values, &[PI, PI, PI, 1.2, 1.6, 1.7])?;
+    let svg = joint_picture(
+        "Butterfly",
+        JointQuantity::Velocity,
+        &t,
+        &values,
+        &[PI, PI, PI, 1.2, 1.6, 1.7].map(Bound::Constant),
+        &[],
+    )?;
     save("joint_velocity.svg", svg)?;
 
     let series: Vec<Vec<(f64, f64)>> =

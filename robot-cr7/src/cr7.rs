@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 use arcfeed_geometry::{
     ArcLengthCurve, GeometryError, NurbsCurve, OrientationPath, PosePath, SegmentationMethod, Spacing,
 };
-use arcfeed_interp::{Plan, PlanError, Planner, Quantity, Scan as PlanScan, Setpoint, ToolLimits, best_start};
-use arcfeed_kinematics::{Joints, KinematicsError};
+use arcfeed_interp::{PathArm, Plan, PlanError, Planner, Quantity, Scan as PlanScan, Setpoint, ToolLimits, best_start};
+use arcfeed_kinematics::{JointLimits, Joints, KinematicsError, ParallelAxisArm};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use thiserror::Error;
 
@@ -44,6 +44,16 @@ pub enum Cr7Error {
     /// A tool frame or a joint limit is unusable: exit code 2.
     #[error("the arm of the job: {0}")]
     Arm(#[from] KinematicsError),
+    /// A list of joint limits in the job has another length than the arm has joints: exit code 2.
+    #[error("{key} of the job lists {given} numbers, but the arm has {joints} joints: give one number, or {joints}")]
+    JointCount {
+        /// Key of the job.
+        key: &'static str,
+        /// How many numbers it lists.
+        given: usize,
+        /// How many joints there are.
+        joints: usize,
+    },
     /// The path cannot be planned: exit code 1.
     #[error("{file}: {source}{hint}")]
     Plan {
@@ -56,13 +66,14 @@ pub enum Cr7Error {
     },
 }
 
-/// A planned and verified motion with all that a report needs.
+/// A planned and verified motion of an arm of type `A` with `N` joints, with all that a report needs.
 #[derive(Debug, Clone)]
-pub struct Motion {
+pub struct Motion<A = ParallelAxisArm, const N: usize = 6> {
     name: String,
-    cr7: Cr7,
+    arm: A,
+    limits: JointLimits<N>,
     tool: ToolLimits,
-    plan: Plan,
+    plan: Plan<N>,
     preparation: Duration,
     warnings: Vec<String>,
 }
@@ -83,10 +94,30 @@ pub struct Motion {
 /// # Errors
 /// [`Cr7Error`], naming the file and the place.
 pub fn plan(job: &Job, file: &PathFile) -> Result<Motion, Cr7Error> {
+    let cr7 = Cr7::of(job)?;
+    plan_with(job, file, cr7.limits(), |path| {
+        let start = best_start(cr7.arm(), path, cr7.limits().lower(), cr7.limits().upper())?;
+        Ok((*cr7.arm(), start))
+    })
+}
+
+/// Plans the motion that `job` describes along the path of `file` with any arm: `arm_for` gives the arm, tool included, and
+/// the joints to start from, once the path is known. The joint limits of the job are not looked at, but `limits`.
+///
+/// # Errors
+/// [`Cr7Error`], naming the file and the place.
+pub fn plan_with<A, const N: usize>(
+    job: &Job,
+    file: &PathFile,
+    limits: &JointLimits<N>,
+    arm_for: impl FnOnce(&PosePath) -> Result<(A, Joints<N>), PlanError>,
+) -> Result<Motion<A, N>, Cr7Error>
+where
+    A: PathArm<N>,
+{
     let begin = Instant::now();
     let shown = file.file.display().to_string();
     let curve_error = |source| Cr7Error::Curve { file: shown.clone(), source };
-    let cr7 = arm_of(job)?;
     let curve = file
         .curve_with(|points| {
             let degree = FIT_DEGREE.min(points.len().saturating_sub(1));
@@ -113,12 +144,12 @@ pub fn plan(job: &Job, file: &PathFile) -> Result<Motion, Cr7Error> {
         (Scan::Joined, _) => PlanScan::Joined,
         (Scan::Segments, window) => PlanScan::PerSegment { window },
     };
-    let planner = Planner::new(cr7.arm(), *cr7.limits(), tool)
+    let (arm, start) = arm_for(&path).map_err(plan_error)?;
+    let planner = Planner::new(&arm, *limits, tool)
         .and_then(|p| p.with_chord_tolerance(job.chord_tolerance))
         .and_then(|p| p.with_period(job.period))
         .map_err(plan_error)?
         .with_scan(scan);
-    let start = best_start(cr7.arm(), &path, cr7.limits().lower(), cr7.limits().upper()).map_err(plan_error)?;
     let preparation = begin.elapsed();
     let plan = planner.plan(path, &start).map_err(plan_error)?;
     let mut warnings = file.warnings.clone();
@@ -126,17 +157,7 @@ pub fn plan(job: &Job, file: &PathFile) -> Result<Motion, Cr7Error> {
     if plan.stops().len() > 0 {
         warnings.push(format!("the path has {} corners, where the tool stops", plan.stops().len()));
     }
-    Ok(Motion { name: file.name.clone(), cr7, tool, plan, preparation, warnings })
-}
-
-fn arm_of(job: &Job) -> Result<Cr7, KinematicsError> {
-    let or = |given: Option<[f64; 6]>, assumed: f64| given.map_or(Joints::repeat(assumed), Joints::from);
-    Cr7::with_limits(
-        job.tool,
-        or(job.joints.velocity, crate::model::VELOCITY),
-        or(job.joints.acceleration, crate::model::ACCELERATION),
-        or(job.joints.jerk, crate::model::JERK),
-    )
+    Ok(Motion { name: file.name.clone(), arm, limits: *limits, tool, plan, preparation, warnings })
 }
 
 fn orientation_of(job: &Job, curve: &ArcLengthCurve<3>) -> Result<OrientationPath, GeometryError> {
@@ -171,15 +192,20 @@ fn unit_hint(error: &PlanError) -> String {
     }
 }
 
-impl Motion {
+impl<A: PathArm<N>, const N: usize> Motion<A, N> {
     /// Name of the path.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The arm with its limits.
-    pub fn cr7(&self) -> &Cr7 {
-        &self.cr7
+    /// The arm, tool included.
+    pub fn arm(&self) -> &A {
+        &self.arm
+    }
+
+    /// Limits of its joints.
+    pub fn joint_limits(&self) -> &JointLimits<N> {
+        &self.limits
     }
 
     /// Limits of the tool.
@@ -188,7 +214,7 @@ impl Motion {
     }
 
     /// The plan: path, speed, bounds, verification.
-    pub fn plan(&self) -> &Plan {
+    pub fn plan(&self) -> &Plan<N> {
         &self.plan
     }
 
@@ -207,8 +233,8 @@ impl Motion {
     ///
     /// # Errors
     /// Never for a motion that was planned; the signature is the sampler's.
-    pub fn sampler(&self) -> Result<arcfeed_interp::Sampler<'_, arcfeed_kinematics::ParallelAxisArm>, PlanError> {
-        self.plan.sampler(self.cr7.arm(), self.plan.period())
+    pub fn sampler(&self) -> Result<arcfeed_interp::Sampler<'_, A, N>, PlanError> {
+        self.plan.sampler(&self.arm, self.plan.period())
     }
 
     /// The report of the motion; `samples` setpoints were computed in `sampling`.
@@ -261,7 +287,7 @@ impl Motion {
 }
 
 /// A setpoint as a row of the trajectory file.
-pub fn trajectory_row(setpoint: &Setpoint) -> TrajectoryRow {
+pub fn trajectory_row<const N: usize>(setpoint: &Setpoint<N>) -> TrajectoryRow<N> {
     let q = setpoint.pose.rotation.quaternion();
     TrajectoryRow {
         t: setpoint.t,
@@ -295,14 +321,14 @@ fn limit_lines(verification: &arcfeed_interp::Verification) -> Vec<LimitLine> {
             value: c.value,
             limit: c.limit,
             ratio: c.ratio,
-            at_s_m: c.s,
+            at_s_m: Some(c.s),
             at_t_s: c.t,
         })
         .collect()
 }
 
 /// Points of each chord segment, dense enough to be drawn as a curve, seen along the workpiece's z axis (m).
-pub fn drawn_segments(plan: &Plan, workpiece: &nalgebra::Isometry3<f64>) -> Vec<Vec<[f64; 2]>> {
+pub fn drawn_segments<const N: usize>(plan: &Plan<N>, workpiece: &nalgebra::Isometry3<f64>) -> Vec<Vec<[f64; 2]>> {
     let inverse = workpiece.inverse();
     let curve = plan.path().curve();
     plan.breaks()

@@ -5,15 +5,14 @@
 
 use std::path::{Path, PathBuf};
 
-use nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Unit, UnitQuaternion, Vector3};
 
-use crate::error::{InputError, line_column, read_text, text_of};
-use crate::job_file::{PerJoint, RawFrame, RawJob, RawMode, RawOrientation, RawScan};
+use crate::error::{InputError, read_text, text_of};
+use crate::job_file::{RawJob, RawMode, RawOrientation, RawScan};
+use crate::toml_check::{Check, read_toml, rotation};
 use crate::unit::LengthUnit;
 
 const EXPECTED: &str = "a TOML job such as jobs/butterfly.toml";
-/// Longest tool and farthest workpiece that can be meant with an arm that reaches less than a metre, in metres.
-const FARTHEST: f64 = 100.0;
 
 /// How the tool is turned along the path, in the workpiece frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,14 +49,36 @@ pub struct FeedLimits {
 }
 
 /// Joint limits that replace those of the arm's model, all above 0.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct JointOverrides {
     /// Velocity in rad/s.
-    pub velocity: Option<[f64; 6]>,
+    pub velocity: Option<JointValues>,
     /// Acceleration in rad/s^2.
-    pub acceleration: Option<[f64; 6]>,
+    pub acceleration: Option<JointValues>,
     /// Jerk in rad/s^3.
-    pub jerk: Option<[f64; 6]>,
+    pub jerk: Option<JointValues>,
+}
+
+/// A value for the joints of an arm whose number the job does not know.
+#[derive(Debug, Clone, PartialEq)]
+pub enum JointValues {
+    /// The same for all joints.
+    All(f64),
+    /// One for each joint.
+    Each(Vec<f64>),
+}
+
+impl JointValues {
+    /// The values for an arm of `N` joints.
+    ///
+    /// # Errors
+    /// How many there are, when that is another number.
+    pub fn of<const N: usize>(&self) -> Result<[f64; N], usize> {
+        match self {
+            Self::All(value) => Ok([*value; N]),
+            Self::Each(values) => <[f64; N]>::try_from(values.as_slice()).map_err(|_| values.len()),
+        }
+    }
 }
 
 /// How the speed is planned over the segments.
@@ -152,38 +173,22 @@ impl Job {
     }
 
     fn parse(text: &str, file: &Path) -> Result<Self, InputError> {
-        let raw: RawJob = toml::from_str(text).map_err(|e| {
-            let (line, column) = e.span().map_or((1, 1), |span| line_column(text, span.start));
-            let message = e.message().replace('\n', ": ");
-            let hint = if message.contains("unknown field") {
-                "; remove the key, or correct its spelling (jobs/butterfly.toml shows all)"
-            } else if message.contains("unknown variant") {
-                "; choose one of those"
-            } else {
-                "; jobs/butterfly.toml shows every key with its form"
-            };
-            InputError::Syntax { file: file.to_owned(), line, column, message, hint: hint.to_owned() }
-        })?;
-        Check { text, file, warnings: Vec::new() }.job(&raw)
+        let raw: RawJob = read_toml(text, file, "jobs/butterfly.toml")?;
+        JobCheck(Check::new(text, file)).job(&raw)
     }
 }
 
-/// The checks of one file, with what a message needs.
-struct Check<'a> {
-    text: &'a str,
-    file: &'a Path,
-    warnings: Vec<String>,
-}
+/// The checks of a job.
+struct JobCheck<'a>(Check<'a>);
 
-const FINITE: (&str, &str) = ("it has to be a finite number", "write a plain number");
-
-impl Check<'_> {
+impl JobCheck<'_> {
     fn job(mut self, raw: &RawJob) -> Result<Job, InputError> {
         let default = Job::default();
         let csv_unit = raw.path.csv_unit.as_deref().map(|symbol| {
             LengthUnit::from_symbol(symbol).ok_or_else(|| InputError::UnknownUnit {
-                file: self.file.to_owned(),
+                file: self.0.file.to_owned(),
                 place: self
+                    .0
                     .line_of("path.csv_unit")
                     .map_or("path.csv_unit".into(), |l| format!("path.csv_unit (line {l})")),
                 unit: symbol.to_owned(),
@@ -191,40 +196,45 @@ impl Check<'_> {
         });
         let mm = 1e3;
         let feed = FeedLimits {
-            feed: self.limit("feed.feed_mm_s", raw.feed.feed_mm_s, mm)?.unwrap_or(default.feed.feed),
+            feed: self.0.limit("feed.feed_mm_s", raw.feed.feed_mm_s, mm)?.unwrap_or(default.feed.feed),
             tangential_acceleration: self
+                .0
                 .limit("feed.tangential_acceleration_mm_s2", raw.feed.tangential_acceleration_mm_s2, mm)?
                 .unwrap_or(default.feed.tangential_acceleration),
             tangential_jerk: self
+                .0
                 .limit("feed.tangential_jerk_mm_s3", raw.feed.tangential_jerk_mm_s3, mm)?
                 .unwrap_or(default.feed.tangential_jerk),
             normal_acceleration: self
+                .0
                 .limit("feed.normal_acceleration_mm_s2", raw.feed.normal_acceleration_mm_s2, mm)?
                 .unwrap_or(default.feed.normal_acceleration),
-            normal_jerk: self.limit("feed.normal_jerk_mm_s3", raw.feed.normal_jerk_mm_s3, mm)?,
+            normal_jerk: self.0.limit("feed.normal_jerk_mm_s3", raw.feed.normal_jerk_mm_s3, mm)?,
         };
         if raw.feed.feed_mm_s.is_some_and(|v| v < 1.0) {
-            self.warn("feed.feed_mm_s", feed.feed * 1e3, "mm/s is very slow: did you mean m/s? Write 1000 for 1 m/s");
+            self.0.warn("feed.feed_mm_s", feed.feed * 1e3, "mm/s is very slow: did you mean m/s? Write 1000 for 1 m/s");
         }
         let job = Job {
-            path_file: raw.path.file.as_ref().map(|p| self.file.parent().unwrap_or(Path::new("")).join(p)),
+            path_file: raw.path.file.as_ref().map(|p| self.0.file.parent().unwrap_or(Path::new("")).join(p)),
             csv_unit: csv_unit.transpose()?,
             fit_tolerance: self
+                .0
                 .limit("path.fit_tolerance_mm", raw.path.fit_tolerance_mm, mm)?
                 .unwrap_or(default.fit_tolerance),
-            workpiece: self.frame("workpiece", &raw.workpiece, default.workpiece)?,
-            tool: self.frame("tool", &raw.tool, default.tool)?,
+            workpiece: self.0.frame("workpiece", &raw.workpiece, default.workpiece)?,
+            tool: self.0.frame("tool", &raw.tool, default.tool)?,
             orientation: self.orientation(&raw.orientation)?,
             feed,
             joints: JointOverrides {
-                velocity: self.joints("joints.velocity_deg_s", raw.joints.velocity_deg_s)?,
-                acceleration: self.joints("joints.acceleration_deg_s2", raw.joints.acceleration_deg_s2)?,
-                jerk: self.joints("joints.jerk_deg_s3", raw.joints.jerk_deg_s3)?,
+                velocity: self.0.joints("joints.velocity_deg_s", raw.joints.velocity_deg_s.as_ref())?,
+                acceleration: self.0.joints("joints.acceleration_deg_s2", raw.joints.acceleration_deg_s2.as_ref())?,
+                jerk: self.0.joints("joints.jerk_deg_s3", raw.joints.jerk_deg_s3.as_ref())?,
             },
             chord_tolerance: self
+                .0
                 .limit("tolerance.chord_mm", raw.tolerance.chord_mm, mm)?
                 .unwrap_or(default.chord_tolerance),
-            period: self.period(raw.sampling.period_ms)?.unwrap_or(default.period),
+            period: self.0.period(raw.sampling.period_ms)?.unwrap_or(default.period),
             scan: match raw.plan.scan {
                 RawScan::Joined => Scan::Joined,
                 RawScan::Segments => Scan::Segments,
@@ -233,79 +243,13 @@ impl Check<'_> {
             warnings: Vec::new(),
         };
         if job.chord_tolerance > 0.01 {
-            self.warn(
+            self.0.warn(
                 "tolerance.chord_mm",
                 job.chord_tolerance * 1e3,
                 "mm is coarse for a tool path: did you mean um?",
             );
         }
-        Ok(Job { warnings: self.warnings, ..job })
-    }
-
-    /// Line, from 1, of the value under a dotted key such as `feed.feed_mm_s`.
-    ///
-    /// Reads the file once more, which only happens for a message: the types stay free of places.
-    fn line_of(&self, key: &str) -> Option<usize> {
-        let document = toml::de::DeTable::parse(self.text).ok()?;
-        let mut value: Option<&toml::Spanned<toml::de::DeValue<'_>>> = None;
-        for part in key.split('.') {
-            let name = part.split('[').next().unwrap_or(part);
-            let table = match value {
-                None => document.get_ref(),
-                Some(v) => v.get_ref().as_table()?,
-            };
-            value = table.get(name);
-            value?;
-        }
-        value.map(|v| line_column(self.text, v.span().start).0)
-    }
-
-    fn wrong(&self, key: &str, value: impl ToString, rule: &'static str, remedy: &'static str) -> InputError {
-        InputError::Value {
-            file: self.file.to_owned(),
-            line: self.line_of(key),
-            key: key.to_owned(),
-            value: value.to_string(),
-            rule,
-            remedy,
-        }
-    }
-
-    fn warn(&mut self, key: &str, value: f64, hint: &str) {
-        let line = self.line_of(key).map(|l| format!(":{l}")).unwrap_or_default();
-        self.warnings.push(format!("{}{line}: {key} = {value} {hint}", self.file.display()));
-    }
-
-    /// A number above 0, divided by `per_si`.
-    fn limit(&self, key: &str, value: Option<f64>, per_si: f64) -> Result<Option<f64>, InputError> {
-        let Some(value) = value else { return Ok(None) };
-        let si = value / per_si;
-        // The quotient of a denormal number would be 0.
-        if value.is_finite() && si > 0.0 {
-            return Ok(Some(si));
-        }
-        let rule = "it has to be a finite number above 0";
-        Err(self.wrong(key, value, rule, "raise it, or remove the key to use the default"))
-    }
-
-    fn joints(&self, key: &str, value: Option<PerJoint>) -> Result<Option<[f64; 6]>, InputError> {
-        let Some(PerJoint { values, listed }) = value else { return Ok(None) };
-        let mut si = [0.0; 6];
-        for (i, (si, &v)) in si.iter_mut().zip(&values).enumerate() {
-            let key = if listed { format!("{key}[{i}]") } else { key.to_owned() };
-            *si = self.limit(&key, Some(v), 180.0 / std::f64::consts::PI)?.unwrap_or(v);
-        }
-        Ok(Some(si))
-    }
-
-    fn period(&self, ms: Option<f64>) -> Result<Option<f64>, InputError> {
-        let key = "sampling.period_ms";
-        let period = self.limit(key, ms, 1e3)?;
-        if let (Some(ms), Some(_)) = (ms, period.filter(|p| !(1e-5..=1.0).contains(p))) {
-            let rule = "a control period lies between 0.01 and 1000 ms";
-            return Err(self.wrong(key, ms, rule, "did you mean seconds or microseconds? Write 1.0 for a millisecond"));
-        }
-        Ok(period)
+        Ok(Job { warnings: self.0.warnings, ..job })
     }
 
     fn lookahead(&self, segments: Option<i64>) -> Result<Option<usize>, InputError> {
@@ -313,62 +257,10 @@ impl Check<'_> {
             .map(|n| {
                 usize::try_from(n).ok().filter(|&n| n > 0).ok_or_else(|| {
                     let rule = "it counts segments and has to be a whole number from 1 on";
-                    self.wrong("plan.lookahead", n, rule, "raise it, or remove the key to look ahead to the end")
+                    self.0.wrong("plan.lookahead", n, rule, "raise it, or remove the key to look ahead to the end")
                 })
             })
             .transpose()
-    }
-
-    fn finite(&self, key: &str, values: [f64; 3]) -> Result<Vector3<f64>, InputError> {
-        match values.iter().position(|v| !v.is_finite()) {
-            Some(i) => Err(self.wrong(&format!("{key}[{i}]"), values[i], FINITE.0, FINITE.1)),
-            None => Ok(Vector3::from(values)),
-        }
-    }
-
-    fn angles(&self, key: &str, degrees: [f64; 3]) -> Result<UnitQuaternion<f64>, InputError> {
-        self.finite(key, degrees)?;
-        if let Some(i) = degrees.iter().position(|v| v.abs() > 36_000.0) {
-            let rule = "an angle in degrees lies within a hundred turns";
-            return Err(self.wrong(&format!("{key}[{i}]"), degrees[i], rule, "give the angle within +-180 degrees"));
-        }
-        Ok(rotation(degrees))
-    }
-
-    fn frame(&mut self, section: &str, raw: &RawFrame, default: Isometry3<f64>) -> Result<Isometry3<f64>, InputError> {
-        let mut frame = default;
-        if let Some(mm) = raw.position_mm {
-            let key = format!("{section}.position_mm");
-            let position = self.finite(&key, mm)? / 1e3;
-            if let Some(i) = position.iter().position(|v| v.abs() > FARTHEST) {
-                let rule = "the arm reaches less than 1000 mm, and a frame more than 100 m away cannot be meant";
-                return Err(self.wrong(
-                    &format!("{key}[{i}]"),
-                    mm[i],
-                    rule,
-                    "check the unit: the numbers are millimetres",
-                ));
-            }
-            let largest = position.amax();
-            if largest > 0.0 && largest < 1e-3 {
-                self.warn(
-                    &key,
-                    largest * 1e3,
-                    "is below 1 mm in every direction: did you mean metres? Write 400 for 0.4 m",
-                );
-            } else if largest > 2.0 {
-                self.warn(
-                    &key,
-                    largest * 1e3,
-                    "mm is far beyond the reach of the arm (less than 1000 mm): check the unit",
-                );
-            }
-            frame.translation = Translation3::from(position);
-        }
-        if let Some(degrees) = raw.rotation_rpy_deg {
-            frame.rotation = self.angles(&format!("{section}.rotation_rpy_deg"), degrees)?;
-        }
-        Ok(frame)
     }
 
     fn orientation(&mut self, raw: &RawOrientation) -> Result<ToolOrientation, InputError> {
@@ -391,7 +283,7 @@ impl Check<'_> {
                     RawMode::Tangent => "mode \"tangent\" knows axis only",
                 };
                 let value = format!("{value:?}");
-                return Err(self.wrong(
+                return Err(self.0.wrong(
                     &format!("orientation.{name}"),
                     value,
                     rule,
@@ -400,11 +292,11 @@ impl Check<'_> {
             }
         }
         let angles = |name: &str, value: Option<[f64; 3]>| match value {
-            Some(degrees) => self.angles(&format!("orientation.{name}"), degrees),
+            Some(degrees) => self.0.angles(&format!("orientation.{name}"), degrees),
             None if raw.mode == RawMode::Constant => Ok(rotation([180.0, 0.0, 0.0])),
             None => {
                 let rule = "mode \"slerp\" needs from_rpy_deg and to_rpy_deg";
-                Err(self.wrong(&format!("orientation.{name}"), "missing", rule, "add the key"))
+                Err(self.0.wrong(&format!("orientation.{name}"), "missing", rule, "add the key"))
             }
         };
         Ok(match raw.mode {
@@ -415,12 +307,12 @@ impl Check<'_> {
             },
             RawMode::Tangent => {
                 let value = raw.axis.unwrap_or([0.0, 0.0, -1.0]);
-                let v = self.finite("orientation.axis", value)?;
+                let v = self.0.finite("orientation.axis", value)?;
                 // Scaled first: the squares of very large or small components leave the range of doubles.
                 let axis = Some(v.amax()).filter(|&m| m > 0.0).and_then(|m| Unit::try_new(v / m, 0.0));
                 let axis = axis.ok_or_else(|| {
                     let rule = "an axis needs a direction";
-                    self.wrong(
+                    self.0.wrong(
                         "orientation.axis",
                         format!("{value:?}"),
                         rule,
@@ -431,10 +323,4 @@ impl Check<'_> {
             }
         })
     }
-}
-
-/// Roll, pitch and yaw in degrees about the fixed x, y and z axes.
-fn rotation(degrees: [f64; 3]) -> UnitQuaternion<f64> {
-    let [roll, pitch, yaw] = degrees.map(f64::to_radians);
-    UnitQuaternion::from_euler_angles(roll, pitch, yaw)
 }

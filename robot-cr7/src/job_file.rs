@@ -97,46 +97,41 @@ pub(crate) enum RawScan {
     Segments,
 }
 
-/// One number for all six joints, or six numbers.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct PerJoint {
-    pub values: [f64; 6],
-    /// True when the file gives six numbers, so that messages name the index.
-    pub listed: bool,
+/// One number for all joints, or a list with one for each.
+#[derive(Debug, Clone)]
+pub(crate) enum PerJoint {
+    All(f64),
+    Each(Vec<f64>),
 }
 
 impl<'de> Deserialize<'de> for PerJoint {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct OneOrSix;
+        struct OneOrList;
 
-        impl<'de> Visitor<'de> for OneOrSix {
+        impl<'de> Visitor<'de> for OneOrList {
             type Value = PerJoint;
 
             fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-                f.write_str("one number for all joints or a list of 6 numbers")
+                f.write_str("one number for all joints or a list with one for each")
             }
 
             fn visit_f64<E: de::Error>(self, v: f64) -> Result<PerJoint, E> {
-                Ok(PerJoint { values: [v; 6], listed: false })
+                Ok(PerJoint::All(v))
             }
 
             fn visit_i64<E: de::Error>(self, v: i64) -> Result<PerJoint, E> {
-                self.visit_f64(v as f64)
+                Ok(PerJoint::All(v as f64))
             }
 
             fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<PerJoint, A::Error> {
-                let mut values = [0.0; 6];
-                let mut n = 0;
+                let mut values = Vec::new();
                 while let Some(v) = seq.next_element::<f64>()? {
-                    if let Some(slot) = values.get_mut(n) {
-                        *slot = v;
-                    }
-                    n += 1;
+                    values.push(v);
                 }
-                if n == 6 { Ok(PerJoint { values, listed: true }) } else { Err(de::Error::invalid_length(n, &self)) }
+                Ok(PerJoint::Each(values))
             }
         }
 
-        deserializer.deserialize_any(OneOrSix)
+        deserializer.deserialize_any(OneOrList)
     }
 }

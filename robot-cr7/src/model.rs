@@ -3,6 +3,9 @@
 use arcfeed_kinematics::{JointLimits, Joints, KinematicsError, ParallelAxisArm, models};
 use nalgebra::Isometry3;
 
+use crate::cr7::Cr7Error;
+use crate::job::{Job, JointValues};
+
 /// Highest joint velocity, rad/s (180 deg/s). **Assumed**, the class of the catalogue: the maker's model states 0.
 pub const VELOCITY: f64 = std::f64::consts::PI;
 /// Highest joint acceleration, rad/s^2. **Assumed**: the maker publishes none.
@@ -43,6 +46,25 @@ impl Cr7 {
         let arm = models::cr7().with_tool(tool)?;
         let limits = arm.range().with_rates(velocity, acceleration, jerk)?;
         Ok(Self { arm, limits })
+    }
+
+    /// The arm with the tool and the joint limits of `job`.
+    ///
+    /// # Errors
+    /// [`Cr7Error::JointCount`], or what [`Cr7::with_limits`] says.
+    pub fn of(job: &Job) -> Result<Self, Cr7Error> {
+        let or = |key, given: &Option<JointValues>, assumed| match given {
+            None => Ok(Joints::repeat(assumed)),
+            Some(values) => {
+                values.of::<6>().map(Joints::from).map_err(|given| Cr7Error::JointCount { key, given, joints: 6 })
+            }
+        };
+        Ok(Self::with_limits(
+            job.tool,
+            or("joints.velocity_deg_s", &job.joints.velocity, VELOCITY)?,
+            or("joints.acceleration_deg_s2", &job.joints.acceleration, ACCELERATION)?,
+            or("joints.jerk_deg_s3", &job.joints.jerk, JERK)?,
+        )?)
     }
 
     /// Forward and inverse kinematics.

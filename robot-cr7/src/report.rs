@@ -74,8 +74,8 @@ pub struct LimitLine {
     pub limit: f64,
     /// How much of the limit is used: 1 is all of it, above 1 it is broken.
     pub ratio: f64,
-    /// Arc length of the worst place in m.
-    pub at_s_m: f64,
+    /// Arc length of the worst place in m; none for a motion that follows no path.
+    pub at_s_m: Option<f64>,
     /// Its time in s.
     pub at_t_s: f64,
 }
@@ -137,18 +137,6 @@ impl Report {
     pub fn worst(&self) -> Option<&LimitLine> {
         self.limits.iter().max_by(|a, b| badness(a).total_cmp(&badness(b)))
     }
-
-    /// Names of the limits in their order, each with its lines.
-    fn groups(&self) -> Vec<(&str, Vec<&LimitLine>)> {
-        let mut groups: Vec<(&str, Vec<&LimitLine>)> = Vec::new();
-        for line in &self.limits {
-            match groups.iter_mut().find(|(name, _)| *name == line.name) {
-                Some((_, lines)) => lines.push(line),
-                None => groups.push((&line.name, vec![line])),
-            }
-        }
-        groups
-    }
 }
 
 fn badness(line: &LimitLine) -> f64 {
@@ -203,53 +191,7 @@ impl Display for Report {
         )?;
         writeln!(f, "  {:<11}{}", "segments", clip(&segments, WIDTH - 13))?;
 
-        let groups = self.groups();
-        if !groups.is_empty() {
-            writeln!(f)?;
-            writeln!(
-                f,
-                "  {:<24}{:<6}{:>12}{:>12}  {:<9}{:>8}{:>12}{:>10}",
-                "limit", "worst", "value", "limit", "", "used", "at s [mm]", "at t [s]"
-            )?;
-        }
-        for (name, lines) in groups.iter().take(MOST_LIMITS) {
-            let Some(worst) = lines.iter().max_by(|a, b| badness(a).total_cmp(&badness(b))) else { continue };
-            let (factor, unit) = worst.unit.for_people();
-            let joint = worst.joint.map(|j| format!("J{j}")).unwrap_or_default();
-            writeln!(
-                f,
-                "{} {:<24}{joint:<6}{:>12}{:>12}  {unit:<9}{:>8}{:>12}{:>10}",
-                if badness(worst) > 1.0 + 1e-6 { "!" } else { " " },
-                clip(name, 23),
-                number(worst.value * factor),
-                number(worst.limit * factor),
-                percent(worst.ratio),
-                format!("{:.2}", worst.at_s_m * 1e3),
-                format!("{:.3}", worst.at_t_s),
-            )?;
-        }
-        more(f, groups.len(), MOST_LIMITS, "limits")?;
-
-        let jointed: Vec<_> =
-            groups.iter().filter(|(_, l)| l.len() > 1 && l.iter().all(|l| l.joint.is_some())).collect();
-        if let Some(most) = jointed.iter().flat_map(|(_, l)| l.iter().filter_map(|l| l.joint)).max() {
-            let most = most.min(7);
-            writeln!(f)?;
-            write!(f, "  {:<24}", "used by joint")?;
-            for j in 1..=most {
-                write!(f, "{:>10}", format!("J{j}"))?;
-            }
-            writeln!(f)?;
-            for (name, lines) in jointed.iter().take(MOST_JOINT_ROWS) {
-                write!(f, "  {:<24}", clip(name, 23))?;
-                for j in 1..=most {
-                    let cell = lines.iter().find(|l| l.joint == Some(j)).map(|l| percent(l.ratio));
-                    write!(f, "{:>10}", cell.unwrap_or_default())?;
-                }
-                writeln!(f)?;
-            }
-            more(f, jointed.len(), MOST_JOINT_ROWS, "kinds")?;
-        }
+        limit_table(f, &self.limits)?;
         if !(self.warnings.is_empty() && self.files.is_empty()) {
             writeln!(f)?;
         }
@@ -262,6 +204,70 @@ impl Display for Report {
         }
         more(f, self.files.len(), MOST_FILES, "files")
     }
+}
+
+/// The table of limits: each with its worst place, then what each joint uses of its own.
+pub(crate) fn limit_table(f: &mut Formatter<'_>, limits: &[LimitLine]) -> fmt::Result {
+    let groups = groups(limits);
+    if !groups.is_empty() {
+        writeln!(f)?;
+        let place = if limits.iter().any(|l| l.at_s_m.is_some()) { "at s [mm]" } else { "" };
+        writeln!(
+            f,
+            "  {:<24}{:<6}{:>12}{:>12}  {:<9}{:>8}{:>12}{:>10}",
+            "limit", "worst", "value", "limit", "", "used", place, "at t [s]"
+        )?;
+    }
+    for (name, lines) in groups.iter().take(MOST_LIMITS) {
+        let Some(worst) = lines.iter().max_by(|a, b| badness(a).total_cmp(&badness(b))) else { continue };
+        let (factor, unit) = worst.unit.for_people();
+        let joint = worst.joint.map(|j| format!("J{j}")).unwrap_or_default();
+        writeln!(
+            f,
+            "{} {:<24}{joint:<6}{:>12}{:>12}  {unit:<9}{:>8}{:>12}{:>10}",
+            if badness(worst) > 1.0 + 1e-6 { "!" } else { " " },
+            clip(name, 23),
+            number(worst.value * factor),
+            number(worst.limit * factor),
+            percent(worst.ratio),
+            worst.at_s_m.map(|s| format!("{:.2}", s * 1e3)).unwrap_or_default(),
+            format!("{:.3}", worst.at_t_s),
+        )?;
+    }
+    more(f, groups.len(), MOST_LIMITS, "limits")?;
+
+    let jointed: Vec<_> = groups.iter().filter(|(_, l)| l.len() > 1 && l.iter().all(|l| l.joint.is_some())).collect();
+    if let Some(most) = jointed.iter().flat_map(|(_, l)| l.iter().filter_map(|l| l.joint)).max() {
+        let most = most.min(7);
+        writeln!(f)?;
+        write!(f, "  {:<24}", "used by joint")?;
+        for j in 1..=most {
+            write!(f, "{:>10}", format!("J{j}"))?;
+        }
+        writeln!(f)?;
+        for (name, lines) in jointed.iter().take(MOST_JOINT_ROWS) {
+            write!(f, "  {:<24}", clip(name, 23))?;
+            for j in 1..=most {
+                let cell = lines.iter().find(|l| l.joint == Some(j)).map(|l| percent(l.ratio));
+                write!(f, "{:>10}", cell.unwrap_or_default())?;
+            }
+            writeln!(f)?;
+        }
+        more(f, jointed.len(), MOST_JOINT_ROWS, "kinds")?;
+    }
+    Ok(())
+}
+
+/// Names of the limits in their order, each with its lines.
+fn groups(limits: &[LimitLine]) -> Vec<(&str, Vec<&LimitLine>)> {
+    let mut groups: Vec<(&str, Vec<&LimitLine>)> = Vec::new();
+    for line in limits {
+        match groups.iter_mut().find(|(name, _)| *name == line.name) {
+            Some((_, lines)) => lines.push(line),
+            None => groups.push((&line.name, vec![line])),
+        }
+    }
+    groups
 }
 
 fn more(f: &mut Formatter<'_>, all: usize, shown: usize, what: &str) -> fmt::Result {
@@ -328,7 +334,7 @@ mod tests {
 
     fn line(name: &str, joint: Option<usize>, unit: LimitUnit, value: f64, limit: f64) -> LimitLine {
         let ratio = (value / limit).abs();
-        LimitLine { name: name.to_owned(), joint, unit, value, limit, ratio, at_s_m: 0.123456, at_t_s: 1.234567 }
+        LimitLine { name: name.to_owned(), joint, unit, value, limit, ratio, at_s_m: Some(0.123456), at_t_s: 1.234567 }
     }
 
     fn report() -> Report {

@@ -366,7 +366,7 @@ fn joining(r: &mut Reproduction, motion: &Motion) -> Result<(), Cr7Error> {
     const PLACE: &str = "Section 4: what zero acceleration at every segment boundary costs, butterfly";
     let joined = motion.plan();
     let start = joined.joint_path().nodes()[0].q;
-    let planner = Planner::new(motion.cr7().arm(), *motion.cr7().limits(), *motion.tool_limits())
+    let planner = Planner::new(motion.arm(), *motion.joint_limits(), *motion.tool_limits())
         .map_err(failed)?
         .with_scan(Scan::PerSegment { window: None });
     let separate = planner.plan(joined.path().clone(), &start).map_err(failed)?;

@@ -6,55 +6,28 @@ use std::path::Path;
 
 use crate::error::InputError;
 
-/// Names of the columns.
-pub const TRAJECTORY_COLUMNS: [&str; 32] = [
-    "t_s",
-    "q1_rad",
-    "q2_rad",
-    "q3_rad",
-    "q4_rad",
-    "q5_rad",
-    "q6_rad",
-    "qd1_rad_s",
-    "qd2_rad_s",
-    "qd3_rad_s",
-    "qd4_rad_s",
-    "qd5_rad_s",
-    "qd6_rad_s",
-    "qdd1_rad_s2",
-    "qdd2_rad_s2",
-    "qdd3_rad_s2",
-    "qdd4_rad_s2",
-    "qdd5_rad_s2",
-    "qdd6_rad_s2",
-    "jerk1_rad_s3",
-    "jerk2_rad_s3",
-    "jerk3_rad_s3",
-    "jerk4_rad_s3",
-    "jerk5_rad_s3",
-    "jerk6_rad_s3",
-    "x_m",
-    "y_m",
-    "z_m",
-    "qx",
-    "qy",
-    "qz",
-    "qw",
-];
+/// Names of the columns for an arm of `joints` joints: `t_s`, then `q`, `qd`, `qdd` and `jerk` of every joint, then the
+/// tool pose.
+pub fn trajectory_columns(joints: usize) -> Vec<String> {
+    let groups = [("q", "rad"), ("qd", "rad_s"), ("qdd", "rad_s2"), ("jerk", "rad_s3")];
+    let each = groups.iter().flat_map(|(name, unit)| (1..=joints).map(move |j| format!("{name}{j}_{unit}")));
+    let pose = ["x_m", "y_m", "z_m", "qx", "qy", "qz", "qw"].map(str::to_owned);
+    std::iter::once("t_s".to_owned()).chain(each).chain(pose).collect()
+}
 
 /// One sample of a joint trajectory with the pose of the tool tip in the base frame.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct TrajectoryRow {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TrajectoryRow<const N: usize = 6> {
     /// Time in s.
     pub t: f64,
     /// Joint positions in rad.
-    pub q: [f64; 6],
+    pub q: [f64; N],
     /// Joint velocities in rad/s.
-    pub qd: [f64; 6],
+    pub qd: [f64; N],
     /// Joint accelerations in rad/s^2.
-    pub qdd: [f64; 6],
+    pub qdd: [f64; N],
     /// Joint jerks in rad/s^3.
-    pub jerk: [f64; 6],
+    pub jerk: [f64; N],
     /// Tool tip in m.
     pub position: [f64; 3],
     /// Tool orientation as a unit quaternion x, y, z, w.
@@ -63,18 +36,18 @@ pub struct TrajectoryRow {
 
 /// Writes a trajectory line by line, buffered, with the shortest digits that read back as the same doubles.
 #[derive(Debug)]
-pub struct TrajectoryWriter<W: Write> {
+pub struct TrajectoryWriter<W: Write, const N: usize = 6> {
     writer: csv::Writer<W>,
 }
 
-impl<W: Write> TrajectoryWriter<W> {
+impl<W: Write, const N: usize> TrajectoryWriter<W, N> {
     /// Starts a file with its header. The writer buffers by itself.
     ///
     /// # Errors
     /// What `writer` returns.
     pub fn new(writer: W) -> std::io::Result<Self> {
         let mut writer = csv::WriterBuilder::new().has_headers(false).buffer_capacity(1 << 16).from_writer(writer);
-        writer.write_record(TRAJECTORY_COLUMNS).map_err(into_io)?;
+        writer.write_record(trajectory_columns(N)).map_err(into_io)?;
         Ok(Self { writer })
     }
 
@@ -82,9 +55,10 @@ impl<W: Write> TrajectoryWriter<W> {
     ///
     /// # Errors
     /// What the underlying writer returns.
-    pub fn write(&mut self, row: &TrajectoryRow) -> std::io::Result<()> {
+    pub fn write(&mut self, row: &TrajectoryRow<N>) -> std::io::Result<()> {
         let r = row;
-        self.writer.serialize((r.t, r.q, r.qd, r.qdd, r.jerk, r.position, r.quaternion)).map_err(into_io)
+        let joints = (&r.q[..], &r.qd[..], &r.qdd[..], &r.jerk[..]);
+        self.writer.serialize((r.t, joints, r.position, r.quaternion)).map_err(into_io)
     }
 
     /// Writes what is still buffered. Dropping does it too, but swallows the error.
@@ -100,9 +74,9 @@ impl<W: Write> TrajectoryWriter<W> {
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn write_trajectory<I>(file: &Path, rows: I) -> Result<(), InputError>
+pub fn write_trajectory<I, const N: usize>(file: &Path, rows: I) -> Result<(), InputError>
 where
-    I: IntoIterator<Item = TrajectoryRow>,
+    I: IntoIterator<Item = TrajectoryRow<N>>,
 {
     let write = || {
         let mut writer = TrajectoryWriter::new(File::create(file)?)?;
@@ -117,8 +91,9 @@ where
 /// Reads a trajectory back; `file` is the name used in messages.
 ///
 /// # Errors
-/// When the header is not [`TRAJECTORY_COLUMNS`], or a cell is not a finite number.
-pub fn read_trajectory<R: Read>(reader: R, file: &Path) -> Result<Vec<TrajectoryRow>, InputError> {
+/// When the header is not [`trajectory_columns`] of `N`, or a cell is not a finite number.
+pub fn read_trajectory<R: Read, const N: usize>(reader: R, file: &Path) -> Result<Vec<TrajectoryRow<N>>, InputError> {
+    let columns = trajectory_columns(N);
     let mut rows = Vec::new();
     let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(reader);
     let mut record = csv::StringRecord::new();
@@ -133,18 +108,18 @@ pub fn read_trajectory<R: Read>(reader: R, file: &Path) -> Result<Vec<Trajectory
                 return Err(InputError::Read { file: file.to_owned(), source: into_io(e), remedy: "write it again" });
             }
         }
-        if record.len() != TRAJECTORY_COLUMNS.len() {
+        if record.len() != columns.len() {
             return Err(InputError::ColumnCount {
                 file: file.to_owned(),
                 line,
                 found: record.len(),
-                expected: TRAJECTORY_COLUMNS.len(),
+                expected: columns.len(),
                 first_line: 1,
-                rule: "t, then q, qd, qdd and jerk of six joints, then x y z qx qy qz qw",
+                rule: "t, then q, qd, qdd and jerk of every joint, then x y z qx qy qz qw",
             });
         }
         if line == 1 {
-            if let Some(column) = record.iter().zip(TRAJECTORY_COLUMNS).position(|(a, b)| a != b) {
+            if let Some(column) = record.iter().zip(&columns).position(|(a, b)| a != b) {
                 return Err(InputError::Column {
                     file: file.to_owned(),
                     line,
@@ -155,7 +130,7 @@ pub fn read_trajectory<R: Read>(reader: R, file: &Path) -> Result<Vec<Trajectory
             }
             continue;
         }
-        let mut values = [0.0; 32];
+        let mut values = vec![0.0; columns.len()];
         for (column, (value, cell)) in values.iter_mut().zip(&record).enumerate() {
             *value = cell.parse::<f64>().ok().filter(|v| v.is_finite()).ok_or_else(|| InputError::Cell {
                 file: file.to_owned(),
@@ -170,16 +145,17 @@ pub fn read_trajectory<R: Read>(reader: R, file: &Path) -> Result<Vec<Trajectory
     Ok(rows)
 }
 
-fn row_of(v: &[f64; 32]) -> TrajectoryRow {
-    let six = |from: usize| std::array::from_fn(|i| v[from + i]);
+fn row_of<const N: usize>(v: &[f64]) -> TrajectoryRow<N> {
+    let joints = |group: usize| std::array::from_fn(|i| v[1 + group * N + i]);
+    let pose = 1 + 4 * N;
     TrajectoryRow {
         t: v[0],
-        q: six(1),
-        qd: six(7),
-        qdd: six(13),
-        jerk: six(19),
-        position: [v[25], v[26], v[27]],
-        quaternion: [v[28], v[29], v[30], v[31]],
+        q: joints(0),
+        qd: joints(1),
+        qdd: joints(2),
+        jerk: joints(3),
+        position: std::array::from_fn(|i| v[pose + i]),
+        quaternion: std::array::from_fn(|i| v[pose + 3 + i]),
     }
 }
 

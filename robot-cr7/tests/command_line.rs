@@ -2,92 +2,11 @@
 //! what it says about bad input.
 #![cfg(feature = "cli")]
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+mod common;
 
-use robot_cr7::{SamplePath, TRAJECTORY_COLUMNS, TrajectoryRow, read_trajectory};
+use common::{Desk, Run};
+use robot_cr7::{SamplePath, trajectory_columns};
 use serde_json::Value;
-
-/// A folder of its own for one test, empty.
-struct Desk {
-    folder: PathBuf,
-}
-
-impl Desk {
-    fn new(test: &str) -> Self {
-        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(test);
-        let _ = std::fs::remove_dir_all(&folder);
-        std::fs::create_dir_all(&folder).expect("a writable target folder");
-        Self { folder }
-    }
-
-    fn write(&self, name: &str, text: &str) {
-        std::fs::write(self.folder.join(name), text).expect("a writable target folder");
-    }
-
-    fn run(&self, args: &[&str]) -> Run {
-        let output = Command::new(env!("CARGO_BIN_EXE_cr7"))
-            .args(args)
-            .current_dir(&self.folder)
-            .output()
-            .expect("the binary runs");
-        Run::new(args, output)
-    }
-
-    fn trajectory(&self, out: &str) -> Vec<TrajectoryRow> {
-        let file = self.folder.join(out).join("trajectory.csv");
-        let bytes = std::fs::read(&file).expect("a trajectory was written");
-        read_trajectory(bytes.as_slice(), &file).expect("a readable trajectory")
-    }
-}
-
-/// What one run of the command gave.
-struct Run {
-    command: String,
-    code: i32,
-    stdout: String,
-    stderr: String,
-}
-
-impl Run {
-    fn new(args: &[&str], output: Output) -> Self {
-        let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("plain text");
-        let run = Self {
-            command: format!("cr7 {}", args.join(" ")),
-            code: output.status.code().expect("not killed"),
-            stdout: text(output.stdout),
-            stderr: text(output.stderr),
-        };
-        assert!(!run.stderr.contains("panicked"), "{run:?}");
-        run
-    }
-
-    fn done(self) -> Self {
-        assert_eq!(self.code, 0, "{self:?}");
-        self
-    }
-
-    /// Ended with `code`, said all of `parts` on stderr in one message, and nothing on stdout.
-    fn refused(self, code: i32, parts: &[&str]) -> Self {
-        assert_eq!(self.code, code, "{self:?}");
-        assert_eq!(self.stdout, "", "{self:?}");
-        for part in parts {
-            assert!(self.stderr.contains(part), "\"{part}\" is missing in: {self:?}");
-        }
-        self
-    }
-
-    fn json(&self) -> Value {
-        assert_eq!(self.stdout.trim_end().lines().count(), 1, "one line: {self:?}");
-        serde_json::from_str(&self.stdout).unwrap_or_else(|e| panic!("{e}: {self:?}"))
-    }
-}
-
-impl std::fmt::Debug for Run {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}\nexit {}\n--- stdout\n{}\n--- stderr\n{}", self.command, self.code, self.stdout, self.stderr)
-    }
-}
 
 /// A straight line (mm) as a path file.
 fn line(from: [f64; 3], to: [f64; 3]) -> String {
@@ -117,7 +36,7 @@ fn the_default_plan_writes_report_trajectory_and_pictures() {
         assert!(text.contains("<svg") && text.trim_end().ends_with("</svg>"), "{picture}");
         assert!(!text.contains("NaN") && !text.contains("inf"), "{picture}");
     }
-    assert!(desk.trajectory("out").len() > 1000);
+    assert!(desk.trajectory::<6>("out").len() > 1000);
 }
 
 #[test]
@@ -154,7 +73,7 @@ fn json_is_one_object_and_nothing_else() {
                 < 1e-9
         );
     }
-    let rows = desk.trajectory("deep/er");
+    let rows = desk.trajectory::<6>("deep/er");
     assert_eq!(report["samples"].as_u64(), Some(rows.len() as u64));
     for file in report["files"].as_array().expect("a list") {
         assert!(desk.folder.join(file.as_str().expect("a name")).is_file(), "{file}");
@@ -168,8 +87,8 @@ fn the_trajectory_runs_from_rest_to_rest_without_a_jump() {
     desk.write("job.toml", &format!("{IN_BASE}[sampling]\nperiod_ms = 2.0\n"));
     let report = desk.run(&["plan", "line.json", "--job", "job.toml", "--json"]).done().json();
     let text = std::fs::read_to_string(desk.folder.join("out/trajectory.csv")).expect("written");
-    assert_eq!(text.lines().next(), Some(TRAJECTORY_COLUMNS.join(",").as_str()));
-    let rows = desk.trajectory("out");
+    assert_eq!(text.lines().next(), Some(trajectory_columns(6).join(",").as_str()));
+    let rows = desk.trajectory::<6>("out");
     let (first, last) = (&rows[0], &rows[rows.len() - 1]);
     assert_eq!(first.t, 0.0);
     // The JSON parser may be off by the last digit.
@@ -213,7 +132,7 @@ fn points_of_a_csv_file_are_passed_within_the_tolerance() {
             &format!("[path]\nfile = \"points.csv\"\nfit_tolerance_mm = {tolerance}\n[feed]\nfeed_mm_s = {feed}\n[tolerance]\nchord_mm = 0.005\n"),
         );
         desk.run(&["plan", "--job", "job.toml", "--json"]).done();
-        let rows = desk.trajectory("out");
+        let rows = desk.trajectory::<6>("out");
         let mut worst = 0.0f64;
         for p in &points {
             // The default workpiece frame lies at (400, -50, 200) mm.
@@ -395,6 +314,8 @@ fn bad_jobs_are_refused_by_line_key_value_and_rule() {
         desk.write("job.toml", text);
         desk.run(&["plan", "--job", "job.toml"]).refused(2, parts).refused(2, &["job.toml"]);
     }
+    desk.write("job.toml", "[joints]\njerk_deg_s3 = [1, 2, 3]\n");
+    desk.run(&["plan", "--job", "job.toml"]).refused(2, &["joints.jerk_deg_s3", "lists 3 numbers", "6 joints"]);
     desk.run(&["plan", "--job", "none.toml"]).refused(2, &["none.toml", "check the name"]);
     desk.write("job.toml", "[path]\nfile = \"gone.json\"\n");
     desk.run(&["plan", "--job", "job.toml"]).refused(2, &["gone.json"]);

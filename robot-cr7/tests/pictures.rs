@@ -2,7 +2,7 @@
 #![cfg(feature = "plot")]
 
 use proptest::prelude::*;
-use robot_cr7::plot::{Along, JointQuantity, Line, feed_picture, joint_picture, lines_picture, path_picture};
+use robot_cr7::plot::{Along, Bound, JointQuantity, Line, feed_picture, joint_picture, lines_picture, path_picture};
 
 /// Checks that tags are balanced, attributes quoted and no number is lost, with a reader of its own.
 fn well_formed(svg: &str) {
@@ -43,7 +43,7 @@ fn a_hundred_thousand_samples_stay_below_a_megabyte() {
     for svg in [
         path_picture("a", &segments, &value, 0.5),
         feed_picture("a", Along::Time, &series, &limit),
-        joint_picture("a", JointQuantity::Jerk, &t, &[&value; 6], &[0.5; 6]),
+        joint_picture("a", JointQuantity::Jerk, &t, &[value.as_slice(); 6], &[Bound::Constant(0.5); 6], &[]),
         lines_picture("a", "", ("x", "y"), &[Line { name: "noise", points: &series }], &[0.5]),
     ] {
         let svg = svg.expect("drawn");
@@ -66,8 +66,15 @@ fn key_numbers_stand_in_the_picture() {
     }
     let t = [0.0, 1.0];
     let flat = [0.5, 0.5];
-    let svg =
-        joint_picture("j", JointQuantity::Velocity, &t, &[&flat; 6], &[1.0, 1.0, 1.0, 1.0, 1.0, 0.4]).expect("drawn");
+    let svg = joint_picture(
+        "j",
+        JointQuantity::Velocity,
+        &t,
+        &[flat.as_slice(); 6],
+        &[1.0, 1.0, 1.0, 1.0, 1.0, 0.4].map(Bound::Constant),
+        &[0.5],
+    )
+    .expect("drawn");
     for text in ["J6 with 125.00 %", "used 50.00 %", "J1 [deg/s]", "peak 28.648 deg/s"] {
         assert!(svg.contains(text), "{text}");
     }
@@ -111,7 +118,7 @@ proptest! {
             path_picture(&name, &segments, &y, limit),
             feed_picture(&name, Along::Length, &v, &v),
             feed_picture(&name, Along::Time, &v, &[]),
-            joint_picture(&name, JointQuantity::Acceleration, &x, &[&y; 6], &[limit; 6]),
+            joint_picture(&name, JointQuantity::Acceleration, &x, &[y.as_slice(); 6], &[Bound::Constant(limit); 6], &[limit]),
             lines_picture(&name, &name, (&name, &name), &[Line { name: &name, points: &v }], &[limit]),
         ] {
             well_formed(&svg.map_err(|e| TestCaseError::fail(e.to_string()))?);

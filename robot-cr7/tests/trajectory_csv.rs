@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use proptest::prelude::*;
-use robot_cr7::{TRAJECTORY_COLUMNS, TrajectoryRow, TrajectoryWriter, read_trajectory, write_trajectory};
+use robot_cr7::{TrajectoryRow, TrajectoryWriter, read_trajectory, trajectory_columns, write_trajectory};
 
 fn row(values: &[f64]) -> TrajectoryRow {
     let six = |from: usize| std::array::from_fn(|i| values[from + i]);
@@ -27,7 +27,7 @@ fn written(rows: &[TrajectoryRow]) -> Vec<u8> {
 }
 
 fn refused(text: &str) -> String {
-    read_trajectory(text.as_bytes(), Path::new("t.csv")).expect_err("bad").to_string()
+    read_trajectory::<_, 6>(text.as_bytes(), Path::new("t.csv")).expect_err("bad").to_string()
 }
 
 #[test]
@@ -39,7 +39,7 @@ fn columns_name_their_units_and_stand_in_order() {
     assert!(lines[0].starts_with("t_s,q1_rad,") && lines[0].ends_with(",x_m,y_m,z_m,qx,qy,qz,qw"));
     let names: Vec<&str> = lines[0].split(',').collect();
     let cells: Vec<&str> = lines[1].split(',').collect();
-    assert_eq!(names, TRAJECTORY_COLUMNS);
+    assert_eq!(names, trajectory_columns(6));
     for (name, value) in [("q6_rad", "6.0"), ("qd1_rad_s", "7.0"), ("qdd6_rad_s2", "18.0"), ("jerk1_rad_s3", "19.0")] {
         let i = names.iter().position(|n| *n == name).expect("a column");
         assert_eq!(cells[i], value, "{name}");
@@ -61,7 +61,7 @@ fn files_round_trip() {
 
 #[test]
 fn bad_trajectories_say_where() {
-    let header = TRAJECTORY_COLUMNS.join(",");
+    let header = trajectory_columns(6).join(",");
     let zeros = vec!["0"; 32].join(",");
     assert!(refused("").contains("t.csv: the file is empty"));
     let m = refused("a,b\n");
@@ -88,7 +88,7 @@ proptest! {
 
     #[test]
     fn random_bytes_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
-        if let Err(e) = read_trajectory(bytes.as_slice(), Path::new("t.csv")) {
+        if let Err(e) = read_trajectory::<_, 6>(bytes.as_slice(), Path::new("t.csv")) {
             prop_assert!(e.to_string().contains("t.csv"));
         }
     }

@@ -35,6 +35,14 @@ impl<const N: usize> AxisLimits<N> {
         Ok(Self { velocity, acceleration, jerk })
     }
 
+    /// The bounds axis by axis, as motions between states take them.
+    pub fn per_axis(&self) -> [arcfeed_feedrate::AxisLimits; N] {
+        std::array::from_fn(|k| {
+            arcfeed_feedrate::AxisLimits::symmetric(self.velocity[k], self.acceleration[k], self.jerk[k])
+                .unwrap_or_else(|_| unreachable!("the constructor has checked the same"))
+        })
+    }
+
     /// Velocity bounds (rad/s).
     pub const fn velocity(&self) -> &SVector<f64, N> {
         &self.velocity

@@ -59,7 +59,7 @@ fn bad_input_is_named() {
     let one = Vector3::repeat(1.0);
     for bad in [f64::NAN, 0.0, -1.0, f64::INFINITY] {
         let message = AxisLimits::new(one, Vector3::new(1.0, bad, 1.0), one).unwrap_err().to_string();
-        assert!(message.starts_with("axis 1: acceleration limit is"), "{message}");
+        assert!(message.starts_with("axis 2: acceleration limit is"), "{message}");
     }
     let limits = AxisLimits::new(one, one, one).unwrap();
     let nan = Vector3::new(0.0, 0.0, f64::NAN);

@@ -423,13 +423,13 @@ fn refusals_name_the_joint_and_change_nothing() {
         let mut target = V6::zeros();
         target[3] = bad;
         let message = ProjectionSync::new(&rest, target, &limits).unwrap_err().to_string();
-        assert!(message.contains("axis 3") && message.contains("target"), "{message}");
+        assert!(message.contains("axis 4") && message.contains("target"), "{message}");
         for field in 0..3 {
             let mut start = rest;
             [&mut start.q, &mut start.qd, &mut start.qdd][field][5] = bad;
             let message = ProjectionSync::new(&start, V6::zeros(), &limits).unwrap_err().to_string();
             let name = ["start position", "start velocity", "start acceleration"][field];
-            assert!(message.contains("axis 5") && message.contains(name), "{message}");
+            assert!(message.contains("axis 6") && message.contains(name), "{message}");
         }
         let mut sync = ProjectionSync::new(&rest, V6::repeat(1.0), &limits).unwrap();
         assert!(sync.set_target(target).is_err() && sync.target() == &V6::repeat(1.0));

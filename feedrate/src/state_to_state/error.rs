@@ -45,12 +45,39 @@ pub enum StateToStateError {
         /// The limit it breaks (m/s).
         limit: f64,
     },
+    /// No motion takes this long: too short, or inside a blocked interval.
+    #[error(
+        "no motion takes exactly {duration} s; {}{above} s is the next one that is possible",
+        below_text(.below)
+    )]
+    DurationImpossible {
+        /// The duration asked for (s).
+        duration: f64,
+        /// The longest possible duration below it (s), if there is one.
+        below: Option<f64>,
+        /// The shortest possible duration above it (s).
+        above: f64,
+    },
+    /// The motion leaves the range of positions.
+    #[error("at t = {time} s the position is {position}, beyond the limit {limit}; move the limit or slow down before")]
+    LeavesPositions {
+        /// The farthest position (m).
+        position: f64,
+        /// When it is there (s).
+        time: f64,
+        /// The limit it breaks (m).
+        limit: f64,
+    },
     /// The numbers are valid one by one, but the motion between them leaves the range of `f64`.
     #[error(
         "the motion is not representable in finite numbers for these arguments; \
          use units in which the numbers are closer to 1"
     )]
     OutOfRange,
+}
+
+fn below_text(below: &Option<f64>) -> String {
+    below.map_or_else(String::new, |t| format!("{t} s is the last one below, "))
 }
 
 pub(super) fn finite(what: &'static str, value: f64) -> Result<f64, StateToStateError> {

@@ -112,18 +112,20 @@ pub(super) struct Peaks {
 /// Displacement error over the signed peak acceleration `s`.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Family {
-    k: f64,
-    m: f64,
-    q: f64,
-    offset: f64,
+    pub(super) k: f64,
+    pub(super) m: f64,
+    pub(super) q: f64,
+    pub(super) offset: f64,
     /// Whether `s` belongs to the fall (at the end) and not to the rise.
-    small_is_fall: bool,
-    base_small: f64,
-    base_large: f64,
-    cap_small: f64,
-    cap_large: f64,
+    pub(super) small_is_fall: bool,
+    pub(super) base_small: f64,
+    pub(super) base_large: f64,
+    pub(super) cap_small: f64,
+    pub(super) cap_large: f64,
     /// `a_large² - s²`.
-    gap: f64,
+    pub(super) gap: f64,
+    /// What the duration is longer by than that of the two ramps from and to zero acceleration.
+    pub(super) lead_time: f64,
 }
 
 impl Family {
@@ -160,6 +162,7 @@ impl Family {
             cap_small,
             cap_large,
             gap: ((base_small - base_large) / p.j.k).max(0.0),
+            lead_time: tf - t0,
         }
     }
 
@@ -264,13 +267,13 @@ impl Family {
         Peaks { small: 0.5 * (root - other), large: 0.5 * (root + other) }
     }
 
-    fn free_terms(&self) -> (f64, f64, f64) {
+    pub(super) fn free_terms(&self) -> (f64, f64, f64) {
         let gamma = self.gap * self.gap * (0.75 * self.m - self.k * self.k);
         (self.k * (self.base_small + self.base_large), 0.25 * self.m, gamma)
     }
 
-    /// Both ramps hold their limits: the displacement is quadratic in `z = k s²`.
-    fn root_both_held(&self, lo: f64, hi: f64) -> Peaks {
+    /// Both ramps hold their limits: the displacement is `c0 + c1 z + c2 z²` in `z = k s²`.
+    pub(super) fn both_held_terms(&self) -> (f64, f64, f64) {
         let k = self.k;
         let part = |cap: f64, base: f64, shift: f64| {
             // The ramp holds its limit for (z + shift) / cap.
@@ -285,7 +288,12 @@ impl Family {
         let (cs, cl) = (self.cap_small, self.cap_large);
         let a = part(cs, self.base_small, -k * cs * cs);
         let b = part(cl, self.base_large, k * (self.gap - cl * cl));
-        let (c0, c1, c2) = (self.offset + a.0 + b.0, a.1 + b.1, a.2 + b.2);
+        (self.offset + a.0 + b.0, a.1 + b.1, a.2 + b.2)
+    }
+
+    fn root_both_held(&self, lo: f64, hi: f64) -> Peaks {
+        let k = self.k;
+        let (c0, c1, c2) = self.both_held_terms();
         // The larger root: the displacement increases there.
         let r = (c1 * c1 - 4.0 * c2 * c0).max(0.0).sqrt();
         let z = if c1 > 0.0 { -2.0 * c0 / (c1 + r) } else { 0.5 * (r - c1) / c2 };
@@ -391,4 +399,4 @@ fn bracketed(lo: f64, f_lo: f64, hi: f64, f_hi: f64, f: impl Fn(f64) -> (f64, f6
 }
 
 /// Bisection alone needs this many steps to exhaust `f64` within a bracket of moderate ratio.
-const MAX_STEPS: usize = 100;
+pub(super) const MAX_STEPS: usize = 100;

@@ -81,6 +81,18 @@ impl AxisLimits {
         })
     }
 
+    /// Whether velocity and acceleration of a state are inside, but for round-off, and will stay inside: the velocity, too, with
+    /// which the acceleration can be zero at the soonest.
+    pub fn contain(&self, s: &AxisState) -> bool {
+        let jerk = if s.a > 0.0 { -self.j.0 } else { -self.j.1 };
+        self.contain_now(s) && inside(s.v + 0.5 * s.a * s.a / jerk, self.v)
+    }
+
+    /// Whether velocity and acceleration of a state are inside, but for round-off.
+    pub fn contain_now(&self, s: &AxisState) -> bool {
+        inside(s.v, self.v) && inside(s.a, self.a)
+    }
+
     /// Lowest velocity, below 0 (1/s).
     pub const fn v_min(&self) -> f64 {
         self.v.0
@@ -106,6 +118,15 @@ impl AxisLimits {
         self.j.1
     }
 }
+
+fn inside(x: f64, (lower, upper): (f64, f64)) -> bool {
+    let slack = SLACK * upper.max(-lower);
+    x >= lower - slack && x <= upper + slack
+}
+
+/// How far beyond a limit, relative to the larger of the two, a state still counts as inside: round-off in the caller's
+/// arithmetic must not change the answer.
+pub(super) const SLACK: f64 = 1e-13;
 
 fn upper(what: &'static str) -> &'static str {
     match what {

@@ -16,14 +16,23 @@
 //! * A start outside the limits is brought back by the shortest jerk-limited way that does not dip below the limit and return.
 //! * A target outside them, or one that cannot be entered without leaving them, is an error.
 
+mod by_duration;
+mod cruise;
+mod durations;
 mod error;
+mod extremal;
 mod family;
 mod limits;
 mod outside;
+mod problem;
 mod profile;
 mod scale;
 mod solve;
+mod velocity;
+mod writer;
 
+pub use durations::Durations;
 pub use error::StateToStateError;
 pub use limits::{AxisLimits, AxisState};
+pub use problem::AxisProblem;
 pub use profile::{PositionRange, StateToState};

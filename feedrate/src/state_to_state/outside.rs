@@ -39,7 +39,15 @@ struct Ramps<'a> {
     threshold: f64,
 }
 
-impl Ramps<'_> {
+impl<'a> Ramps<'a> {
+    fn new(p: &'a Problem) -> Self {
+        let (top, lead_in) = line(p.v0, p.a0, -p.j.inv_down);
+        let falling = line(p.vf, p.af, p.j.inv_up);
+        let rising = line(p.vf, p.af, -p.j.inv_down);
+        let threshold = if p.af > 0.0 { falling.0 } else { rising.0 };
+        Self { p, top, lead_in, falling, rising, threshold }
+    }
+
     fn eval(&self, v: f64) -> (f64, Peak, Peak, bool) {
         let (p, j) = (self.p, &self.p.j);
         let (first, d1) = below(self.top, v, p.fall, p);
@@ -62,11 +70,7 @@ impl Ramps<'_> {
 }
 
 pub(super) fn solve(p: &Problem) -> Shape {
-    let (top, lead_in) = line(p.v0, p.a0, -p.j.inv_down);
-    let falling = line(p.vf, p.af, p.j.inv_up);
-    let rising = line(p.vf, p.af, -p.j.inv_down);
-    let threshold = if p.af > 0.0 { falling.0 } else { rising.0 };
-    let ramps = Ramps { p, top, lead_in, falling, rising, threshold };
+    let ramps = Ramps::new(p);
     let (f_max, f_min) = (ramps.eval(p.v_max).0, ramps.eval(p.v_min).0);
     if f_max <= 0.0 {
         return ramps.shape(p.v_max, -f_max / p.v_max);
@@ -88,8 +92,56 @@ pub(super) fn solve(p: &Problem) -> Shape {
     Shape { squeezed: true, ..ramps.shape(if -f_lo < f_hi { lo } else { hi }, 0.0) }
 }
 
+/// Settling at the limit, cruising there, and changing to the target: the shape without a cruise, its duration, and how much
+/// farther than wanted it goes. No motion that does not rise above the settling one goes farther.
+pub(super) fn settled(p: &Problem) -> (Shape, f64, f64) {
+    let ramps = Ramps::new(p);
+    let (excess, first, second, up) = ramps.eval(p.v_max);
+    let (u, d) = (p.j.inv_up, p.j.inv_down);
+    let settling = (p.a0 - first.a) * d + first.hold - first.a * u;
+    let change =
+        second.hold + if up { second.a * u + (second.a - p.af) * d } else { (p.af - second.a) * u - second.a * d };
+    (ramps.shape(p.v_max, 0.0), settling + change, excess)
+}
+
+/// The hardest way to bring a velocity above `v_max` down to it.
+pub(super) struct Brake {
+    pub v0: f64,
+    pub a0: f64,
+    /// Time until the acceleration is that of `peak`.
+    pub t1: f64,
+    pub peak: Peak,
+    /// Velocity and distance after `t1`.
+    pub v1: f64,
+    pub p1: f64,
+    /// Distance at the end.
+    pub p2: f64,
+    /// What is left from there, inside the limits.
+    pub rest: Problem,
+}
+
+impl Brake {
+    /// `None` if the acceleration it ends with forces the velocity out of the other limit.
+    pub fn new(p: &Problem) -> Option<Self> {
+        let peak = brake_to_limit(p);
+        if p.v_max - 0.5 * peak.a * peak.a * p.j.inv_up < p.v_min {
+            return None;
+        }
+        let t1 = ((p.a0 - peak.a) * p.j.inv_down).max(0.0);
+        let v1 = p.v_max - peak.a * peak.hold;
+        let p1 = t1 * (p.v0 + t1 * (2.0 * p.a0 + peak.a) / 6.0);
+        let p2 = p1 + 0.5 * peak.hold * (v1 + p.v_max);
+        let rest = Problem { d: p.d - p2, v0: p.v_max, a0: peak.a, ..*p };
+        Some(Self { v0: p.v0, a0: p.a0, t1, peak, v1, p1, p2, rest })
+    }
+
+    pub fn duration(&self) -> f64 {
+        self.t1 + self.peak.hold
+    }
+}
+
 /// Acceleration and time at its limit when the velocity is brought down to `v_max` as soon as possible.
-pub(super) fn brake_to_limit(p: &Problem) -> Peak {
+fn brake_to_limit(p: &Problem) -> Peak {
     let top = line(p.v0, p.a0, -p.j.inv_down).0;
     let peak = (2.0 * p.j.down * (top - p.v_max)).max(0.0).sqrt();
     if peak <= p.fall {

@@ -37,6 +37,11 @@ impl Units {
         times_power(x, self.length - n * self.time)
     }
 
+    /// A duration into these units.
+    pub fn time_into(self, x: f64) -> f64 {
+        times_power(x, -self.time)
+    }
+
     /// A duration back from these units.
     pub fn time_back(self, x: f64) -> f64 {
         times_power(x, self.time)

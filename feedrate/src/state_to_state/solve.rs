@@ -11,6 +11,7 @@
 //! durations then fall into a short first range, between two direct changes, and a second one without end.
 
 use super::family::{Family, Peak, Peaks, Problem};
+use super::limits::SLACK;
 use super::outside;
 
 /// The phases of a solution, in the frame it was found in.
@@ -32,22 +33,22 @@ pub(super) struct Shape {
 }
 
 impl Shape {
-    fn going_up(family: &Family, peaks: Peaks) -> Self {
+    pub fn going_up(family: &Family, peaks: Peaks) -> Self {
         let (first, second) = family.ramps(peaks);
         Self { first, second, cruise: 0.0, v_peak: 0.0, joined: true, up: (true, false), squeezed: false }
     }
 }
 
 /// The shortest change of velocity and acceleration, wherever it ends.
-struct Direct {
+pub(super) struct Direct {
     /// Up, hold, down; the other way round if false.
-    up: bool,
-    displacement: f64,
-    shape: Shape,
+    pub up: bool,
+    pub displacement: f64,
+    pub shape: Shape,
 }
 
 impl Direct {
-    fn new(p: &Problem) -> Self {
+    pub fn new(p: &Problem) -> Self {
         let (u, d) = (p.j.inv_up, p.j.inv_down);
         let (s0, sf, dv) = (0.5 * p.a0 * p.a0, 0.5 * p.af * p.af, p.vf - p.v0);
         let single = (sf - s0) * if p.af >= p.a0 { u } else { -d };
@@ -85,26 +86,47 @@ pub(super) fn solve(p: &Problem, noise: f64) -> (Shape, bool) {
 }
 
 /// Whether the velocity will still be above its limit when the acceleration has been brought to zero.
-fn starts_too_fast(p: &Problem) -> bool {
+pub(super) fn starts_too_fast(p: &Problem) -> bool {
     let inv = if p.a0 > 0.0 { p.j.inv_down } else { p.j.inv_up };
-    p.v0 + 0.5 * p.a0 * p.a0.abs() * inv > p.v_max
+    p.v0 + 0.5 * p.a0 * p.a0.abs() * inv > p.v_max + SLACK * p.v_max.max(-p.v_min)
+}
+
+/// Extremals with the acceleration on one side of zero throughout, from the direct change on.
+pub(super) struct OneSided {
+    pub family: Family,
+    /// First and last value of `s`.
+    pub from: f64,
+    pub to: f64,
+    /// Whether durations beyond the last one do not exist until the acceleration passes through zero.
+    pub gap_follows: bool,
+}
+
+impl OneSided {
+    pub fn new(p: &Problem, direct_rises: bool) -> Option<Self> {
+        let reach = if direct_rises { p.af } else { -p.a0 };
+        if reach <= 0.0 {
+            return None;
+        }
+        let other = if direct_rises { p.a0 } else { -p.af };
+        let family = Family::forced(p, direct_rises);
+        let beyond = other.max(0.0).powi(2) - family.gap();
+        let gap_follows = beyond > 0.0;
+        (gap_follows || !starts_too_fast(p)).then(|| Self {
+            family,
+            from: -reach,
+            to: -beyond.max(0.0).sqrt(),
+            gap_follows,
+        })
+    }
 }
 
 /// As [`solve`] for a displacement above that of the direct change, which starts with a rise or not.
 fn solve_up(p: &Problem, direct_rises: bool) -> (Shape, bool) {
     let mut gap_in_durations = false;
-    // Extremals with the acceleration on one side of zero throughout.
-    let reach = if direct_rises { p.af } else { -p.a0 };
-    if reach > 0.0 {
-        let other = if direct_rises { p.a0 } else { -p.af };
-        let family = Family::forced(p, direct_rises);
-        let beyond = other.max(0.0).powi(2) - family.gap();
-        gap_in_durations = beyond > 0.0;
-        if gap_in_durations || !starts_too_fast(p) {
-            let end = -beyond.max(0.0).sqrt();
-            if let Some(peaks) = root_one_sided(&family, -reach, end) {
-                return (Shape::going_up(&family, peaks), false);
-            }
+    if let Some(OneSided { family, from, to, gap_follows }) = OneSided::new(p, direct_rises) {
+        gap_in_durations = gap_follows;
+        if let Some(peaks) = root_one_sided(&family, from, to) {
+            return (Shape::going_up(&family, peaks), false);
         }
     }
     let family = Family::new(p);
@@ -140,7 +162,7 @@ fn root_one_sided(family: &Family, from: f64, to: f64) -> Option<Peaks> {
 }
 
 /// The lowest `s` at which the acceleration passes through zero between rise and fall.
-fn start_of_peaked(p: &Problem, family: &Family) -> f64 {
+pub(super) fn start_of_peaked(p: &Problem, family: &Family) -> f64 {
     let (rise, fall) = (p.a0.max(0.0).powi(2), p.af.min(0.0).powi(2));
     let (small, large) = if family.small_is_fall() { (fall, rise) } else { (rise, fall) };
     small.max(large - family.gap()).max(0.0).sqrt()

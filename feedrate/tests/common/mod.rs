@@ -1,5 +1,7 @@
 //! Paths to plan on and an independent judge of plans.
-#![allow(dead_code, clippy::unwrap_used, missing_docs)]
+#![allow(dead_code, clippy::unwrap_used, clippy::neg_cmp_op_on_partial_ord, missing_docs)]
+
+pub mod axis;
 
 use arcfeed_feedrate::{MotionLaw, Segment, SpeedPlan};
 

@@ -1,7 +1,38 @@
 //! Closed-form inverse kinematics.
 
 mod parallel_axis;
+mod planar;
 mod solutions;
+mod spherical_wrist;
 
-pub(crate) use parallel_axis::ParallelAxisSolver;
+pub use parallel_axis::ParallelAxes;
 pub use solutions::Solutions;
+pub use spherical_wrist::SphericalWrist;
+
+use crate::{error::KinematicsError, jacobian::Configuration, joint::Joints, singularity::SingularityDistances};
+use nalgebra::Isometry3;
+
+/// A family of six-joint arms whose inverse is known in closed form, with the numbers of one of them.
+pub trait ClosedForm: Copy + Send + Sync + 'static {
+    /// The joint that keeps its value from the seed where the wrist is singular.
+    const FREE_JOINT: usize;
+
+    /// The solver for an arm that looks like `zero` at zero joint values.
+    ///
+    /// # Errors
+    /// The first rule of the family's geometry that the arm breaks.
+    fn recognise(zero: &Configuration<6>) -> Result<Self, KinematicsError>;
+
+    /// Whether the geometry is ideal to rounding, so that solutions need no polish.
+    fn is_exact(&self) -> bool;
+
+    /// All solutions for `target`. Where a singular pose leaves a joint free it takes its value from `seed` (which must
+    /// be finite).
+    ///
+    /// # Errors
+    /// [`KinematicsError::Unreachable`], or what is wrong with the target.
+    fn solve(&self, target: &Isometry3<f64>, seed: &Joints<6>) -> Result<Solutions<6>, KinematicsError>;
+
+    /// How far an arm that looks like `at` is from the singular poses of its kinds.
+    fn singularity_distances(&self, at: &Configuration<6>) -> SingularityDistances;
+}

@@ -14,12 +14,15 @@
 //! Every angle comes from an arc tangent of what the later steps use too, so that a badly determined angle (near a
 //! singular pose) is made up for by the others and the pose stays exact to rounding.
 
-use super::Solutions;
+use super::{
+    ClosedForm, Solutions,
+    planar::{FirstJoint, FirstJoints, Miss, TwoLink, plane_of_arm},
+};
 use crate::{
     error::{KinematicsError, ReachSide},
     jacobian::Configuration,
     joint::{JointKind, Joints, checked_pose},
-    singularity::SingularityKind,
+    singularity::SingularityDistances,
     trig::{atan2, principal, sin_cos},
 };
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector2, Vector3};
@@ -36,15 +39,10 @@ const WRIST_SINGULAR: f64 = 1e-10;
 const NEARLY_SINGULAR: f64 = 1e-3;
 /// Error of orientation that is taken as rounding, rad.
 const ORIENTATION_ROUNDING: f64 = 1e-12;
-/// Excess of reach, relative to the arm's size, that is taken as rounding and clamped.
-const REACH_ROUNDING: f64 = 1e-12;
-/// Distance from a double root, relative to the arm's size, below which the two roots are one: the root itself is
-/// then accurate where its square root is noise.
-const DOUBLE_ROOT: f64 = 1e-14;
 
 /// The numbers of one arm with three parallel axes.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct ParallelAxisSolver {
+pub struct ParallelAxes {
     /// Base to F, transposed rotation and origin.
     to_frame: Matrix3<f64>,
     origin: Vector3<f64>,
@@ -56,11 +54,8 @@ pub(crate) struct ParallelAxisSolver {
     shoulder_offset: f64,
     /// A point of axis 2 in (u, v).
     axis2: Vector2<f64>,
-    /// Lengths of the two links between the parallel axes, and their directions at zero.
-    upper_arm: f64,
-    forearm: f64,
-    upper_arm_angle: f64,
-    elbow_angle: f64,
+    /// The links between the parallel axes.
+    links: TwoLink,
     /// From axis 4 to W in (u, v) at zero.
     hand: Vector2<f64>,
     /// Direction of axis 5 in (u, v) at zero.
@@ -77,21 +72,6 @@ pub(crate) struct ParallelAxisSolver {
     exact: bool,
 }
 
-/// The least miss over all branches.
-#[derive(Debug, Clone, Copy)]
-struct Miss {
-    distance: f64,
-    side: ReachSide,
-}
-
-impl Miss {
-    fn note(&mut self, distance: f64, side: ReachSide) {
-        if distance < self.distance {
-            *self = Self { distance, side };
-        }
-    }
-}
-
 /// One value of joint 1 and what the target looks like from link 1.
 struct Shoulder {
     q1: f64,
@@ -100,128 +80,7 @@ struct Shoulder {
     wrist: Vector2<f64>,
 }
 
-impl ParallelAxisSolver {
-    /// The solver for an arm that looks like `zero` at zero joint values.
-    ///
-    /// # Errors
-    /// [`KinematicsError::NotParallelAxis`] names the first rule that the arm breaks.
-    pub(crate) fn recognise(zero: &Configuration<6>) -> Result<Self, KinematicsError> {
-        let (z, o) = (&zero.axes, &zero.points);
-        let mut worst = 0.0_f64;
-        let mut rule = |rule: &'static str, deviation: f64| {
-            worst = worst.max(deviation);
-            if deviation <= ACCEPTED {
-                return Ok(());
-            }
-            Err(KinematicsError::NotParallelAxis { rule, deviation, tolerance: ACCEPTED })
-        };
-        let sliding = zero.kinds.iter().filter(|kind| **kind != JointKind::Revolute).count();
-        rule("all six joints must be revolute", sliding as f64)?;
-        let n = z[1];
-        rule("axes 2 and 3 must be parallel", n.cross(&z[2]).norm())?;
-        rule("axes 2 and 4 must be parallel", n.cross(&z[3]).norm())?;
-        rule("axes 1 and 2 must be perpendicular", z[0].dot(&n).abs())?;
-        rule("axes 4 and 5 must be perpendicular", z[4].dot(&n).abs())?;
-        rule("axes 5 and 6 must be perpendicular", z[4].dot(&z[5]).abs())?;
-        let between = o[5] - o[4];
-        rule("axes 5 and 6 must meet", between.dot(&z[4].cross(&z[5])).abs())?;
-
-        let v = z[0];
-        let u = v.cross(&n).normalize();
-        let frame = Matrix3::from_columns(&[u, v, u.cross(&v)]);
-        let to_frame = frame.transpose();
-        let wrist = o[4] + z[4] * z[4].dot(&between);
-        let in_frame = |point: &Vector3<f64>| to_frame * (point - o[0]);
-        let plane: [Vector2<f64>; 3] = [o[1], o[2], o[3]].map(|point| in_frame(&point).xy());
-        let wrist_in_frame = in_frame(&wrist);
-        let (upper_arm, forearm) = (plane[1] - plane[0], plane[2] - plane[1]);
-        rule("axes 2 and 3 must not coincide", if upper_arm.norm() > ACCEPTED { 0.0 } else { 1.0 })?;
-        rule("axes 3 and 4 must not coincide", if forearm.norm() > ACCEPTED { 0.0 } else { 1.0 })?;
-        let angle = |vector: &Vector2<f64>| vector.y.atan2(vector.x);
-
-        let axis5 = to_frame * z[4];
-        let axis5_angle = axis5.y.atan2(axis5.x);
-        let wrist_zero = z[5].dot(&z[4].cross(&n)).atan2(z[5].dot(&n));
-        let axis5_in_frame = nalgebra::Unit::new_normalize(Vector3::new(axis5.x, axis5.y, 0.0));
-        let to_singular = Rotation3::from_axis_angle(&axis5_in_frame, wrist_zero).into_inner();
-        let tool_to_base = zero.rotation.transpose();
-        let hand = wrist_in_frame.xy() - plane[2];
-        let size = upper_arm.norm() + forearm.norm() + hand.norm() + wrist_in_frame.z.abs() + plane[0].norm();
-        Ok(Self {
-            to_frame,
-            origin: o[0],
-            wrist_in_tool: tool_to_base * (wrist - zero.tool),
-            tool_to_wrist: tool_to_base * frame * to_singular,
-            shoulder_offset: wrist_in_frame.z,
-            axis2: plane[0],
-            upper_arm: upper_arm.norm(),
-            forearm: forearm.norm(),
-            upper_arm_angle: angle(&upper_arm),
-            elbow_angle: angle(&forearm) - angle(&upper_arm),
-            hand,
-            axis5_angle,
-            cos_axis5: axis5_angle.cos(),
-            sin_axis5: axis5_angle.sin(),
-            wrist_zero,
-            sign3: z[2].dot(&n).signum(),
-            sign4: z[3].dot(&n).signum(),
-            size,
-            exact: worst <= EXACT * size.max(1.0),
-        })
-    }
-
-    /// Whether the geometry is ideal to rounding, so that solutions need no polish.
-    pub(crate) fn is_exact(&self) -> bool {
-        self.exact
-    }
-
-    /// All solutions for `target`. Where a singular pose leaves a joint free it takes its value from `seed` (which must
-    /// be finite).
-    pub(crate) fn solve(&self, target: &Isometry3<f64>, seed: &Joints<6>) -> Result<Solutions<6>, KinematicsError> {
-        let target = checked_pose("target", target)?;
-        let turned = self.to_frame * rotation_matrix(&target.rotation);
-        let wrist = self.to_frame * (target.translation.vector - self.origin) + turned * self.wrist_in_tool;
-        let orientation = turned * self.tool_to_wrist;
-
-        let mut solutions = Solutions::new();
-        let mut miss = Miss { distance: f64::INFINITY, side: ReachSide::TooFar };
-        let d = self.shoulder_offset;
-        let r = (wrist.x * wrist.x + wrist.z * wrist.z).sqrt();
-        let slack = r - d.abs();
-        if r <= REACH_ROUNDING * self.size && d.abs() <= REACH_ROUNDING * self.size {
-            solutions.mark_shoulder_singular();
-            let ([sin], [cos]) = sin_cos(&[seed[0]]);
-            self.wrist_branches(&undo_first(seed[0], sin, cos, &orientation, &wrist), seed, &mut solutions, &mut miss);
-        } else if slack < -REACH_ROUNDING * self.size {
-            miss.note(-slack, ReachSide::TooNear);
-        } else {
-            let root = (slack * (r + d.abs())).max(0.0).sqrt();
-            let middle = atan2(wrist.x, wrist.z);
-            let branch = |side: f64, root: f64| {
-                let half = atan2(root, d);
-                let cos = (wrist.z * d - side * wrist.x * root) / (r * r);
-                let sin = (wrist.x * d + side * wrist.z * root) / (r * r);
-                undo_first(middle + side * half, sin, cos, &orientation, &wrist)
-            };
-            let double = slack <= DOUBLE_ROOT * self.size;
-            if double {
-                self.wrist_branches(&branch(1.0, 0.0), seed, &mut solutions, &mut miss);
-            }
-            if !double || (solutions.is_empty() && root > 0.0) {
-                for side in [1.0, -1.0] {
-                    self.wrist_branches(&branch(side, root), seed, &mut solutions, &mut miss);
-                }
-            }
-        }
-        if !solutions.is_empty() {
-            return Ok(solutions);
-        }
-        if !miss.distance.is_finite() {
-            return Err(KinematicsError::NotFinite { what: "the target's distance" });
-        }
-        Err(KinematicsError::Unreachable { distance: miss.distance, side: miss.side })
-    }
-
+impl ParallelAxes {
     /// Step 2: the two values of joint 5, or the free wrist.
     fn wrist_branches(&self, shoulder: &Shoulder, seed: &Joints<6>, solutions: &mut Solutions<6>, miss: &mut Miss) {
         let m = &shoulder.orientation;
@@ -287,7 +146,8 @@ impl ParallelAxisSolver {
     /// If no turn helps, the one that comes nearest.
     fn turn_into_reach(&self, reach: &Vector2<f64>, hand: &Vector2<f64>) -> f64 {
         // |reach - hand| depends on the angle between the two, and what joints 2 and 3 allow is symmetric about 0.
-        let (max, min) = (self.upper_arm + self.forearm, (self.upper_arm - self.forearm).abs());
+        let (upper_arm, forearm) = (self.links.upper_arm, self.links.forearm);
+        let (max, min) = (upper_arm + forearm, (upper_arm - forearm).abs());
         let (length, product) = ((reach - hand).norm(), reach.norm() * hand.norm());
         if (min <= length && length <= max) || product == 0.0 {
             return 0.0;
@@ -308,61 +168,125 @@ impl ParallelAxisSolver {
         solutions: &mut Solutions<6>,
         miss: &mut Miss,
     ) {
-        let (l2, l3) = (self.upper_arm, self.forearm);
-        let length = end.norm();
-        let (far, near) = (l2 + l3 - length, length - (l2 - l3).abs());
-        let rounding = REACH_ROUNDING * self.size;
-        // A target so far away that squares overflow gives NaN, which counts as a miss.
-        if far < -rounding || far.is_nan() {
-            return miss.note(-far, ReachSide::TooFar);
-        }
-        if near < -rounding {
-            return miss.note(-near, ReachSide::TooNear);
-        }
-        let direction = atan2(end.y, end.x) - self.upper_arm_angle;
-        let mut push = |elbow: f64, offset: f64| {
-            let q2 = direction - offset;
-            let q3 = elbow - self.elbow_angle;
+        self.links.solve(end, miss, |q2, q3| {
             let q4 = phi - q2 - q3;
             let q = [q1, q2, q3 * self.sign3, q4 * self.sign4, q5, q6];
             solutions.push(Joints::from(q.map(principal)));
+        });
+    }
+}
+
+impl ClosedForm for ParallelAxes {
+    const FREE_JOINT: usize = 5;
+
+    fn recognise(zero: &Configuration<6>) -> Result<Self, KinematicsError> {
+        let (z, o) = (&zero.axes, &zero.points);
+        let mut worst = 0.0_f64;
+        let mut rule = |rule: &'static str, deviation: f64| {
+            worst = worst.max(deviation);
+            if deviation <= ACCEPTED {
+                return Ok(());
+            }
+            Err(KinematicsError::NotParallelAxis { rule, deviation, tolerance: ACCEPTED })
         };
-        let double = 0.1 * DOUBLE_ROOT * self.size;
-        if far <= double {
-            push(0.0, 0.0);
-        } else if near <= double {
-            push(PI, if l2 >= l3 { 0.0 } else { PI });
-        } else {
-            // 1 - cos and 1 + cos of the elbow angle, each without cancellation.
-            let scale = 1.0 / (2.0 * l2 * l3);
-            let less = far * (l2 + l3 + length) * scale;
-            let more = near * (length + (l2 - l3).abs()) * scale;
-            let sin = (less * more).max(0.0).sqrt();
-            let cos = if less < 1.0 { 1.0 - less } else { more - 1.0 };
-            let elbow = atan2(sin, cos);
-            let offset = atan2(l3 * sin, l2 + l3 * cos);
-            push(elbow, offset);
-            push(-elbow, -offset);
-        }
+        let sliding = zero.kinds.iter().filter(|kind| **kind != JointKind::Revolute).count();
+        rule("all six joints must be revolute", sliding as f64)?;
+        let n = z[1];
+        rule("axes 2 and 3 must be parallel", n.cross(&z[2]).norm())?;
+        rule("axes 2 and 4 must be parallel", n.cross(&z[3]).norm())?;
+        rule("axes 1 and 2 must be perpendicular", z[0].dot(&n).abs())?;
+        rule("axes 4 and 5 must be perpendicular", z[4].dot(&n).abs())?;
+        rule("axes 5 and 6 must be perpendicular", z[4].dot(&z[5]).abs())?;
+        let between = o[5] - o[4];
+        rule("axes 5 and 6 must meet", between.dot(&z[4].cross(&z[5])).abs())?;
+
+        let to_frame = plane_of_arm(zero);
+        let wrist = o[4] + z[4] * z[4].dot(&between);
+        let in_frame = |point: &Vector3<f64>| to_frame * (point - o[0]);
+        let plane: [Vector2<f64>; 3] = [o[1], o[2], o[3]].map(|point| in_frame(&point).xy());
+        let wrist_in_frame = in_frame(&wrist);
+        let (upper_arm, forearm) = (plane[1] - plane[0], plane[2] - plane[1]);
+        rule("axes 2 and 3 must not coincide", if upper_arm.norm() > ACCEPTED { 0.0 } else { 1.0 })?;
+        rule("axes 3 and 4 must not coincide", if forearm.norm() > ACCEPTED { 0.0 } else { 1.0 })?;
+
+        let axis5 = to_frame * z[4];
+        let axis5_angle = axis5.y.atan2(axis5.x);
+        let wrist_zero = z[5].dot(&z[4].cross(&n)).atan2(z[5].dot(&n));
+        let axis5_in_frame = nalgebra::Unit::new_normalize(Vector3::new(axis5.x, axis5.y, 0.0));
+        let to_singular = Rotation3::from_axis_angle(&axis5_in_frame, wrist_zero).into_inner();
+        let tool_to_base = zero.rotation.transpose();
+        let hand = wrist_in_frame.xy() - plane[2];
+        let size = upper_arm.norm() + forearm.norm() + hand.norm() + wrist_in_frame.z.abs() + plane[0].norm();
+        Ok(Self {
+            to_frame,
+            origin: o[0],
+            wrist_in_tool: tool_to_base * (wrist - zero.tool),
+            tool_to_wrist: tool_to_base * to_frame.transpose() * to_singular,
+            shoulder_offset: wrist_in_frame.z,
+            axis2: plane[0],
+            links: TwoLink::new(&upper_arm, &forearm, size),
+            hand,
+            axis5_angle,
+            cos_axis5: axis5_angle.cos(),
+            sin_axis5: axis5_angle.sin(),
+            wrist_zero,
+            sign3: z[2].dot(&n).signum(),
+            sign4: z[3].dot(&n).signum(),
+            size,
+            exact: worst <= EXACT * size.max(1.0),
+        })
     }
 
-    /// The kind of singular pose nearest to an arm that looks like `at`: the least of the three factors of det J, each
-    /// made dimensionless.
-    pub(crate) fn nearest_singularity(&self, at: &Configuration<6>) -> SingularityKind {
+    fn is_exact(&self) -> bool {
+        self.exact
+    }
+
+    fn solve(&self, target: &Isometry3<f64>, seed: &Joints<6>) -> Result<Solutions<6>, KinematicsError> {
+        let target = checked_pose("target", target)?;
+        let turned = self.to_frame * rotation_matrix(&target.rotation);
+        let wrist = self.to_frame * (target.translation.vector - self.origin) + turned * self.wrist_in_tool;
+        let orientation = turned * self.tool_to_wrist;
+
+        let mut solutions = Solutions::new();
+        let mut miss = Miss::none();
+        let mut each = |first: &FirstJoint, solutions: &mut Solutions<6>| {
+            self.wrist_branches(&undo_first(first, &orientation, &wrist), seed, solutions, &mut miss);
+        };
+        match FirstJoints::new(&wrist, self.shoulder_offset, self.size) {
+            FirstJoints::Free => {
+                solutions.mark_shoulder_singular();
+                let ([sin], [cos]) = sin_cos(&[seed[0]]);
+                each(&FirstJoint { q: seed[0], sin, cos }, &mut solutions);
+            }
+            FirstJoints::TooNear(distance) => miss.note(distance, ReachSide::TooNear),
+            FirstJoints::Two(two) => two.iter().for_each(|first| each(first, &mut solutions)),
+            FirstJoints::Double(one, split) => {
+                each(&one, &mut solutions);
+                if solutions.is_empty() {
+                    split.iter().flatten().for_each(|first| each(first, &mut solutions));
+                }
+            }
+        }
+        if !solutions.is_empty() {
+            return Ok(solutions);
+        }
+        if !miss.distance.is_finite() {
+            return Err(KinematicsError::NotFinite { what: "the target's distance" });
+        }
+        Err(KinematicsError::Unreachable { distance: miss.distance, side: miss.side })
+    }
+
+    fn singularity_distances(&self, at: &Configuration<6>) -> SingularityDistances {
         let (z, o) = (&at.axes, &at.points);
         let n = &z[1];
-        let across = |vector: Vector3<f64>| (vector - n * n.dot(&vector)).normalize();
-        let wrist = n.cross(&z[5]).norm();
-        let elbow = across(o[2] - o[1]).cross(&across(o[3] - o[2])).norm();
-        let centre = o[4] + z[4] * z[4].dot(&(o[5] - o[4]));
-        let shoulder = (z[0].cross(n).dot(&(centre - o[0])) / self.size).abs();
-        if wrist <= elbow && wrist <= shoulder {
-            SingularityKind::Wrist
-        } else if elbow <= shoulder {
-            SingularityKind::Elbow
-        } else {
-            SingularityKind::Shoulder
-        }
+        let across = |vector: Vector3<f64>| vector - n * n.dot(&vector);
+        let wrist = o[4] + z[4] * z[4].dot(&(o[5] - o[4]));
+        SingularityDistances::new(
+            SingularityDistances::between_lines(n, &z[5]),
+            SingularityDistances::between_lines(&across(o[2] - o[1]), &across(o[3] - o[2])),
+            z[0].cross(n).dot(&(wrist - o[0])).abs(),
+            self.size,
+        )
     }
 }
 
@@ -371,15 +295,16 @@ fn turned(vector: &Vector2<f64>, by: f64) -> Vector2<f64> {
     Vector2::new(cos * vector.x - sin * vector.y, sin * vector.x + cos * vector.y)
 }
 
-/// The target as seen from link 1, with joint 1 at `q1`.
-fn undo_first(q1: f64, sin: f64, cos: f64, orientation: &Matrix3<f64>, wrist: &Vector3<f64>) -> Shoulder {
+/// The target as seen from link 1.
+fn undo_first(first: &FirstJoint, orientation: &Matrix3<f64>, wrist: &Vector3<f64>) -> Shoulder {
+    let &FirstJoint { q, sin, cos } = first;
     let mut turned = *orientation;
     for column in 0..3 {
         let (x, z) = (orientation[(0, column)], orientation[(2, column)]);
         turned[(0, column)] = cos * x - sin * z;
         turned[(2, column)] = sin * x + cos * z;
     }
-    Shoulder { q1, orientation: turned, wrist: Vector2::new(cos * wrist.x - sin * wrist.z, wrist.y) }
+    Shoulder { q1: q, orientation: turned, wrist: Vector2::new(cos * wrist.x - sin * wrist.z, wrist.y) }
 }
 
 fn rotation_matrix(rotation: &UnitQuaternion<f64>) -> Matrix3<f64> {

@@ -11,6 +11,7 @@ pub struct Solutions<const N: usize> {
     len: usize,
     wrist_singular: bool,
     shoulder_singular: bool,
+    incomplete: bool,
 }
 
 impl<const N: usize> Solutions<N> {
@@ -18,7 +19,13 @@ impl<const N: usize> Solutions<N> {
     pub const CAPACITY: usize = 8;
 
     pub(crate) fn new() -> Self {
-        Self { joints: [Joints::zeros(); 8], len: 0, wrist_singular: false, shoulder_singular: false }
+        Self {
+            joints: [Joints::zeros(); 8],
+            len: 0,
+            wrist_singular: false,
+            shoulder_singular: false,
+            incomplete: false,
+        }
     }
 
     /// Adds a solution; beyond the capacity it is left out.
@@ -35,6 +42,26 @@ impl<const N: usize> Solutions<N> {
 
     pub(crate) fn mark_shoulder_singular(&mut self) {
         self.shoulder_singular = true;
+    }
+
+    pub(crate) fn mark_incomplete(&mut self) {
+        self.incomplete = true;
+    }
+
+    /// The same set for an arm of `M` joints, which is `N` by another name.
+    pub(crate) fn for_joints<const M: usize>(&self) -> Solutions<M> {
+        self.map(|q| Joints::from_fn(|i, _| q.get(i).copied().unwrap_or(0.0)))
+    }
+
+    /// The same set in other joints: every solution as `other` gives it.
+    pub fn map<const M: usize>(&self, other: impl Fn(&Joints<N>) -> Joints<M>) -> Solutions<M> {
+        Solutions {
+            joints: self.joints.each_ref().map(other),
+            len: self.len,
+            wrist_singular: self.wrist_singular,
+            shoulder_singular: self.shoulder_singular,
+            incomplete: self.incomplete,
+        }
     }
 
     /// Replaces every solution by `improve` of it, or drops it.
@@ -60,6 +87,11 @@ impl<const N: usize> Solutions<N> {
     /// and the list holds its solutions for one value.
     pub fn shoulder_singular(&self) -> bool {
         self.shoulder_singular
+    }
+
+    /// Whether these are all solutions there are, as a closed form finds them. A search finds some.
+    pub fn is_complete(&self) -> bool {
+        !self.incomplete
     }
 
     /// The solutions.

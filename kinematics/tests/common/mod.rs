@@ -2,7 +2,7 @@
 #![allow(dead_code, reason = "each test file uses its own part")]
 #![allow(clippy::unwrap_used, reason = "a test fails by panic")]
 
-use arcfeed_kinematics::{Chain, Joint, Joints};
+use arcfeed_kinematics::{Chain, Inertial, Joint, Joints};
 use nalgebra::{Isometry3, Matrix3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -41,6 +41,19 @@ pub fn chain<const N: usize>(name: &str) -> Chain<N> {
         .map(|joint| Joint::revolute(frame(&joint.origin), Vector3::from(joint.axis)).unwrap())
         .collect();
     Chain::new(joints.try_into().unwrap()).unwrap().with_flange(frame(&arm.flange)).unwrap()
+}
+
+/// The links of an arm of `arms/`, as published: not all of them can exist.
+pub fn inertials<const N: usize>(name: &str) -> [Inertial; N] {
+    let arm: serde_json::Value = serde_json::from_str(&fixture(&format!("arms/{name}.json"))).unwrap();
+    std::array::from_fn(|i| {
+        let body = &arm["joints"][i]["inertial"];
+        let number = |key: &str| body["inertia"][key].as_f64().unwrap();
+        let (xy, xz, yz) = (number("ixy"), number("ixz"), number("iyz"));
+        let tensor = Matrix3::new(number("ixx"), xy, xz, xy, number("iyy"), yz, xz, yz, number("izz"));
+        let centre = Vector3::from_fn(|k, _| body["com"][k].as_f64().unwrap());
+        Inertial::identified(body["mass"].as_f64().unwrap(), centre, tensor).unwrap()
+    })
 }
 
 fn frame(numbers: &[f64; 12]) -> Isometry3<f64> {

@@ -66,6 +66,45 @@ impl JointQuantity {
     }
 }
 
+/// The limit of one joint in [`joint_picture`], in the unit of the curve.
+#[derive(Debug, Clone, Copy)]
+pub enum Bound<'a> {
+    /// The same all the time, for both signs.
+    Constant(f64),
+    /// From a lower to an upper end.
+    Between(f64, f64),
+    /// One value for each time of the picture, for both signs.
+    OverTime(&'a [f64]),
+}
+
+impl Bound<'_> {
+    /// Lower and upper end at sample `i`.
+    fn at(&self, i: usize) -> (f64, f64) {
+        match self {
+            Self::Constant(limit) => (-limit, *limit),
+            Self::Between(low, high) => (*low, *high),
+            Self::OverTime(limits) => limits.get(i).map_or((0.0, 0.0), |&limit| (-limit, limit)),
+        }
+    }
+
+    /// How much of it `value` uses.
+    fn used(&self, value: f64, i: usize) -> f64 {
+        let (low, high) = self.at(i);
+        (value - 0.5 * (low + high)).abs() / (0.5 * (high - low))
+    }
+
+    /// Widest lower and upper end.
+    fn widest(&self) -> (f64, f64) {
+        match self {
+            Self::OverTime(limits) => {
+                let most = limits.iter().fold(0.0, |a: f64, &v| a.max(v));
+                (-most, most)
+            }
+            _ => self.at(0),
+        }
+    }
+}
+
 /// A named line of [`lines_picture`].
 #[derive(Debug, Clone, Copy)]
 pub struct Line<'a> {
@@ -250,8 +289,8 @@ fn mean_speed(feed: &[(f64, f64)], along: Along) -> Option<f64> {
 
 /// One panel a joint with its own limit lines.
 ///
-/// `t` in s; `values` in rad, rad/s, ... one slice a joint, as long as `t`; `limits` in the same unit, for +- both. A
-/// limit far above the curve would flatten it: then the panel shows the curve, and the number tells how much is used.
+/// `t` in s; `values` in rad, rad/s, ... one slice a joint, as long as `t`; `limits` in the same unit, for +- both; a thin line
+/// at each of `marks` (s). A limit far above the curve would flatten it: then the panel shows the curve, and the number tells how much is used.
 ///
 /// # Errors
 /// When the drawing library fails.
@@ -259,54 +298,75 @@ pub fn joint_picture(
     name: &str,
     quantity: JointQuantity,
     t: &[f64],
-    values: &[&[f64]; 6],
-    limits: &[f64; 6],
+    values: &[&[f64]],
+    limits: &[Bound<'_>],
+    marks: &[f64],
 ) -> Result<String, io::Error> {
     let (words, unit) = quantity.words();
     let degrees = 180.0 / std::f64::consts::PI;
     let x = range(t.iter().copied());
-    let peaks: [f64; 6] = std::array::from_fn(|j| values[j].iter().fold(0.0, |a: f64, v| a.max(v.abs())));
-    let used = |j: usize| peaks[j] / limits[j];
-    let worst = (0..6).fold(0, |a, j| if used(j) > used(a) { j } else { a });
+    let joints = values.len().min(limits.len());
+    let peaks: Vec<f64> = values.iter().map(|v| v.iter().fold(0.0, |a: f64, v| a.max(v.abs()))).collect();
+    let used = |j: usize| values[j].iter().enumerate().fold(0.0, |a: f64, (i, &v)| a.max(limits[j].used(v, i)));
+    let used: Vec<f64> = (0..joints).map(used).collect();
+    let worst = (0..joints).fold(0, |a, j| if used[j] > used[a] { j } else { a });
     let facts = format!(
         "{words} over {} s; most of its limit: J{} with {}",
         number(x.1 - x.0),
         worst + 1,
-        percent(used(worst))
+        percent(used.get(worst).copied().unwrap_or(0.0))
     );
     let (top, pitch, height) = (70.0, 116.0, 96.0);
-    page(WIDTH, (top + 6.0 * pitch + 32.0) as u32, |canvas| {
+    page(WIDTH, (top + joints as f64 * pitch + 32.0) as u32, |canvas| {
         let line = Pen::solid(PALETTE[0], 1.4);
         canvas.header(
             &format!("{name}: {}", words.to_lowercase()),
             &facts,
             &[(words, line), ("limit", Pen::dashed(LIMIT, 1.6))],
         )?;
-        for j in 0..6 {
-            let limit = limits[j] * degrees;
+        for j in 0..joints {
+            let (low, high) = limits[j].widest();
+            let (low, high) = (low * degrees, high * degrees);
+            let limit = high.max(-low);
             let peak = peaks[j] * degrees;
             let points: Vec<_> = t.iter().zip(values[j]).map(|(&t, &v)| (t, v * degrees)).collect();
             // A joint that rests shows rounding, which deserves no scale of its own.
             let y = if peak >= 0.2 * limit || peak <= 1e-6 * limit {
-                let half = 1.12 * peak.max(limit);
-                range([-half, half])
+                widened(range([low.min(-peak), high.max(peak)]), 0.06)
             } else {
                 widened(range(points.iter().map(|p| p.1)), 0.12)
             };
             let panel_top = top + j as f64 * pitch;
             let panel = Panel { left: LEFT, right: RIGHT - 128.0, top: panel_top, bottom: panel_top + height, x, y };
-            panel.axes(canvas, (j == 5).then_some(Along::Time.label()), &format!("J{} [{unit}]", j + 1))?;
+            panel.axes(canvas, (j + 1 == joints).then_some(Along::Time.label()), &format!("J{} [{unit}]", j + 1))?;
+            for &mark in marks.iter().filter(|&&t| t >= x.0 && t <= x.1) {
+                panel.series(canvas, &[(mark, y.0), (mark, y.1)], Pen::dashed(PALETTE[5], 0.9))?;
+            }
             panel.series(canvas, &points, line)?;
-            panel.level(canvas, limit)?;
-            panel.level(canvas, -limit)?;
+            match limits[j] {
+                Bound::Constant(_) | Bound::Between(..) => {
+                    panel.level(canvas, high)?;
+                    panel.level(canvas, low)?;
+                }
+                Bound::OverTime(limits) => {
+                    for sign in [1.0, -1.0] {
+                        let over: Vec<_> = t.iter().zip(limits).map(|(&t, &v)| (t, sign * v * degrees)).collect();
+                        panel.series(canvas, &over, Pen::dashed(LIMIT, 1.6))?;
+                    }
+                }
+            }
             let beside = |row: f64| (panel.right + 10.0, panel_top + 18.0 + 20.0 * row);
             canvas.text(&format!("peak {} {unit}", number(peak)), beside(0.0), Anchor::Left)?;
-            canvas.text(&format!("limit {} {unit}", number(limit)), beside(1.0), Anchor::Left)?;
-            let used = format!("used {}", percent(used(j)));
-            if peak > limit {
-                canvas.alarm(&used, beside(2.0), Anchor::Left)?;
+            let words = match limits[j] {
+                Bound::Between(..) => format!("{} to {} {unit}", number(low), number(high)),
+                _ => format!("limit {} {unit}", number(limit)),
+            };
+            canvas.text(&words, beside(1.0), Anchor::Left)?;
+            let text = format!("used {}", percent(used[j]));
+            if used[j] > 1.0 + 1e-6 {
+                canvas.alarm(&text, beside(2.0), Anchor::Left)?;
             } else {
-                canvas.text(&used, beside(2.0), Anchor::Left)?;
+                canvas.text(&text, beside(2.0), Anchor::Left)?;
             }
             if !(panel.y.0..=panel.y.1).contains(&limit) {
                 canvas.text("limit is off this scale", beside(3.0), Anchor::Left)?;

@@ -1,6 +1,9 @@
 //! `cr7`: plan tool paths for the Dobot CR7, look at them, and check what the papers claim.
 
 mod inspect;
+mod joint_move;
+mod joint_space;
+mod online;
 mod plan;
 mod pose;
 mod reproduce;
@@ -28,6 +31,9 @@ const EXAMPLES: &str = "Examples:
   cr7 inspect part.csv --unit mm        length, curvature and segments of a path
   cr7 fk --deg 0 -30 90 30 -90 0        where the tool stands
   cr7 ik --xyz-mm 400 0 300 --rpy-deg 180 0 0
+  cr7 move --from-deg 0 -30 90 30 -90 0 --to-deg 60 0 60 30 -90 45
+                                        a joint move: trajectory, pictures and report
+  cr7 online scenario.toml              targets and limits that change while the arm moves
   cr7 reproduce pn                      the numbers of a paper beside ours";
 
 #[derive(Debug, Subcommand)]
@@ -40,6 +46,10 @@ enum Command {
     Fk(pose::ForwardArgs),
     /// Inverse kinematics: all joint angles that reach a pose
     Ik(pose::InverseArgs),
+    /// Joint move: from one joint state to another, all joints together
+    Move(joint_move::Args),
+    /// Joint motion towards targets, and within limits, that change on the way
+    Online(online::Args),
     /// Reproduce a paper's numbers beside ours, and check our guarantees
     Reproduce(reproduce::Args),
 }
@@ -73,6 +83,8 @@ fn main() -> ExitCode {
         Command::Inspect(args) => inspect::run(&args),
         Command::Fk(args) => pose::forward(&args),
         Command::Ik(args) => pose::inverse(&args),
+        Command::Move(args) => joint_move::run(&args),
+        Command::Online(args) => online::run(&args),
         Command::Reproduce(args) => reproduce::run(&args),
     };
     match outcome {

@@ -4,8 +4,9 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use arcfeed_interp::{PathArm, Setpoint};
 use indicatif::{ProgressBar, ProgressStyle};
-use robot_cr7::plot::{Along, JointQuantity, feed_picture, joint_picture, path_picture, save_picture};
+use robot_cr7::plot::{Along, Bound, JointQuantity, feed_picture, joint_picture, path_picture, save_picture};
 use robot_cr7::{
     InputError, Job, LengthUnit, Motion, PathFile, butterfly, drawn_segments, trajectory_row, write_trajectory,
 };
@@ -44,8 +45,21 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     };
     let file = read_path(args.path.as_deref().or(job.path_file.as_deref()), args.unit.as_deref(), job.csv_unit)?;
 
+    // Before the work, not after it.
+    std::fs::create_dir_all(&args.out).map_err(|source| InputError::Write { file: args.out.clone(), source })?;
+
     let bar = spinner("planning");
     let motion = robot_cr7::plan(&job, &file)?;
+    finish(args, &job, &motion, &bar)
+}
+
+/// Samples the motion and writes all there is to write.
+fn finish<A: PathArm<N>, const N: usize>(
+    args: &Args,
+    job: &Job,
+    motion: &Motion<A, N>,
+    bar: &ProgressBar,
+) -> Result<(), Failure> {
     bar.set_message("sampling");
     let begin = Instant::now();
     let mut setpoints = Vec::new();
@@ -55,12 +69,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let sampling = begin.elapsed();
 
     bar.set_message("writing");
-    std::fs::create_dir_all(&args.out).map_err(|source| InputError::Write { file: args.out.clone(), source })?;
     let mut report = motion.report(setpoints.len(), sampling);
     let trajectory = args.out.join("trajectory.csv");
     write_trajectory(&trajectory, setpoints.iter().map(trajectory_row))?;
     report.files.push(trajectory);
-    for (name, svg) in pictures(&motion, &job, &setpoints) {
+    for (name, svg) in pictures(motion, job, &setpoints) {
         let svg = svg.map_err(|source| InputError::Write { file: args.out.join(name), source })?;
         let picture = args.out.join(name);
         save_picture(&picture, &svg)?;
@@ -104,7 +117,11 @@ pub fn spinner(message: &'static str) -> ProgressBar {
 
 type Picture = (&'static str, Result<String, std::io::Error>);
 
-fn pictures(motion: &Motion, job: &Job, setpoints: &[arcfeed_interp::Setpoint]) -> Vec<Picture> {
+fn pictures<A: PathArm<N>, const N: usize>(
+    motion: &Motion<A, N>,
+    job: &Job,
+    setpoints: &[Setpoint<N>],
+) -> Vec<Picture> {
     let plan = motion.plan();
     let name = motion.name();
     let segments = drawn_segments(plan, &job.workpiece);
@@ -121,11 +138,11 @@ fn pictures(motion: &Motion, job: &Job, setpoints: &[arcfeed_interp::Setpoint]) 
     let limit_by_time: Vec<_> =
         setpoints.iter().map(|p| (p.t, limit[limit.partition_point(|l| l.0 <= p.s).saturating_sub(1)].1)).collect();
     let t: Vec<f64> = setpoints.iter().map(|p| p.t).collect();
-    let joints = motion.cr7().limits();
-    let picture = |quantity, of: fn(&arcfeed_interp::Setpoint) -> [f64; 6], limits: [f64; 6]| {
-        let columns: [Vec<f64>; 6] = std::array::from_fn(|k| setpoints.iter().map(|p| of(p)[k]).collect());
-        let values: [&[f64]; 6] = std::array::from_fn(|k| columns[k].as_slice());
-        joint_picture(name, quantity, &t, &values, &limits)
+    let joints = motion.joint_limits();
+    let picture = |quantity, of: fn(&Setpoint<N>) -> [f64; N], limits: [f64; N]| {
+        let columns: [Vec<f64>; N] = std::array::from_fn(|k| setpoints.iter().map(|p| of(p)[k]).collect());
+        let values: [&[f64]; N] = std::array::from_fn(|k| columns[k].as_slice());
+        joint_picture(name, quantity, &t, &values, &limits.map(Bound::Constant), &[])
     };
     vec![
         ("path.svg", path_picture(name, &segments, plan.segmentation().deviations(), plan.chord_tolerance())),

@@ -1,0 +1,408 @@
+//! One problem and its answers: the shortest motion, the durations that are possible, the motion of a given duration.
+
+use super::cruise;
+use super::durations::{Durations, Gaps};
+use super::error::{StateToStateError, finite};
+use super::extremal::Extremals;
+use super::family::{Jerks, Problem};
+use super::limits::{AxisLimits, AxisState, SLACK};
+use super::outside::Brake;
+use super::profile::StateToState;
+use super::scale::Units;
+use super::solve::{Direct, Shape, solve, starts_too_fast};
+use super::writer::{Writer, end_of};
+use crate::state::MotionState;
+
+/// A motion of one axis from state to state whose duration is not decided yet.
+///
+/// Holds the shortest motion and answers which other durations are possible and how to move in one of them.
+///
+/// ```
+/// use arcfeed_feedrate::{AxisLimits, AxisProblem, AxisState, MotionLaw};
+/// let limits = AxisLimits::symmetric(1.0, 2.0, 8.0)?;
+/// // At full speed, and at full speed again a little later: now, or after having turned back.
+/// let problem = AxisProblem::new(&AxisState::new(0.0, 1.0, 0.0), &AxisState::new(0.5, 1.0, 0.0), &limits)?;
+/// let durations = problem.durations();
+/// assert_eq!(durations.shortest(), 0.5);
+/// let (_, above) = durations.blocked()[0];
+/// assert!(problem.lasting(1.5).is_err());
+/// assert!(problem.durations().contains(above));
+/// assert_eq!(problem.lasting(above + 0.1)?.duration(), above + 0.1);
+/// # Ok::<(), arcfeed_feedrate::StateToStateError>(())
+/// ```
+#[derive(Debug, Clone, Copy)]
+pub struct AxisProblem {
+    entry: Entry,
+    units: Option<Units>,
+    /// The target in the caller's units.
+    target: AxisState,
+    /// How long the shortest motion takes, in the caller's units.
+    duration: f64,
+    shortest: Shortest,
+}
+
+/// The shortest motion, not yet written down.
+#[derive(Debug, Clone, Copy)]
+struct Shortest {
+    shape: Shape,
+    /// Whether it is an extremal of the mirrored frame.
+    mirrored: bool,
+    /// Whether it begins with braking as hard as possible to the velocity limit, and goes on with another shape from there.
+    brakes_first: bool,
+    /// In working units.
+    duration: f64,
+}
+
+/// A problem whose start acceleration is inside its limits, and the phase that brought it there.
+#[derive(Debug, Clone, Copy)]
+struct Entry {
+    problem: Problem,
+    from: f64,
+    to: f64,
+    /// Round-off in the displacement.
+    noise: f64,
+    /// Start and jerk of the phase before, and its duration.
+    lead: AxisState,
+    jerk: f64,
+    lead_time: f64,
+}
+
+impl AxisProblem {
+    /// From `start` to `target` within `limits`.
+    ///
+    /// # Errors
+    /// As [`StateToState::new`].
+    pub fn new(start: &AxisState, target: &AxisState, limits: &AxisLimits) -> Result<Self, StateToStateError> {
+        let fields = [
+            ("start.p", start.p),
+            ("start.v", start.v),
+            ("start.a", start.a),
+            ("target.p", target.p),
+            ("target.v", target.v),
+            ("target.a", target.a),
+        ];
+        for (what, value) in fields {
+            finite(what, value)?;
+        }
+        check_target(target, limits)?;
+        // Nothing can leave the range of numbers without special units.
+        let units = Units::choose(start, target, limits);
+        let entry = match units {
+            None => Entry::new(start, target, limits)?,
+            Some(u) => Entry::new(&u.state_into(start), &u.state_into(target), &u.limits_into(limits))
+                .map_err(|e| rescaled_error(e, u))?,
+        };
+        let shortest = entry.solve();
+        let duration = units.map_or(shortest.duration, |u| u.time_back(shortest.duration));
+        let problem = Self { entry, units, target: *target, duration, shortest };
+        if units.is_some() {
+            problem.shortest().check_sound()?;
+        }
+        Ok(problem)
+    }
+
+    /// The shortest motion to the velocity and acceleration of `target`, all numbers finite.
+    pub(super) fn direct(s: &AxisState, t: &AxisState, l: &AxisLimits) -> Result<StateToState, StateToStateError> {
+        let mut motion = StateToState::default();
+        let Some(units) = Units::choose(s, t, l) else {
+            Entry::new(s, t, l)?.direct(&mut motion);
+            return Ok(motion);
+        };
+        let (s, t, l) = (units.state_into(s), units.state_into(t), units.limits_into(l));
+        Entry::new(&s, &t, &l).map_err(|e| rescaled_error(e, units))?.direct(&mut motion);
+        motion.rescale(units);
+        let end = motion.target;
+        motion.target =
+            MotionState { p: units.back(end.p, 0), v: units.back(end.v, 1), a: units.back(end.a, 2), j: 0.0 };
+        motion.check_sound().map(|()| motion)
+    }
+
+    /// The shortest motion.
+    pub fn shortest(&self) -> StateToState {
+        let mut motion = StateToState::default();
+        self.write_shortest(&mut motion);
+        motion
+    }
+
+    /// How long the shortest motion takes (s).
+    pub const fn shortest_duration(&self) -> f64 {
+        self.duration
+    }
+
+    fn write_shortest(&self, out: &mut StateToState) {
+        let mut writer = self.entry.writer(out);
+        self.entry.write(&self.shortest, &mut writer);
+        writer.finish(self.shortest.duration, at_target(&self.target));
+        if let Some(u) = self.units {
+            out.rescale(u);
+        }
+    }
+
+    /// The durations that are possible.
+    ///
+    /// From a start outside the limits every duration counts as possible in which either of two ways back is: settling at the
+    /// velocity limit without undershooting it, or braking as hard as possible until inside.
+    pub fn durations(&self) -> Durations {
+        let lead = self.entry.lead_time;
+        let gaps = self.entry.gaps(self.shortest.duration - lead, self.shortest.mirrored);
+        match self.units {
+            None => gaps.durations(self.duration, |t| t + lead),
+            Some(u) => gaps.durations(self.duration, |t| u.time_back(t + lead)),
+        }
+    }
+
+    /// A motion that takes exactly `duration` (s).
+    ///
+    /// With one cruise velocity wherever there is such a motion; otherwise the mean of the two that go farthest and least far in
+    /// that time, which keeps the limits as those do.
+    ///
+    /// # Errors
+    /// [`StateToStateError::DurationImpossible`] with the nearest possible ones, [`StateToStateError::NotFinite`].
+    pub fn lasting(&self, duration: f64) -> Result<StateToState, StateToStateError> {
+        let mut motion = StateToState::default();
+        self.lasting_into(duration, &mut motion).map(|()| motion)
+    }
+
+    /// As [`AxisProblem::lasting`], into a motion that is there already; an error leaves it undefined.
+    ///
+    /// # Errors
+    /// As [`AxisProblem::lasting`].
+    pub fn lasting_into(&self, duration: f64, out: &mut StateToState) -> Result<(), StateToStateError> {
+        if duration == self.duration {
+            self.write_shortest(out);
+            return Ok(());
+        }
+        finite("duration", duration)?;
+        let inside = self.units.map_or(duration, |u| u.time_into(duration));
+        // One cruise velocity proves the duration possible by itself.
+        if !(duration > self.duration && self.entry.cruising(inside, out)) {
+            let durations = self.durations();
+            if !durations.contains(duration) {
+                let (below, above) = (durations.at_most(duration), durations.at_least(duration));
+                return Err(StateToStateError::DurationImpossible { duration, below, above });
+            }
+            if !self.entry.between(inside, out) {
+                return Err(StateToStateError::OutOfRange);
+            }
+        }
+        out.target = at_target(&self.target);
+        if let Some(u) = self.units {
+            out.rescale(u);
+            out.check_sound()?;
+        }
+        out.duration = duration;
+        Ok(())
+    }
+}
+
+impl Entry {
+    fn new(s: &AxisState, t: &AxisState, l: &AxisLimits) -> Result<Self, StateToStateError> {
+        let j = Jerks::new(l.j.1, -l.j.0);
+        check_entry(t, l, &j)?;
+        let (lead, mut s) = (*s, *s);
+        // Acceleration outside its bounds by more than round-off.
+        let bound = s.a.clamp(l.a.0, l.a.1);
+        if (s.a - bound).abs() <= SLACK * l.a.1.max(-l.a.0) {
+            s.a = bound;
+        }
+        let jerk = if s.a > bound { l.j.0 } else { l.j.1 };
+        let lead_time = if bound == s.a { 0.0 } else { (bound - s.a) / jerk };
+        if bound != s.a {
+            let dt = lead_time;
+            s = AxisState {
+                p: s.p + dt * (s.v + dt * (0.5 * s.a + dt * jerk / 6.0)),
+                v: s.v + 0.5 * dt * (s.a + bound),
+                a: bound,
+            };
+        }
+        let problem = Problem {
+            d: t.p - s.p,
+            v0: s.v,
+            a0: s.a,
+            vf: t.v,
+            af: t.a,
+            v_min: l.v.0,
+            v_max: l.v.1,
+            rise: l.a.1,
+            fall: -l.a.0,
+            j,
+        };
+        let noise = 2.0 * f64::EPSILON * (s.p.abs() + t.p.abs());
+        Ok(Self { problem, from: s.p, to: t.p, noise, lead, jerk, lead_time })
+    }
+
+    /// A writer with the phase that brings the acceleration inside its limits.
+    fn writer<'a>(&self, out: &'a mut StateToState) -> Writer<'a> {
+        let mut writer = Writer::new(out);
+        writer.push(self.lead_time, self.lead.p, self.lead.v, self.lead.a, self.jerk);
+        writer
+    }
+
+    fn solve(&self) -> Shortest {
+        let p = &self.problem;
+        let (shape, mirrored) = solve(p, self.noise);
+        let duration = end_of(p, &shape, mirrored, self.lead_time);
+        let settling = Shortest { shape, mirrored, brakes_first: false, duration };
+        if !shape.squeezed {
+            return settling;
+        }
+        // Rare enough to write both down.
+        let mut scratch = StateToState::default();
+        let mut writer = self.writer(&mut scratch);
+        let braking = Shortest { brakes_first: true, ..settling };
+        if !self.write(&braking, &mut writer) || writer.t >= duration {
+            return settling;
+        }
+        Shortest { duration: writer.t, ..braking }
+    }
+
+    /// Writes the shortest motion; false if it would have to brake first and cannot.
+    fn write(&self, shortest: &Shortest, writer: &mut Writer<'_>) -> bool {
+        let Shortest { shape, mirrored, brakes_first, .. } = shortest;
+        let p = &self.problem;
+        if !brakes_first {
+            writer.write(p, shape, *mirrored, self.from, self.to);
+            return true;
+        }
+        let frame = if *mirrored { p.mirrored() } else { *p };
+        let Some(brake) = Brake::new(&frame) else { return false };
+        let from = writer.brake(&brake, *mirrored, self.from);
+        let (shape, flipped) = solve(&brake.rest, 0.0);
+        writer.write(&brake.rest, &shape, flipped, from, if *mirrored { -self.to } else { self.to });
+        true
+    }
+
+    /// The shortest change of velocity and acceleration, wherever it ends.
+    fn direct(&self, out: &mut StateToState) {
+        let p = &self.problem;
+        let direct = Direct::new(p);
+        let to = self.from + direct.displacement;
+        let mut writer = self.writer(out);
+        writer.write(p, &direct.shape, false, self.from, to);
+        let duration = writer.t;
+        writer.finish(duration, MotionState { p: to, v: p.vf, a: p.af, j: 0.0 });
+    }
+
+    /// The frame in which the velocity starts above its limit, and whether it is the mirrored one.
+    fn too_fast(&self) -> Option<(Problem, bool)> {
+        let p = &self.problem;
+        if starts_too_fast(p) {
+            return Some((*p, false));
+        }
+        let mirrored = p.mirrored();
+        starts_too_fast(&mirrored).then_some((mirrored, true))
+    }
+
+    /// The impossible durations above the shortest one, without the time of the phase before.
+    fn gaps(&self, shortest: f64, mirrored: bool) -> Gaps {
+        let Some((frame, _)) = self.too_fast() else {
+            return gaps_inside(&self.problem, shortest, Some(mirrored));
+        };
+        let settling = gaps_inside(&self.problem, shortest, None);
+        let Some(brake) = Brake::new(&frame) else {
+            return settling;
+        };
+        // Braking first: the same question from the end of the brake on.
+        let lead = brake.duration();
+        let (shape, mirrored) = solve(&brake.rest, 0.0);
+        let later = gaps_inside(&brake.rest, end_of(&brake.rest, &shape, mirrored, 0.0), Some(mirrored));
+        settling.common(&later.delayed(shortest, lead))
+    }
+
+    fn cruising(&self, duration: f64, out: &mut StateToState) -> bool {
+        let Some(shape) = cruise::solve(&self.problem, duration - self.lead_time) else { return false };
+        let mut writer = self.writer(out);
+        writer.write(&self.problem, &shape, false, self.from, self.to);
+        writer.finish(duration, MotionState::default());
+        true
+    }
+
+    /// The mean of the farthest motion of this duration and the least far one.
+    fn between(&self, duration: f64, out: &mut StateToState) -> bool {
+        let left = duration - self.lead_time;
+        let mut writer = self.writer(out);
+        let done = between(&self.problem, left, (self.from, self.to), &mut writer)
+            || self.between_after_braking(left, &mut writer);
+        writer.finish(duration, MotionState::default());
+        done
+    }
+
+    fn between_after_braking(&self, left: f64, writer: &mut Writer<'_>) -> bool {
+        let Some((frame, mirrored)) = self.too_fast() else { return false };
+        let Some(brake) = Brake::new(&frame) else { return false };
+        let from = writer.brake(&brake, mirrored, self.from);
+        let to = if mirrored { -self.to } else { self.to };
+        let left = left - brake.duration();
+        if let Some(shape) = cruise::solve(&brake.rest, left) {
+            writer.write(&brake.rest, &shape, false, from, to);
+            return true;
+        }
+        between(&brake.rest, left, (from, to), writer)
+    }
+}
+
+fn gaps_inside(p: &Problem, shortest: f64, solved_mirrored: Option<bool>) -> Gaps {
+    let rises = Direct::new(p).up;
+    let mut gaps = Gaps::new(shortest);
+    Extremals::new(p, rises).blocked(solved_mirrored == Some(false), &mut gaps);
+    Extremals::new(&p.mirrored(), !rises).blocked(solved_mirrored == Some(true), &mut gaps);
+    gaps
+}
+
+fn between(p: &Problem, t: f64, ends: (f64, f64), writer: &mut Writer<'_>) -> bool {
+    let rises = Direct::new(p).up;
+    let up = Extremals::new(p, rises).at(t);
+    let down = Extremals::new(&p.mirrored(), !rises).at(t);
+    let (Some(up), Some(down)) = (up, down) else { return false };
+    // Round-off of the ends of the possible durations, and of the displacement.
+    let slow = p.j.up.min(p.j.down);
+    let lead = |v: f64, a: f64| a.abs() / slow * (v.abs() + a * a / slow);
+    let speeds = p.v0.abs() + p.vf.abs() + p.v_max - p.v_min;
+    let noise = ROUND_OFF * (p.d.abs() + t * speeds + lead(p.v0, p.a0) + lead(p.vf, p.af));
+    if up.0 < -noise || down.0 < -noise {
+        return false;
+    }
+    writer.between(p, t, (&up, &down), ends)
+}
+
+const ROUND_OFF: f64 = 1e-13;
+
+const fn at_target(t: &AxisState) -> MotionState {
+    MotionState { p: t.p, v: t.v, a: t.a, j: 0.0 }
+}
+
+pub(super) fn check_target(target: &AxisState, limits: &AxisLimits) -> Result<(), StateToStateError> {
+    check_inside("v", target.v, limits.v)?;
+    check_inside("a", target.a, limits.a)
+}
+
+fn check_inside(what: &'static str, value: f64, (lower, upper): (f64, f64)) -> Result<(), StateToStateError> {
+    let slack = SLACK * upper.max(-lower);
+    let limit = if value < lower { lower } else { upper };
+    if value >= lower - slack && value <= upper + slack {
+        Ok(())
+    } else {
+        Err(StateToStateError::TargetOutside { what, value, limit })
+    }
+}
+
+/// Whether the target can be entered at all: its acceleration cannot have come from nowhere.
+fn check_entry(t: &AxisState, l: &AxisLimits, j: &Jerks) -> Result<(), StateToStateError> {
+    let slack = SLACK * l.v.1.max(-l.v.0);
+    let change = 0.5 * t.a * t.a;
+    let (before, limit) = if t.a > 0.0 { (t.v - change * j.inv_up, l.v.0) } else { (t.v + change * j.inv_down, l.v.1) };
+    let excess = if t.a > 0.0 { limit - before } else { before - limit };
+    if excess > slack { Err(StateToStateError::TargetUnreachable { v: t.v, a: t.a, before, limit }) } else { Ok(()) }
+}
+
+fn rescaled_error(e: StateToStateError, units: Units) -> StateToStateError {
+    match e {
+        StateToStateError::TargetUnreachable { v, a, before, limit } => StateToStateError::TargetUnreachable {
+            v: units.back(v, 1),
+            a: units.back(a, 2),
+            before: units.back(before, 1),
+            limit: units.back(limit, 1),
+        },
+        other => other,
+    }
+}

@@ -1,0 +1,116 @@
+//! Targets without a position: a velocity as soon as possible, a stop, a stop that stays inside a range of positions.
+
+use super::error::{StateToStateError, finite};
+use super::limits::{AxisLimits, AxisState};
+use super::problem::{AxisProblem, check_target};
+use super::profile::StateToState;
+
+/// Doublings and halvings of the distance at which a stop is looked for.
+const HALVINGS: usize = 64;
+
+impl StateToState {
+    /// The shortest motion to velocity `v` (m/s) and acceleration `a` (m/s²), wherever it ends.
+    ///
+    /// A start outside the limits is brought back on the way: no other motion is there earlier.
+    ///
+    /// ```
+    /// use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, StateToState};
+    /// let limits = AxisLimits::symmetric(2.0, 4.0, 40.0)?;
+    /// let motion = StateToState::to_velocity(&AxisState::rest(0.0), 1.0, 0.0, &limits)?;
+    /// assert!((motion.duration() - (1.0 / 4.0 + 4.0 / 40.0)).abs() < 1e-15);
+    /// # Ok::<(), arcfeed_feedrate::StateToStateError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`StateToState::new`].
+    pub fn to_velocity(start: &AxisState, v: f64, a: f64, limits: &AxisLimits) -> Result<Self, StateToStateError> {
+        for (what, value) in
+            [("start.p", start.p), ("start.v", start.v), ("start.a", start.a), ("target.v", v), ("target.a", a)]
+        {
+            finite(what, value)?;
+        }
+        let target = AxisState::new(start.p, v, a);
+        check_target(&target, limits)?;
+        AxisProblem::direct(start, &target, limits)
+    }
+
+    /// The shortest way to a standstill.
+    ///
+    /// # Errors
+    /// [`StateToStateError::NotFinite`], [`StateToStateError::OutOfRange`].
+    pub fn stop(start: &AxisState, limits: &AxisLimits) -> Result<Self, StateToStateError> {
+        Self::to_velocity(start, 0.0, 0.0, limits)
+    }
+
+    /// A stop that stays within `positions` (m), lower and upper bound, either of them infinite for none.
+    ///
+    /// The shortest stop, if that one stays inside. Otherwise it brakes harder, turns at the bound and comes back a little.
+    /// That one is searched for: up to 128 calculations.
+    ///
+    /// # Errors
+    /// As [`StateToState::stop`]; [`StateToStateError::LeavesPositions`] if the hardest braking does not stay inside
+    /// either, with the place and time that the shortest stop gets to.
+    pub fn stop_within(
+        start: &AxisState,
+        limits: &AxisLimits,
+        positions: (f64, f64),
+    ) -> Result<Self, StateToStateError> {
+        let shortest = Self::stop(start, limits)?;
+        let Err(error) = shortest.check_within(positions) else {
+            return Ok(shortest);
+        };
+        let StateToStateError::LeavesPositions { position, limit, .. } = error else { return Err(error) };
+        // The farther back it rests, the longer it brakes and the earlier it turns.
+        let resting = |back: f64| {
+            let p = (limit - back).max(positions.0).min(positions.1);
+            Self::new(start, &AxisState::rest(p), limits).ok().filter(|m| m.check_within(positions).is_ok())
+        };
+        let (mut near, mut far, mut best) = (0.0, position - limit, None);
+        for _ in 0..HALVINGS {
+            best = resting(far);
+            if best.is_some() {
+                break;
+            }
+            (near, far) = (far, 2.0 * far);
+        }
+        let mut best = best.ok_or(error)?;
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (near + far);
+            match resting(middle) {
+                Some(motion) => (far, best) = (middle, motion),
+                None => near = middle,
+            }
+        }
+        Ok(best)
+    }
+
+    /// Whether the motion stays within `positions` (m), lower and upper bound.
+    ///
+    /// # Errors
+    /// [`StateToStateError::LeavesPositions`] with the farthest position and when it is there.
+    ///
+    /// ```
+    /// use arcfeed_feedrate::{AxisLimits, AxisState, StateToState, StateToStateError};
+    /// let limits = AxisLimits::symmetric(1.0, 1.0, 10.0)?;
+    /// let motion = StateToState::new(&AxisState::new(0.0, 0.9, 0.0), &AxisState::rest(0.1), &limits)?;
+    /// let error = motion.check_within((-1.0, 0.2)).unwrap_err();
+    /// assert!(matches!(error, StateToStateError::LeavesPositions { limit: 0.2, .. }));
+    /// # Ok::<(), StateToStateError>(())
+    /// ```
+    pub fn check_within(&self, positions: (f64, f64)) -> Result<(), StateToStateError> {
+        for (what, value) in [("p_min", positions.0), ("p_max", positions.1)] {
+            if value.is_nan() {
+                return Err(StateToStateError::NotFinite { what, value });
+            }
+        }
+        let range = self.position_range();
+        let over = (range.max - positions.1).max(0.0);
+        let under = (positions.0 - range.min).max(0.0);
+        if over == 0.0 && under == 0.0 {
+            return Ok(());
+        }
+        let (position, time, limit) =
+            if over >= under { (range.max, range.t_max, positions.1) } else { (range.min, range.t_min, positions.0) };
+        Err(StateToStateError::LeavesPositions { position, time, limit })
+    }
+}

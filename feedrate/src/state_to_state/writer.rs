@@ -1,0 +1,213 @@
+//! Shapes and blends written down as phases.
+
+use super::family::Problem;
+use super::outside::Brake;
+use super::profile::{PHASES, StateToState};
+use super::solve::Shape;
+use crate::scurve::phases::Phase;
+use crate::state::MotionState;
+
+/// Writes phases into a motion; `side` is -1 while the problem is written in the mirrored frame.
+pub(super) struct Writer<'a> {
+    out: &'a mut StateToState,
+    pub t: f64,
+    side: f64,
+}
+
+impl<'a> Writer<'a> {
+    /// What `out` held is lost.
+    pub fn new(out: &'a mut StateToState) -> Self {
+        out.count = 0;
+        Self { out, t: 0.0, side: 1.0 }
+    }
+
+    #[inline]
+    pub fn push(&mut self, dt: f64, p: f64, v: f64, a: f64, j: f64) {
+        let i = self.out.count;
+        if dt > 0.0 && i < PHASES {
+            let side = self.side;
+            self.out.lasting[i] = dt;
+            self.out.phases[i] = Phase { t: self.t, s: side * p, v: side * v, a: side * a, j: side * j };
+            self.out.count = i + 1;
+            self.t += dt;
+        }
+    }
+
+    /// The motion lasts `duration` and ends in `target`.
+    pub fn finish(self, duration: f64, target: MotionState) {
+        self.out.duration = duration;
+        self.out.target = target;
+    }
+
+    /// Writes the phases of `brake`, which belongs to the frame of the problem or to the mirrored one, and returns where they
+    /// end. What follows is written in the frame of `brake`.
+    pub fn brake(&mut self, brake: &Brake, mirrored: bool, from: f64) -> f64 {
+        let from = if mirrored {
+            self.side = -self.side;
+            -from
+        } else {
+            from
+        };
+        if self.out.count > 0 && brake.t1 > 0.0 {
+            // The acceleration was above its bound: the same phase goes on.
+            self.out.lasting[self.out.count - 1] += brake.t1;
+            self.t += brake.t1;
+        } else {
+            self.push(brake.t1, from, brake.v0, brake.a0, -brake.rest.j.down);
+        }
+        self.push(brake.peak.hold, from + brake.p1, brake.v1, brake.peak.a, 0.0);
+        from + brake.p2
+    }
+
+    /// Writes the motion between the farthest and the least far one of duration `t` that ends `to`.
+    ///
+    /// The two keep the limits, and so does every mean of them because the motions that keep the limits form a convex set; the
+    /// one whose weights are as the excesses of the two goes as far as wanted. False if round-off leaves none.
+    pub fn between(
+        &mut self,
+        p: &Problem,
+        t: f64,
+        (up, down): (&(f64, Shape), &(f64, Shape)),
+        (from, to): (f64, f64),
+    ) -> bool {
+        let (more, less) = (up.0.max(0.0), down.0.max(0.0));
+        let all = more + less;
+        let weight = if all > 0.0 { less / all } else { 0.5 };
+        let (mut far, mut near) = (StateToState::default(), StateToState::default());
+        let (mut far_writer, mut near_writer) = (Writer::new(&mut far), Writer::new(&mut near));
+        far_writer.write(p, &up.1, false, from, to + up.0);
+        near_writer.write(p, &down.1, true, from, to - down.0);
+        let lasts = |w: &Writer<'_>| (w.t - t).abs() <= ROUND_OFF * t;
+        if !(lasts(&far_writer) && lasts(&near_writer)) {
+            return false;
+        }
+        let mean = |x: f64, y: f64| y + weight * (x - y);
+        let state = |(i, since_i): (usize, f64), (k, since_k): (usize, f64)| {
+            let (x, y) = (far.phases[i].after(since_i), near.phases[k].after(since_k));
+            (mean(x.p, y.p), mean(x.v, y.v), mean(x.a, y.a), mean(x.j, y.j))
+        };
+        // Forward to the middle and backward to it: round-off meets there. What lies in the middle belongs to both.
+        let half = 0.5 * t;
+        let (mut i, mut k, mut since_i, mut since_k, mut now) = (0, 0, 0.0, 0.0, 0.0);
+        let (middle, start) = loop {
+            let left = (left_of(&far, i, since_i), left_of(&near, k, since_k));
+            let dt = left.0.min(left.1);
+            let (i0, k0) = (i.min(PHASES - 1), k.min(PHASES - 1));
+            let (p, v, a, j) = state((i0, since_i), (k0, since_k));
+            if now + dt > half * (1.0 + 2.0 * MIDDLE) || i >= far.count || k >= near.count {
+                break ((p, v, a, j), now);
+            }
+            self.push(dt, p, v, a, j);
+            now += dt;
+            (since_i, since_k) = (since_i + dt, since_k + dt);
+            if left.0 <= left.1 {
+                (i, since_i) = (i + 1, 0.0);
+            }
+            if left.1 <= left.0 {
+                (k, since_k) = (k + 1, 0.0);
+            }
+        };
+        let mut later = [(0.0, (0.0, 0.0, 0.0, 0.0)); PHASES];
+        let mut count = 0;
+        let (mut i, mut k, mut to_i, mut to_k, mut back) = (far.count, near.count, 0.0, 0.0, 0.0);
+        loop {
+            // Ends of what is left of the phases before `i` and `k`, which are written from their ends on.
+            let left = (left_of(&far, i.saturating_sub(1), to_i), left_of(&near, k.saturating_sub(1), to_k));
+            let dt = left.0.min(left.1);
+            if back + dt > half * (1.0 - MIDDLE) || count == PHASES || i == 0 || k == 0 {
+                break;
+            }
+            (to_i, to_k) = (to_i + dt, to_k + dt);
+            let since = (left_of(&far, i.saturating_sub(1), to_i), left_of(&near, k.saturating_sub(1), to_k));
+            later[count] =
+                (dt, state((i.saturating_sub(1), since.0.max(0.0)), (k.saturating_sub(1), since.1.max(0.0))));
+            (count, back) = (count + 1, back + dt);
+            if left.0 <= left.1 {
+                (i, to_i) = (i.saturating_sub(1), 0.0);
+            }
+            if left.1 <= left.0 {
+                (k, to_k) = (k.saturating_sub(1), 0.0);
+            }
+        }
+        let (p, v, a, j) = middle;
+        self.push(t - start - back, p, v, a, j);
+        for &(dt, (p, v, a, j)) in later[..count].iter().rev() {
+            self.push(dt, p, v, a, j);
+        }
+        true
+    }
+
+    /// Writes a shape given in the frame of the problem, or in the mirrored one.
+    pub fn write(&mut self, problem: &Problem, shape: &Shape, mirrored: bool, from: f64, to: f64) {
+        if mirrored {
+            self.side = -self.side;
+            self.write_halves(&problem.mirrored(), shape, -from, -to);
+        } else {
+            self.write_halves(problem, shape, from, to);
+        }
+    }
+
+    /// The first half forward from the start, the second backward from the target: round-off meets in the middle.
+    fn write_halves(&mut self, p: &Problem, shape: &Shape, from: f64, to: f64) {
+        let Shape { first, second, v_peak, joined, up, .. } = *shape;
+        let [t1, t2, t3, t4, t5, t6, t7] = times(p, shape);
+        let jerk = |up: bool| if up { p.j.up } else { -p.j.down };
+        let (a1, a2) = (first.a, second.a);
+
+        let v1 = p.v0 + 0.5 * t1 * (p.a0 + a1);
+        let p1 = from + t1 * (p.v0 + t1 * (2.0 * p.a0 + a1) / 6.0);
+        let v2 = v1 + a1 * t2;
+        let p2 = p1 + 0.5 * t2 * (v1 + v2);
+
+        let v7 = p.vf - 0.5 * t7 * (p.af + a2);
+        let p7 = to - t7 * (p.vf - t7 * (2.0 * p.af + a2) / 6.0);
+        let v6 = v7 - a2 * t6;
+        let p6 = p7 - 0.5 * t6 * (v6 + v7);
+
+        self.push(t1, from, p.v0, p.a0, jerk(up.0));
+        self.push(t2, p1, v1, a1, 0.0);
+        if joined {
+            self.push(t3, p2, v2, a1, jerk(up.1));
+        } else {
+            self.push(t3, p2, v2, a1, jerk(!up.0));
+            self.push(t4, p2 + t3 * (v2 + t3 * a1 / 3.0), v_peak, 0.0, 0.0);
+            self.push(t5, p6 - t5 * (v_peak + t5 * a2 / 6.0), v_peak, 0.0, jerk(up.1));
+        }
+        self.push(t6, p6, v6, a2, 0.0);
+        self.push(t7, p7, v7, a2, jerk(!up.1));
+    }
+}
+
+/// How long the phases of a shape last, each of them 0 or more.
+#[inline]
+fn times(p: &Problem, shape: &Shape) -> [f64; 7] {
+    let Shape { first, second, cruise, joined, up, .. } = *shape;
+    let inverse = |up: bool| if up { p.j.inv_up } else { -p.j.inv_down };
+    let (a1, a2) = (first.a, second.a);
+    let t1 = ((a1 - p.a0) * inverse(up.0)).max(0.0);
+    let t7 = ((p.af - a2) * inverse(!up.1)).max(0.0);
+    let (t3, t4, t5) = if joined {
+        (((a2 - a1) * inverse(up.1)).max(0.0), 0.0, 0.0)
+    } else {
+        ((-a1 * inverse(!up.0)).max(0.0), cruise.max(0.0), (a2 * inverse(up.1)).max(0.0))
+    };
+    [t1, first.hold.max(0.0), t3, t4, t5, second.hold.max(0.0), t7]
+}
+
+/// The duration of a shape given in the frame of the problem, or in the mirrored one, that begins at `t`: the same sum as of the
+/// phases written.
+pub(super) fn end_of(p: &Problem, shape: &Shape, mirrored: bool, t: f64) -> f64 {
+    let times = if mirrored { times(&p.mirrored(), shape) } else { times(p, shape) };
+    times.into_iter().fold(t, |sum, dt| sum + dt)
+}
+
+/// What is left of a phase after a part of it; without end where there is none.
+fn left_of(motion: &StateToState, i: usize, since: f64) -> f64 {
+    if i < motion.count { motion.lasting[i] - since } else { f64::INFINITY }
+}
+
+/// Of the time that the phases take, relative to the one they were made for. More means numbers too far apart to work with.
+const ROUND_OFF: f64 = 1e-6;
+
+/// How close to the middle of the duration a change of jerk counts as being there.
+const MIDDLE: f64 = 1e-12;

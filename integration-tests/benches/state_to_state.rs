@@ -1,0 +1,244 @@
+//! Motion between states beside rsruckig 3 in one run, on the same inputs: the distribution that ruckig's own benchmark
+//! draws from, less the few inputs that either of the two refuses.
+//!
+//! MEASURED
+#![allow(missing_docs)]
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use arcfeed_sync::feedrate::{AxisLimits, AxisState, MotionLaw, StateToState};
+use arcfeed_sync::{Cursor, MotionOptions, OnlineGenerator, Synchronisation, Trajectory};
+use criterion::{Criterion, criterion_group, criterion_main};
+use rsruckig::prelude::{InputParameter, Ruckig, ThrowErrorHandler};
+
+type Theirs<const N: usize> = rsruckig::prelude::Trajectory<N>;
+
+/// SplitMix64, uniform in [0, 1).
+struct Rng(u64);
+impl Rng {
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+    fn normal(&mut self, sigma: f64) -> f64 {
+        sigma * (-2.0 * (1.0 - self.unit()).ln()).sqrt() * (std::f64::consts::TAU * self.unit()).cos()
+    }
+    /// Zero but for a share of the cases.
+    fn sparse(&mut self, share: f64) -> f64 {
+        let x = self.normal(0.8);
+        if self.unit() < share { x } else { 0.0 }
+    }
+}
+
+struct Case<const N: usize> {
+    start: [AxisState; N],
+    target: [AxisState; N],
+    limits: [AxisLimits; N],
+    theirs: InputParameter<N>,
+}
+
+fn cases<const N: usize>(seed: u64, count: usize) -> Vec<Case<N>> {
+    let mut rng = Rng(seed);
+    let mut otg = Ruckig::<N, ThrowErrorHandler>::new(None, 0.005);
+    let mut all = Vec::with_capacity(count);
+    while all.len() < count {
+        let start: [_; N] = std::array::from_fn(|_| AxisState::new(rng.normal(4.0), rng.sparse(0.9), rng.sparse(0.8)));
+        let target: [_; N] = std::array::from_fn(|_| AxisState::new(rng.normal(4.0), rng.sparse(0.7), rng.sparse(0.6)));
+        let limit = |rng: &mut Rng, least: f64| 0.1 + 11.9 * rng.unit() + least.abs();
+        let bounds: [_; N] =
+            std::array::from_fn(|k| [limit(&mut rng, target[k].v), limit(&mut rng, target[k].a), limit(&mut rng, 0.0)]);
+        let mut theirs = InputParameter::new(None);
+        for k in 0..N {
+            theirs.current_position[k] = start[k].p;
+            theirs.current_velocity[k] = start[k].v;
+            theirs.current_acceleration[k] = start[k].a;
+            theirs.target_position[k] = target[k].p;
+            theirs.target_velocity[k] = target[k].v;
+            theirs.target_acceleration[k] = target[k].a;
+            theirs.max_velocity[k] = bounds[k][0];
+            theirs.max_acceleration[k] = bounds[k][1];
+            theirs.max_jerk[k] = bounds[k][2];
+        }
+        let limits = bounds.map(|[v, a, j]| AxisLimits::symmetric(v, a, j).expect("limits above 0"));
+        let mut trajectory = Theirs::new(None);
+        let (Ok(_), Ok(ours)) = (
+            otg.calculate(&theirs, &mut trajectory),
+            Trajectory::new(&start, &target, &limits, &MotionOptions::default()),
+        ) else {
+            continue;
+        };
+        // The same problem, or the times mean nothing: starts outside the limits are brought back differently.
+        let inside = start.iter().zip(&limits).all(|(s, l)| l.contain(s));
+        let gap = (ours.duration() - trajectory.get_duration()).abs();
+        assert!(!inside || gap <= 1e-6 * ours.duration(), "{} {}", ours.duration(), trajectory.get_duration());
+        all.push(Case { start, target, limits, theirs });
+    }
+    all
+}
+
+/// Least time of each input over some rounds: what the calculation takes, not what else the machine does. Sorted, in ns.
+fn least_times<C>(cases: &[C], mut run: impl FnMut(&C)) -> Vec<f64> {
+    let mut least = vec![f64::INFINITY; cases.len()];
+    for _ in 0..40 {
+        for (case, best) in cases.iter().zip(&mut least) {
+            let clock = Instant::now();
+            run(case);
+            *best = best.min(clock.elapsed().as_nanos() as f64);
+        }
+    }
+    // What the clock itself takes.
+    let empty = (0..1000).map(|_| Instant::now().elapsed().as_nanos()).min().unwrap_or(0) as f64;
+    for t in &mut least {
+        *t -= empty;
+    }
+    least.sort_by(f64::total_cmp);
+    least
+}
+
+fn report(name: &str, ours: &[f64], theirs: &[f64]) {
+    let at = |v: &[f64], share: f64| v[((v.len() - 1) as f64 * share) as usize];
+    println!("{name}: arcfeed | rsruckig | ratio, ns");
+    for (what, share) in [("median", 0.5), ("p99", 0.99), ("worst", 1.0)] {
+        let (a, b) = (at(ours, share), at(theirs, share));
+        println!("  {what:6} {a:8.0} | {b:8.0} | {:.2}", a / b);
+    }
+    println!("  worst over own median {:.2}", at(ours, 1.0) / at(ours, 0.5));
+}
+
+fn one_axis(c: &mut Criterion) {
+    let all = cases::<1>(1, 4096);
+    let mut otg = Ruckig::<1, ThrowErrorHandler>::new(None, 0.005);
+    let mut trajectory = Theirs::new(None);
+    let ours = |case: &Case<1>| {
+        black_box(StateToState::new(black_box(&case.start[0]), black_box(&case.target[0]), black_box(&case.limits[0])))
+    };
+    let a = least_times(&all, |case| {
+        let _ = ours(case);
+    });
+    let b = least_times(&all, |case| {
+        let _ = black_box(otg.calculate(black_box(&case.theirs), &mut trajectory));
+    });
+    report("one axis", &a, &b);
+    let mut group = c.benchmark_group("one axis");
+    let mut i = 0;
+    group.bench_function("arcfeed", |bench| {
+        bench.iter(|| {
+            i = (i + 1) & 4095;
+            ours(&all[i])
+        });
+    });
+    group.bench_function("rsruckig", |bench| {
+        bench.iter(|| {
+            i = (i + 1) & 4095;
+            otg.calculate(black_box(&all[i].theirs), &mut trajectory)
+        });
+    });
+    group.finish();
+}
+
+fn six_axes(c: &mut Criterion) {
+    let all = cases::<6>(2, 4096);
+    let options = MotionOptions::new(Synchronisation::Time);
+    let mut otg = Ruckig::<6, ThrowErrorHandler>::new(None, 0.005);
+    let mut trajectory = Theirs::new(None);
+    let ours = |case: &Case<6>| {
+        black_box(Trajectory::new(black_box(&case.start), black_box(&case.target), black_box(&case.limits), &options))
+    };
+    let a = least_times(&all, |case| {
+        let _ = ours(case);
+    });
+    let b = least_times(&all, |case| {
+        let _ = black_box(otg.calculate(black_box(&case.theirs), &mut trajectory));
+    });
+    report("six axes", &a, &b);
+    let mut group = c.benchmark_group("six axes");
+    let mut i = 0;
+    group.bench_function("arcfeed", |bench| {
+        bench.iter(|| {
+            i = (i + 1) & 4095;
+            ours(&all[i])
+        });
+    });
+    group.bench_function("rsruckig", |bench| {
+        bench.iter(|| {
+            i = (i + 1) & 4095;
+            otg.calculate(black_box(&all[i].theirs), &mut trajectory)
+        });
+    });
+    group.finish();
+}
+
+fn sampling(c: &mut Criterion) {
+    let all = cases::<6>(3, 64);
+    let mut group = c.benchmark_group("six axes, one sample, 1 ms apart");
+    let motions: Vec<_> = all
+        .iter()
+        .filter_map(|c| Trajectory::new(&c.start, &c.target, &c.limits, &MotionOptions::default()).ok())
+        .collect();
+    let (mut k, mut t, mut cursor) = (0, 0.0, Cursor::default());
+    group.bench_function("arcfeed", |bench| {
+        bench.iter(|| {
+            t += 1e-3;
+            if t > motions[k].duration() {
+                (t, k) = (0.0, (k + 1) & 63);
+            }
+            motions[k].sample(black_box(t), &mut cursor)
+        });
+    });
+    let mut otg = Ruckig::<6, ThrowErrorHandler>::new(None, 0.005);
+    let motions: Vec<_> = all
+        .iter()
+        .map(|c| {
+            let mut trajectory = Theirs::new(None);
+            let _ = otg.calculate(&c.theirs, &mut trajectory);
+            trajectory
+        })
+        .collect();
+    let (mut k, mut t) = (0, 0.0);
+    let [mut p, mut v, mut a, mut j] = [0; 4].map(|_| rsruckig::prelude::DataArrayOrVec::<f64, 6>::new(None, 0.0));
+    group.bench_function("rsruckig", |bench| {
+        bench.iter(|| {
+            t += 1e-3;
+            if t > motions[k].get_duration() {
+                (t, k) = (0.0, (k + 1) & 63);
+            }
+            motions[k].at_time(
+                black_box(t),
+                &mut Some(&mut p),
+                &mut Some(&mut v),
+                &mut Some(&mut a),
+                &mut Some(&mut j),
+                &mut Some(0),
+            );
+            black_box((&p, &v, &a, &j));
+        });
+    });
+    group.finish();
+}
+
+/// The same target set every cycle, then a step.
+fn online_cycle(c: &mut Criterion) {
+    let case = &cases::<6>(4, 1)[0];
+    let fresh = || {
+        let mut g = OnlineGenerator::new(case.start, case.limits, 1e-3, Synchronisation::Time).expect("a valid start");
+        g.set_target(case.target).expect("a valid target");
+        g
+    };
+    let mut generator = fresh();
+    c.bench_function("six axes, one online cycle with an unchanged target", |bench| {
+        bench.iter(|| {
+            if !generator.is_underway() {
+                generator = fresh();
+            }
+            let _ = generator.set_target(black_box(case.target));
+            generator.step()
+        });
+    });
+}
+
+criterion_group!(benches, one_axis, six_axes, sampling, online_cycle);
+criterion_main!(benches);

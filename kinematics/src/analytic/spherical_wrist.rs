@@ -1,0 +1,217 @@
+//! All inverse solutions of six-joint arms with a spherical wrist (KUKA, ABB, Fanuc, Staeubli, the Puma and their kin).
+//!
+//! What is needed: axes 4, 5, 6 meet in a point W; axis 5 perpendicular to 4 and 6; axes 2 and 3 parallel (direction n);
+//! axis 1 perpendicular to n. Axis 1 need not meet axis 2, nor W lie in the plane of the arm (the Puma's shoulder
+//! offset). Everything is read from the chain at zero joint values: any zero convention, sense of rotation, base and
+//! tool will do.
+//!
+//! In the frame F of the arm's plane (see `planar`),
+//!
+//! 1. joints 2 and 3 do not move W along n: two values of joint 1.
+//! 2. W is the end of a planar two-link arm: two values of joints 2 and 3 each.
+//! 3. what is left of the orientation is `Rz(A) Rx(B) Rz(C)` about (axis 4, axis 5, axis 6), ZXZ Euler angles of
+//!    A = q4, B = q5 (+ const), C = q6: two solutions each, +-B.
+//!
+//! C is read from what A leaves over, so that the pose stays exact to rounding however badly A is determined.
+
+use super::{
+    ClosedForm, Solutions,
+    planar::{FirstJoint, FirstJoints, Miss, TwoLink, plane_of_arm},
+};
+use crate::{
+    error::{KinematicsError, ReachSide},
+    jacobian::Configuration,
+    joint::{JointKind, Joints, checked_pose},
+    singularity::SingularityDistances,
+    trig::{atan2, principal, sin_cos},
+};
+use nalgebra::{Isometry3, Matrix3, Vector2, Vector3};
+use std::f64::consts::PI;
+
+/// How far a chain may be from the ideal geometry, rad and m; above [`EXACT`] its solutions are polished.
+const ACCEPTED: f64 = 1e-4;
+/// Deviation that is nothing but rounding, rad and m.
+const EXACT: f64 = 1e-14;
+/// Sine of the angle between axes 4 and 6 below which the wrist is taken as singular, rad. Then joint 4 is free, and the
+/// orientation may be off by that much.
+const WRIST_SINGULAR: f64 = 1e-10;
+
+/// The numbers of one arm with a spherical wrist.
+#[derive(Debug, Clone, Copy)]
+pub struct SphericalWrist {
+    /// Base to F, transposed rotation and origin.
+    to_frame: Matrix3<f64>,
+    origin: Vector3<f64>,
+    /// The wrist point in the tool frame.
+    wrist_in_tool: Vector3<f64>,
+    /// Tool to the frame whose orientation in that of the wrist is Rz(A) Rx(B) Rz(C).
+    tool_to_wrist: Matrix3<f64>,
+    /// F to the frame of the wrist: z along axis 4, x along axis 5, at zero.
+    frame_to_wrist: Matrix3<f64>,
+    /// n . W, the offset of the wrist from the plane through axis 1.
+    shoulder_offset: f64,
+    /// A point of axis 2 in (u, v).
+    axis2: Vector2<f64>,
+    /// From axis 2 to axis 3 to W.
+    links: TwoLink,
+    /// The value of joint 5, negated, where axes 4 and 6 line up.
+    wrist_zero: f64,
+    /// Whether axis 3 points along n (+1) or against it (-1).
+    sign3: f64,
+    /// What the roundings are relative to.
+    size: f64,
+    exact: bool,
+}
+
+impl SphericalWrist {
+    /// Step 3: the two values of joints 4 to 6 for orientation `m` (in the frame of the wrist), or the free wrist.
+    #[inline]
+    fn wrist_branches(&self, m: &Matrix3<f64>, [q1, q2, q3]: [f64; 3], seed: &Joints<6>, solutions: &mut Solutions<6>) {
+        let sine = (m[(0, 2)] * m[(0, 2)] + m[(1, 2)] * m[(1, 2)]).sqrt();
+        let singular = sine < WRIST_SINGULAR;
+        let (a, sin_a, cos_a, b) = if singular {
+            solutions.mark_wrist_singular();
+            let ([sin], [cos]) = sin_cos(&[seed[3]]);
+            (seed[3], sin, cos, if m[(2, 2)] > 0.0 { 0.0 } else { PI })
+        } else {
+            let (sin, cos) = (m[(0, 2)] / sine, -m[(1, 2)] / sine);
+            (atan2(sin, cos), sin, cos, atan2(sine, m[(2, 2)]))
+        };
+        let c = atan2(-(cos_a * m[(0, 1)] + sin_a * m[(1, 1)]), cos_a * m[(0, 0)] + sin_a * m[(1, 0)]);
+        let mut push = |q4: f64, b: f64, q6: f64| {
+            solutions.push(Joints::from([q1, q2, q3, q4, b - self.wrist_zero, q6].map(principal)));
+        };
+        push(a, b, c);
+        if !singular {
+            push(a + PI, -b, c + PI);
+        }
+    }
+}
+
+impl ClosedForm for SphericalWrist {
+    const FREE_JOINT: usize = 3;
+
+    fn recognise(zero: &Configuration<6>) -> Result<Self, KinematicsError> {
+        let (z, o) = (&zero.axes, &zero.points);
+        let mut worst = 0.0_f64;
+        let mut rule = |rule: &'static str, deviation: f64| {
+            worst = worst.max(deviation);
+            if deviation <= ACCEPTED {
+                return Ok(());
+            }
+            Err(KinematicsError::NotSphericalWrist { rule, deviation, tolerance: ACCEPTED })
+        };
+        let sliding = zero.kinds.iter().filter(|kind| **kind != JointKind::Revolute).count();
+        rule("all six joints must be revolute", sliding as f64)?;
+        rule("axes 4 and 5 must be perpendicular", z[3].dot(&z[4]).abs())?;
+        rule("axes 5 and 6 must be perpendicular", z[4].dot(&z[5]).abs())?;
+        // W: where axis 5 comes nearest to axis 4; the three distances of the axes from it must vanish.
+        let wrist = o[3] + z[3] * z[3].dot(&(o[4] - o[3]));
+        let distance = |i: usize| (wrist - o[i]).cross(&z[i]).norm();
+        rule("axes 4 and 5 must meet", distance(4))?;
+        rule("axis 6 must pass through the point where axes 4 and 5 meet", distance(5))?;
+        let n = z[1];
+        rule("axes 2 and 3 must be parallel", n.cross(&z[2]).norm())?;
+        rule("axes 1 and 2 must be perpendicular", z[0].dot(&n).abs())?;
+
+        let to_frame = plane_of_arm(zero);
+        let in_frame = |point: &Vector3<f64>| to_frame * (point - o[0]);
+        let (axis2, axis3, centre) = (in_frame(&o[1]).xy(), in_frame(&o[2]).xy(), in_frame(&wrist));
+        let (upper_arm, forearm) = (axis3 - axis2, centre.xy() - axis3);
+        rule("axes 2 and 3 must not coincide", if upper_arm.norm() > ACCEPTED { 0.0 } else { 1.0 })?;
+        rule("the wrist must not lie on axis 3", if forearm.norm() > ACCEPTED { 0.0 } else { 1.0 })?;
+
+        let x = (z[4] - z[3] * z[3].dot(&z[4])).normalize();
+        let wrist_frame = Matrix3::from_columns(&[x, z[3].cross(&x), z[3]]);
+        let last = wrist_frame.transpose() * z[5];
+        let wrist_zero = (-last.y).atan2(last.z);
+        let (sin, cos) = wrist_zero.sin_cos();
+        let to_singular = Matrix3::new(1.0, 0.0, 0.0, 0.0, cos, -sin, 0.0, sin, cos);
+        let base_to_tool = zero.rotation.transpose();
+        let size = upper_arm.norm() + forearm.norm() + centre.z.abs() + axis2.norm();
+        Ok(Self {
+            to_frame,
+            origin: o[0],
+            wrist_in_tool: base_to_tool * (wrist - zero.tool),
+            tool_to_wrist: base_to_tool * wrist_frame * to_singular,
+            frame_to_wrist: wrist_frame.transpose() * to_frame.transpose(),
+            shoulder_offset: centre.z,
+            axis2,
+            links: TwoLink::new(&upper_arm, &forearm, size),
+            wrist_zero,
+            sign3: z[2].dot(&n).signum(),
+            size,
+            exact: worst <= EXACT * size.max(1.0),
+        })
+    }
+
+    fn is_exact(&self) -> bool {
+        self.exact
+    }
+
+    fn solve(&self, target: &Isometry3<f64>, seed: &Joints<6>) -> Result<Solutions<6>, KinematicsError> {
+        let target = checked_pose("target", target)?;
+        let turned = self.to_frame * target.rotation.to_rotation_matrix().into_inner();
+        let wrist = self.to_frame * (target.translation.vector - self.origin) + turned * self.wrist_in_tool;
+        let orientation = turned * self.tool_to_wrist;
+
+        let mut solutions = Solutions::new();
+        let mut miss = Miss::none();
+        let mut each = |first: &FirstJoint, solutions: &mut Solutions<6>| {
+            let upright = orientation_undone::<0, 2>(&orientation, -first.sin, first.cos);
+            let end = Vector2::new(first.cos * wrist.x - first.sin * wrist.z, wrist.y) - self.axis2;
+            self.links.solve(&end, &mut miss, |q2, q3| {
+                let ([sin], [cos]) = sin_cos(&[q2 + q3]);
+                let level = orientation_undone::<0, 1>(&upright, sin, cos);
+                self.wrist_branches(&(self.frame_to_wrist * level), [first.q, q2, q3 * self.sign3], seed, solutions);
+            });
+        };
+        match FirstJoints::new(&wrist, self.shoulder_offset, self.size) {
+            FirstJoints::Free => {
+                solutions.mark_shoulder_singular();
+                let ([sin], [cos]) = sin_cos(&[seed[0]]);
+                each(&FirstJoint { q: seed[0], sin, cos }, &mut solutions);
+            }
+            FirstJoints::TooNear(distance) => miss.note(distance, ReachSide::TooNear),
+            FirstJoints::Two(two) => two.iter().for_each(|first| each(first, &mut solutions)),
+            FirstJoints::Double(one, split) => {
+                each(&one, &mut solutions);
+                if solutions.is_empty() {
+                    split.iter().flatten().for_each(|first| each(first, &mut solutions));
+                }
+            }
+        }
+        if !solutions.is_empty() {
+            return Ok(solutions);
+        }
+        if !miss.distance.is_finite() {
+            return Err(KinematicsError::NotFinite { what: "the target's distance" });
+        }
+        Err(KinematicsError::Unreachable { distance: miss.distance, side: miss.side })
+    }
+
+    fn singularity_distances(&self, at: &Configuration<6>) -> SingularityDistances {
+        let (z, o) = (&at.axes, &at.points);
+        let n = &z[1];
+        let across = |vector: Vector3<f64>| vector - n * n.dot(&vector);
+        let wrist = o[3] + z[3] * z[3].dot(&(o[4] - o[3]));
+        SingularityDistances::new(
+            SingularityDistances::between_lines(&z[3], &z[5]),
+            SingularityDistances::between_lines(&across(o[2] - o[1]), &across(wrist - o[2])),
+            z[0].cross(n).dot(&(wrist - o[0])).abs(),
+            self.size,
+        )
+    }
+}
+
+/// `m` with the turn of rows `I` and `J` by (`sin`, `cos`) undone.
+#[inline]
+fn orientation_undone<const I: usize, const J: usize>(m: &Matrix3<f64>, sin: f64, cos: f64) -> Matrix3<f64> {
+    let mut undone = *m;
+    for column in 0..3 {
+        let (x, y) = (m[(I, column)], m[(J, column)]);
+        undone[(I, column)] = cos * x + sin * y;
+        undone[(J, column)] = cos * y - sin * x;
+    }
+    undone
+}

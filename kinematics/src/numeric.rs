@@ -1,0 +1,422 @@
+//! Inverse kinematics of any arm by damped least squares.
+//!
+//! Each step solves `min |J dq - e|^2 + mu |dq|^2` for the pose error e with damping mu = |e|^2 / 2 (Sugihara 2011,
+//! "Solvability-unconcerned inverse kinematics by the Levenberg-Marquardt method"): far from the target and at singular
+//! poses it cannot blow up, near the target it becomes Newton's method. A joint at a limit that the step would push
+//! outwards is taken out and the step solved again, so that the others make up for it.
+
+use crate::{
+    analytic::Solutions,
+    branch::nearest_turns,
+    chain::Chain,
+    error::KinematicsError,
+    jacobian::{Configuration, Jacobian, Twist, pose_error},
+    joint::{JointKind, JointRange, Joints, checked_pose},
+    lu::solve_positive,
+    traits::{AnalyticInverse, ForwardKinematics, InverseKinematics},
+    trig::principal,
+};
+use nalgebra::Isometry3;
+use std::f64::consts::TAU;
+
+/// Steps without gain after which an attempt is given up.
+const PATIENCE: usize = 8;
+/// Restarts over which the search moves away from the seed.
+const NEAR_RESTARTS: f64 = 10.0;
+/// Attempts that are made to find several solutions.
+const SURVEY: usize = 64;
+
+/// What to do with the freedom that is left when the tool stands at its target.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum NullSpace<const N: usize> {
+    /// Nothing: the joints move as little as can be.
+    LeastMotion,
+    /// Each call moves the joints towards `posture` by at most `gain` (0 to 1) of the way, as far as the tool allows.
+    Towards {
+        /// Preferred joint values, rad (m).
+        posture: Joints<N>,
+        /// Part of the way per call.
+        gain: f64,
+    },
+}
+
+/// How hard to try.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NumericSettings<const N: usize> {
+    /// Error of position that counts as reached, m.
+    pub position: f64,
+    /// Error of orientation that counts as reached, rad.
+    pub orientation: f64,
+    /// Steps per attempt.
+    pub steps: usize,
+    /// Attempts from other places after the one from the seed. 0 for following a path.
+    pub restarts: usize,
+    /// The use of redundant joints.
+    pub null_space: NullSpace<N>,
+}
+
+impl<const N: usize> Default for NumericSettings<N> {
+    /// 1e-11 m and rad, 60 steps, 100 restarts, least motion.
+    fn default() -> Self {
+        Self { position: 1e-11, orientation: 1e-11, steps: 60, restarts: 100, null_space: NullSpace::LeastMotion }
+    }
+}
+
+/// Where the search ended: at the target or not.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NumericSolution<const N: usize> {
+    /// Joint values inside the joint range: the solution, or the best that was found.
+    pub q: Joints<N>,
+    /// Distance of the tool point from the target, m.
+    pub position: f64,
+    /// Angle between the tool and the target, rad.
+    pub orientation: f64,
+    /// Whether both are inside the tolerances.
+    pub converged: bool,
+    /// A joint that stands at a limit there, from 0.
+    pub at_limit: Option<usize>,
+    /// Attempts from places other than the seed.
+    pub restarts: usize,
+    /// Steps taken, all attempts together.
+    pub steps: usize,
+}
+
+/// An arm of any geometry with its joint range and a numeric inverse.
+///
+/// ```
+/// use arcfeed_kinematics::{ForwardKinematics, InverseKinematics, Joints, models};
+/// let arm = models::panda();
+/// let q = Joints::<7>::from([0.1, -0.4, 0.2, -2.0, 0.1, 1.6, 0.7]);
+/// let target = arm.forward(&q);
+/// let found = arm.inverse(&target, &Joints::<7>::from([0.0, -0.3, 0.0, -1.8, 0.0, 1.5, 0.5]))?;
+/// assert!((arm.forward(&found).translation.vector - target.translation.vector).norm() < 1e-11);
+/// assert!(arm.range().contains(&found));
+/// # Ok::<(), arcfeed_kinematics::KinematicsError>(())
+/// ```
+#[derive(Debug, Clone, Copy)]
+pub struct NumericArm<const N: usize> {
+    chain: Chain<N>,
+    range: JointRange<N>,
+    settings: NumericSettings<N>,
+    /// Weighs angles against lengths, m/rad: the size of the arm.
+    size: f64,
+}
+
+/// One attempt's end.
+#[derive(Clone, Copy)]
+struct Attempt<const N: usize> {
+    q: Joints<N>,
+    position: f64,
+    orientation: f64,
+    converged: bool,
+    steps: usize,
+}
+
+impl<const N: usize> NumericArm<N> {
+    /// An arm from its chain and joint range, with default settings.
+    pub fn new(chain: Chain<N>, range: JointRange<N>) -> Self {
+        let at = chain.configuration(&Joints::zeros());
+        let mut size = 0.0;
+        let mut last = at.points().first().copied();
+        for point in at.points().iter().chain(std::iter::once(at.position())) {
+            size += last.map_or(0.0, |last| (point - last).norm());
+            last = Some(*point);
+        }
+        // An arm of turning joints in one point has no length; any weight will do.
+        let size = if size > 1e-6 { 0.5 * size } else { 1.0 };
+        Self { chain, range, settings: NumericSettings::default(), size }
+    }
+
+    /// The same arm with other settings.
+    ///
+    /// # Errors
+    /// [`KinematicsError::InvalidSetting`].
+    pub fn with_settings(&self, settings: NumericSettings<N>) -> Result<Self, KinematicsError> {
+        let fail = |what, value, rule| Err(KinematicsError::InvalidSetting { what, value, rule });
+        for (what, value) in
+            [("position tolerance", settings.position), ("orientation tolerance", settings.orientation)]
+        {
+            if !(value.is_finite() && value > 0.0) {
+                return fail(what, value, "finite and greater than 0");
+            }
+        }
+        if let NullSpace::Towards { posture, gain } = settings.null_space {
+            if !(0.0..=1.0).contains(&gain) {
+                return fail("null-space gain", gain, "from 0 to 1");
+            }
+            if !posture.iter().all(|v| v.is_finite()) {
+                return Err(KinematicsError::NotFinite { what: "the preferred posture" });
+            }
+        }
+        Ok(Self { settings, ..*self })
+    }
+
+    /// The same arm with its tool point at `tool` in the frame of the flange.
+    ///
+    /// # Errors
+    /// [`KinematicsError::NotFinite`] or [`KinematicsError::NotUnit`].
+    pub fn with_tool(&self, tool: Isometry3<f64>) -> Result<Self, KinematicsError> {
+        Ok(Self { settings: self.settings, ..Self::new(self.chain.with_tool(tool)?, self.range) })
+    }
+
+    /// The same arm standing at `base` in the working frame.
+    ///
+    /// # Errors
+    /// [`KinematicsError::NotFinite`] or [`KinematicsError::NotUnit`].
+    pub fn with_base(&self, base: Isometry3<f64>) -> Result<Self, KinematicsError> {
+        Ok(Self { settings: self.settings, ..Self::new(self.chain.with_base(base)?, self.range) })
+    }
+
+    /// The same arm with another joint range.
+    pub fn with_range(&self, range: JointRange<N>) -> Self {
+        Self { range, ..*self }
+    }
+
+    /// The chain of joints.
+    pub fn chain(&self) -> &Chain<N> {
+        &self.chain
+    }
+
+    /// Where the joints may stand.
+    pub fn range(&self) -> &JointRange<N> {
+        &self.range
+    }
+
+    /// How hard it tries.
+    pub fn settings(&self) -> &NumericSettings<N> {
+        &self.settings
+    }
+
+    /// Searches from `seed` (put into the joint range), then from places ever farther from it, at last from places spread
+    /// evenly over the range, until the tool stands at `target`; the best that was found if it never does.
+    ///
+    /// # Errors
+    /// [`KinematicsError::NotFinite`] or [`KinematicsError::NotUnit`] for a target or seed that is none.
+    pub fn search(&self, target: &Isometry3<f64>, seed: &Joints<N>) -> Result<NumericSolution<N>, KinematicsError> {
+        let target = checked_pose("target", target)?;
+        if !seed.iter().all(|v| v.is_finite()) {
+            return Err(KinematicsError::NotFinite { what: "the seed" });
+        }
+        let mut best = self.attempt(&target, seed);
+        let (mut steps, mut restarts) = (best.steps, 0);
+        while !best.converged && restarts < self.settings.restarts {
+            restarts += 1;
+            let away = (restarts as f64 / NEAR_RESTARTS).min(1.0);
+            let attempt = self.attempt(&target, &(seed + (self.place(restarts) - seed) * away));
+            steps += attempt.steps;
+            let miss = |a: &Attempt<N>| a.position + self.size * a.orientation;
+            if attempt.converged || miss(&attempt) < miss(&best) || miss(&best).is_nan() {
+                best = attempt;
+            }
+        }
+        if best.converged && restarts > 0 {
+            best.q = self.turned_towards(&best.q, seed);
+        }
+        let Attempt { q, position, orientation, converged, .. } = best;
+        let at_limit = (0..N).find(|&i| q[i] <= self.range.lower()[i] || q[i] >= self.range.upper()[i]);
+        Ok(NumericSolution { q, position, orientation, converged, at_limit, restarts, steps })
+    }
+
+    /// The `k`-th of a sequence of places that fills the joint range evenly (Halton).
+    fn place(&self, k: usize) -> Joints<N> {
+        const PRIMES: [usize; 12] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37];
+        let (lower, upper) = (self.range.lower(), self.range.upper());
+        Joints::from_fn(|i, _| {
+            // One turn is enough of a joint that turns further.
+            let width = match self.chain.joints()[i].kind() {
+                JointKind::Revolute => (upper[i] - lower[i]).min(TAU),
+                JointKind::Prismatic => upper[i] - lower[i],
+            };
+            let middle = 0.5 * (lower[i] + upper[i]);
+            // The first terms of large bases are in step with each other; later ones are not.
+            middle + width * (radical_inverse(k + 20, PRIMES[i % PRIMES.len()]) - 0.5)
+        })
+    }
+
+    /// `q` with every turning joint on the turn inside the range that is nearest to `seed`.
+    fn turned_towards(&self, q: &Joints<N>, seed: &Joints<N>) -> Joints<N> {
+        let turned = nearest_turns(q, seed, &self.range).unwrap_or(*q);
+        Joints::from_fn(|i, _| if self.chain.joints()[i].kind() == JointKind::Revolute { turned[i] } else { q[i] })
+    }
+
+    /// Steps from `start` until the target is reached or nothing is gained any more.
+    fn attempt(&self, target: &Isometry3<f64>, start: &Joints<N>) -> Attempt<N> {
+        let (lower, upper) = (self.range.lower(), self.range.upper());
+        let inside = |q: Joints<N>| q.zip_zip_map(lower, upper, f64::clamp);
+        let mut q = inside(*start);
+        let mut best = Attempt { q, position: f64::NAN, orientation: f64::NAN, converged: false, steps: 0 };
+        let (mut least, mut stalled) = (f64::INFINITY, 0);
+        for step in 0..=self.settings.steps {
+            let at = self.chain.configuration(&q);
+            let mut error = pose_error(target, &at);
+            let position = error.fixed_rows::<3>(0).norm();
+            let orientation = angle(target, &at, &error);
+            // The error holds the sine of the angle, which falls off beyond a right angle: stretch it to the angle.
+            let sine = error.fixed_rows::<3>(3).norm();
+            if orientation > 0.1 && sine > 1e-9 {
+                let stretch = orientation / sine;
+                error.fixed_rows_mut::<3>(3).scale_mut(stretch);
+            }
+            let miss = position + self.size * orientation;
+            if miss < least {
+                best = Attempt { q, position, orientation, ..best };
+            }
+            best.steps = step;
+            if position <= self.settings.position && orientation <= self.settings.orientation {
+                return Attempt { q, position, orientation, converged: true, steps: step };
+            }
+            stalled = if miss < 0.95 * least { 0 } else { stalled + 1 };
+            least = least.min(miss);
+            if stalled > PATIENCE || step == self.settings.steps {
+                return best;
+            }
+            let wish = match self.settings.null_space {
+                NullSpace::Towards { posture, gain } if N > 6 && step == 0 => (inside(posture) - q) * gain,
+                _ => Joints::zeros(),
+            };
+            let Some(dq) = self.step(&q, &at.jacobian(), &error, &wish) else { return best };
+            q = inside(q + dq);
+        }
+        best
+    }
+
+    /// One damped step for the pose error, and as much of `wish` as does not move the tool.
+    fn step(&self, q: &Joints<N>, jacobian: &Jacobian<N>, error: &Twist, wish: &Joints<N>) -> Option<Joints<N>> {
+        let mut scaled = *jacobian;
+        let mut error = *error;
+        for row in 3..6 {
+            error[row] *= self.size;
+            for column in 0..N {
+                scaled[(row, column)] *= self.size;
+            }
+        }
+        // No more than what makes a step of half the wanted length, or targets far away would be approached too slowly.
+        let square = self.size * self.size;
+        let damping = (0.5 * error.norm_squared()).min(square) + 1e-15 * square;
+        for _ in 0..=N {
+            // J wish is asked for on top of the error, and `wish` given back: what is left moves the tool by the error.
+            let dq = damped(&scaled, &(error - scaled * wish), damping)? + wish;
+            let outwards = |i: &usize| {
+                let i = *i;
+                scaled.column(i).amax() > 0.0
+                    && ((q[i] <= self.range.lower()[i] && dq[i] < 0.0)
+                        || (q[i] >= self.range.upper()[i] && dq[i] > 0.0))
+            };
+            let mut pushed = false;
+            let blocked: [bool; N] = std::array::from_fn(|i| outwards(&i));
+            for (i, blocked) in blocked.into_iter().enumerate() {
+                if blocked {
+                    scaled.column_mut(i).fill(0.0);
+                    pushed = true;
+                }
+            }
+            if !pushed {
+                return Some(dq);
+            }
+        }
+        None
+    }
+}
+
+/// The damped least-squares solution of `j x = e`.
+fn damped<const N: usize>(j: &Jacobian<N>, e: &Twist, damping: f64) -> Option<Joints<N>> {
+    if N < 6 {
+        let normal = j.transpose() * j;
+        let matrix =
+            std::array::from_fn(|r| std::array::from_fn(|c| normal[(r, c)] + if r == c { damping } else { 0.0 }));
+        let right = j.transpose() * e;
+        Some(Joints::from(solve_positive::<N>(matrix, std::array::from_fn(|i| right[i]))?))
+    } else {
+        let mut matrix = [[0.0; 6]; 6];
+        for r in 0..6 {
+            for c in 0..=r {
+                matrix[r][c] = (0..N).map(|k| j[(r, k)] * j[(c, k)]).sum();
+            }
+            matrix[r][r] += damping;
+        }
+        let dual = Twist::from(solve_positive::<6>(matrix, (*e).into())?);
+        Some(j.transpose() * dual)
+    }
+}
+
+/// The angle between tool and target, rad: `error` holds its sine.
+fn angle<const N: usize>(target: &Isometry3<f64>, at: &Configuration<N>, error: &Twist) -> f64 {
+    let sine = error.fixed_rows::<3>(3).norm();
+    let wanted = target.rotation.to_rotation_matrix();
+    let cosine = 0.5 * (at.rotation().component_mul(wanted.matrix()).sum() - 1.0);
+    sine.atan2(cosine)
+}
+
+impl<const N: usize> ForwardKinematics<N> for NumericArm<N> {
+    #[inline]
+    fn configuration(&self, q: &Joints<N>) -> Configuration<N> {
+        self.chain.configuration(q)
+    }
+}
+
+impl<const N: usize> InverseKinematics<N> for NumericArm<N> {
+    /// The solution that the search from `seed` runs into, not necessarily the nearest of all.
+    ///
+    /// # Errors
+    /// [`KinematicsError::NotConverged`] tells how near the best attempt came.
+    fn inverse(&self, target: &Isometry3<f64>, seed: &Joints<N>) -> Result<Joints<N>, KinematicsError> {
+        let end = self.search(target, seed)?;
+        if end.converged {
+            return Ok(end.q);
+        }
+        Err(end.failure())
+    }
+}
+
+impl<const N: usize> NumericSolution<N> {
+    fn failure(&self) -> KinematicsError {
+        let NumericSolution { position, orientation, restarts, at_limit, .. } = *self;
+        KinematicsError::NotConverged { position, orientation, attempts: restarts + 1, at_limit }
+    }
+}
+
+impl<const N: usize> AnalyticInverse<N> for NumericArm<N> {
+    /// Different solutions inside the joint range, as far as a search from places spread over the range finds them:
+    /// [`Solutions::is_complete`] is false.
+    ///
+    /// # Errors
+    /// [`KinematicsError::NotConverged`] tells how near the best attempt came.
+    fn inverse_all(&self, target: &Isometry3<f64>) -> Result<Solutions<N>, KinematicsError> {
+        let mut solutions = Solutions::new();
+        solutions.mark_incomplete();
+        let once = Self { settings: NumericSettings { restarts: 0, ..self.settings }, ..*self };
+        for k in 0..SURVEY {
+            let found = once.search(target, &self.place(k))?;
+            let turning = |i: usize| self.chain.joints()[i].kind() == JointKind::Revolute;
+            let q = Joints::from_fn(|i, _| if turning(i) { principal(found.q[i]) } else { found.q[i] });
+            let same = |other: &Joints<N>| {
+                (0..N).all(|i| {
+                    let apart = q[i] - other[i];
+                    (if turning(i) { principal(apart) } else { apart }).abs() < 1e-6
+                })
+            };
+            if found.converged && !solutions.iter().any(same) {
+                solutions.push(q);
+            }
+        }
+        if solutions.is_empty() {
+            let end = self.search(target, &self.place(0))?;
+            if !end.converged {
+                return Err(end.failure());
+            }
+            solutions.push(self.turned_towards(&end.q, &Joints::zeros()));
+        }
+        Ok(solutions)
+    }
+}
+
+/// The digits of `k` in `base`, mirrored at the point: a number in [0, 1).
+fn radical_inverse(mut k: usize, base: usize) -> f64 {
+    let (mut value, mut digit) = (0.0, 1.0);
+    while k > 0 {
+        digit /= base as f64;
+        value += digit * (k % base) as f64;
+        k /= base;
+    }
+    value
+}

@@ -1,0 +1,199 @@
+//! Arms from URDF: the same numbers as from parameters, and honest refusals.
+#![allow(clippy::unwrap_used, reason = "a test fails by panic")]
+
+mod common;
+
+use arcfeed_kinematics::{
+    ArmDescription, Dynamics, ForwardKinematics, Inertial, InverseMethod, Joints, KinematicsError, models,
+};
+use common::pose_distance;
+use nalgebra::{Isometry3, Matrix3, Vector3};
+use proptest::prelude::*;
+
+/// Two turning joints and a slide, with fixed joints before, between, after and beside them.
+const GANTRY: &str = r#"<?xml version="1.0"?>
+<robot name="gantry">
+  <link name="world"/>
+  <link name="stand"><inertial><mass value="9"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+  <link name="arm">
+    <inertial><origin xyz="0.1 0 0" rpy="0.3 0 0.2"/><mass value="2"/>
+      <inertia ixx="0.02" ixy="0.001" ixz="0" iyy="0.03" iyz="0" izz="0.04"/></inertial>
+  </link>
+  <link name="bracket"><inertial><origin xyz="0 0.02 0"/><mass value="0.5"/>
+      <inertia ixx="0.002" ixy="0" ixz="0" iyy="0.003" iyz="0" izz="0.004"/></inertial></link>
+  <link name="camera"><inertial><mass value="0.3"/>
+      <inertia ixx="0.001" ixy="0" ixz="0" iyy="0.001" iyz="0" izz="0.001"/></inertial></link>
+  <link name="slide"><inertial><mass value="1"/>
+      <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/></inertial></link>
+  <link name="hand"><inertial><mass value="0.4"/>
+      <inertia ixx="0.001" ixy="0" ixz="0" iyy="0.001" iyz="0" izz="0.001"/></inertial></link>
+  <link name="tool0"/>
+  <joint name="stand_joint" type="fixed"><origin xyz="0 0 1" rpy="0 0 0.5"/><parent link="world"/><child link="stand"/></joint>
+  <joint name="swing" type="revolute"><origin xyz="0.2 0 0" rpy="0.1 0.2 0.3"/><parent link="stand"/><child link="arm"/>
+    <axis xyz="0 1 0"/><limit lower="-1" upper="2" effort="50" velocity="3"/><dynamics damping="0.5" friction="0.2"/></joint>
+  <joint name="bracket_joint" type="fixed"><origin xyz="0.3 0 0" rpy="0 0.4 0"/><parent link="arm"/><child link="bracket"/></joint>
+  <joint name="camera_joint" type="fixed"><origin xyz="0 0 0.1" rpy="0.2 0 0"/><parent link="bracket"/><child link="camera"/></joint>
+  <joint name="reach" type="prismatic"><origin xyz="0 0 0.05"/><parent link="bracket"/><child link="slide"/>
+    <axis xyz="1 0 0"/><limit lower="0" upper="0.4" effort="100" velocity="0.5"/></joint>
+  <joint name="spin" type="continuous"><origin xyz="0.1 0 0"/><parent link="slide"/><child link="hand"/>
+    <axis xyz="0 0 1"/><limit effort="5" velocity="6"/></joint>
+  <joint name="tool_joint" type="fixed"><origin xyz="0 0 0.2"/><parent link="hand"/><child link="tool0"/></joint>
+</robot>"#;
+
+fn tip() -> Option<&'static str> {
+    Some("tool0")
+}
+
+fn read(text: &str) -> Result<ArmDescription, KinematicsError> {
+    ArmDescription::from_urdf(text, None, tip())
+}
+
+/// What the file says, multiplied out by hand.
+fn by_hand(q: &[f64; 3]) -> Isometry3<f64> {
+    let at = |x: f64, y: f64, z: f64, r: f64, p: f64, w: f64| {
+        let turn = |axis, angle| Isometry3::rotation(axis * angle);
+        Isometry3::translation(x, y, z) * turn(Vector3::z(), w) * turn(Vector3::y(), p) * turn(Vector3::x(), r)
+    };
+    at(0.0, 0.0, 1.0, 0.0, 0.0, 0.5)
+        * at(0.2, 0.0, 0.0, 0.1, 0.2, 0.3)
+        * Isometry3::rotation(Vector3::y() * q[0])
+        * at(0.3, 0.0, 0.0, 0.0, 0.4, 0.0)
+        * at(0.0, 0.0, 0.05, 0.0, 0.0, 0.0)
+        * Isometry3::translation(q[1], 0.0, 0.0)
+        * at(0.1, 0.0, 0.0, 0.0, 0.0, 0.0)
+        * Isometry3::rotation(Vector3::z() * q[2])
+        * Isometry3::translation(0.0, 0.0, 0.2)
+}
+
+#[test]
+fn fixed_joints_are_folded() {
+    let arm = read(GANTRY).unwrap();
+    let names: Vec<&str> = arm.joints.iter().map(|joint| joint.name.as_str()).collect();
+    assert_eq!(names, ["swing", "reach", "spin"]);
+    assert_eq!(arm.joints[0].range, Some([-1.0, 2.0]));
+    assert_eq!((arm.joints[1].torque, arm.joints[1].velocity), (Some(100.0), Some(0.5)));
+    assert_eq!((arm.joints[2].range, arm.joints[2].velocity), (None, Some(6.0)));
+    assert_eq!(arm.joints[0].friction, Some([0.5, 0.2, 0.2]));
+    assert_eq!(arm.missing()[0], "range (taken as +- one turn): spin");
+    let built = arm.build_any().unwrap();
+    for q in [[0.0; 3], [0.4, 0.2, -1.0], [-0.7, 0.1, 2.0]] {
+        assert!(pose_distance(&built.forward(&q).unwrap(), &by_hand(&q)) < 1e-14);
+    }
+    // The swinging link: arm, bracket and camera; the stand does not swing.
+    let body = arm.joints[0].inertial.unwrap();
+    assert!((body.mass() - 2.8).abs() < 1e-15);
+    let diagonal = |a: f64, b: f64, c: f64| Matrix3::from_diagonal(&Vector3::new(a, b, c));
+    let own = Matrix3::new(0.02, 0.001, 0.0, 0.001, 0.03, 0.0, 0.0, 0.0, 0.04);
+    let turn = nalgebra::UnitQuaternion::from_euler_angles(0.3, 0.0, 0.2);
+    let own = Inertial::new(2.0, Vector3::zeros(), own)
+        .unwrap()
+        .seen_from(&Isometry3::from_parts(Vector3::new(0.1, 0.0, 0.0).into(), turn));
+    let bracket_at = Isometry3::new(Vector3::new(0.3, 0.0, 0.0), Vector3::y() * 0.4);
+    let camera_at = bracket_at * Isometry3::new(Vector3::new(0.0, 0.0, 0.1), Vector3::x() * 0.2);
+    let bracket =
+        Inertial::new(0.5, Vector3::new(0.0, 0.02, 0.0), diagonal(0.002, 0.003, 0.004)).unwrap().seen_from(&bracket_at);
+    let camera = Inertial::new(0.3, Vector3::zeros(), Matrix3::identity() * 0.001).unwrap().seen_from(&camera_at);
+    let all = own.joined(&bracket).joined(&camera);
+    assert!((body.centre() - all.centre()).amax() < 1e-15 && (body.tensor() - all.tensor()).amax() < 1e-15);
+    // A chain that starts and ends inside.
+    let part = ArmDescription::from_urdf(GANTRY, Some("arm"), Some("slide")).unwrap();
+    assert_eq!(part.joints.len(), 1);
+    let moved = part.build_any().unwrap().forward(&[0.2]).unwrap();
+    let expected =
+        Isometry3::new(Vector3::new(0.3, 0.0, 0.0), Vector3::y() * 0.4) * Isometry3::translation(0.2, 0.0, 0.05);
+    assert!(pose_distance(&moved, &expected) < 1e-15);
+}
+
+#[test]
+fn the_same_arm_as_urdf_and_as_parameters_gives_the_same_numbers() {
+    for name in ["cr7", "ur5e", "kr6_r700"] {
+        let parameters = models::description(name).unwrap();
+        let read = ArmDescription::from_urdf(&parameters.to_urdf(), Some("base_link"), None).unwrap();
+        let (a, b) = (parameters.build::<6>().unwrap(), read.build::<6>().unwrap());
+        assert_eq!(a.method(), b.method());
+        assert_eq!((a.range(), a.drive_limits().velocity), (b.range(), b.drive_limits().velocity));
+        for k in 0..20 {
+            let q = Joints::from_fn(|i, _| (1.0 + i as f64) * 0.37 * f64::from(k) - 2.0);
+            assert!(pose_distance(&a.forward(&q), &b.forward(&q)) < 1e-13, "{name}");
+            let [ours, theirs] = [&a, &b].map(|arm| arm.dynamics().unwrap().torque(&q, &q, &q));
+            assert!((ours - theirs).amax() < 1e-10 * ours.amax().max(1.0), "{name}");
+        }
+    }
+    let panda = models::description("panda").unwrap();
+    let read = ArmDescription::from_urdf(&panda.to_urdf(), None, None).unwrap().build::<7>().unwrap();
+    let q = Joints::from([0.3, -1.2, 1.1, -0.4, 0.9, 0.3, 0.2]);
+    assert!(pose_distance(&read.forward(&q), &models::panda().forward(&q)) < 1e-13);
+    assert_eq!(read.method(), InverseMethod::Numeric);
+}
+
+#[test]
+fn the_end_is_found_or_asked_for() {
+    // Of several links that end the one chain, tool0; of chains, none.
+    let arm = ArmDescription::from_urdf(GANTRY, None, None).unwrap_err();
+    assert!(arm.to_string().contains("camera, tool0"), "{arm}");
+    let plain = models::description("ur5e").unwrap().to_urdf();
+    let with_sensor = plain.replace(
+        "</robot>",
+        r#"<link name="ft"/><joint name="ft_joint" type="fixed"><parent link="wrist_3_joint_link"/><child link="ft"/></joint></robot>"#,
+    );
+    assert_eq!(ArmDescription::from_urdf(&with_sensor, None, None).unwrap().joints.len(), 6);
+}
+
+#[test]
+fn hostile_files_are_refused_by_name() {
+    let refused = |from: &str, to: &str| {
+        assert!(GANTRY.contains(from), "{from}");
+        let read = read(&GANTRY.replacen(from, to, 1)).and_then(|arm| arm.build_any());
+        read.unwrap_err().to_string()
+    };
+    let about = |text: String, what: [&str; 2]| assert!(what.iter().all(|what| text.contains(what)), "{text}");
+    for text in ["", "this is no XML", "<robot", "<robot name=\"x\">", "\u{0}\u{1}", "<a><b></a></b>"] {
+        let error = read(text).unwrap_err();
+        assert!(matches!(error, KinematicsError::Unreadable { format: "URDF", .. }), "{text}: {error}");
+    }
+    let error = read("<robot name=\"x\"/>").unwrap_err();
+    assert!(matches!(error, KinematicsError::Structure { .. } | KinematicsError::Unreadable { .. }), "{error}");
+    // A loop: the stand hangs on the hand.
+    about(refused(r#"<parent link="world"/>"#, r#"<parent link="hand"/>"#), ["joint '", "must not form a loop"]);
+    about(refused(r#"<parent link="stand"/>"#, r#"<parent link="nowhere"/>"#), ["joint 'swing'", "'nowhere'"]);
+    about(refused(r#"<child link="hand"/>"#, r#"<child link="slide"/>"#), ["link 'slide'", "one parent joint"]);
+    about(refused(r#"<joint name="swing""#, r#"<joint name="spin""#), ["name of its own", "'spin'"]);
+    about(refused(r#"<link name="tool0"/>"#, r#"<link name="world"/>"#), ["name of its own", "'world'"]);
+    about(refused(r#"<axis xyz="0 1 0"/>"#, r#"<axis xyz="0 0 0"/>"#), ["joint 'swing'", "length 0"]);
+    about(refused(r#"<axis xyz="0 1 0"/>"#, r#"<axis xyz="0 1 1"/>"#), ["joint 'swing'", "not 1"]);
+    about(refused(r#"<axis xyz="0 1 0"/>"#, r#"<axis xyz="0 NaN 1"/>"#), ["joint 'swing'", "NaN"]);
+    about(refused(r#"xyz="0.2 0 0" rpy="0.1 0.2 0.3""#, r#"xyz="0.2 NaN 0""#), ["joint 'swing'", "not finite"]);
+    about(refused(r#"lower="-1" upper="2""#, r#"lower="3" upper="2""#), ["joint 'swing'", "less than the upper"]);
+    about(refused(r#"lower="-1" upper="2""#, r#"lower="NaN" upper="2""#), ["joint 'swing'", "a number"]);
+    about(refused(r#"lower="0" upper="0.4""#, r#"lower="0" upper="0""#), ["joint 'reach'", "sliding joint must have"]);
+    about(refused(r#""swing" type="revolute""#, r#""swing" type="floating""#), ["joint 'swing'", "'floating' are not"]);
+    about(refused(r#""swing" type="revolute""#, r#""swing" type="planar""#), ["joint 'swing'", "'planar' are not"]);
+    about(
+        refused(r#"<dynamics damping="0.5" friction="0.2"/>"#, r#"<mimic joint="spin"/>"#),
+        ["joint 'swing'", "'spin'"],
+    );
+    about(refused(r#"ixx="0.02""#, r#"ixx="0.2""#), ["link 'arm'", "at most the sum"]);
+    about(refused(r#"ixx="0.02""#, r#"ixx="NaN""#), ["link 'arm'", "inertia tensor"]);
+    about(refused(r#"<mass value="2"/>"#, r#"<mass value="-2"/>"#), ["link 'arm'", "mass"]);
+    about(refused(r#"damping="0.5""#, r#"damping="-0.5""#), ["joint 'swing'", "viscous friction"]);
+    let missing = |base, tip| ArmDescription::from_urdf(GANTRY, base, tip).unwrap_err().to_string();
+    about(missing(Some("foot"), None), ["link 'foot'", "world, stand"]);
+    about(missing(None, Some("finger")), ["link 'finger'", "tool0"]);
+    about(missing(Some("hand"), Some("arm")), ["must be below the base link", "hand, arm"]);
+    about(missing(Some("hand"), Some("tool0")), ["moving joint", "hand, tool0"]);
+    about(missing(Some("arm"), Some("arm")), ["below the base link", "arm, arm"]);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+
+    #[test]
+    fn damaged_files_give_an_answer_or_an_error(at in 0.0..1.0_f64, length in 0_usize..60, with in "[0-9eE.<>/=\"a-z -]{0,10}") {
+        let start = (at * (GANTRY.len() - 1) as f64) as usize;
+        let end = (start + length).min(GANTRY.len());
+        let damaged = format!("{}{with}{}", &GANTRY[..start], &GANTRY[end..]);
+        if let Ok(arm) = read(&damaged).and_then(|arm| arm.build_any()) {
+            let _ = arm.forward(&vec![0.1; arm.joints()]);
+        }
+    }
+}

@@ -1,0 +1,212 @@
+//! Several axes from state to state in a common time.
+
+use arcfeed_feedrate::{AxisLimits, AxisProblem, AxisState, MotionLaw, StateToState, StateToStateError};
+use nalgebra::SVector;
+
+use crate::error::SyncError;
+use crate::mode::{MotionOptions, Synchronisation};
+use crate::point_to_point::JointState;
+use crate::straight::Line;
+
+/// The shortest common motion of `N` axes, each from a state to a state within its own limits.
+///
+/// With [`Synchronisation::Time`] the duration is the smallest one that every axis can meet. Between moving states that may be more
+/// than the slowest axis needs: a faster axis may be unable to take just a little longer (see
+/// [`Durations`](arcfeed_feedrate::Durations)). All other axes stretch their motion to it with one cruise velocity
+/// (Liu et al. 2024, section 4.1, corrected: see [`AxisProblem::lasting`]).
+///
+/// ```
+/// use arcfeed_sync::feedrate::{AxisLimits, AxisState};
+/// use arcfeed_sync::{MotionOptions, Synchronisation, Trajectory};
+/// let limits = [AxisLimits::symmetric(2.0, 10.0, 200.0)?; 3];
+/// let start = [AxisState::new(0.0, 0.5, 0.0), AxisState::rest(1.0), AxisState::new(-1.0, 0.0, -2.0)];
+/// let target = [1.0, 0.8, -1.5].map(AxisState::rest);
+/// let options = MotionOptions::new(Synchronisation::Time).with_cycle(1e-3)?;
+/// let motion = Trajectory::new(&start, &target, &limits, &options)?;
+/// let end = motion.at(motion.duration());
+/// assert_eq!(end.q.as_slice(), [1.0, 0.8, -1.5]);
+/// assert_eq!((motion.duration() * 1e3).round() * 1e-3, motion.duration());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Trajectory<const N: usize> {
+    axes: [StateToState; N],
+    duration: f64,
+    straight: bool,
+}
+
+/// Where the last sample of a [`Trajectory`] was: makes sampling in the order of time a matter of nanoseconds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Cursor<const N: usize> {
+    phases: [usize; N],
+}
+
+impl<const N: usize> Default for Cursor<N> {
+    fn default() -> Self {
+        Self { phases: [0; N] }
+    }
+}
+
+impl<const N: usize> Trajectory<N> {
+    /// The shortest motion from `start` to `target` within `limits`, as told by `options`.
+    ///
+    /// # Errors
+    /// [`SyncError::State`] naming the axis, [`SyncError::NotStraight`] with [`Synchronisation::ForcedStraight`].
+    pub fn new(
+        start: &[AxisState; N],
+        target: &[AxisState; N],
+        limits: &[AxisLimits; N],
+        options: &MotionOptions,
+    ) -> Result<Self, SyncError> {
+        match options.synchronisation() {
+            Synchronisation::None => Self::each(start, target, limits, options),
+            Synchronisation::Time => Self::together(start, target, limits, options),
+            mode => match Line::new(start, target) {
+                Ok(line) => Self::straight(&line, start, target, limits, options),
+                Err(axis) if mode == Synchronisation::ForcedStraight => Err(SyncError::NotStraight { axis }),
+                Err(_) => Self::together(start, target, limits, options),
+            },
+        }
+    }
+
+    /// No target: the velocity stays what it is once the acceleration is zero and the velocity inside its limits.
+    pub(crate) fn coasting(start: &[AxisState; N], limits: &[AxisLimits; N]) -> Result<Self, SyncError> {
+        let mut all = Self { axes: [StateToState::default(); N], duration: 0.0, straight: false };
+        for (axis, ((s, l), out)) in start.iter().zip(limits).zip(&mut all.axes).enumerate() {
+            let jerk = if s.a > 0.0 { -l.j_min() } else { -l.j_max() };
+            let v = (s.v + 0.5 * s.a * s.a / jerk).clamp(l.v_min(), l.v_max());
+            *out = StateToState::to_velocity(s, v, 0.0, l).map_err(|source| SyncError::State { axis, source })?;
+            all.duration = all.duration.max(out.duration());
+        }
+        Ok(all)
+    }
+
+    fn each(
+        start: &[AxisState; N],
+        target: &[AxisState; N],
+        limits: &[AxisLimits; N],
+        options: &MotionOptions,
+    ) -> Result<Self, SyncError> {
+        let mut axes = [StateToState::default(); N];
+        for axis in 0..N {
+            let motion = AxisProblem::new(&start[axis], &target[axis], &limits[axis])
+                .and_then(|problem| lasting_at_least(&problem, options))
+                .map_err(|source| SyncError::State { axis, source })?;
+            axes[axis] = motion;
+        }
+        let duration = axes.iter().fold(0.0, |t: f64, a| t.max(a.duration()));
+        Ok(Self { axes, duration, straight: false })
+    }
+
+    fn together(
+        start: &[AxisState; N],
+        target: &[AxisState; N],
+        limits: &[AxisLimits; N],
+        options: &MotionOptions,
+    ) -> Result<Self, SyncError> {
+        let problems: [_; N] = std::array::from_fn(|k| AxisProblem::new(&start[k], &target[k], &limits[k]));
+        let mut shortest = 0.0_f64;
+        for (axis, problem) in problems.iter().enumerate() {
+            match problem {
+                Ok(p) => shortest = shortest.max(p.shortest_duration()),
+                Err(source) => return Err(SyncError::State { axis, source: *source }),
+            }
+        }
+        let mut all =
+            Self { axes: [StateToState::default(); N], duration: options.round_up(shortest), straight: false };
+        // Every axis has a few blocked intervals at most, and every round passes one.
+        for _ in 0..ROUNDS * (N + 1) {
+            match all.fill(&problems) {
+                Ok(()) => return Ok(all),
+                Err(SyncError::State { source: StateToStateError::DurationImpossible { above, .. }, .. })
+                    if above > all.duration =>
+                {
+                    all.duration = options.round_up(above);
+                }
+                Err(e) => return Err(e),
+            }
+        }
+        Err(SyncError::State { axis: 0, source: StateToStateError::OutOfRange })
+    }
+
+    /// Every axis in the common duration.
+    fn fill(&mut self, problems: &[Result<AxisProblem, StateToStateError>; N]) -> Result<(), SyncError> {
+        for (axis, (motion, problem)) in self.axes.iter_mut().zip(problems).enumerate() {
+            if let Ok(problem) = problem {
+                problem.lasting_into(self.duration, motion).map_err(|source| SyncError::State { axis, source })?;
+            }
+        }
+        Ok(())
+    }
+
+    fn straight(
+        line: &Line<N>,
+        start: &[AxisState; N],
+        target: &[AxisState; N],
+        limits: &[AxisLimits; N],
+        options: &MotionOptions,
+    ) -> Result<Self, SyncError> {
+        let m = line.reference;
+        let out_of_range = SyncError::State { axis: m, source: StateToStateError::OutOfRange };
+        let motion = line.limits(limits).ok_or(out_of_range).and_then(|shared| {
+            AxisProblem::new(&start[m], &target[m], &shared)
+                .and_then(|problem| lasting_at_least(&problem, options))
+                .map_err(|source| SyncError::State { axis: m, source })
+        });
+        let motion = match motion {
+            Ok(motion) => motion,
+            // If an axis is to blame by itself, name that one.
+            Err(e) => return Self::each(start, target, limits, &MotionOptions::default()).and(Err(e)),
+        };
+        let axes = std::array::from_fn(|k| motion.in_proportion(line.ratios[k], &start[k], &target[k]));
+        Ok(Self { axes, duration: motion.duration(), straight: true })
+    }
+
+    /// Duration (s): when the last axis arrives.
+    pub const fn duration(&self) -> f64 {
+        self.duration
+    }
+
+    /// Whether all axes move in proportion, on a straight line.
+    pub const fn is_straight(&self) -> bool {
+        self.straight
+    }
+
+    /// The motion of each axis.
+    pub const fn axes(&self) -> &[StateToState; N] {
+        &self.axes
+    }
+
+    /// The state at time `t` (s). Before 0 it is the start; an axis that has arrived goes on with the velocity of its
+    /// target. Allocates nothing.
+    pub fn at(&self, t: f64) -> JointState<N> {
+        self.sample(t, &mut Cursor::default())
+    }
+
+    /// As [`Trajectory::at`], starting the search where the last sample was. Any order of times is fine, a rising one is fast.
+    #[inline]
+    pub fn sample(&self, t: f64, cursor: &mut Cursor<N>) -> JointState<N> {
+        let zero = SVector::zeros();
+        let mut state = JointState { q: zero, qd: zero, qdd: zero, qddd: zero };
+        for k in 0..N {
+            let s = self.axes[k].at_from(t, &mut cursor.phases[k]);
+            (state.q[k], state.qd[k], state.qdd[k], state.qddd[k]) = (s.p, s.v, s.a, s.j);
+        }
+        state
+    }
+}
+
+/// The shortest motion of one axis whose duration the options allow.
+fn lasting_at_least(problem: &AxisProblem, options: &MotionOptions) -> Result<StateToState, StateToStateError> {
+    let mut t = options.round_up(problem.shortest_duration());
+    for _ in 0..ROUNDS {
+        match problem.lasting(t) {
+            Err(StateToStateError::DurationImpossible { above, .. }) if above > t => t = options.round_up(above),
+            done => return done,
+        }
+    }
+    Err(StateToStateError::OutOfRange)
+}
+
+/// More blocked intervals than an axis has.
+const ROUNDS: usize = 8;

@@ -1,0 +1,113 @@
+//! Problems of several axes and an independent judge of their motions.
+#![allow(dead_code, missing_docs, clippy::unwrap_used, clippy::neg_cmp_op_on_partial_ord)]
+
+use arcfeed_sync::feedrate::{AxisLimits, AxisState, MotionLaw};
+use arcfeed_sync::{MotionOptions, SyncError, Synchronisation, Trajectory};
+
+/// SplitMix64, uniform in [0, 1).
+pub struct Rng(pub u64);
+impl Rng {
+    pub fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+    pub fn within(&mut self, lo: f64, hi: f64) -> f64 {
+        lo + (hi - lo) * self.unit()
+    }
+    pub fn log(&mut self, lo: f64, hi: f64) -> f64 {
+        lo * (hi / lo).powf(self.unit())
+    }
+}
+
+#[derive(Debug, Clone, Copy)]
+pub struct Problem<const N: usize> {
+    pub start: [AxisState; N],
+    pub target: [AxisState; N],
+    pub limits: [AxisLimits; N],
+}
+
+impl<const N: usize> Problem<N> {
+    pub fn solve(&self, mode: Synchronisation) -> Result<Trajectory<N>, SyncError> {
+        Trajectory::new(&self.start, &self.target, &self.limits, &MotionOptions::new(mode))
+    }
+}
+
+/// A random problem between states that can be left and entered within the limits; at rest with `moving = 0`.
+pub fn moving_problem<const N: usize>(rng: &mut Rng, moving: f64) -> Problem<N> {
+    let mut p = Problem {
+        start: [AxisState::rest(0.0); N],
+        target: [AxisState::rest(0.0); N],
+        limits: [AxisLimits::symmetric(1.0, 1.0, 1.0).unwrap(); N],
+    };
+    for k in 0..N {
+        let pair = |rng: &mut Rng, lo: f64, hi: f64| (-rng.log(lo, hi), rng.log(lo, hi));
+        let (v, a, j) = (pair(rng, 0.3, 5.0), pair(rng, 0.5, 20.0), pair(rng, 2.0, 200.0));
+        p.limits[k] = AxisLimits::new(v, a, j).unwrap();
+        let state = |rng: &mut Rng| {
+            let position = rng.within(-3.0, 3.0);
+            if rng.unit() >= moving {
+                return AxisState::rest(position);
+            }
+            let x = if rng.unit() < 0.5 { 0.0 } else { rng.within(a.0, a.1) };
+            // Room on both sides, for the way in and the way out.
+            let room = 0.5 * x * x / j.1.min(-j.0);
+            if v.0 + room > v.1 - room {
+                return AxisState::new(position, 0.5 * (v.0 + v.1), 0.0);
+            }
+            AxisState::new(position, rng.within(v.0 + room, v.1 - room), x)
+        };
+        (p.start[k], p.target[k]) = (state(rng), state(rng));
+    }
+    p
+}
+
+/// Adds up the phases of every axis: ends, limits, common duration.
+pub fn check<const N: usize>(problem: &Problem<N>, motion: &Trajectory<N>) -> Result<(), String> {
+    for k in 0..N {
+        let (s, e, l) = (&problem.start[k], &problem.target[k], &problem.limits[k]);
+        let axis = &motion.axes()[k];
+        let t = axis.duration();
+        if t > motion.duration() {
+            return Err(format!("axis {k} lasts {t}, longer than {}", motion.duration()));
+        }
+        let span = |x: (f64, f64)| x.1 - x.0;
+        let (v, a, j) = ((l.v_min(), l.v_max()), (l.a_min(), l.a_max()), (l.j_min(), l.j_max()));
+        let stop = s.v + 0.5 * s.a * s.a / if s.a > 0.0 { -j.0 } else { -j.1 };
+        let within = |x: f64, l: (f64, f64)| l.0 - 1e-13 * span(l) <= x && x <= l.1 + 1e-13 * span(l);
+        let inside = within(s.v, v) && within(s.a, a) && within(stop, v);
+        let (mut p, mut u, mut w) = (s.p, s.v, s.a);
+        let mut length = p.abs() + e.p.abs() + span(v) * t;
+        let (fast, hard) = (span(v) + u.abs(), span(a) + w.abs());
+        for (phase, dt) in axis.phases() {
+            length = length.max(p.abs());
+            let gap = ((phase.s - p).abs() / length).max((phase.v - u).abs() / fast).max((phase.a - w).abs() / hard);
+            if gap > 1e-9 {
+                return Err(format!("axis {k}: gap {gap:e} at {}", phase.t));
+            }
+            let mut times = vec![0.0, dt];
+            let top = -phase.a / phase.j;
+            if top > 0.0 && top < dt {
+                times.push(top);
+            }
+            for x in times {
+                let (vx, ax) = (phase.v + x * (phase.a + 0.5 * x * phase.j), phase.a + x * phase.j);
+                let over = |x: f64, l: (f64, f64)| (x - l.1).max(l.0 - x) / span(l);
+                let worst = over(vx, v).max(over(ax, a));
+                if inside && worst > 1e-12 || over(phase.j, j) > 1e-12 {
+                    return Err(format!("axis {k}: v {vx} a {ax} j {} outside {l:?}", phase.j));
+                }
+            }
+            p = phase.s + dt * (phase.v + dt * (0.5 * phase.a + dt * phase.j / 6.0));
+            u = phase.v + dt * (phase.a + 0.5 * dt * phase.j);
+            w = phase.a + dt * phase.j;
+        }
+        let miss = ((p - e.p).abs() / length).max((u - e.v).abs() / fast).max((w - e.a).abs() / hard);
+        if !(miss <= 1e-9) {
+            return Err(format!("axis {k} misses by {miss:e}"));
+        }
+    }
+    Ok(())
+}
