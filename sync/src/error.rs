@@ -22,6 +22,16 @@ pub enum SyncError {
         /// The value given (s).
         value: f64,
     },
+    /// A number of a tool's state or limits breaks a rule.
+    #[error("{what} is {value}; it must be {rule}")]
+    Tool {
+        /// Name of the argument.
+        what: &'static str,
+        /// The value given.
+        value: f64,
+        /// What the value must be.
+        rule: &'static str,
+    },
     /// A control cycle is NaN, infinite, zero or negative.
     #[error("the control cycle is {value} s; it must be finite and greater than 0")]
     Cycle {

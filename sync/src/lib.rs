@@ -3,6 +3,9 @@
 //! [`PointToPoint`] moves `N` axes from rest to rest on an exactly straight line in joint space, as fast as the
 //! bounds of each axis on velocity, acceleration and jerk allow. All axes share one scalar motion, so they start and stop together.
 //!
+//! [`ProjectionSync`] takes them, and [`PoseProjectionSync`] a tool, from any state of motion to rest at a target that may change in any
+//! cycle, on a straight line as soon as the state permits.
+//!
 //! [`Trajectory`] moves them from any state of motion to any other: together in the shortest common time, each on its
 //! own, or on a straight line ([`Synchronisation`]). [`OnlineGenerator`] does so cycle by cycle, while targets and limits change.
 //!
@@ -25,6 +28,8 @@ pub use generator::{Events, OnlineGenerator, Step};
 pub use mode::{MotionOptions, Synchronisation};
 pub use nalgebra;
 pub use point_to_point::{AxisLimits, JointState, PointToPoint};
-pub use projection::{ProjectionStatus, ProjectionStep, ProjectionSync};
+pub use projection::{
+    PoseLimits, PoseProjectionSync, PoseState, PoseStep, ProjectionStatus, ProjectionStep, ProjectionSync,
+};
 pub use sampler::Sampler;
 pub use state_to_state::Trajectory;

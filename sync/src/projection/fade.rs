@@ -2,9 +2,12 @@
 
 use arcfeed_feedrate::{MotionLaw, MotionLimits, MotionState, SpeedChange};
 
-/// Ranges of velocity, acceleration and jerk over some time, zero included.
+/// Ranges of velocity, acceleration and jerk over some time, zero included, and a bound of the displacement.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Ranges {
+    /// Zero also where all coordinates that belong together keep to one direction. It does not shrink: what has been covered
+    /// remains.
+    pub p: f64,
     pub v: (f64, f64),
     pub a: (f64, f64),
     pub j: (f64, f64),
@@ -14,37 +17,58 @@ fn widen(range: &mut (f64, f64), x: f64) {
     *range = (range.0.min(x), range.1.max(x));
 }
 
+/// Limits of a brake.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct BrakeLimits {
+    pub a: f64,
+    pub j: f64,
+    /// Whether the coordinates that belong together all brake in proportion, so that their direction stays.
+    pub in_proportion: bool,
+}
+
 /// A brake from velocity and acceleration to rest.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Fade(Option<SpeedChange>);
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Fade {
+    brake: Option<SpeedChange>,
+    /// Bound of the displacement; see [`Ranges::p`].
+    reach: f64,
+}
 
 impl Fade {
-    /// `None` if there is nothing to brake, or if the numbers leave the range of `f64`.
-    pub fn new(v: f64, a: f64, a_max: f64, j_max: f64) -> Self {
+    /// `None` if the limits leave nothing to brake with, or if the numbers leave the range of `f64`.
+    pub fn new(v: f64, a: f64, limits: BrakeLimits) -> Option<Self> {
         if v == 0.0 && a == 0.0 {
-            return Self(None);
+            return Some(Self::default());
         }
-        Self(MotionLimits::new(1.0, a_max, j_max).and_then(|l| SpeedChange::brake(v, a, &l)).ok())
+        let brake = MotionLimits::new(1.0, limits.a, limits.j).and_then(|l| SpeedChange::brake(v, a, &l)).ok()?;
+        let (low, high) = (brake.lowest_speed(), brake.highest_speed());
+        let reach = match limits.in_proportion {
+            true => 0.0,
+            // Without turning back it is farthest at the end.
+            false if low >= 0.0 || high <= 0.0 => brake.length().abs(),
+            false => brake.duration() * high.max(-low),
+        };
+        Some(Self { brake: Some(brake), reach })
     }
 
     /// Displacement up to the halt.
     pub fn length(&self) -> f64 {
-        self.0.as_ref().map_or(0.0, SpeedChange::length)
+        self.brake.as_ref().map_or(0.0, SpeedChange::length)
     }
 
     pub fn duration(&self) -> f64 {
-        self.0.as_ref().map_or(0.0, SpeedChange::duration)
+        self.brake.as_ref().map_or(0.0, SpeedChange::duration)
     }
 
     #[inline]
     pub fn at(&self, t: f64) -> MotionState {
-        self.0.as_ref().map_or(MotionState::default(), |brake| brake.at(t))
+        self.brake.as_ref().map_or(MotionState::default(), |brake| brake.at(t))
     }
 
     /// What velocity, acceleration and jerk still run through after time `t`.
     pub fn ranges_after(&self, t: f64) -> Ranges {
-        let mut ranges = Ranges::default();
-        let Some(brake) = &self.0 else { return ranges };
+        let mut ranges = Ranges { p: self.reach, ..Ranges::default() };
+        let Some(brake) = &self.brake else { return ranges };
         let phases = brake.phases();
         for (i, phase) in phases.iter().enumerate() {
             let end = phases.get(i + 1).map_or(brake.duration(), |next| next.t);

@@ -1,12 +1,12 @@
 //! The synchroniser in joint space.
 
-use nalgebra::SVector;
+use nalgebra::{SMatrix, SVector};
 
 use super::ProjectionStatus;
-use super::fade::Ranges;
+use super::fade::{BrakeLimits, Ranges};
 use super::line::{LinePlan, Start};
 use super::recover::Recovery;
-use super::room::{FLOOR, Order, RESERVE, Room, Rooms, WIDEST};
+use super::room::{FLOOR, NONE, Order, RESERVE, Room, Rooms, SLACK, WIDEST};
 use crate::error::SyncError;
 use crate::point_to_point::{AxisLimits, JointState};
 
@@ -224,6 +224,15 @@ fn check_finite<const N: usize>(what: &'static str, values: &SVector<f64, N>) ->
 
 /// A box per joint.
 impl<const N: usize> Room<N> for AxisLimits<N> {
+    fn frame(&self, _: &SVector<f64, N>, _: &SVector<f64, N>, _: &SVector<f64, N>) -> SMatrix<f64, N, N> {
+        // The limits are those of the joints: their own axes are the only ones that fit.
+        SMatrix::identity()
+    }
+
+    fn apart(&self, _: &SVector<f64, N>, _: f64, _: &SVector<f64, N>, a: &SVector<f64, N>) -> SVector<f64, N> {
+        *a
+    }
+
     fn project(&self, order: Order, y: &SVector<f64, N>, u: &SVector<f64, N>) -> f64 {
         let bound = self.bound(order);
         let (mut dot, mut square) = (0.0, 0.0);
@@ -255,10 +264,17 @@ impl<const N: usize> Room<N> for AxisLimits<N> {
         share
     }
 
-    fn fading(&self, line: &SVector<f64, N>, w: &SVector<f64, N>, share: f64) -> [(f64, f64); N] {
+    fn fading(
+        &self,
+        line: &SVector<f64, N>,
+        _: &SVector<f64, N>,
+        own: &SVector<f64, N>,
+        share: f64,
+    ) -> [BrakeLimits; N] {
         std::array::from_fn(|k| {
             let (a, j) = (self.acceleration()[k], self.jerk()[k]);
-            (w[k].abs().max((share * a).min(a - line[k].abs())), share * j)
+            let most = own[k].abs().max((share * a).min(a - line[k].abs()));
+            BrakeLimits { a: most, j: share * j, in_proportion: true }
         })
     }
 
@@ -268,6 +284,9 @@ impl<const N: usize> Room<N> for AxisLimits<N> {
             for k in 0..N {
                 let (low, high) = range(&ranges[k]);
                 let (down, up) = (-bound[k] - low, bound[k] - high);
+                if low < -bound[k] * (1.0 + SLACK) || high > bound[k] * (1.0 + SLACK) {
+                    return NONE;
+                }
                 if u[k] > 0.0 {
                     (lower, upper) = (lower.max(down / u[k]), upper.min(up / u[k]));
                 } else if u[k] < 0.0 {

@@ -18,10 +18,10 @@
 //! again at [`STAGES`] moments from where it is then, which is inside the wider bounds too.
 
 use arcfeed_feedrate::{AxisLimits as ScalarLimits, AxisState, MotionLaw, MotionState, StateToState};
-use nalgebra::SVector;
+use nalgebra::{SMatrix, SVector};
 
 use super::fade::{Fade, Ranges};
-use super::room::{FLOOR, Order, Room, Rooms};
+use super::room::{FLOOR, Order, Room, Rooms, SLACK};
 
 /// How often the line takes up what the fading part has freed.
 pub(super) const STAGES: usize = 4;
@@ -35,13 +35,12 @@ const TRIES: [(f64, f64); 4] = [(1.0, 1.0), (1.0, 0.8), (0.6, 0.45), (0.0, 0.0)]
 /// Steps to make the line end where the fading part lets it.
 const MAX_STEPS: usize = 40;
 
-/// Excess over a bound that counts as round-off.
-const SLACK: f64 = 1e-11;
-
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LinePlan<const M: usize> {
     /// From where `w` ends to the target.
     pub u: SVector<f64, M>,
+    /// Axes of `w`, as columns.
+    pub frame: SMatrix<f64, M, M>,
     fades: [Fade; M],
     /// When `w` has faded (s).
     pub faded: f64,
@@ -59,6 +58,7 @@ pub(super) struct Start<const M: usize> {
 
 struct Parts<const M: usize> {
     u: SVector<f64, M>,
+    frame: SMatrix<f64, M, M>,
     alpha: f64,
     beta: f64,
     fades: [Fade; M],
@@ -75,28 +75,35 @@ impl<const M: usize> Parts<M> {
     ) -> Option<Self> {
         let mut u = aim(&SVector::zeros());
         for _ in 0..MAX_STEPS {
-            let (alpha, beta) = if u.iter().all(|&x| x == 0.0) {
-                (0.0, 0.0)
-            } else {
-                let part = |order, y: &SVector<f64, M>, keep: f64| {
-                    let factor = keep * room.project(order, y, &u);
-                    factor * room.share(order, &(u * factor), y)
-                };
-                (part(Order::Velocity, &start.v, keep_v), part(Order::Acceleration, &start.a, keep_a))
+            let frame = room.frame(&u, &start.v, &start.a);
+            let (line, v, a) = (frame.tr_mul(&u), frame.tr_mul(&start.v), frame.tr_mul(&start.a));
+            let part = |order, y: &SVector<f64, M>, keep: f64| {
+                if keep == 0.0 || line.iter().all(|&x| x == 0.0) {
+                    return 0.0;
+                }
+                let factor = keep * room.project(order, y, &line);
+                factor * room.share(order, &(line * factor), y)
             };
-            let (w_v, w_a) = (start.v - u * alpha, start.a - u * beta);
-            let limits = room.fading(&(u * beta), &w_a, share);
+            let alpha = part(Order::Velocity, &v, keep_v);
+            let a = room.apart(&line, alpha, &v, &a);
+            let beta = part(Order::Acceleration, &a, keep_a);
+            let (w_v, w_a) = (v - line * alpha, a - line * beta);
             // A remainder of round-off would take its time.
-            let clean = |whole: f64, rest: f64| if rest.abs() <= 4.0 * f64::EPSILON * whole.abs() { 0.0 } else { rest };
-            let fades: [Fade; M] = std::array::from_fn(|k| {
-                Fade::new(clean(start.v[k], w_v[k]), clean(start.a[k], w_a[k]), limits[k].0, limits[k].1)
-            });
-            let d = SVector::from_fn(|k, _| fades[k].length());
+            let clean = |rest: SVector<f64, M>, whole: f64| {
+                rest.map(|x| if x.abs() <= 4.0 * f64::EPSILON * whole { 0.0 } else { x })
+            };
+            let (w_v, w_a) = (clean(w_v, v.amax()), clean(w_a, a.amax()));
+            let limits = room.fading(&(line * beta), &w_v, &w_a, share);
+            let mut fades = [Fade::default(); M];
+            for (k, fade) in fades.iter_mut().enumerate() {
+                *fade = Fade::new(w_v[k], w_a[k], limits[k])?;
+            }
+            let d = frame * SVector::<f64, M>::from_fn(|k, _| fades[k].length());
             let next = aim(&d);
             let settled = (next - u).amax() <= 1e-14 * (u.amax() + d.amax());
             u = next;
-            if settled || (alpha == 0.0 && beta == 0.0) {
-                return Some(Self { u, alpha, beta, fades });
+            if settled {
+                return Some(Self { u, frame, alpha, beta, fades });
             }
         }
         None
@@ -152,6 +159,7 @@ impl<const M: usize> LinePlan<M> {
         let still = StateToState::new(&target, &target, &ScalarLimits::symmetric(1.0, 1.0, 1.0).ok()?).ok()?;
         let mut plan = Self {
             u: parts.u,
+            frame: parts.frame,
             fades: parts.fades,
             faded,
             stages: [(0.0, still); STAGES + 1],
@@ -161,7 +169,8 @@ impl<const M: usize> LinePlan<M> {
         if parts.u.iter().all(|&c| c == 0.0) {
             return Some(plan);
         }
-        let full = room.rooms(&parts.u, &[Ranges::default(); M]);
+        let line = parts.frame.tr_mul(&parts.u);
+        let full = room.rooms(&line, &[Ranges::default(); M]);
         let mut last: Option<(f64, StateToState)> = None;
         for i in 0..=STAGES {
             let t = faded * i as f64 / STAGES as f64;
@@ -175,7 +184,7 @@ impl<const M: usize> LinePlan<M> {
                 let now = motion.at(t - began);
                 x = AxisState::new(now.p, now.v, now.a);
             }
-            let rooms = room.rooms(&parts.u, &parts.ranges_after(t));
+            let rooms = room.rooms(&line, &parts.ranges_after(t));
             if i == 0 && !parts.fit(&rooms) {
                 return None;
             }
@@ -203,7 +212,7 @@ impl<const M: usize> LinePlan<M> {
         motion.at(t - began)
     }
 
-    /// The fading part: displacement and its derivatives.
+    /// The fading part in its frame: displacement and its derivatives.
     #[inline]
     pub fn w(&self, t: f64) -> [MotionState; M] {
         std::array::from_fn(|k| self.fades[k].at(t))

@@ -17,16 +17,27 @@
 //! Against the time-optimal motion of the slowest joint alone, 200 random problems each: from rest 1.001 (median) to 1.12 (worst)
 //! times as long, from random states of motion 1.05 to 1.29, from random states close to the target 1.09 to 1.54. The time-optimal
 //! synchronised motion is on that bound more often, but runs through joint space on curves that depend on the limits. Prefer the projection
-//! where the path matters (a straight line in joint space, or of the tool: see the pose version) and where the target moves all the
-//! time: a new target costs a few microseconds and keeps the part of the motion that already points there.
+//! where the path matters (a straight line in joint space, or of the tool) and where the target moves all the
+//! time: a new target costs some 10 microseconds (a pose some 40) and keeps the part of the motion that already points there.
+//!
+//! # Orientation
+//! Position and rotation of a tool ([`PoseProjectionSync`]) share one scalar. Where the paper adds quaternions (eq. 20), rotations are composed of exact
+//! exponentials ([`so3`](crate::so3)), the error is taken on the shorter arc (eq. 19 lacks the factor and the choice of sign), and limits are
+//! balls, so that the frame of the error, Gram-Schmidt's, does fit there. Products of angular rates (velocities that turn each other) are
+//! part of the budget. A start with an angular acceleration across its velocity often has it taken off first, which takes at most
+//! acceleration limit over jerk limit.
 
+mod balls;
 mod fade;
 mod joints;
 mod line;
+mod pose;
 mod recover;
 mod room;
 
+pub use balls::PoseLimits;
 pub use joints::{ProjectionStep, ProjectionSync};
+pub use pose::{PoseProjectionSync, PoseState, PoseStep};
 
 /// What the motion is doing.
 #[derive(Debug, Clone, Copy, PartialEq)]
