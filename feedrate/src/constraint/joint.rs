@@ -1,0 +1,183 @@
+//! Velocity, acceleration and jerk of joints.
+
+use super::path::PathDerivatives;
+use super::{PathConstraint, Place, RowSink, Within};
+use crate::error::FeedError;
+use crate::row::{JerkRow, Quantity, Row, RowSource};
+
+/// One limit per axis: not negative, may be infinite.
+fn per_axis(what: &'static str, path: &PathDerivatives<'_>, limits: &[f64]) -> Result<(), FeedError> {
+    if limits.len() != path.axes() {
+        return Err(FeedError::LengthMismatch { what, got: limits.len(), expected: path.axes() });
+    }
+    match limits.iter().find(|&&limit| limit.is_nan() || limit < 0.0) {
+        Some(&value) => Err(FeedError::Negative { what, value }),
+        None => Ok(()),
+    }
+}
+
+/// `|q' sdot| <= v` for every joint (Electronics 2025, 14, 3869, eq. 4).
+#[derive(Debug, Clone, Copy)]
+pub struct JointVelocity<'a> {
+    path: PathDerivatives<'a>,
+    limits: &'a [f64],
+}
+
+impl<'a> JointVelocity<'a> {
+    /// Limits per joint (rad/s or m/s), not negative; infinity means none.
+    ///
+    /// # Errors
+    /// [`FeedError::LengthMismatch`], [`FeedError::Negative`].
+    pub fn new(path: PathDerivatives<'a>, limits: &'a [f64]) -> Result<Self, FeedError> {
+        per_axis("joint velocity limits", &path, limits)?;
+        Ok(Self { path, limits })
+    }
+
+    fn cap(&self, j: usize, slope: f64, out: &mut RowSink<'_>) {
+        if slope != 0.0 {
+            let v = self.limits[j] / slope;
+            out.cap(v * v, RowSource::joint(Quantity::JointVelocity, j));
+        }
+    }
+}
+
+impl PathConstraint for JointVelocity<'_> {
+    fn points(&self) -> Option<usize> {
+        Some(self.path.points())
+    }
+
+    fn rows(&self, place: Place, out: &mut RowSink<'_>) {
+        match place {
+            Place::Point(i) => {
+                // One division for all joints: only the greatest slope in units of its limit counts.
+                for (j, &slope) in self.path.first(i).iter().enumerate() {
+                    self.cap(j, slope, out);
+                }
+                for (j, &slope) in self.path.first_before(i).unwrap_or_default().iter().enumerate() {
+                    self.cap(j, slope, out);
+                }
+            }
+            Place::Middle { k, h } => (0..self.path.axes()).for_each(|j| self.cap(j, self.path.mid(k, h, j)[0], out)),
+        }
+    }
+
+    fn axis_speeds(&self, k: usize, h: f64, out: &mut dyn FnMut([f64; 3], f64, RowSource)) {
+        for (j, &limit) in self.limits.iter().enumerate().filter(|(_, limit)| limit.is_finite()) {
+            let (p0, p1) = (self.path.start(k, j)[0], self.path.end(k + 1, j)[0]);
+            let middle = 2.0 * self.path.mid(k, h, j)[0] - 0.5 * (p0 + p1);
+            out([p0, middle, p1], limit, RowSource::joint(Quantity::JointVelocity, j));
+        }
+    }
+}
+
+/// `|q' u + q'' x| <= a` for every joint (Electronics 2025, 14, 3869, eq. 5).
+#[derive(Debug, Clone, Copy)]
+pub struct JointAcceleration<'a> {
+    path: PathDerivatives<'a>,
+    limits: &'a [f64],
+}
+
+impl<'a> JointAcceleration<'a> {
+    /// Limits per joint (rad/s² or m/s²), not negative; infinity means none.
+    ///
+    /// # Errors
+    /// [`FeedError::LengthMismatch`], [`FeedError::Negative`].
+    pub fn new(path: PathDerivatives<'a>, limits: &'a [f64]) -> Result<Self, FeedError> {
+        per_axis("joint acceleration limits", &path, limits)?;
+        Ok(Self { path, limits })
+    }
+
+    fn row(&self, j: usize, a: f64, b: f64, out: &mut RowSink<'_>) {
+        out.row(Row::symmetric(a, b, self.limits[j], RowSource::joint(Quantity::JointAcceleration, j)));
+    }
+}
+
+impl PathConstraint for JointAcceleration<'_> {
+    fn points(&self) -> Option<usize> {
+        Some(self.path.points())
+    }
+
+    fn rows(&self, place: Place, out: &mut RowSink<'_>) {
+        match place {
+            Place::Point(i) => {
+                let (first, second) = (self.path.first(i), self.path.second(i));
+                for (j, (&a, &b)) in first.iter().zip(second).enumerate() {
+                    self.row(j, a, b, out);
+                }
+                let (first_before, second_before) = (self.path.first_before(i), self.path.second_before(i));
+                let jumps = first_before.is_some_and(|before| {
+                    before.iter().zip(first).zip(self.limits).any(|((p, q), limit)| p != q && limit.is_finite())
+                });
+                if jumps {
+                    out.cap(0.0, RowSource::path(Quantity::Corner));
+                } else if let Some(before) = second_before.filter(|before| *before != second) {
+                    for (j, (&a, &b)) in first.iter().zip(before).enumerate() {
+                        self.row(j, a, b, out);
+                    }
+                }
+            }
+            Place::Middle { k, h } => {
+                for j in 0..self.path.axes() {
+                    let [a, b, _] = self.path.mid(k, h, j);
+                    self.row(j, a, b, out);
+                }
+            }
+        }
+    }
+}
+
+/// `|(q' w + 3 q'' u + q''' x) sdot| <= jerk` for every joint.
+#[derive(Debug, Clone, Copy)]
+pub struct JointJerk<'a> {
+    path: PathDerivatives<'a>,
+    limits: &'a [f64],
+}
+
+impl<'a> JointJerk<'a> {
+    /// Limits per joint (rad/s³ or m/s³), above 0; infinity means none.
+    ///
+    /// # Errors
+    /// [`FeedError::LengthMismatch`], [`FeedError::Negative`], [`FeedError::NotPositive`]; [`FeedError::Empty`] if the path
+    /// has no third derivatives.
+    pub fn new(path: PathDerivatives<'a>, limits: &'a [f64]) -> Result<Self, FeedError> {
+        per_axis("joint jerk limits", &path, limits)?;
+        if limits.contains(&0.0) {
+            return Err(FeedError::NotPositive { what: "joint jerk limits", value: 0.0 });
+        }
+        if !path.has_third() {
+            return Err(FeedError::Empty { what: "third derivatives of the path" });
+        }
+        Ok(Self { path, limits })
+    }
+}
+
+impl PathConstraint for JointJerk<'_> {
+    fn points(&self) -> Option<usize> {
+        Some(self.path.points())
+    }
+
+    fn rows(&self, place: Place, out: &mut RowSink<'_>) {
+        // Where the acceleration of a joint would jump, only standing still keeps its jerk.
+        let Place::Point(i) = place else { return };
+        let jump = |before: Option<&[f64]>, after: &[f64]| {
+            before.is_some_and(|before| {
+                before.iter().zip(after).zip(self.limits).any(|((p, q), limit)| p != q && limit.is_finite())
+            })
+        };
+        if jump(self.path.first_before(i), self.path.first(i)) || jump(self.path.second_before(i), self.path.second(i)) {
+            out.cap(0.0, RowSource::path(Quantity::Corner));
+        }
+    }
+
+    fn jerk_rows(&self, k: usize, h: f64, within: Within, out: &mut Vec<JerkRow>) {
+        for (j, &limit) in self.limits.iter().enumerate().filter(|(_, limit)| limit.is_finite()) {
+            let [p, s, t] = match within {
+                Within::Start => self.path.start(k, j),
+                Within::Middle => self.path.mid(k, h, j),
+                Within::End => self.path.end(k + 1, j),
+            };
+            let source = RowSource::joint(Quantity::JointJerk, j);
+            out.push(JerkRow { alpha: p, beta: 3.0 * s, gamma: t, limit, source });
+        }
+    }
+}
