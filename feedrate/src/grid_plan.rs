@@ -140,6 +140,11 @@ impl GridPlan {
         GridCursor { plan: self, i: 0 }
     }
 
+    /// The state a distance `ds` past grid point `k`, in the interval behind it.
+    pub(crate) fn within(&self, k: usize, ds: f64) -> MotionState {
+        self.pieces[k].after_distance(ds)
+    }
+
     fn state_in(&self, i: usize, t: f64) -> MotionState {
         match self.pieces.get(i) {
             Some(piece) => {

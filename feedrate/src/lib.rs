@@ -42,6 +42,7 @@ pub mod caps;
 pub mod constraint;
 pub mod error;
 pub mod grid_plan;
+pub mod jerk_limited;
 pub mod limits;
 mod lp2;
 pub mod plan;
@@ -54,6 +55,7 @@ pub mod state_to_state;
 
 pub use error::FeedError;
 pub use grid_plan::{GridCursor, GridPlan};
+pub use jerk_limited::JerkLimited;
 pub use limits::MotionLimits;
 pub use plan::{Cursor, SpeedPlan};
 pub use problem::{FeedPlanner, FeedProblem};

@@ -280,6 +280,18 @@ fn speed_bound(constraints: &[&dyn PathConstraint], k: usize, h: f64) -> Result<
     bad.map_or(Ok(bound), Err)
 }
 
+/// The index of the row at an end of an interval that belongs to row `j` of its middle: the same index, or the same source
+/// where a jump doubles the rows of a point (those after it come first).
+pub(crate) fn matching(rows: &[Row], middle: &Row, j: usize, count: usize, last: bool) -> Option<usize> {
+    if rows.len() == count {
+        Some(j)
+    } else if last {
+        rows.iter().rposition(|row| row.source == middle.source)
+    } else {
+        rows.iter().position(|row| row.source == middle.source)
+    }
+}
+
 /// Plans the speed along a path.
 pub trait FeedPlanner {
     /// The law of motion this planner finds for the problem.

@@ -14,7 +14,7 @@ use super::both_ends::{moves, squared_speeds};
 use crate::error::FeedError;
 use crate::grid_plan::GridPlan;
 use crate::lp2::{Band, NoOptimum, gap, greatest_x, least_x};
-use crate::problem::{FeedPlanner, FeedProblem};
+use crate::problem::{FeedPlanner, FeedProblem, matching};
 use crate::row::{Quantity, Row, RowSource};
 
 /// Reachability: the optimum of the rows at the grid points to 0.01 % at N = 1000, and complete: where it finds no
@@ -156,8 +156,8 @@ impl<'a> Solver<'a> {
         let problem = self.problem;
         let (near, middle, far) = (problem.rows(k), problem.middle_rows(k), problem.rows(k + 1));
         for (j, row) in middle.iter().enumerate() {
-            let near_row = matching(near, row, j, middle.len(), false);
-            let far_row = matching(far, row, j, middle.len(), true);
+            let near_row = matching(near, row, j, middle.len(), false).map(|j| &near[j]);
+            let far_row = matching(far, row, j, middle.len(), true).map(|j| &far[j]);
             let x_max = problem.middle_x_max(k).min(problem.x_max(k).max(problem.x_max(k + 1)));
             let around = self.near.get(k).zip(self.near.get(k + 1)).map(|(p, q)| 0.5 * (p + q));
             let lines = &mut self.lines;
@@ -240,18 +240,6 @@ impl<'a> Solver<'a> {
         let row = if highest >= cap { source } else { RowSource::path(Quantity::Ahead) };
         let (lowest, highest, s) = (lowest.sqrt(), highest.sqrt(), problem.grid()[i]);
         FeedError::SpeedOutOfReach { what, speed, lowest, highest, row, s }
-    }
-}
-
-/// The row at an end of an interval that belongs to row `j` of its middle: the same index, or the same source where a jump
-/// doubles the rows of a point (those after it come first).
-fn matching<'r>(rows: &'r [Row], middle: &Row, j: usize, count: usize, last: bool) -> Option<&'r Row> {
-    if rows.len() == count {
-        rows.get(j)
-    } else if last {
-        rows.iter().rfind(|row| row.source == middle.source)
-    } else {
-        rows.iter().find(|row| row.source == middle.source)
     }
 }
 

@@ -1,0 +1,403 @@
+//! Primal-dual interior-point iterations for the fastest `x(s)` on a stretch of path.
+//!
+//! Every row is a barrier with a multiplier; the Newton matrix by spline coefficients has two diagonals beside the main one,
+//! so an iteration costs two passes over the rows and one over the coefficients.
+
+use super::band::Pentadiagonal;
+use super::spline::{
+    AtKnot, End, OnInterval, Values, gradient_to_coefficients, tie_gradient, tie_matrix, to_coefficients,
+};
+use super::stretch::{Sides, Stretch};
+
+/// One side of a row: a multiplier, its last change, and the inverse of the slack (0 for a bound at infinity).
+#[derive(Debug, Clone, Copy, Default)]
+struct Side {
+    multiplier: f64,
+    change: f64,
+    inverse: f64,
+}
+
+impl Side {
+    fn weight(&self) -> f64 {
+        self.multiplier * self.inverse
+    }
+
+    /// What the barrier pulls with at `mu`: `mu / slack`, the second-order term of a predictor that changes the slack by
+    /// the fraction `relative`, and what narrowing the bound by `taken` adds.
+    fn force(&self, mu: f64, relative: f64, taken: f64) -> f64 {
+        mu * self.inverse + self.multiplier * (relative * (1.0 + relative) + self.inverse * taken)
+    }
+}
+
+/// Weighted sums of products of the factors of `x`, `u` and `w`.
+#[derive(Debug, Clone, Copy, Default)]
+struct Products {
+    xx: f64,
+    xu: f64,
+    uu: f64,
+    xw: f64,
+    uw: f64,
+    ww: f64,
+}
+
+impl Products {
+    fn add(&mut self, weight: f64, [gamma, beta, alpha]: [f64; 3]) {
+        let (x, u, w) = (weight * gamma, weight * beta, weight * alpha);
+        self.xx += x * gamma;
+        self.xu += x * beta;
+        self.xw += x * alpha;
+        self.uu += u * beta;
+        self.uw += u * alpha;
+        self.ww += w * alpha;
+    }
+}
+
+/// How the iterations ended.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Outcome {
+    pub iterations: usize,
+    /// Bound on what is still to be gained, relative to the duration.
+    pub gap: f64,
+    /// What bounds are still widened by (relative); 0 when all are kept.
+    pub wider: f64,
+}
+
+/// Iterates and their scratch space.
+#[derive(Debug, Default)]
+pub(super) struct Solver {
+    /// Spline coefficients: the solution.
+    pub c: Vec<f64>,
+    pub values: Values,
+    delta: Values,
+    predicted: Values,
+    at: Vec<AtKnot>,
+    on: Vec<OnInterval>,
+    matrix: Pentadiagonal,
+    step: Vec<f64>,
+    /// All rows: those at the knots, caps, jerk rows, rest intervals.
+    barrier: Vec<[Side; 2]>,
+}
+
+/// Sums over all sides.
+#[derive(Debug, Clone, Copy)]
+struct Sums {
+    /// Sum of multiplier times slack.
+    complementarity: f64,
+    count: f64,
+    /// Smallest slack found; not positive means outside.
+    least: f64,
+}
+
+/// How much of the way to the boundary a step may go.
+const STEP_FRACTION: f64 = 0.95;
+
+/// Relative gap the multipliers start with.
+const START_GAP: f64 = 0.3;
+
+/// Relative gap from which on margins are set.
+const MARGINS_FROM: f64 = 0.1;
+
+/// Many times what is needed.
+const MOST_ITERATIONS: usize = 100;
+
+impl Solver {
+    /// Minimises the duration from a start `c` that keeps the ends. `relaxation` widens all limits by that fraction at
+    /// the start, so that `c` is strictly inside; it is taken back as the iterations go.
+    pub fn minimise(
+        &mut self,
+        stretch: &mut Stretch,
+        c: Vec<f64>,
+        tolerance: f64,
+        mut set_margins: impl FnMut(&mut Stretch, &Values),
+    ) -> Outcome {
+        self.c = c;
+        self.barrier.clear();
+        self.barrier.resize(stretch.offsets()[3] + 2, [Side::default(); 2]);
+        let mut outcome = Outcome { iterations: 0, gap: f64::INFINITY, wider: stretch.narrow(0.0) };
+        let mut dual_step = 0.0;
+        for iteration in 0..MOST_ITERATIONS {
+            stretch.knots.evaluate(&self.c, &mut self.values);
+            // Once the shape shows, and not so late that every change would have to be caught up with.
+            if outcome.gap < MARGINS_FROM && outcome.gap > 4.0 * tolerance {
+                set_margins(stretch, &self.values);
+            }
+            let mut sums = self.slacks(stretch, dual_step);
+            if !(sums.least > 0.0) {
+                break;
+            }
+            let duration = self.duration(stretch);
+            if iteration == 0 {
+                sums.complementarity = START_GAP * duration;
+                self.centre(sums.complementarity / sums.count);
+            }
+            outcome = Outcome { iterations: iteration, gap: sums.complementarity / duration, ..outcome };
+            if outcome.gap < tolerance && outcome.wider < tolerance {
+                break;
+            }
+            let steps = self.direction(stretch, sums.complementarity / sums.count, iteration == 0);
+            if std::env::var("IPM").is_ok() {
+                eprintln!("{iteration}: T {duration:.6} {outcome:?} steps {steps:?}");
+            }
+            for (c, d) in self.c.iter_mut().zip(&self.step) {
+                *c += steps[0] * d;
+            }
+            outcome.wider = stretch.narrow(steps[0]);
+            dual_step = steps[1];
+        }
+        stretch.knots.evaluate(&self.c, &mut self.values);
+        outcome
+    }
+
+    /// Duration of the current iterate, by Simpson's rule on every interval.
+    fn duration(&self, stretch: &Stretch) -> f64 {
+        let Values { x, middle, .. } = &self.values;
+        let inner: f64 = stretch
+            .knots
+            .h
+            .iter()
+            .enumerate()
+            .map(|(k, h)| h / 6.0 * (1.0 / x[k].sqrt() + 4.0 / middle[k].sqrt() + 1.0 / x[k + 1].sqrt()))
+            .sum();
+        let rest = |end: End, x: f64| if let End::Rest { h } = end { 3.0 * h / x.sqrt() } else { 0.0 };
+        inner + rest(stretch.ends[0], x[0]) + rest(stretch.ends[1], x[x.len() - 1])
+    }
+
+    /// Takes the last step of the multipliers and evaluates the slacks anew.
+    fn slacks(&mut self, stretch: &Stretch, dual_step: f64) -> Sums {
+        let mut sums = Sums { complementarity: 0.0, count: 0.0, least: f64::INFINITY };
+        if self.values.x.iter().chain(&self.values.middle).any(|&x| !(x > 0.0)) {
+            return Sums { least: 0.0, ..sums };
+        }
+        let barrier = &mut self.barrier;
+        stretch.each_slack(&self.values, |i, slacks| {
+            for (side, slack) in barrier[i].iter_mut().zip(slacks) {
+                side.multiplier += dual_step * side.change;
+                side.inverse = 1.0 / slack;
+                if slack < f64::INFINITY {
+                    sums.complementarity += side.multiplier * slack;
+                    sums.count += 1.0;
+                }
+                // Written so that NaN is outside.
+                if !(slack > sums.least) {
+                    sums.least = slack;
+                }
+            }
+        });
+        sums
+    }
+
+    /// Puts all multipliers on the central path.
+    fn centre(&mut self, mu: f64) {
+        self.barrier.iter_mut().flatten().for_each(|side| side.multiplier = mu * side.inverse);
+    }
+
+    /// Mehrotra's predictor and corrector, into `self.step`; how far to go along it for coefficients and multipliers.
+    fn direction(&mut self, stretch: &Stretch, mu: f64, centred: bool) -> Sides {
+        self.assemble(stretch);
+        to_coefficients(&stretch.knots, &self.at, &self.on, &mut self.matrix);
+        tie_matrix(stretch.ends, stretch.ratios(), &mut self.matrix);
+        self.matrix.factor();
+        // On the central path there is nothing to predict.
+        self.predicted.set_zero(stretch.knots.intervals());
+        let mut mu = mu;
+        if !centred {
+            self.pull(stretch, 0.0);
+            self.solve(stretch);
+            let [slack, multiplier] = self.affine_steps(stretch);
+            let left = 1.0 - slack.min(multiplier);
+            mu *= (left * left * left).max(1e-3);
+            std::mem::swap(&mut self.predicted, &mut self.delta);
+        }
+        self.pull(stretch, mu);
+        self.solve(stretch);
+        self.changes(stretch, mu)
+    }
+
+    /// Newton's step from the first derivatives.
+    fn solve(&mut self, stretch: &Stretch) {
+        let ratios = stretch.ratios();
+        gradient_to_coefficients(&stretch.knots, &self.at, &self.on, &mut self.step);
+        tie_gradient(stretch.ends, ratios, &mut self.step);
+        self.step.iter_mut().for_each(|d| *d = -*d);
+        self.matrix.solve(&mut self.step);
+        let n = self.step.len();
+        self.step[0] = self.step[1] / ratios[0];
+        self.step[n - 1] = self.step[n - 2] / ratios[1];
+        stretch.knots.evaluate(&self.step, &mut self.delta);
+    }
+
+    /// Second derivatives of duration plus barriers by the values at knots and on intervals.
+    fn assemble(&mut self, stretch: &Stretch) {
+        let Values { x, middle, .. } = &self.values;
+        let [caps, inner, thirds, rest] = stretch.offsets();
+        self.at.clear();
+        self.at.resize(x.len(), AtKnot::default());
+        self.on.clear();
+        self.on.resize(middle.len(), OnInterval::default());
+        // Second derivative of h x^(-1/2).
+        let time = |h: f64, x: f64| 0.75 * h / (x * x * x.sqrt());
+        for (k, h) in stretch.knots.h.iter().enumerate() {
+            self.at[k].xx += time(h / 6.0, x[k]);
+            self.at[k + 1].xx += time(h / 6.0, x[k + 1]);
+            self.on[k].mm = time(4.0 / 6.0 * h, middle[k]);
+        }
+        for (i, end) in [0, x.len() - 1].into_iter().enumerate() {
+            if let End::Rest { h } = stretch.ends[i] {
+                self.at[end].xx += time(3.0 * h, x[end]);
+            }
+            let slope = stretch.rest[i] + 0.5 * (1.0 + stretch.jerk_wider) / (x[end] * x[end].sqrt());
+            self.at[end].xx += self.barrier[rest + i][1].weight() * slope * slope;
+        }
+        for k in 0..x.len() {
+            let at = &mut self.at[k];
+            for i in stretch.first[k]..stretch.first[k + 1] {
+                let row = &stretch.points[i];
+                let b = row.slope(x[k]);
+                let weight = self.barrier[i][0].weight() + self.barrier[i][1].weight();
+                at.xx += weight * b * b;
+                at.xu += weight * b * row.a;
+                at.uu += weight * row.a * row.a;
+            }
+            at.xx += self.barrier[caps + k][1].weight();
+        }
+        for (place, (k, end, inner_rows, third_rows)) in stretch.places().enumerate() {
+            let x = x[end];
+            // The tangent of 1 / sqrt(x) falls with this slope.
+            let fall = 0.5 * (1.0 + stretch.jerk_wider) / (x * x.sqrt());
+            let mut sum = Products::default();
+            for (row, [low, high]) in stretch.inner[inner_rows.clone()].iter().zip(&self.barrier[inner + inner_rows.start..]) {
+                sum.add(low.weight() + high.weight(), [row.gamma, row.beta, row.alpha]);
+            }
+            // Sums of weights, and of their differences between both sides times the row.
+            let (mut weights, mut dx, mut du, mut dw) = (0.0, 0.0, 0.0, 0.0);
+            for (row, [low, high]) in stretch.thirds[third_rows.clone()].iter().zip(&self.barrier[thirds + third_rows.start..]) {
+                let (low, high) = (low.weight(), high.weight());
+                sum.add(low + high, [row.gamma, row.beta, row.alpha]);
+                weights += low + high;
+                dx += (high - low) * row.gamma;
+                du += (high - low) * row.beta;
+                dw += (high - low) * row.alpha;
+            }
+            let at = &mut self.at[end];
+            at.xx += sum.xx + fall * (2.0 * dx + fall * weights);
+            at.xu += sum.xu + fall * du;
+            at.uu += sum.uu;
+            let on = &mut self.on[k];
+            let cross = if place % 2 == 0 { &mut on.start } else { &mut on.end };
+            cross[0] += sum.xw + fall * dw;
+            cross[1] += sum.uw;
+            on.ww += sum.ww;
+        }
+    }
+
+    /// First derivatives of duration plus barriers at `mu`, corrected for the predicted change.
+    fn pull(&mut self, stretch: &Stretch, mu: f64) {
+        let Values { x, middle, .. } = &self.values;
+        let Values { x: dx, u: du, w: dw, .. } = &self.predicted;
+        let [caps, inner, thirds, rest] = stretch.offsets();
+        let time = |h: f64, x: f64| -0.5 * h / (x * x.sqrt());
+        self.at.iter_mut().for_each(|at| (at.x, at.u) = (0.0, 0.0));
+        for (k, h) in stretch.knots.h.iter().enumerate() {
+            self.at[k].x += time(h / 6.0, x[k]);
+            self.at[k + 1].x += time(h / 6.0, x[k + 1]);
+            self.on[k].m = time(4.0 / 6.0 * h, middle[k]);
+            self.on[k].w = 0.0;
+        }
+        for (i, end) in [0, x.len() - 1].into_iter().enumerate() {
+            if let End::Rest { h } = stretch.ends[i] {
+                self.at[end].x += time(3.0 * h, x[end]);
+            }
+            let y = 1.0 / x[end].sqrt();
+            let slope = stretch.rest[i] + 0.5 * (1.0 + stretch.jerk_wider) * y / x[end];
+            let side = &self.barrier[rest + i][1];
+            let taken = stretch.jerk_wider * y;
+            self.at[end].x += slope * side.force(mu, (-slope * dx[end] - taken) * side.inverse, taken);
+        }
+        for k in 0..x.len() {
+            let at = &mut self.at[k];
+            for i in stretch.first[k]..stretch.first[k + 1] {
+                let row = &stretch.points[i];
+                let b = row.slope(x[k]);
+                let by = row.a * du[k] + b * dx[k];
+                let [low, high] = &self.barrier[i];
+                let force = high.force(mu, (-by - row.wider[1]) * high.inverse, row.wider[1])
+                    - low.force(mu, (by - row.wider[0]) * low.inverse, row.wider[0]);
+                at.x += force * b;
+                at.u += force * row.a;
+            }
+            let side = &self.barrier[caps + k][1];
+            let taken = stretch.caps[k][1];
+            at.x += side.force(mu, (-dx[k] - taken) * side.inverse, taken);
+        }
+        for (k, end, inner_rows, third_rows) in stretch.places() {
+            let (x, dx, du, dw) = (x[end], dx[end], du[end], dw[k]);
+            let (mut sx, mut su, mut sw, mut forces) = (0.0, 0.0, 0.0, 0.0);
+            for (row, [low, high]) in stretch.inner[inner_rows.clone()].iter().zip(&self.barrier[inner + inner_rows.start..]) {
+                let by = row.alpha * dw + row.beta * du + row.gamma * dx;
+                let force = high.force(mu, (-by - row.wider[1]) * high.inverse, row.wider[1])
+                    - low.force(mu, (by - row.wider[0]) * low.inverse, row.wider[0]);
+                sx += force * row.gamma;
+                su += force * row.beta;
+                sw += force * row.alpha;
+            }
+            let y = 1.0 / x.sqrt();
+            let fall = 0.5 * (1.0 + stretch.jerk_wider) * y / x;
+            let taken = stretch.jerk_wider * y;
+            let bound = -fall * dx - taken;
+            for (row, [low, high]) in stretch.thirds[third_rows.clone()].iter().zip(&self.barrier[thirds + third_rows.start..]) {
+                let by = row.alpha * dw + row.beta * du + row.gamma * dx;
+                let low = low.force(mu, (bound + by) * low.inverse, taken);
+                let high = high.force(mu, (bound - by) * high.inverse, taken);
+                sx += (high - low) * row.gamma;
+                su += (high - low) * row.beta;
+                sw += (high - low) * row.alpha;
+                forces += high + low;
+            }
+            self.at[end].x += sx + fall * forces;
+            self.at[end].u += su;
+            self.on[k].w += sw;
+        }
+    }
+
+    /// How far slacks and multipliers could go towards `mu = 0`.
+    fn affine_steps(&mut self, stretch: &Stretch) -> Sides {
+        let mut decrease = [0.0_f64; 2];
+        let barrier = &self.barrier;
+        stretch.each_change(&self.values, &self.delta, |i, by| {
+            for (side, by) in barrier[i].iter().zip(by) {
+                let relative = by * side.inverse;
+                decrease[0] = decrease[0].max(-relative);
+                decrease[1] = decrease[1].max(1.0 + relative);
+            }
+        });
+        decrease.map(|decrease| 1.0 / decrease.max(1.0))
+    }
+
+    /// Changes of all multipliers for the step, and how far slacks and multipliers can follow it.
+    fn changes(&mut self, stretch: &Stretch, mu: f64) -> Sides {
+        let mut decrease = [0.0_f64; 2];
+        // The predictor's changes first, held in place of those of the multipliers.
+        let barrier = &mut self.barrier;
+        stretch.each_change(&self.values, &self.predicted, |i, by| {
+            for (side, by) in barrier[i].iter_mut().zip(by) {
+                let relative = by * side.inverse;
+                side.change = relative * (1.0 + relative);
+            }
+        });
+        stretch.each_change(&self.values, &self.delta, |i, by| {
+            for (side, by) in barrier[i].iter_mut().zip(by) {
+                let relative = by * side.inverse;
+                side.change = mu * side.inverse + side.multiplier * (side.change - 1.0 - relative);
+                decrease[0] = decrease[0].max(-relative);
+                // Written so that a bound at infinity, whose multiplier is 0, counts for nothing.
+                decrease[1] = decrease[1].max(-side.change / side.multiplier);
+            }
+        });
+        // The duration is a barrier at x = 0, but Newton's step may jump over it.
+        let (Values { x, middle, .. }, Values { x: dx, middle: dm, .. }) = (&self.values, &self.delta);
+        for (x, d) in x.iter().zip(dx).chain(middle.iter().zip(dm)) {
+            decrease[0] = decrease[0].max(-d / x);
+        }
+        decrease.map(|decrease| if decrease < STEP_FRACTION { 1.0 } else { STEP_FRACTION / decrease })
+    }
+}
