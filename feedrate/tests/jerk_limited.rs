@@ -20,7 +20,7 @@ fn try_it() {
             let jer = JointJerk::new(samples.path(), &jerk).unwrap();
             let problem = FeedProblem::between_points(&grid, &[&vel, &acc, &jer]).unwrap();
             let t0 = std::time::Instant::now();
-            let plan = JerkLimited { tolerance: 1e-4 }.plan(&problem).unwrap();
+            let plan = JerkLimited::default().plan(&problem).unwrap();
             let dt = t0.elapsed();
             let worst = spline_paths::worst(&path.spline, &grid, &plan, 20, v, &jerk);
             println!("{} {} T {:.5} copp {:.5} ({:.5}) fine {:.5} {worst:.5?} {dt:?}", path.seed, fine.case, plan.duration(), fine.jerk, plan.duration() / fine.jerk, fine.fine);

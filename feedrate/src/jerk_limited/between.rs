@@ -3,6 +3,8 @@
 //! The coefficients of a row vary between two grid points; they are interpolated through both ends and the middle, which is
 //! exact where the path is piecewise cubic. A row then is a cubic in `s`, whose extremes are found in closed form.
 
+use std::ops::Range;
+
 use super::spline::Values;
 use super::stretch::Stretch;
 use crate::constraint::Within;
@@ -89,20 +91,17 @@ impl Stretch {
     fn set_jerk_parts(&mut self, problem: &FeedProblem, k: usize, values: &Values) {
         let Values { x, u, w, middle } = values;
         let w = w[k];
-        let rows = problem.jerk_rows(self.from + k, Within::Middle);
-        let (root_start, root_end) = (x[k].sqrt(), x[k + 1].sqrt());
-        for (j, row) in rows.iter().enumerate() {
-            let at = [self.thirds_first[2 * k] + j, self.thirds_first[2 * k + 1] + j];
-            let third = |i: usize, u: f64, x: f64, root: f64| {
-                let row = &self.thirds[i];
-                (row.alpha * w + row.beta * u + row.gamma * x) * root * row.part
-            };
-            let (start, end) = (third(at[0], u[k], x[k], root_start), third(at[1], u[k + 1], x[k + 1], root_end));
-            let [low, high] = parabola_overshoot(start, row.value(w, 0.5 * (u[k] + u[k + 1]), middle[k]) / row.limit, end);
-            for (i, value) in at.into_iter().zip([start, end]) {
-                let row = &mut self.thirds[i];
-                let least = value.abs() + KEPT * (row.part - value.abs());
-                let part = (1.0 - low.max(high)).max(least);
+        let states = [(u[k], x[k]), (0.5 * (u[k] + u[k + 1]), middle[k]), (u[k + 1], x[k + 1])];
+        let rows = [Within::Start, Within::Middle, Within::End].map(|within| problem.jerk_rows(self.from + k, within));
+        for (end, p) in [(0, 2 * k), (2, 2 * k + 1)] {
+            for row in &mut self.thirds[self.thirds_first[p]..self.thirds_first[p + 1]] {
+                let value = |i: usize| {
+                    let row = &rows[i][row.id as usize];
+                    row.value(w, states[i].0, states[i].1) / row.limit
+                };
+                let [low, high] = parabola_overshoot(value(0), value(1), value(2));
+                let here = value(end).abs();
+                let part = (1.0 - low.max(high)).max(here + KEPT * (row.part - here));
                 let factor = row.part / part;
                 row.alpha *= factor;
                 row.beta *= factor;
@@ -129,10 +128,11 @@ impl Scale {
     }
 }
 
-/// The greatest factor on `x`, `u` and `w` of a plan at which everything is kept between the grid points too.
-pub(super) fn largest_scale(problem: &FeedProblem, plan: &GridPlan) -> f64 {
-    let mut scale = Scale(f64::INFINITY);
-    for k in 0..problem.intervals() {
+/// The greatest factor on `x`, `u` and `w` of a plan, 1 at most, at which everything is kept in the given intervals, between
+/// the grid points too.
+pub(super) fn largest_scale(problem: &FeedProblem, plan: &GridPlan, intervals: Range<usize>) -> f64 {
+    let mut scale = Scale(1.0);
+    for k in intervals {
         let h = problem.h(k);
         let edges = [0.0, 0.5 * h, h].map(|ds| {
             let state = plan.within(k, ds);

@@ -8,11 +8,13 @@ use super::spline::{
     AtKnot, End, OnInterval, Values, gradient_to_coefficients, tie_gradient, tie_matrix, to_coefficients,
 };
 use super::stretch::{Sides, Stretch};
+use crate::problem::FeedProblem;
 
-/// One side of a row: a multiplier, its last change, and the inverse of the slack (0 for a bound at infinity).
+/// One side of a row: a multiplier, its change, and the inverse of the slack (0 for a bound at infinity).
 #[derive(Debug, Clone, Copy, Default)]
 struct Side {
     multiplier: f64,
+    /// While a direction is sought, the predictor's second-order term in units of the multiplier; then the change to take.
     change: f64,
     inverse: f64,
 }
@@ -22,10 +24,9 @@ impl Side {
         self.multiplier * self.inverse
     }
 
-    /// What the barrier pulls with at `mu`: `mu / slack`, the second-order term of a predictor that changes the slack by
-    /// the fraction `relative`, and what narrowing the bound by `taken` adds.
-    fn force(&self, mu: f64, relative: f64, taken: f64) -> f64 {
-        mu * self.inverse + self.multiplier * (relative * (1.0 + relative) + self.inverse * taken)
+    /// What the barrier pulls with at `mu`: `mu / slack`, the second-order term, and what narrowing the bound adds.
+    fn force(&self, mu: f64, wider: f64) -> f64 {
+        mu * self.inverse + self.multiplier * (self.change + self.inverse * wider)
     }
 }
 
@@ -69,7 +70,6 @@ pub(super) struct Solver {
     pub c: Vec<f64>,
     pub values: Values,
     delta: Values,
-    predicted: Values,
     at: Vec<AtKnot>,
     on: Vec<OnInterval>,
     matrix: Pentadiagonal,
@@ -97,55 +97,80 @@ const START_GAP: f64 = 0.3;
 /// Relative gap from which on margins are set.
 const MARGINS_FROM: f64 = 0.1;
 
+/// Relative gap below which rows far from their bounds are dropped.
+const DROP_BELOW: f64 = 0.04;
+
 /// Many times what is needed.
 const MOST_ITERATIONS: usize = 100;
 
 impl Solver {
-    /// Minimises the duration from a start `c` that keeps the ends. `relaxation` widens all limits by that fraction at
-    /// the start, so that `c` is strictly inside; it is taken back as the iterations go.
+    /// Minimises the duration from coefficients `c` that keep the ends and are strictly inside all bounds as they are
+    /// widened at present. With `drop_distant`, rows far from their bounds are left out once the shape shows.
     pub fn minimise(
         &mut self,
+        problem: &FeedProblem,
         stretch: &mut Stretch,
         c: Vec<f64>,
         tolerance: f64,
-        mut set_margins: impl FnMut(&mut Stretch, &Values),
+        drop_distant: bool,
     ) -> Outcome {
         self.c = c;
         self.barrier.clear();
         self.barrier.resize(stretch.offsets()[3] + 2, [Side::default(); 2]);
         let mut outcome = Outcome { iterations: 0, gap: f64::INFINITY, wider: stretch.narrow(0.0) };
-        let mut dual_step = 0.0;
-        for iteration in 0..MOST_ITERATIONS {
+        let mut steps = [0.0; 2];
+        let mut to_drop = drop_distant;
+        while outcome.iterations < MOST_ITERATIONS {
             stretch.knots.evaluate(&self.c, &mut self.values);
             // Once the shape shows, and not so late that every change would have to be caught up with.
             if outcome.gap < MARGINS_FROM && outcome.gap > 4.0 * tolerance {
-                set_margins(stretch, &self.values);
+                stretch.set_margins(problem, &self.values);
             }
-            let mut sums = self.slacks(stretch, dual_step);
+            if to_drop && outcome.gap < DROP_BELOW && outcome.gap > tolerance {
+                to_drop = false;
+                self.drop_distant(stretch);
+            }
+            let mut sums = self.slacks(stretch, steps[1]);
             if !(sums.least > 0.0) {
-                break;
+                // Only friction can do this: its rows are not straight. Back half of the way.
+                steps = [0.5 * steps[0], 0.0];
+                if !(steps[0] > 1e-6) {
+                    break;
+                }
+                self.c.iter_mut().zip(&self.step).for_each(|(c, d)| *c -= steps[0] * d);
+                outcome.iterations += 1;
+                continue;
             }
             let duration = self.duration(stretch);
-            if iteration == 0 {
+            let centred = outcome.gap == f64::INFINITY;
+            if centred {
                 sums.complementarity = START_GAP * duration;
                 self.centre(sums.complementarity / sums.count);
             }
-            outcome = Outcome { iterations: iteration, gap: sums.complementarity / duration, ..outcome };
+            outcome.gap = sums.complementarity / duration;
             if outcome.gap < tolerance && outcome.wider < tolerance {
                 break;
             }
-            let steps = self.direction(stretch, sums.complementarity / sums.count, iteration == 0);
-            if std::env::var("IPM").is_ok() {
-                eprintln!("{iteration}: T {duration:.6} {outcome:?} steps {steps:?}");
-            }
-            for (c, d) in self.c.iter_mut().zip(&self.step) {
-                *c += steps[0] * d;
-            }
+            steps = self.direction(stretch, sums.complementarity / sums.count, outcome.wider > 0.0, centred);
+            self.c.iter_mut().zip(&self.step).for_each(|(c, d)| *c += steps[0] * d);
             outcome.wider = stretch.narrow(steps[0]);
-            dual_step = steps[1];
+            outcome.iterations += 1;
         }
         stretch.knots.evaluate(&self.c, &mut self.values);
         outcome
+    }
+
+    fn drop_distant(&mut self, stretch: &mut Stretch) {
+        let (mut read, mut write) = (0, 0);
+        let barrier = &mut self.barrier;
+        stretch.drop_distant(&self.values, |stays| {
+            if stays {
+                barrier[write] = barrier[read];
+                write += 1;
+            }
+            read += 1;
+        });
+        barrier.truncate(write);
     }
 
     /// Duration of the current iterate, by Simpson's rule on every interval.
@@ -172,6 +197,7 @@ impl Solver {
         stretch.each_slack(&self.values, |i, slacks| {
             for (side, slack) in barrier[i].iter_mut().zip(slacks) {
                 side.multiplier += dual_step * side.change;
+                side.change = 0.0;
                 side.inverse = 1.0 / slack;
                 if slack < f64::INFINITY {
                     sums.complementarity += side.multiplier * slack;
@@ -192,23 +218,25 @@ impl Solver {
     }
 
     /// Mehrotra's predictor and corrector, into `self.step`; how far to go along it for coefficients and multipliers.
-    fn direction(&mut self, stretch: &Stretch, mu: f64, centred: bool) -> Sides {
+    fn direction(&mut self, stretch: &Stretch, mu: f64, wider: bool, centred: bool) -> Sides {
         self.assemble(stretch);
         to_coefficients(&stretch.knots, &self.at, &self.on, &mut self.matrix);
         tie_matrix(stretch.ends, stretch.ratios(), &mut self.matrix);
         self.matrix.factor();
-        // On the central path there is nothing to predict.
-        self.predicted.set_zero(stretch.knots.intervals());
         let mut mu = mu;
+        // On the central path there is nothing to predict.
         if !centred {
-            self.pull(stretch, 0.0);
+            self.pull_of_time(stretch);
+            if wider {
+                self.pull_of_rows(stretch, 0.0);
+            }
             self.solve(stretch);
-            let [slack, multiplier] = self.affine_steps(stretch);
+            let [slack, multiplier] = self.predict(stretch);
             let left = 1.0 - slack.min(multiplier);
             mu *= (left * left * left).max(1e-3);
-            std::mem::swap(&mut self.predicted, &mut self.delta);
         }
-        self.pull(stretch, mu);
+        self.pull_of_time(stretch);
+        self.pull_of_rows(stretch, mu);
         self.solve(stretch);
         self.changes(stretch, mu)
     }
@@ -290,64 +318,58 @@ impl Solver {
         }
     }
 
-    /// First derivatives of duration plus barriers at `mu`, corrected for the predicted change.
-    fn pull(&mut self, stretch: &Stretch, mu: f64) {
+    /// First derivatives of the duration.
+    fn pull_of_time(&mut self, stretch: &Stretch) {
         let Values { x, middle, .. } = &self.values;
-        let Values { x: dx, u: du, w: dw, .. } = &self.predicted;
-        let [caps, inner, thirds, rest] = stretch.offsets();
         let time = |h: f64, x: f64| -0.5 * h / (x * x.sqrt());
         self.at.iter_mut().for_each(|at| (at.x, at.u) = (0.0, 0.0));
         for (k, h) in stretch.knots.h.iter().enumerate() {
             self.at[k].x += time(h / 6.0, x[k]);
             self.at[k + 1].x += time(h / 6.0, x[k + 1]);
-            self.on[k].m = time(4.0 / 6.0 * h, middle[k]);
-            self.on[k].w = 0.0;
+            (self.on[k].m, self.on[k].w) = (time(4.0 / 6.0 * h, middle[k]), 0.0);
         }
         for (i, end) in [0, x.len() - 1].into_iter().enumerate() {
             if let End::Rest { h } = stretch.ends[i] {
                 self.at[end].x += time(3.0 * h, x[end]);
             }
+        }
+    }
+
+    /// Adds the first derivatives of the barriers at `mu`.
+    fn pull_of_rows(&mut self, stretch: &Stretch, mu: f64) {
+        let x = &self.values.x;
+        let [caps, inner, thirds, rest] = stretch.offsets();
+        for (i, end) in [0, x.len() - 1].into_iter().enumerate() {
             let y = 1.0 / x[end].sqrt();
             let slope = stretch.rest[i] + 0.5 * (1.0 + stretch.jerk_wider) * y / x[end];
-            let side = &self.barrier[rest + i][1];
-            let taken = stretch.jerk_wider * y;
-            self.at[end].x += slope * side.force(mu, (-slope * dx[end] - taken) * side.inverse, taken);
+            self.at[end].x += slope * self.barrier[rest + i][1].force(mu, stretch.jerk_wider * y);
         }
         for k in 0..x.len() {
             let at = &mut self.at[k];
             for i in stretch.first[k]..stretch.first[k + 1] {
                 let row = &stretch.points[i];
-                let b = row.slope(x[k]);
-                let by = row.a * du[k] + b * dx[k];
                 let [low, high] = &self.barrier[i];
-                let force = high.force(mu, (-by - row.wider[1]) * high.inverse, row.wider[1])
-                    - low.force(mu, (by - row.wider[0]) * low.inverse, row.wider[0]);
-                at.x += force * b;
+                let force = high.force(mu, row.wider[1]) - low.force(mu, row.wider[0]);
+                at.x += force * row.slope(x[k]);
                 at.u += force * row.a;
             }
-            let side = &self.barrier[caps + k][1];
-            let taken = stretch.caps[k][1];
-            at.x += side.force(mu, (-dx[k] - taken) * side.inverse, taken);
+            at.x += self.barrier[caps + k][1].force(mu, stretch.caps[k][1]);
         }
         for (k, end, inner_rows, third_rows) in stretch.places() {
-            let (x, dx, du, dw) = (x[end], dx[end], du[end], dw[k]);
             let (mut sx, mut su, mut sw, mut forces) = (0.0, 0.0, 0.0, 0.0);
-            for (row, [low, high]) in stretch.inner[inner_rows.clone()].iter().zip(&self.barrier[inner + inner_rows.start..]) {
-                let by = row.alpha * dw + row.beta * du + row.gamma * dx;
-                let force = high.force(mu, (-by - row.wider[1]) * high.inverse, row.wider[1])
-                    - low.force(mu, (by - row.wider[0]) * low.inverse, row.wider[0]);
+            let sides = &self.barrier[inner + inner_rows.start..];
+            for (row, [low, high]) in stretch.inner[inner_rows].iter().zip(sides) {
+                let force = high.force(mu, row.wider[1]) - low.force(mu, row.wider[0]);
                 sx += force * row.gamma;
                 su += force * row.beta;
                 sw += force * row.alpha;
             }
-            let y = 1.0 / x.sqrt();
-            let fall = 0.5 * (1.0 + stretch.jerk_wider) * y / x;
+            let y = 1.0 / x[end].sqrt();
+            let fall = 0.5 * (1.0 + stretch.jerk_wider) * y / x[end];
             let taken = stretch.jerk_wider * y;
-            let bound = -fall * dx - taken;
-            for (row, [low, high]) in stretch.thirds[third_rows.clone()].iter().zip(&self.barrier[thirds + third_rows.start..]) {
-                let by = row.alpha * dw + row.beta * du + row.gamma * dx;
-                let low = low.force(mu, (bound + by) * low.inverse, taken);
-                let high = high.force(mu, (bound - by) * high.inverse, taken);
+            let sides = &self.barrier[thirds + third_rows.start..];
+            for (row, [low, high]) in stretch.thirds[third_rows].iter().zip(sides) {
+                let (low, high) = (low.force(mu, taken), high.force(mu, taken));
                 sx += (high - low) * row.gamma;
                 su += (high - low) * row.beta;
                 sw += (high - low) * row.alpha;
@@ -359,13 +381,14 @@ impl Solver {
         }
     }
 
-    /// How far slacks and multipliers could go towards `mu = 0`.
-    fn affine_steps(&mut self, stretch: &Stretch) -> Sides {
+    /// How far slacks and multipliers could go towards `mu = 0`; leaves the second-order terms of that step.
+    fn predict(&mut self, stretch: &Stretch) -> Sides {
         let mut decrease = [0.0_f64; 2];
-        let barrier = &self.barrier;
+        let barrier = &mut self.barrier;
         stretch.each_change(&self.values, &self.delta, |i, by| {
-            for (side, by) in barrier[i].iter().zip(by) {
+            for (side, by) in barrier[i].iter_mut().zip(by) {
                 let relative = by * side.inverse;
+                side.change = relative * (1.0 + relative);
                 decrease[0] = decrease[0].max(-relative);
                 decrease[1] = decrease[1].max(1.0 + relative);
             }
@@ -376,14 +399,7 @@ impl Solver {
     /// Changes of all multipliers for the step, and how far slacks and multipliers can follow it.
     fn changes(&mut self, stretch: &Stretch, mu: f64) -> Sides {
         let mut decrease = [0.0_f64; 2];
-        // The predictor's changes first, held in place of those of the multipliers.
         let barrier = &mut self.barrier;
-        stretch.each_change(&self.values, &self.predicted, |i, by| {
-            for (side, by) in barrier[i].iter_mut().zip(by) {
-                let relative = by * side.inverse;
-                side.change = relative * (1.0 + relative);
-            }
-        });
         stretch.each_change(&self.values, &self.delta, |i, by| {
             for (side, by) in barrier[i].iter_mut().zip(by) {
                 let relative = by * side.inverse;

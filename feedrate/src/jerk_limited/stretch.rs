@@ -27,6 +27,8 @@ pub(super) struct ThirdRow {
     pub gamma: f64,
     /// That part, at most 1; the rest is a margin for what happens between the knots.
     pub part: f64,
+    /// Which jerk row of the problem it is.
+    pub id: u32,
 }
 
 /// `lo <= alpha w + beta u + gamma x <= hi`: an inner Bernstein coefficient of a row that is a cubic on an interval.
@@ -68,6 +70,9 @@ pub(super) struct Stretch {
 
 /// Lower and upper side of a row.
 pub(super) type Sides = [f64; 2];
+
+/// A row is dropped where its value is closer to the middle between its bounds than to either, by this measure.
+const DISTANT: f64 = 0.6;
 
 impl PointRow {
     /// Derivative by `x`.
@@ -120,11 +125,12 @@ impl Stretch {
                     stretch.push_speed(problem, k, fastest);
                 }
                 stretch.inner_first.push(stretch.inner.len());
-                stretch.thirds.extend(problem.jerk_rows(k, within).iter().map(|row| ThirdRow {
+                stretch.thirds.extend(problem.jerk_rows(k, within).iter().zip(0..).map(|(row, id)| ThirdRow {
                     alpha: row.alpha / row.limit,
                     beta: row.beta / row.limit,
                     gamma: row.gamma / row.limit,
                     part: 1.0,
+                    id,
                 }));
                 stretch.thirds_first.push(stretch.thirds.len());
             }
@@ -246,6 +252,24 @@ impl Stretch {
         [scale, 1.0 / square.cbrt()]
     }
 
+    /// Lowers all bounds by the factor `x`, `u` and `w` would be lowered by.
+    pub fn tighten(&mut self, factor: f64) {
+        for row in &mut self.points {
+            (row.lo, row.hi) = (factor * row.lo, factor * row.hi);
+        }
+        for row in &mut self.inner {
+            (row.lo, row.hi) = (factor * row.lo, factor * row.hi);
+        }
+        self.caps.iter_mut().for_each(|cap| cap[0] *= factor);
+        // Jerk grows with the power 3/2.
+        let up = factor.powf(-1.5);
+        for row in &mut self.thirds {
+            (row.alpha, row.beta, row.gamma) = (up * row.alpha, up * row.beta, up * row.gamma);
+            row.part /= up;
+        }
+        self.rest = self.rest.map(|rest| up * rest);
+    }
+
     /// Takes back the given part of what bounds are widened by; the largest widening left, in units of its bound.
     pub fn narrow(&mut self, part: f64) -> f64 {
         let keep = 1.0 - part;
@@ -272,6 +296,69 @@ impl Stretch {
         }
         take(&mut self.jerk_wider, 1.0);
         largest
+    }
+
+    /// Drops the rows that are far from their bounds at the given values and calls `keep` for every row with whether it
+    /// stays, in their order.
+    pub fn drop_distant(&mut self, values: &Values, mut keep: impl FnMut(bool)) {
+        let Values { x, u, w, .. } = values;
+        let near = |value: f64, lo: f64, hi: f64| {
+            let size = if (hi - lo).is_finite() { 0.5 * (hi - lo) } else { hi.abs().min(lo.abs()) };
+            (value - lo).min(hi - value) < DISTANT * size
+        };
+        let mut write = 0;
+        let mut start = 0;
+        for k in 0..x.len() {
+            for i in start..self.first[k + 1] {
+                let row = self.points[i];
+                let friction = if row.c == 0.0 { 0.0 } else { row.c * x[k].sqrt() };
+                let stays = near(row.a * u[k] + row.b * x[k] + friction, row.lo, row.hi);
+                keep(stays);
+                if stays {
+                    self.points[write] = row;
+                    write += 1;
+                }
+            }
+            start = self.first[k + 1];
+            self.first[k + 1] = write;
+        }
+        self.points.truncate(write);
+        self.caps.iter().for_each(|_| keep(true));
+        let (mut write, mut start) = (0, 0);
+        for p in 0..2 * w.len() {
+            for i in start..self.inner_first[p + 1] {
+                let row = self.inner[i];
+                let end = p / 2 + p % 2;
+                let stays = near(row.alpha * w[p / 2] + row.beta * u[end] + row.gamma * x[end], row.lo, row.hi);
+                keep(stays);
+                if stays {
+                    self.inner[write] = row;
+                    write += 1;
+                }
+            }
+            start = self.inner_first[p + 1];
+            self.inner_first[p + 1] = write;
+        }
+        self.inner.truncate(write);
+        let (mut write, mut start) = (0, 0);
+        for p in 0..2 * w.len() {
+            for i in start..self.thirds_first[p + 1] {
+                let row = self.thirds[i];
+                let end = p / 2 + p % 2;
+                let value = row.alpha * w[p / 2] + row.beta * u[end] + row.gamma * x[end];
+                let bound = 1.0 / x[end].sqrt();
+                let stays = near(value, -bound, bound);
+                keep(stays);
+                if stays {
+                    self.thirds[write] = row;
+                    write += 1;
+                }
+            }
+            start = self.thirds_first[p + 1];
+            self.thirds_first[p + 1] = write;
+        }
+        self.thirds.truncate(write);
+        (0..2).for_each(|_| keep(true));
     }
 
     /// Index of the first cap, inner row, jerk row and rest interval among all rows.

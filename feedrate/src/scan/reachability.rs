@@ -49,19 +49,28 @@ impl FeedPlanner for CertifiedReachability {
     }
 }
 
+impl Reachability {
+    /// Squared speeds at the grid points.
+    pub(crate) fn squared_speeds(self, problem: &FeedProblem) -> Result<Vec<f64>, FeedError> {
+        solve(problem, false)
+    }
+}
+
 fn plan(problem: &FeedProblem, between: bool) -> Result<GridPlan, FeedError> {
-    let n = problem.intervals();
-    let friction = (0..=n).any(|i| problem.rows(i).iter().any(|row| row.c != 0.0));
-    let x = if friction {
-        let near = squared_speeds(problem).unwrap_or_default();
-        let first = Solver::new(problem, between, &near).solve()?;
-        let second = Solver::new(problem, between, &first).solve();
-        second.unwrap_or(first)
-    } else {
-        Solver::new(problem, between, &[]).solve()?
-    };
+    let x = solve(problem, between)?;
     moves(problem, &x)?;
     GridPlan::from_squared_speeds(problem.grid(), &x)
+}
+
+fn solve(problem: &FeedProblem, between: bool) -> Result<Vec<f64>, FeedError> {
+    let n = problem.intervals();
+    let friction = (0..=n).any(|i| problem.rows(i).iter().any(|row| row.c != 0.0));
+    if !friction {
+        return Solver::new(problem, between, &[]).solve();
+    }
+    let near = squared_speeds(problem).unwrap_or_default();
+    let first = Solver::new(problem, between, &near).solve()?;
+    Ok(Solver::new(problem, between, &first).solve().unwrap_or(first))
 }
 
 /// A row `lo <= a u + b x <= hi` over one interval, `x` at its start.
