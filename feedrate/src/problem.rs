@@ -42,6 +42,13 @@ impl RowTable {
         Ok(())
     }
 
+    fn push(&mut self, rows: &[Row], x_max: f64, source: RowSource) {
+        self.rows.extend_from_slice(rows);
+        self.first.push(self.rows.len());
+        self.x_max.push(x_max);
+        self.source.push(source);
+    }
+
     pub fn rows(&self, i: usize) -> &[Row] {
         &self.rows[self.first[i]..self.first[i + 1]]
     }
@@ -254,6 +261,86 @@ impl FeedProblem {
     pub fn v_end(&self) -> f64 {
         self.v_end
     }
+}
+
+/// Rows by quadratic interpolation through an interval.
+impl FeedProblem {
+    /// The problem with some intervals split at fractions (increasing, inside 0..1) of their length.
+    pub(crate) fn split(&self, cuts: &[(usize, Vec<f64>)]) -> Self {
+        let n = self.intervals();
+        let places = n + 1 + cuts.iter().map(|(_, fractions)| fractions.len()).sum::<usize>();
+        let mut new = Self {
+            s: Vec::with_capacity(places),
+            points: RowTable::with_capacity(places),
+            middles: RowTable::with_capacity(places),
+            speed_bounds: Vec::with_capacity(places),
+            jerk_rows: Vec::with_capacity(3 * places * self.jerk_rows_per_place),
+            ..*self
+        };
+        let mut cuts = cuts.iter().peekable();
+        for k in 0..n {
+            new.s.push(self.s[k]);
+            new.points.push(self.rows(k), self.x_max(k), self.points.source(k));
+            let Some((_, fractions)) = cuts.next_if(|(at, _)| *at == k) else {
+                new.middles.push(self.middle_rows(k), self.middle_x_max(k), self.middles.source(k));
+                new.speed_bounds.push(self.speed_bounds[k]);
+                let rows = 3 * self.jerk_rows_per_place;
+                new.jerk_rows.extend_from_slice(&self.jerk_rows[k * rows..(k + 1) * rows]);
+                continue;
+            };
+            // The least of three caps and the greatest of the coefficients hold in every part.
+            let x_max = self.middle_x_max(k).min(if k > 0 { self.x_max(k) } else { f64::INFINITY });
+            let x_max = x_max.min(if k + 1 < n { self.x_max(k + 1) } else { f64::INFINITY });
+            let x_max = if x_max > 0.0 { x_max } else { self.middle_x_max(k) };
+            let mut bound = self.speed_bounds[k];
+            bound.coefficients = [bound.coefficients.iter().copied().fold(0.0, f64::max); 5];
+            let ends = |i: usize| if i == 0 { 0.0 } else { fractions[i - 1] };
+            for i in 0..=fractions.len() {
+                let (from, to) = (ends(i), fractions.get(i).copied().unwrap_or(1.0));
+                if i > 0 {
+                    new.s.push(self.s[k] + from * self.h(k));
+                    new.points.push(&self.rows_within(k, from), x_max, self.middles.source(k));
+                }
+                new.middles.push(&self.rows_within(k, 0.5 * (from + to)), x_max, self.middles.source(k));
+                new.speed_bounds.push(bound);
+                for fraction in [from, 0.5 * (from + to), to] {
+                    self.jerk_rows_within(k, fraction, &mut new.jerk_rows);
+                }
+            }
+        }
+        new.s.push(self.s[n]);
+        new.points.push(self.rows(n), self.x_max(n), self.points.source(n));
+        new
+    }
+
+    fn rows_within(&self, k: usize, fraction: f64) -> Vec<Row> {
+        let mix = quadratic(fraction);
+        let (near, middle, far) = (self.rows(k), self.middle_rows(k), self.rows(k + 1));
+        let between = |(j, m): (usize, &Row)| {
+            let ends = matching(near, m, j, middle.len(), false).zip(matching(far, m, j, middle.len(), true));
+            let (p, q) = ends.map_or((m, m), |(p, q)| (&near[p], &far[q]));
+            Row { a: mix(p.a, m.a, q.a), b: mix(p.b, m.b, q.b), c: mix(p.c, m.c, q.c), d: mix(p.d, m.d, q.d), ..*m }
+        };
+        middle.iter().enumerate().map(between).collect()
+    }
+
+    fn jerk_rows_within(&self, k: usize, fraction: f64, out: &mut Vec<JerkRow>) {
+        let mix = quadratic(fraction);
+        let [near, middle, far] = [Within::Start, Within::Middle, Within::End].map(|within| self.jerk_rows(k, within));
+        out.extend(middle.iter().zip(near.iter().zip(far)).map(|(m, (p, q))| JerkRow {
+            alpha: mix(p.alpha, m.alpha, q.alpha),
+            beta: mix(p.beta, m.beta, q.beta),
+            gamma: mix(p.gamma, m.gamma, q.gamma),
+            ..*m
+        }));
+    }
+}
+
+/// The quadratic through values at 0, 1/2 and 1, at `fraction`.
+pub(crate) fn quadratic(fraction: f64) -> impl Fn(f64, f64, f64) -> f64 {
+    let f = fraction;
+    let weights = [(1.0 - f) * (1.0 - 2.0 * f), 4.0 * f * (1.0 - f), f * (2.0 * f - 1.0)];
+    move |p, m, q| weights[0] * p + weights[1] * m + weights[2] * q
 }
 
 /// The coefficient-wise maximum over all axes, which is above each of them because Bernstein polynomials are positive.

@@ -9,7 +9,7 @@ use super::spline::Values;
 use super::stretch::Stretch;
 use crate::constraint::Within;
 use crate::grid_plan::GridPlan;
-use crate::problem::{FeedProblem, matching};
+use crate::problem::{FeedProblem, matching, quadratic};
 use crate::row::Row;
 use crate::state::MotionState;
 
@@ -83,7 +83,9 @@ impl Stretch {
     /// Sets margins on jerk at the ends of every interval so that the current `x(s)` keeps inside it what it keeps there.
     /// None grows past what leaves the iterate strictly inside.
     pub fn set_margins(&mut self, problem: &FeedProblem, values: &Values) {
-        for k in 0..self.knots.intervals() {
+        // Not while the bounds are widened: the iterate is outside the true ones.
+        let intervals = if self.jerk_wider == 0.0 { self.knots.intervals() } else { 0 };
+        for k in 0..intervals {
             self.set_jerk_parts(problem, k, values);
         }
     }
@@ -101,7 +103,7 @@ impl Stretch {
                 };
                 let [low, high] = parabola_overshoot(value(0), value(1), value(2));
                 let here = value(end).abs();
-                let part = (1.0 - low.max(high)).max(here + KEPT * (row.part - here));
+                let part = (self.most - low.max(high)).max(here + KEPT * (row.part - here)).min(self.most);
                 let factor = row.part / part;
                 row.alpha *= factor;
                 row.beta *= factor;
@@ -158,7 +160,8 @@ pub(super) fn largest_scale(problem: &FeedProblem, plan: &GridPlan, intervals: R
             let rest = near[p].d.min(far[q].d);
             scale.keep(rest - values[0].min(values[1]) + over[0], rest - row.lo);
         }
-        let part = |x: f64, cap: f64| if cap < f64::INFINITY && x > 0.0 { x / cap } else { 0.0 };
+        // At a stop round-off may leave a trace of speed.
+        let part = |x: f64, cap: f64| if cap < f64::INFINITY && cap > 0.0 { x / cap } else { 0.0 };
         let [start, mid, end] = [
             part(edges[0].x, problem.x_max(k)),
             part(edges[1].x, problem.middle_x_max(k)),
@@ -177,8 +180,7 @@ fn keep_jerk(problem: &FeedProblem, plan: &GridPlan, k: usize, scale: &mut Scale
     for (row, (p, q)) in middle.iter().zip(near.iter().zip(far)) {
         let value = |i: usize| {
             let f = i as f64 / SAMPLES as f64;
-            let weights = [(1.0 - f) * (1.0 - 2.0 * f), 4.0 * f * (1.0 - f), f * (2.0 * f - 1.0)];
-            let mix = |p: f64, q: f64, r: f64| weights[0] * p + weights[1] * q + weights[2] * r;
+            let mix = quadratic(f);
             let MotionState { v, a, j, .. } = states[i];
             mix(p.alpha, row.alpha, q.alpha) * j
                 + v * (mix(p.beta, row.beta, q.beta) * a + v * v * mix(p.gamma, row.gamma, q.gamma))

@@ -273,7 +273,7 @@ impl Solver {
             if let End::Rest { h } = stretch.ends[i] {
                 self.at[end].xx += time(3.0 * h, x[end]);
             }
-            let slope = stretch.rest[i] + 0.5 * (1.0 + stretch.jerk_wider) / (x[end] * x[end].sqrt());
+            let slope = stretch.rest[i] + 0.5 / (x[end] * x[end].sqrt());
             self.at[end].xx += self.barrier[rest + i][1].weight() * slope * slope;
         }
         for k in 0..x.len() {
@@ -291,7 +291,7 @@ impl Solver {
         for (place, (k, end, inner_rows, third_rows)) in stretch.places().enumerate() {
             let x = x[end];
             // The tangent of 1 / sqrt(x) falls with this slope.
-            let fall = 0.5 * (1.0 + stretch.jerk_wider) / (x * x.sqrt());
+            let fall = 0.5 / (x * x.sqrt());
             let mut sum = Products::default();
             for (row, [low, high]) in stretch.inner[inner_rows.clone()].iter().zip(&self.barrier[inner + inner_rows.start..]) {
                 sum.add(low.weight() + high.weight(), [row.gamma, row.beta, row.alpha]);
@@ -341,8 +341,8 @@ impl Solver {
         let [caps, inner, thirds, rest] = stretch.offsets();
         for (i, end) in [0, x.len() - 1].into_iter().enumerate() {
             let y = 1.0 / x[end].sqrt();
-            let slope = stretch.rest[i] + 0.5 * (1.0 + stretch.jerk_wider) * y / x[end];
-            self.at[end].x += slope * self.barrier[rest + i][1].force(mu, stretch.jerk_wider * y);
+            let slope = stretch.rest[i] + 0.5 * y / x[end];
+            self.at[end].x += slope * self.barrier[rest + i][1].force(mu, stretch.jerk_wider * stretch.jerk_unit[end]);
         }
         for k in 0..x.len() {
             let at = &mut self.at[k];
@@ -365,8 +365,8 @@ impl Solver {
                 sw += force * row.alpha;
             }
             let y = 1.0 / x[end].sqrt();
-            let fall = 0.5 * (1.0 + stretch.jerk_wider) * y / x[end];
-            let taken = stretch.jerk_wider * y;
+            let fall = 0.5 * y / x[end];
+            let taken = stretch.jerk_wider * stretch.jerk_unit[end];
             let sides = &self.barrier[thirds + third_rows.start..];
             for (row, [low, high]) in stretch.thirds[third_rows].iter().zip(sides) {
                 let (low, high) = (low.force(mu, taken), high.force(mu, taken));

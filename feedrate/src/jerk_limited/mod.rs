@@ -14,7 +14,8 @@
 //! diagonals beside the main one.
 //!
 //! From and to rest the first and last interval have constant jerk, `x = (4.5 j s^2)^(2/3)`, which no quadratic spline can
-//! follow; the spline continues their speed and acceleration.
+//! follow; the spline continues their speed and acceleration. Where that interval is longer than the acceleration takes to
+//! build up, it is split there ([`refine`]).
 //!
 //! # Between the grid points
 //! On an interval of a piecewise cubic path a joint's acceleration is a cubic in `s` and `|q'|^2 x` a polynomial of degree six;
@@ -25,6 +26,7 @@
 mod band;
 mod between;
 mod interior_point;
+mod refine;
 mod spline;
 mod start;
 mod stretch;
@@ -38,6 +40,7 @@ use crate::scan::both_ends::{moves, squared_speeds};
 use crate::scan::reachability::Reachability;
 use between::largest_scale;
 use interior_point::Solver;
+use refine::refined;
 use spline::{End, Values};
 use stretch::Stretch;
 
@@ -46,7 +49,7 @@ use stretch::Stretch;
 ///
 /// Needs [`FeedProblem::between_points`] with at least one jerk row, and four intervals between two stops. Where the
 /// path starts or ends in motion the acceleration there is 0. It stops at grid points whose cap is 0. Put the knots of a spline
-/// path on the grid, and close points near rest: the first interval has constant jerk.
+/// path on the grid.
 ///
 /// ```
 /// use arcfeed_feedrate::constraint::{Feed, TangentialAcceleration, TangentialJerk};
@@ -197,6 +200,7 @@ impl FeedPlanner for JerkLimited {
         if !problem.has_jerk() {
             return Err(FeedError::Empty { what: "limits on jerk" });
         }
+        let problem = &refined(problem);
         let fastest = squared_speeds(problem).or_else(|error| match error {
             // Reachability passes points at which standing still is impossible.
             FeedError::StaticallyInfeasible { .. } => Reachability.squared_speeds(problem),
@@ -211,9 +215,10 @@ impl FeedPlanner for JerkLimited {
             solutions.push(self.solve(problem, &mut solver, &fastest, part, attempt)?);
         }
         let mut plan = assemble(problem, &solutions)?;
+        let mut factors = vec![1.0; parts.len()];
         for attempt in 0..4 {
             let mut changed = false;
-            for (part, solution) in parts.iter().zip(&mut solutions) {
+            for ((part, solution), factor) in parts.iter().zip(&mut solutions).zip(&mut factors) {
                 let scale = largest_scale(problem, &plan, part.grid.clone());
                 if scale < 1.0 - TAKEN_OFF && attempt == 0 {
                     let careful = Attempt { drop_distant: false, factor: 1.0 };
@@ -221,7 +226,8 @@ impl FeedPlanner for JerkLimited {
                 } else if solution.rests() && scale < 1.0 {
                     solution.scale(scale);
                 } else if scale < 1.0 - EXCEEDED {
-                    let lower = Attempt { drop_distant: false, factor: 1.0 - 2.0 * (1.0 - scale) };
+                    *factor *= 1.0 - 2.0 * (1.0 - scale);
+                    let lower = Attempt { drop_distant: false, factor: *factor };
                     *solution = self.solve(problem, &mut solver, &fastest, part, lower)?;
                 } else {
                     continue;

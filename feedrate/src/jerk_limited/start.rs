@@ -98,11 +98,12 @@ fn widen(stretch: &mut Stretch, values: &Values, jerk_ratio: f64) {
             row.wider = wider(value, row.lo, row.hi);
         }
     }
+    stretch.jerk_unit.iter_mut().zip(x).for_each(|(unit, x)| *unit = 1.0 / x.sqrt());
     stretch.jerk_wider = ((1.0 + SLACK) * jerk_ratio - 1.0).max(0.0);
 }
 
 /// The greatest acceleration of either sign that the rows allow from rest.
-fn greatest_u(rows: &[Row]) -> f64 {
+pub(super) fn greatest_u(rows: &[Row]) -> f64 {
     let one = |row: &Row| ((row.hi - row.d) / row.a).abs().min(((row.lo - row.d) / row.a).abs());
     rows.iter().filter(|row| row.a != 0.0).map(one).fold(f64::INFINITY, f64::min)
 }

@@ -55,8 +55,9 @@ pub(super) struct Stretch {
     pub first: Vec<usize>,
     /// Greatest `x` per knot, and by how much it is raised for the time being.
     pub caps: Vec<[f64; 2]>,
-    /// By which fraction the limits on jerk are raised for the time being.
+    /// By what the bounds `1 / sqrt(x)` on jerk are raised for the time being: this times `jerk_unit` of the knot.
     pub jerk_wider: f64,
+    pub jerk_unit: Vec<f64>,
     /// Rows between the knots: place `2 k` is the start of interval `k`, place `2 k + 1` its end, and those of place `p` are
     /// `inner[inner_first[p]..inner_first[p + 1]]`.
     pub inner: Vec<InnerRow>,
@@ -64,6 +65,8 @@ pub(super) struct Stretch {
     /// Jerk rows, by place likewise.
     pub thirds: Vec<ThirdRow>,
     pub thirds_first: Vec<usize>,
+    /// The part of the limits on jerk that may be used at all.
+    pub most: f64,
     /// Jerk in the rest interval at the first and at the last knot: `|r x| <= 1 / sqrt(x)`.
     pub rest: [f64; 2],
 }
@@ -102,6 +105,8 @@ impl Stretch {
             thirds: Vec::with_capacity(2 * (b - a) * problem.jerk_rows(a, Within::Start).len()),
             thirds_first: vec![0],
             jerk_wider: 0.0,
+            jerk_unit: vec![0.0; b - a + 1],
+            most: 1.0,
             rest: [0.0; 2],
         };
         stretch.first.push(0);
@@ -267,6 +272,7 @@ impl Stretch {
             (row.alpha, row.beta, row.gamma) = (up * row.alpha, up * row.beta, up * row.gamma);
             row.part /= up;
         }
+        self.most /= up;
         self.rest = self.rest.map(|rest| up * rest);
     }
 
@@ -396,16 +402,17 @@ impl Stretch {
                 let [low, high] = row.wider;
                 visit(inner + i, [value - row.lo + low, row.hi + high - value]);
             }
-            let bound = (1.0 + self.jerk_wider) / x.sqrt();
+            let bound = 1.0 / x.sqrt() + self.jerk_wider * self.jerk_unit[end];
             for i in third_rows {
                 let row = &self.thirds[i];
                 let value = row.alpha * w + row.beta * u + row.gamma * x;
                 visit(thirds + i, [bound + value, bound - value]);
             }
         }
-        for (i, x) in [x[0], x[x.len() - 1]].into_iter().enumerate() {
-            let bound = if self.rest[i] == 0.0 { f64::INFINITY } else { (1.0 + self.jerk_wider) / x.sqrt() };
-            visit(rest + i, [f64::INFINITY, bound - self.rest[i] * x]);
+        for (i, end) in [0, x.len() - 1].into_iter().enumerate() {
+            let bound = 1.0 / x[end].sqrt() + self.jerk_wider * self.jerk_unit[end];
+            let slack = if self.rest[i] == 0.0 { f64::INFINITY } else { bound - self.rest[i] * x[end] };
+            visit(rest + i, [f64::INFINITY, slack]);
         }
     }
 
@@ -429,7 +436,7 @@ impl Stretch {
                 visit(inner + i, [by - row.wider[0], -by - row.wider[1]]);
             }
             let y = 1.0 / x.sqrt();
-            let bound = -0.5 * (1.0 + self.jerk_wider) * y / x * dx - self.jerk_wider * y;
+            let bound = -0.5 * y / x * dx - self.jerk_wider * self.jerk_unit[end];
             for i in third_rows {
                 let row = &self.thirds[i];
                 let by = row.alpha * dw + row.beta * du + row.gamma * dx;
@@ -438,8 +445,8 @@ impl Stretch {
         }
         for (i, end) in [0, x.len() - 1].into_iter().enumerate() {
             let y = 1.0 / x[end].sqrt();
-            let slope = self.rest[i] + 0.5 * (1.0 + self.jerk_wider) * y / x[end];
-            visit(rest + i, [0.0, -slope * dx[end] - self.jerk_wider * y]);
+            let slope = self.rest[i] + 0.5 * y / x[end];
+            visit(rest + i, [0.0, -slope * dx[end] - self.jerk_wider * self.jerk_unit[end]]);
         }
     }
 }
