@@ -97,10 +97,12 @@ impl GridPlan {
     /// Constant acceleration between grid points, from the squared speeds at them.
     pub(crate) fn from_squared_speeds(s: &[f64], x: &[f64]) -> Result<Self, FeedError> {
         let mut builder = Builder::with_capacity(s.len());
+        let mut v = x[0].sqrt();
         for k in 0..s.len() - 1 {
             let h = s[k + 1] - s[k];
-            let (v0, v1) = (x[k].sqrt(), x[k + 1].sqrt());
-            builder.push(s[k], v0, 0.5 * (x[k + 1] - x[k]) / h, Law::SlopeOf(0.0), 2.0 * h / (v0 + v1));
+            let v_end = x[k + 1].sqrt();
+            builder.push(s[k], v, 0.5 * (x[k + 1] - x[k]) / h, Law::SlopeOf(0.0), 2.0 * h / (v + v_end));
+            v = v_end;
         }
         builder.finish(s[s.len() - 1], x[x.len() - 1].sqrt())
     }

@@ -38,6 +38,8 @@
 //! Appl. Sci. 2023, 13, 13210, cited as Liu et al. 2023. Where a formula departs from print its docs say how and why.
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "clarabel")]
+pub mod baseline;
 pub mod caps;
 pub mod constraint;
 pub mod error;
@@ -53,6 +55,8 @@ pub mod scurve;
 pub mod state;
 pub mod state_to_state;
 
+#[cfg(feature = "clarabel")]
+pub use baseline::{Bounded, ClarabelBaseline};
 pub use error::FeedError;
 pub use grid_plan::{GridCursor, GridPlan};
 pub use jerk_limited::JerkLimited;

@@ -145,10 +145,11 @@ impl Row {
     }
 
     pub(crate) fn is_sound(&self) -> bool {
+        // Without branches between the tests: this runs over every row.
         (self.a + self.b + self.c + self.d).is_finite()
-            && self.lo <= self.hi
-            && self.lo < f64::INFINITY
-            && self.hi > f64::NEG_INFINITY
+            & (self.lo <= self.hi)
+            & (self.lo < f64::INFINITY)
+            & (self.hi > f64::NEG_INFINITY)
     }
 }
 

@@ -17,10 +17,12 @@ fn per_axis(what: &'static str, path: &PathDerivatives<'_>, limits: &[f64]) -> R
 }
 
 /// `|q' sdot| <= v` for every joint (Electronics 2025, 14, 3869, eq. 4).
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct JointVelocity<'a> {
     path: PathDerivatives<'a>,
     limits: &'a [f64],
+    /// Their inverses, so that a point costs one division and not one per joint.
+    inverses: Vec<f64>,
 }
 
 impl<'a> JointVelocity<'a> {
@@ -30,13 +32,21 @@ impl<'a> JointVelocity<'a> {
     /// [`FeedError::LengthMismatch`], [`FeedError::Negative`].
     pub fn new(path: PathDerivatives<'a>, limits: &'a [f64]) -> Result<Self, FeedError> {
         per_axis("joint velocity limits", &path, limits)?;
-        Ok(Self { path, limits })
+        Ok(Self { path, limits, inverses: limits.iter().map(|limit| 1.0 / limit).collect() })
     }
 
-    fn cap(&self, j: usize, slope: f64, out: &mut RowSink<'_>) {
-        if slope != 0.0 {
-            let v = self.limits[j] / slope;
-            out.cap(v * v, RowSource::joint(Quantity::JointVelocity, j));
+    /// The joint that is fastest in units of its limit decides.
+    fn cap(&self, slopes: impl Iterator<Item = f64>, out: &mut RowSink<'_>) {
+        let (mut most, mut joint) = (0.0, 0);
+        for (j, (slope, inverse)) in slopes.zip(&self.inverses).enumerate() {
+            let ratio = slope.abs() * inverse;
+            // A joint that stands still may have a limit of 0; any other NaN must not get lost.
+            if ratio > most || ratio.is_nan() && slope != 0.0 {
+                (most, joint) = (ratio, j);
+            }
+        }
+        if most != 0.0 {
+            out.cap(1.0 / (most * most), RowSource::joint(Quantity::JointVelocity, joint));
         }
     }
 }
@@ -49,15 +59,12 @@ impl PathConstraint for JointVelocity<'_> {
     fn rows(&self, place: Place, out: &mut RowSink<'_>) {
         match place {
             Place::Point(i) => {
-                // One division for all joints: only the greatest slope in units of its limit counts.
-                for (j, &slope) in self.path.first(i).iter().enumerate() {
-                    self.cap(j, slope, out);
-                }
-                for (j, &slope) in self.path.first_before(i).unwrap_or_default().iter().enumerate() {
-                    self.cap(j, slope, out);
+                self.cap(self.path.first(i).iter().copied(), out);
+                if let Some(before) = self.path.first_before(i) {
+                    self.cap(before.iter().copied(), out);
                 }
             }
-            Place::Middle { k, h } => (0..self.path.axes()).for_each(|j| self.cap(j, self.path.mid(k, h, j)[0], out)),
+            Place::Middle { k, h } => self.cap((0..self.path.axes()).map(|j| self.path.mid(k, h, j)[0]), out),
         }
     }
 
@@ -75,6 +82,7 @@ impl PathConstraint for JointVelocity<'_> {
 pub struct JointAcceleration<'a> {
     path: PathDerivatives<'a>,
     limits: &'a [f64],
+    all_finite: bool,
 }
 
 impl<'a> JointAcceleration<'a> {
@@ -84,7 +92,7 @@ impl<'a> JointAcceleration<'a> {
     /// [`FeedError::LengthMismatch`], [`FeedError::Negative`].
     pub fn new(path: PathDerivatives<'a>, limits: &'a [f64]) -> Result<Self, FeedError> {
         per_axis("joint acceleration limits", &path, limits)?;
-        Ok(Self { path, limits })
+        Ok(Self { path, limits, all_finite: limits.iter().all(|limit| limit.is_finite()) })
     }
 
     fn row(&self, j: usize, a: f64, b: f64, out: &mut RowSink<'_>) {
@@ -101,8 +109,14 @@ impl PathConstraint for JointAcceleration<'_> {
         match place {
             Place::Point(i) => {
                 let (first, second) = (self.path.first(i), self.path.second(i));
-                for (j, (&a, &b)) in first.iter().zip(second).enumerate() {
-                    self.row(j, a, b, out);
+                if self.all_finite {
+                    let rows = first.iter().zip(second).zip(self.limits).zip(0..);
+                    out.rows.extend(rows.map(|(((&a, &b), &limit), joint)| {
+                        let source = RowSource { quantity: Quantity::JointAcceleration, joint: Some(joint) };
+                        Row::symmetric(a, b, limit, source)
+                    }));
+                } else {
+                    first.iter().zip(second).enumerate().for_each(|(j, (&a, &b))| self.row(j, a, b, out));
                 }
                 let (first_before, second_before) = (self.path.first_before(i), self.path.second_before(i));
                 let jumps = first_before.is_some_and(|before| {

@@ -53,18 +53,6 @@ pub(super) struct Values {
     pub middle: Vec<f64>,
 }
 
-impl Values {
-    /// All zero on `intervals` intervals.
-    pub fn set_zero(&mut self, intervals: usize) {
-        for (values, n) in
-            [(&mut self.x, intervals + 1), (&mut self.u, intervals + 1), (&mut self.w, intervals), (&mut self.middle, intervals)]
-        {
-            values.clear();
-            values.resize(n, 0.0);
-        }
-    }
-}
-
 impl Knots {
     pub fn new(h: Vec<f64>) -> Self {
         let m = h.len();

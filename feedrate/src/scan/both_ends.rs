@@ -81,31 +81,38 @@ fn first_crossing(p: f64, c: f64, r: f64, from: f64) -> f64 {
 }
 
 /// Where `p x + c sqrt(x)` leaves `[lo, hi]` when `x` grows from `from`, at which it is inside.
+#[inline(always)]
 fn leaves(p: f64, c: f64, lo: f64, hi: f64, from: f64) -> f64 {
     if c == 0.0 {
-        // The common case, with a single division.
-        let bound = if p > 0.0 { hi } else { lo };
-        return if p == 0.0 { f64::INFINITY } else { (bound / p).max(from) };
+        // The common case, with a single division and no branch; p = 0 gives infinity, or NaN that no comparison takes.
+        let room = if p > 0.0 { hi } else { -lo };
+        return room / p.abs();
     }
-    first_crossing(p, c, hi, from).min(first_crossing(p, c, lo, from)).max(from)
+    first_crossing(p, c, hi, from).min(first_crossing(p, c, lo, from))
+}
+
+/// The lesser, which is the first if the second is NaN.
+#[inline(always)]
+fn lesser(x: f64, y: f64) -> f64 {
+    if y < x { y } else { x }
 }
 
 /// The greatest `x` per grid point up to which all rows hold at constant speed (eq. 16).
 fn static_limits(problem: &FeedProblem) -> Result<Vec<f64>, FeedError> {
-    (0..problem.grid().len())
-        .map(|i| {
-            let mut x_max = problem.x_max(i);
-            for row in problem.rows(i) {
-                if !(row.lo <= row.d && row.d <= row.hi) {
-                    let limit = if row.d > row.hi { row.hi } else { row.lo };
-                    let (s, row, value) = (problem.grid()[i], row.source, row.d);
-                    return Err(FeedError::StaticallyInfeasible { index: i, s, row, value, limit });
-                }
-                x_max = x_max.min(leaves(row.b, row.c, row.lo - row.d, row.hi - row.d, 0.0));
+    let mut limits = Vec::with_capacity(problem.grid().len());
+    for i in 0..problem.grid().len() {
+        let mut x_max = problem.x_max(i);
+        for row in problem.rows(i) {
+            if !(row.lo <= row.d && row.d <= row.hi) {
+                let limit = if row.d > row.hi { row.hi } else { row.lo };
+                let (s, row, value) = (problem.grid()[i], row.source, row.d);
+                return Err(FeedError::StaticallyInfeasible { index: i, s, row, value, limit });
             }
-            Ok(x_max)
-        })
-        .collect()
+            x_max = lesser(x_max, leaves(row.b, row.c, row.lo - row.d, row.hi - row.d, 0.0));
+        }
+        limits.push(x_max);
+    }
+    Ok(limits)
 }
 
 /// The greatest `y` next to a point with squared speed `x < limit`, at distance `h` in the direction of the pass.
@@ -119,21 +126,19 @@ fn step(x: f64, limit: f64, h: f64, sign: f64, near: &[Row], far: &[Row], both_e
         for row in near {
             let friction = if row.c == 0.0 { 0.0 } else { row.c * x.sqrt() };
             let rest = row.b * x + friction + row.d;
-            let a = sign * row.a;
-            // At u = 0 the row holds, so the bound on u is not negative but for round-off.
-            let room = if a > 0.0 { row.hi - rest } else { row.lo - rest };
-            if a != 0.0 {
-                u = u.min(room / a);
-            }
+            // At u = 0 the row holds, so the room is not negative but for round-off.
+            let room = if sign * row.a > 0.0 { row.hi - rest } else { rest - row.lo };
+            u = lesser(u, room / row.a.abs());
         }
-        y = y.min(x + 2.0 * h * u.max(0.0));
+        y = lesser(y, x + 2.0 * h * u);
     }
     for row in far {
         let a = row.a * per_u;
         let shift = a * x - row.d;
-        y = y.min(leaves(a + row.b, row.c, row.lo + shift, row.hi + shift, x));
+        y = lesser(y, leaves(a + row.b, row.c, row.lo + shift, row.hi + shift, x));
     }
-    y
+    // At y = x every row holds.
+    y.max(x)
 }
 
 fn scan(problem: &FeedProblem, limit: &[f64], both_ends: bool) -> Result<Vec<f64>, FeedError> {
