@@ -100,6 +100,11 @@ const MARGINS_FROM: f64 = 0.1;
 /// Relative gap below which rows far from their bounds are dropped.
 const DROP_BELOW: f64 = 0.04;
 
+/// The lesser of two numbers, neither of which is NaN: cheaper than `f64::min`.
+fn lesser(x: f64, y: f64) -> f64 {
+    if x < y { x } else { y }
+}
+
 /// Many times what is needed.
 const MOST_ITERATIONS: usize = 100;
 
@@ -153,7 +158,9 @@ impl Solver {
             }
             steps = self.direction(stretch, sums.complementarity / sums.count, outcome.wider > 0.0, centred);
             self.c.iter_mut().zip(&self.step).for_each(|(c, d)| *c += steps[0] * d);
-            outcome.wider = stretch.narrow(steps[0]);
+            if outcome.wider > 0.0 {
+                outcome.wider = stretch.narrow(steps[0]);
+            }
             outcome.iterations += 1;
         }
         stretch.knots.evaluate(&self.c, &mut self.values);
@@ -199,10 +206,9 @@ impl Solver {
                 side.multiplier += dual_step * side.change;
                 side.change = 0.0;
                 side.inverse = 1.0 / slack;
-                if slack < f64::INFINITY {
-                    sums.complementarity += side.multiplier * slack;
-                    sums.count += 1.0;
-                }
+                // A bound at infinity has the multiplier 0.
+                sums.complementarity += side.multiplier * lesser(slack, f64::MAX);
+                sums.count += f64::from(u8::from(slack < f64::INFINITY));
                 // Written so that NaN is outside.
                 if !(slack > sums.least) {
                     sums.least = slack;
@@ -383,37 +389,40 @@ impl Solver {
 
     /// How far slacks and multipliers could go towards `mu = 0`; leaves the second-order terms of that step.
     fn predict(&mut self, stretch: &Stretch) -> Sides {
-        let mut decrease = [0.0_f64; 2];
+        // Relative changes of slacks; multipliers change by the opposite less 1.
+        let (mut least, mut most) = (0.0, 0.0);
         let barrier = &mut self.barrier;
         stretch.each_change(&self.values, &self.delta, |i, by| {
             for (side, by) in barrier[i].iter_mut().zip(by) {
                 let relative = by * side.inverse;
                 side.change = relative * (1.0 + relative);
-                decrease[0] = decrease[0].max(-relative);
-                decrease[1] = decrease[1].max(1.0 + relative);
+                least = lesser(relative, least);
+                most = -lesser(-relative, -most);
             }
         });
-        decrease.map(|decrease| 1.0 / decrease.max(1.0))
+        [1.0 / f64::max(1.0, -least), 1.0 / (1.0 + most)]
     }
 
     /// Changes of all multipliers for the step, and how far slacks and multipliers can follow it.
     fn changes(&mut self, stretch: &Stretch, mu: f64) -> Sides {
-        let mut decrease = [0.0_f64; 2];
+        let (mut least, mut fall) = (0.0, 0.0);
         let barrier = &mut self.barrier;
         stretch.each_change(&self.values, &self.delta, |i, by| {
             for (side, by) in barrier[i].iter_mut().zip(by) {
                 let relative = by * side.inverse;
                 side.change = mu * side.inverse + side.multiplier * (side.change - 1.0 - relative);
-                decrease[0] = decrease[0].max(-relative);
-                // Written so that a bound at infinity, whose multiplier is 0, counts for nothing.
-                decrease[1] = decrease[1].max(-side.change / side.multiplier);
+                least = lesser(relative, least);
+                // A bound at infinity has multiplier and change 0. Few sides take the division.
+                if -side.change > fall * side.multiplier {
+                    fall = -side.change / side.multiplier;
+                }
             }
         });
         // The duration is a barrier at x = 0, but Newton's step may jump over it.
         let (Values { x, middle, .. }, Values { x: dx, middle: dm, .. }) = (&self.values, &self.delta);
         for (x, d) in x.iter().zip(dx).chain(middle.iter().zip(dm)) {
-            decrease[0] = decrease[0].max(-d / x);
+            least = lesser(d / x, least);
         }
-        decrease.map(|decrease| if decrease < STEP_FRACTION { 1.0 } else { STEP_FRACTION / decrease })
+        [-least, fall].map(|decrease| if decrease < STEP_FRACTION { 1.0 } else { STEP_FRACTION / decrease })
     }
 }
