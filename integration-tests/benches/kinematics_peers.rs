@@ -75,8 +75,10 @@ fn distance(ours: &Isometry3<f64>, translation: [f64; 3]) -> f64 {
 
 fn benches(criterion: &mut Criterion) {
     let kr6 = models::kr6_r700();
-    let kr6_links: ArmDynamics<6> =
-        *models::description("kr6_r700").and_then(|arm| arm.build::<6>().ok()?.dynamics().copied()).as_ref().expect("known");
+    let kr6_links: ArmDynamics<6> = *models::description("kr6_r700")
+        .and_then(|arm| arm.build::<6>().ok()?.dynamics().copied())
+        .as_ref()
+        .expect("known");
     let (opw, k_kr6) = (opw(), k_chain("kr6_r700"));
     let joints = samples(kr6.range());
     let poses: Vec<Isometry3<f64>> = joints.iter().map(|q| kr6.forward(q)).collect();

@@ -17,8 +17,8 @@ pub mod generator;
 pub mod mode;
 pub mod point_to_point;
 pub mod projection;
-pub mod so3;
 pub mod sampler;
+pub mod so3;
 pub mod state_to_state;
 mod straight;
 
