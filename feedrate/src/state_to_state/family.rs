@@ -384,12 +384,17 @@ fn bracketed(lo: f64, f_lo: f64, hi: f64, f_hi: f64, f: impl Fn(f64) -> (f64, f6
             hi = x
         }
         let newton = x - value / slope;
+        if (newton - x).abs() <= f64::EPSILON * x.abs() {
+            // Not strictly inside any more: `x` is an end of the bracket.
+            return x;
+        }
         let inside = newton > lo && newton < hi && (newton - x).abs() < 0.8 * before;
         let next = if inside { newton } else { 0.5 * (lo + hi) };
         let step = (next - x).abs();
         // Newton's steps square the error, by a factor seen from the last two: stop when what is to come is round-off.
         let ratio = step / before;
-        if inside && step * ratio * ratio <= 0.25 * f64::EPSILON * next.abs() || hi - lo <= f64::EPSILON * hi.abs() {
+        let converged = step * ratio * ratio <= 0.25 * f64::EPSILON * next.abs();
+        if inside && converged || hi - lo <= f64::EPSILON * hi.abs() {
             return next;
         }
         before = step;
