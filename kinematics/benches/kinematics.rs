@@ -1,4 +1,4 @@
-//! Speed of what a planner and a control cycle call, on the CR7 at random joint values.
+//! Speed of what a planner and a control cycle call, on the CR7, the KR 6 R700 and the Panda at random joint values.
 //!
 //! Measured on a 2-core AMD EPYC VM at about 2.3 GHz, medians: (a) timed in a loop over 512 joint vectors in a quiet
 //! moment, (b) this file while other programs kept both cores busy three times over.
@@ -13,11 +13,22 @@
 //! | joint_derivatives (to third order) | 0.66 us | 0.98 us |
 //! | smallest_singular_value | 3.2 us | 4.7 us |
 //!
+//! Of the KR 6 R700, (c) least of 1000 loops over 512 joint vectors, both cores busy:
+//!
+//! | | (c) |
+//! |---|---|
+//! | forward | 98.7 ns |
+//! | forward_jacobian | 122 ns |
+//! | inverse_all (8 solutions) | 0.68 us |
+//! | torque (Newton-Euler) | 219 ns |
+//! | mass_matrix | 260 ns |
+//! | along_path (all torque coefficients) | 585 ns |
+//!
 //! For comparison, in (a) six calls of the C library's `sincos` take 77 ns.
 
 use arcfeed_kinematics::{
-    AnalyticInverse, ForwardKinematics, InverseKinematics, Joints, MIN_SINGULAR_VALUE, ToolDerivatives, Twist,
-    joint_derivatives, models, smallest_singular_value,
+    AnalyticInverse, Dynamics, ForwardKinematics, InverseKinematics, Joints, MIN_SINGULAR_VALUE, ToolDerivatives,
+    Twist, joint_derivatives, models, smallest_singular_value,
 };
 use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::Isometry3;
@@ -73,6 +84,40 @@ fn benches(criterion: &mut Criterion) {
     group.bench_function("smallest_singular_value", |b| {
         let jacobians: Vec<_> = joints.iter().map(|q| arm.jacobian(q)).collect();
         b.iter(|| smallest_singular_value(black_box(&jacobians[next()])))
+    });
+    group.finish();
+
+    let described = models::description("kr6_r700").and_then(|arm| arm.build::<6>().ok());
+    let arm = described.expect("a built-in arm of six joints");
+    let dynamics = arm.dynamics().expect("its links are known");
+    let poses: Vec<Isometry3<f64>> = joints.iter().map(|q| arm.forward(q)).collect();
+    let mut group = criterion.benchmark_group("kr6");
+    group.warm_up_time(Duration::from_millis(500)).measurement_time(Duration::from_secs(2)).sample_size(50);
+    group.bench_function("forward", |b| b.iter(|| arm.forward(black_box(&joints[next()]))));
+    group.bench_function("forward_jacobian", |b| b.iter(|| arm.forward_jacobian(black_box(&joints[next()]))));
+    group.bench_function("inverse_all", |b| b.iter(|| arm.inverse_all(black_box(&poses[next()]))));
+    let (rates, accelerations) = (Joints::repeat(0.5), Joints::repeat(-2.0));
+    group.bench_function("torque", |b| b.iter(|| dynamics.torque(black_box(&joints[next()]), &rates, &accelerations)));
+    group.bench_function("mass_matrix", |b| b.iter(|| dynamics.mass_matrix(black_box(&joints[next()]))));
+    group.bench_function("along_path", |b| {
+        b.iter(|| dynamics.along_path(black_box(&joints[next()]), &rates, &accelerations))
+    });
+    group.finish();
+
+    let panda = models::panda();
+    let (lower, upper) = (panda.range().lower(), panda.range().upper());
+    let places: Vec<Joints<7>> = joints
+        .iter()
+        .map(|q| Joints::from_fn(|i, _| lower[i] + (q[i % 6] + 2.7) / 5.4 * (upper[i] - lower[i])))
+        .collect();
+    let poses: Vec<Isometry3<f64>> = places.iter().map(|q| panda.forward(q)).collect();
+    let mut group = criterion.benchmark_group("panda");
+    group.warm_up_time(Duration::from_millis(500)).measurement_time(Duration::from_secs(2)).sample_size(50);
+    group.bench_function("inverse from a seed 0.01 rad away", |b| {
+        b.iter(|| {
+            let k = next();
+            panda.inverse(black_box(&poses[k]), &places[k].map(|v| v + 0.01))
+        })
     });
     group.finish();
 }

@@ -16,15 +16,14 @@ use std::any::Any;
 /// everything else and for speed.
 ///
 /// ```
-/// use arcfeed_kinematics::{Arm, models};
+/// use arcfeed_kinematics::{Arm, Joints, models};
 /// let arm = models::description("panda").expect("built in").build_any()?;
 /// assert_eq!(arm.joints(), 7);
 /// let q = [0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.7];
 /// let found = arm.inverse(&arm.forward(&q)?, &q)?;
 /// let inside: &Arm<7> = arm.get().expect("seven joints");
-/// assert!(inside.range().contains(&found.as_slice().try_into().map(nalgebra::SVector::<f64, 7>::from).unwrap()));
+/// assert!(inside.range().contains(&Joints::from_column_slice(&found)));
 /// assert_eq!(arm.forward(&[0.0; 6]).unwrap_err().to_string(), "6 joint values were given, but the arm has 7 joints");
-/// # use arcfeed_kinematics::nalgebra;
 /// # Ok::<(), arcfeed_kinematics::KinematicsError>(())
 /// ```
 #[derive(Debug, Clone)]

@@ -12,7 +12,7 @@
 //! `r' = w+ x r`, `r'' = a+ x r + w+ x r'`, `r''' = g+ x r + 2 a+ x r' + w+ x r''`.
 
 use crate::joint::{JointKind, Joints};
-use nalgebra::{Isometry3, Matrix3, Rotation3, SMatrix, Translation3, UnitQuaternion, Vector3, Vector6};
+use nalgebra::{Isometry3, Matrix3, Quaternion, SMatrix, Translation3, UnitQuaternion, Vector3, Vector6};
 
 /// Geometric Jacobian: rows linear x y z (m/s per joint unit/s), then angular x y z; base-aligned, at the tool point.
 pub type Jacobian<const N: usize> = SMatrix<f64, 6, N>;
@@ -33,8 +33,7 @@ pub struct Configuration<const N: usize> {
 impl<const N: usize> Configuration<N> {
     /// Pose of the tool in the base.
     pub fn pose(&self) -> Isometry3<f64> {
-        let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(self.rotation));
-        Isometry3::from_parts(Translation3::from(self.tool), rotation)
+        Isometry3::from_parts(Translation3::from(self.tool), quaternion(&self.rotation))
     }
 
     /// The tool's orientation as a matrix; its columns are the tool's axes in the base.
@@ -120,6 +119,27 @@ impl<const N: usize> Configuration<N> {
         }
         stack(&linear, &g)
     }
+}
+
+/// The quaternion of a rotation matrix: a row of 4 q q^T, divided by the root of its diagonal entry. All four rows are
+/// there and one is picked, as a branch on a random orientation is mispredicted at more than the price of the rest.
+#[inline]
+fn quaternion(r: &Matrix3<f64>) -> UnitQuaternion<f64> {
+    let (xx, yy, zz) = (r[(0, 0)], r[(1, 1)], r[(2, 2)]);
+    let (wx, wy, wz) = (r[(2, 1)] - r[(1, 2)], r[(0, 2)] - r[(2, 0)], r[(1, 0)] - r[(0, 1)]);
+    let (xy, xz, yz) = (r[(1, 0)] + r[(0, 1)], r[(0, 2)] + r[(2, 0)], r[(2, 1)] + r[(1, 2)]);
+    let rows = [
+        [1.0 + xx + yy + zz, wx, wy, wz],
+        [wx, 1.0 + xx - yy - zz, xy, xz],
+        [wy, xy, 1.0 - xx + yy - zz, yz],
+        [wz, xz, yz, 1.0 - xx - yy + zz],
+    ];
+    let of_y_and_z = if yy > zz { 2 } else { 3 };
+    let largest = if xx > yy && xx > zz { 1 } else { of_y_and_z };
+    let largest: usize = if xx + yy + zz > 0.0 { 0 } else { largest };
+    let [w, x, y, z] = rows[largest];
+    let scale = 0.5 / rows[largest][largest].sqrt();
+    UnitQuaternion::new_unchecked(Quaternion::new(w * scale, x * scale, y * scale, z * scale))
 }
 
 fn stack(linear: &Vector3<f64>, angular: &Vector3<f64>) -> Twist {

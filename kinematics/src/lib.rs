@@ -1,8 +1,8 @@
-//! Serial robot arms: forward and differential kinematics, and closed-form inverse kinematics.
+//! Serial robot arms: kinematics forward, differential and inverse (closed-form and numeric), and rigid-body dynamics.
 //!
 //! # Frames and conventions
 //!
-//! * SI throughout: m, rad, s.
+//! * SI throughout: m, rad, s, kg, N m.
 //! * An arm is `base * prod_i (origin_i * motion_i(q_i)) * flange * tool`, see [`Chain`]. Poses are **tool in base**
 //!   (`Isometry3`); the flange's z points out of the mounting face.
 //! * A twist or Jacobian has the rows **linear x y z, then angular x y z**, along the axes of the **base**, at the
@@ -15,15 +15,21 @@
 //!
 //! | you want | take |
 //! |---|---|
-//! | a ready arm | [`models::cr7`], [`models::ur5e`], [`models::planar_2r`] |
-//! | your own arm | [`Chain::new`], [`Chain::from_dh`], [`Chain::from_modified_dh`]; [`ParallelAxisArm::new`] |
+//! | a ready arm | [`models::cr7`], [`models::ur5e`], [`models::kr6_r700`], [`models::puma560`], [`models::panda`], [`models::planar_2r`] |
+//! | one with its limits, links and source | [`models::description`], [`ArmDescription::build`] |
+//! | your own arm | [`Chain::new`], [`Chain::from_dh`], [`Chain::from_modified_dh`]; [`Arm::new`] |
+//! | an arm from a file | `ArmDescription::from_urdf` (feature `urdf`), `ArmDescription::from_json` (feature `json`) |
+//! | an arm whose number of joints the file decides | [`ArmDescription::build_any`], [`AnyArm`] |
+//! | its tables and files | [`Chain::to_dh`], [`ArmDescription::to_urdf`] |
 //! | pose, Jacobian, J' qd | [`ForwardKinematics`] |
-//! | all inverse solutions | [`AnalyticInverse`] |
+//! | all inverse solutions | [`AnalyticInverse`]: [`ParallelAxisArm`], [`SphericalWristArm`], [`Arm`] |
 //! | the solution near known joints | [`InverseKinematics`], [`BranchTracker`] |
-//! | q', q'', q''' along a tool path | [`joint_derivatives`] |
-//! | the distance from singular poses | [`smallest_singular_value`], [`condition_number`], [`manipulability`] |
+//! | the inverse of any geometry, redundant joints | [`NumericArm`], [`Arm::locked`] |
+//! | q', q'', q''' along a tool path | [`joint_derivatives`], [`least_norm_derivatives`] |
+//! | the distance from singular poses | [`SingularityDistances`], [`smallest_singular_value`], [`condition_number`], [`manipulability`] |
+//! | torques, masses, what torque limits need along a path | [`Dynamics`], [`ArmDynamics`], [`PathTorque`] |
 //!
-//! Nothing in this crate allocates.
+//! Nothing allocates once an arm is made, except [`AnyArm`], whose results are vectors.
 //!
 //! ```
 //! use arcfeed_kinematics::{AnalyticInverse, ForwardKinematics, InverseKinematics, Joints, models};

@@ -2,8 +2,8 @@
 #![allow(unsafe_code, reason = "a counting allocator cannot be written without")]
 
 use arcfeed_kinematics::{
-    AnalyticInverse, BranchTracker, ForwardKinematics, InverseKinematics, Joints, MIN_SINGULAR_VALUE, ToolDerivatives,
-    Twist, joint_derivatives, models, smallest_singular_value,
+    AnalyticInverse, Arm, BranchTracker, Dynamics, ForwardKinematics, InverseKinematics, Joints, MIN_SINGULAR_VALUE,
+    ToolDerivatives, Twist, joint_derivatives, least_norm_derivatives, models, smallest_singular_value,
 };
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -52,6 +52,43 @@ fn nothing_allocates() {
         let mut far = pose;
         far.translation.x += 5.0;
         assert!(black_box(arm.inverse(&far, &q)).is_err());
+    }
+    assert_eq!(COUNT.with(Cell::get) - before, 0);
+}
+
+#[test]
+fn other_arms_and_their_dynamics_do_not_allocate() {
+    let build = |name: &str| models::description(name).expect("built in").build::<6>().expect("six joints");
+    let arms = [build("kr6_r700"), build("puma560"), build("ur5e")];
+    let panda: Arm<7> = models::description("panda").expect("built in").build().expect("seven joints");
+    let locked: Arm<6> = panda.locked(2, 0.2).expect("inside the range");
+    let tool = ToolDerivatives { first: Twist::repeat(0.1), second: Twist::repeat(0.2), third: Twist::repeat(0.3) };
+    let before = COUNT.with(Cell::get);
+    for k in 0..20 {
+        let q = Joints::from([0.3, -1.0, 1.4, 0.3, 0.05 * f64::from(k), 0.1]);
+        for arm in &arms {
+            let pose = arm.forward(&q);
+            assert!(black_box(arm.inverse_all(&pose)).is_ok());
+            assert!(black_box(arm.inverse(&pose, &q)).is_ok());
+            black_box(arm.singularity_distances(&q));
+            let Some(dynamics) = arm.dynamics() else { panic!("known") };
+            let torque = black_box(dynamics.torque(&q, &q, &q));
+            black_box(dynamics.mass_matrix(&q));
+            black_box(dynamics.bias(&q, &q));
+            black_box(dynamics.along_path(&q, &q, &q));
+            assert!(arm.inverse(&pose, &q.map(|_| f64::NAN)).is_err());
+            let _ = black_box(dynamics.acceleration(&q, &q, &torque));
+        }
+        let q = Joints::from([0.1, -0.4, 0.2, -2.0, 0.1, 1.6, 0.02 * f64::from(k)]);
+        let pose = panda.forward(&q);
+        assert!(black_box(panda.inverse(&pose, &q.map(|v| v + 0.01))).is_ok());
+        assert!(black_box(panda.inverse_all(&pose)).is_ok());
+        let mut far = pose;
+        far.translation.x += 5.0;
+        assert!(black_box(panda.inverse(&far, &q)).is_err());
+        let _ = black_box(least_norm_derivatives(&panda, &q, &tool, 1e-3));
+        let six = Joints::from([q[0], q[1], q[3], q[4], q[5], q[6]]);
+        assert!(black_box(locked.inverse(&pose, &six)).is_ok());
     }
     assert_eq!(COUNT.with(Cell::get) - before, 0);
     // The counter works.
