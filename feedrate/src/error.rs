@@ -110,7 +110,9 @@ pub enum FeedError {
         highest_start: f64,
     },
     /// The grid of a path does not increase.
-    #[error("grid point {index} lies at {s}, which is not after the one before it at {previous}; drop duplicate points")]
+    #[error(
+        "grid point {index} lies at {s}, which is not after the one before it at {previous}; drop duplicate points"
+    )]
     BadGrid {
         /// Index of the grid point.
         index: usize,
@@ -184,7 +186,9 @@ pub enum FeedError {
         s: f64,
     },
     /// The speed asked for at an end of the path cannot be had.
-    #[error("{what} {speed} is out of reach: feasible is {lowest} to {highest}, because of {row} at s = {s} or later limits")]
+    #[error(
+        "{what} {speed} is out of reach: feasible is {lowest} to {highest}, because of {row} at s = {s} or later limits"
+    )]
     SpeedOutOfReach {
         /// "start speed" or "end speed".
         what: &'static str,

@@ -44,12 +44,7 @@ impl Piece {
             Law::SlopeOf(w) => {
                 let (c, sh, d) = hyperbolic(w * dt * dt);
                 let speed = v * c + u * dt * sh;
-                MotionState {
-                    p: s + dt * (v * sh + u * dt * d),
-                    v: speed,
-                    a: u * c + w * v * dt * sh,
-                    j: w * speed,
-                }
+                MotionState { p: s + dt * (v * sh + u * dt * d), v: speed, a: u * c + w * v * dt * sh, j: w * speed }
             }
             Law::Jerk(j) => MotionState {
                 p: s + dt * (v + dt * (u / 2.0 + dt * j / 6.0)),

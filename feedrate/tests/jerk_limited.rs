@@ -127,8 +127,7 @@ fn stops_where_the_cap_is_zero() {
     let velocity = JointVelocity::new(samples.path(), &V_A).unwrap();
     let acceleration = JointAcceleration::new(samples.path(), &A_MAX).unwrap();
     let jerk = JointJerk::new(samples.path(), &limits).unwrap();
-    let problem =
-        FeedProblem::between_points(&grid, &[&velocity, &acceleration, &jerk, &Stop { at: 150 }]).unwrap();
+    let problem = FeedProblem::between_points(&grid, &[&velocity, &acceleration, &jerk, &Stop { at: 150 }]).unwrap();
     let plan = JerkLimited::default().plan(&problem).unwrap();
     assert_inside(path, 'A', &grid, &plan);
     let (time, _) = plan.knots().find(|(_, state)| state.p == grid[150] && state.v == 0.0).unwrap();

@@ -178,7 +178,8 @@ impl PathConstraint for JointJerk<'_> {
                 before.iter().zip(after).zip(self.limits).any(|((p, q), limit)| p != q && limit.is_finite())
             })
         };
-        if jump(self.path.first_before(i), self.path.first(i)) || jump(self.path.second_before(i), self.path.second(i)) {
+        if jump(self.path.first_before(i), self.path.first(i)) || jump(self.path.second_before(i), self.path.second(i))
+        {
             out.cap(0.0, RowSource::path(Quantity::Corner));
         }
     }

@@ -76,7 +76,8 @@ impl<'a> PathDerivatives<'a> {
     /// [`FeedError::LengthMismatch`].
     pub fn with_middles(mut self, first: &'a [f64], second: &'a [f64]) -> Result<Self, FeedError> {
         let expected = (self.points - 1) * self.axes;
-        for (what, values) in [("first derivatives in the middle", first), ("second derivatives in the middle", second)] {
+        for (what, values) in [("first derivatives in the middle", first), ("second derivatives in the middle", second)]
+        {
             if values.len() != expected {
                 return Err(FeedError::LengthMismatch { what, got: values.len(), expected });
             }
@@ -87,7 +88,11 @@ impl<'a> PathDerivatives<'a> {
 
     fn check(&self, what: &'static str, values: &[f64]) -> Result<(), FeedError> {
         let expected = self.points * self.axes;
-        if values.len() == expected { Ok(()) } else { Err(FeedError::LengthMismatch { what, got: values.len(), expected }) }
+        if values.len() == expected {
+            Ok(())
+        } else {
+            Err(FeedError::LengthMismatch { what, got: values.len(), expected })
+        }
     }
 
     /// Number of axes.

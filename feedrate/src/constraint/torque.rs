@@ -23,13 +23,7 @@ impl<'a> JointTorque<'a> {
     ///
     /// # Errors
     /// [`FeedError::Empty`], [`FeedError::LengthMismatch`], [`FeedError::Negative`].
-    pub fn new(
-        a: &'a [f64],
-        b: &'a [f64],
-        c: &'a [f64],
-        d: &'a [f64],
-        limits: &'a [f64],
-    ) -> Result<Self, FeedError> {
+    pub fn new(a: &'a [f64], b: &'a [f64], c: &'a [f64], d: &'a [f64], limits: &'a [f64]) -> Result<Self, FeedError> {
         if a.is_empty() || limits.is_empty() {
             return Err(FeedError::Empty { what: "torque terms" });
         }

@@ -77,7 +77,11 @@ mod tests {
         let mut matrix = Pentadiagonal::default();
         matrix.clear(n);
         for i in 0..n {
-            matrix.rows[i] = [entry(i, i), if i + 1 < n { entry(i + 1, i) } else { 0.0 }, if i + 2 < n { entry(i + 2, i) } else { 0.0 }];
+            matrix.rows[i] = [
+                entry(i, i),
+                if i + 1 < n { entry(i + 1, i) } else { 0.0 },
+                if i + 2 < n { entry(i + 2, i) } else { 0.0 },
+            ];
         }
         matrix.factor();
         matrix.solve(&mut b);

@@ -299,12 +299,16 @@ impl Solver {
             // The tangent of 1 / sqrt(x) falls with this slope.
             let fall = 0.5 / (x * x.sqrt());
             let mut sum = Products::default();
-            for (row, [low, high]) in stretch.inner[inner_rows.clone()].iter().zip(&self.barrier[inner + inner_rows.start..]) {
+            for (row, [low, high]) in
+                stretch.inner[inner_rows.clone()].iter().zip(&self.barrier[inner + inner_rows.start..])
+            {
                 sum.add(low.weight() + high.weight(), [row.gamma, row.beta, row.alpha]);
             }
             // Sums of weights, and of their differences between both sides times the row.
             let (mut weights, mut dx, mut du, mut dw) = (0.0, 0.0, 0.0, 0.0);
-            for (row, [low, high]) in stretch.thirds[third_rows.clone()].iter().zip(&self.barrier[thirds + third_rows.start..]) {
+            for (row, [low, high]) in
+                stretch.thirds[third_rows.clone()].iter().zip(&self.barrier[thirds + third_rows.start..])
+            {
                 let (low, high) = (low.weight(), high.weight());
                 sum.add(low + high, [row.gamma, row.beta, row.alpha]);
                 weights += low + high;

@@ -178,7 +178,11 @@ fn parts(problem: &FeedProblem) -> Result<Vec<Part>, FeedError> {
         let speeds = [if from == 0 { problem.v_start() } else { 0.0 }, if i == n { problem.v_end() } else { 0.0 }];
         let expected = 2 + speeds.iter().filter(|&&v| v == 0.0).count();
         if i - from < expected {
-            return Err(FeedError::LengthMismatch { what: "a stretch between two stops (intervals)", got: i - from, expected });
+            return Err(FeedError::LengthMismatch {
+                what: "a stretch between two stops (intervals)",
+                got: i - from,
+                expected,
+            });
         }
         parts.push(Part { grid: from..i, speeds });
         from = i;
@@ -243,6 +247,10 @@ impl FeedPlanner for JerkLimited {
         if left < 1e-6 {
             return Ok(plan);
         }
-        Err(FeedError::NotConverged { what: "the jerk-limited planner between the grid points", iterations: 4, residual: left })
+        Err(FeedError::NotConverged {
+            what: "the jerk-limited planner between the grid points",
+            iterations: 4,
+            residual: left,
+        })
     }
 }

@@ -155,7 +155,11 @@ fn scan(problem: &FeedProblem, limit: &[f64], both_ends: bool) -> Result<Vec<f64
     for k in 0..n {
         let cap = limit[k + 1];
         // Descending is left to the backward pass.
-        x = if x >= cap { cap } else { step(x, cap, problem.h(k), 1.0, problem.rows(k), problem.rows(k + 1), both_ends) };
+        x = if x >= cap {
+            cap
+        } else {
+            step(x, cap, problem.h(k), 1.0, problem.rows(k), problem.rows(k + 1), both_ends)
+        };
         if x == f64::INFINITY {
             return Err(FeedError::Unbounded { index: k + 1, s: problem.grid()[k + 1] });
         }
@@ -168,7 +172,11 @@ fn scan(problem: &FeedProblem, limit: &[f64], both_ends: bool) -> Result<Vec<f64
     forward[n] = x_end;
     for k in (0..n).rev() {
         let cap = limit[k];
-        x = if x >= cap { cap } else { step(x, cap, problem.h(k), -1.0, problem.rows(k + 1), problem.rows(k), both_ends) };
+        x = if x >= cap {
+            cap
+        } else {
+            step(x, cap, problem.h(k), -1.0, problem.rows(k + 1), problem.rows(k), both_ends)
+        };
         forward[k] = forward[k].min(x);
     }
     if x < x_start * (1.0 - 1e-12) {
