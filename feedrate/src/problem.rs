@@ -262,6 +262,61 @@ impl FeedProblem {
     }
 }
 
+/// `lo <= alpha w + beta u + gamma x <= hi` at one end of an interval on which `w = du/ds` is constant.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct InnerRow {
+    pub alpha: f64,
+    pub beta: f64,
+    pub gamma: f64,
+    pub lo: f64,
+    pub hi: f64,
+    pub source: RowSource,
+}
+
+/// What holds inside an interval, by its Bernstein coefficients.
+impl FeedProblem {
+    /// Next to one end of interval `k` the inner Bernstein coefficient of every row that is a cubic there: its value at that end and
+    /// a third of its slope. Coefficients of rows are interpolated through both ends and the middle, exactly so on a
+    /// piecewise cubic path. Rows with friction are left out.
+    pub(crate) fn inner_rows(&self, k: usize, within: Within) -> impl Iterator<Item = InnerRow> + '_ {
+        let h = self.h(k);
+        let (near, middle, far) = (self.rows(k), self.middle_rows(k), self.rows(k + 1));
+        middle.iter().enumerate().filter_map(move |(j, m)| {
+            let p = matching(near, m, j, middle.len(), false).map(|j| &near[j])?;
+            let q = matching(far, m, j, middle.len(), true).map(|j| &far[j])?;
+            if p.c != 0.0 || q.c != 0.0 {
+                return None;
+            }
+            // At the end everything runs backwards.
+            let (row, other, third) = if within == Within::End { (q, p, -h / 3.0) } else { (p, q, h / 3.0) };
+            let slope = |this: f64, middle: f64, other: f64| (4.0 * middle - 3.0 * this - other) / 3.0;
+            let d = row.d + slope(row.d, m.d, other.d);
+            Some(InnerRow {
+                alpha: third * row.a,
+                beta: row.a + slope(row.a, m.a, other.a) + 2.0 * third * row.b,
+                gamma: row.b + slope(row.b, m.b, other.b),
+                lo: row.lo - d,
+                hi: row.hi - d,
+                source: row.source,
+            })
+        })
+    }
+
+    /// Weights of the three Bernstein coefficients of `x(s)` on interval `k` whose sums must not exceed 1: the inner
+    /// coefficients of its product, of degree six, with the bound on squared axis speeds.
+    pub(crate) fn speed_rows(&self, k: usize) -> [[f64; 3]; 5] {
+        let p = &self.speed_bounds[k].coefficients;
+        // C(4, i - j) C(2, j) / C(6, i)
+        [
+            [4.0 * p[1] / 6.0, 2.0 * p[0] / 6.0, 0.0],
+            [6.0 * p[2] / 15.0, 8.0 * p[1] / 15.0, p[0] / 15.0],
+            [4.0 * p[3] / 20.0, 12.0 * p[2] / 20.0, 4.0 * p[1] / 20.0],
+            [p[4] / 15.0, 8.0 * p[3] / 15.0, 6.0 * p[2] / 15.0],
+            [0.0, 2.0 * p[4] / 6.0, 4.0 * p[3] / 6.0],
+        ]
+    }
+}
+
 /// Rows by quadratic interpolation through an interval.
 impl FeedProblem {
     /// The problem with some intervals split at fractions (increasing, inside 0..1) of their length.

@@ -87,9 +87,38 @@ fn certified_plans_exceed_nothing_between_the_points() {
             let worst = spline_paths::worst(&path.spline, &grid, &plan, 20, velocity(fine.case), &A_MAX);
             assert!(worst[0] <= 1.0 + 1e-9 && worst[1] <= 1.0 + 1e-9, "seed {} {}: {worst:?}", path.seed, fine.case);
             let ratio = plan.duration() / fine.fine;
-            println!("{} {} {ratio} ref {}", path.seed, fine.case, fine.certified / fine.fine);
             slowest = slowest.max(ratio);
         }
     }
-    assert!(slowest <= 1.002, "{slowest}");
+    assert!(slowest <= 1.001, "{slowest}");
+}
+
+/// Torque known at twice as many points as the grid has: what the interpolated middle leaves at the points in between.
+#[test]
+fn certified_torque_between_the_points() {
+    let mut worst = [0.0_f64; 2];
+    for path in paths().iter().filter(|path| !path.torque[0].is_empty()) {
+        let [a, b, d] = &path.torque;
+        let every_second =
+            |values: &[f64]| -> Vec<f64> { values.chunks(2 * JOINTS).flat_map(|c| &c[..JOINTS]).copied().collect() };
+        let (coarse_a, coarse_b, coarse_d) = (every_second(a), every_second(b), every_second(d));
+        let grid = Spline::uniform(50);
+        let samples = path.spline.samples(&grid);
+        let velocity = JointVelocity::new(samples.path(), &V_A).unwrap();
+        let torque = JointTorque::new(&coarse_a, &coarse_b, &[], &coarse_d, &TAU_C).unwrap();
+        let problem = FeedProblem::between_points(&grid, &[&velocity, &torque]).unwrap();
+        for (k, plan) in [Reachability.plan(&problem), CertifiedReachability.plan(&problem)].into_iter().enumerate() {
+            let plan = plan.unwrap();
+            for i in 0..50 {
+                let state = plan.at_position((2 * i + 1) as f64 / 100.0);
+                for (j, tau) in TAU_C.iter().enumerate() {
+                    let at = (2 * i + 1) * JOINTS + j;
+                    let value = a[at] * state.a + b[at] * state.v * state.v + d[at];
+                    worst[k] = worst[k].max(value.abs() / tau);
+                }
+            }
+        }
+    }
+    // 50 intervals for 20 way-points are far too few; still most of the excess goes.
+    assert!(worst[0] > 1.2 && worst[1] < 1.1, "{worst:?}");
 }

@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use super::spline::{End, Knots, Values};
 use crate::constraint::Within;
-use crate::problem::{FeedProblem, matching};
-use crate::row::{JerkRow, Row};
+use crate::problem::FeedProblem;
+use crate::row::JerkRow;
 
 /// `lo <= a u + b x + c sqrt(x) <= hi`, for the time being with bounds that are `wider`.
 #[derive(Debug, Clone, Copy)]
@@ -125,7 +125,10 @@ impl Stretch {
         }
         for k in a..b {
             for within in [Within::Start, Within::End] {
-                stretch.push_inner(problem, k, within);
+                stretch.inner.extend(problem.inner_rows(k, within).map(|row| {
+                    let crate::problem::InnerRow { alpha, beta, gamma, lo, hi, .. } = row;
+                    InnerRow { alpha, beta, gamma, lo, hi, wider: [0.0; 2] }
+                }));
                 if within == Within::Start {
                     stretch.push_speed(problem, k, fastest);
                 }
@@ -159,58 +162,24 @@ impl Stretch {
         stretch
     }
 
-    /// The inner Bernstein coefficient next to one end of interval `k`: value there plus a third of the slope times `h`.
-    fn push_inner(&mut self, problem: &FeedProblem, k: usize, within: Within) {
-        let h = problem.h(k);
-        let (near, middle, far) = (problem.rows(k), problem.middle_rows(k), problem.rows(k + 1));
-        for (j, m) in middle.iter().enumerate() {
-            let Some(p) = matching(near, m, j, middle.len(), false).map(|j| &near[j]) else { continue };
-            let Some(q) = matching(far, m, j, middle.len(), true).map(|j| &far[j]) else { continue };
-            if p.c != 0.0 || q.c != 0.0 {
-                continue;
-            }
-            // A third of the slopes of the coefficients over the interval, and the direction to the inside.
-            let (row, third, inside): (&Row, fn(f64, f64, f64) -> f64, f64) = match within {
-                Within::End => (q, |p, m, q| (4.0 * m - 3.0 * q - p) / 3.0, -h / 3.0),
-                _ => (p, |p, m, q| (4.0 * m - 3.0 * p - q) / 3.0, h / 3.0),
-            };
-            let d = row.d + third(p.d, m.d, q.d);
-            self.inner.push(InnerRow {
-                alpha: inside * row.a,
-                beta: row.a + third(p.a, m.a, q.a) + 2.0 * inside * row.b,
-                gamma: row.b + third(p.b, m.b, q.b),
-                lo: row.lo - d,
-                hi: row.hi - d,
-                wider: [0.0; 2],
-            });
-        }
-    }
-
-    /// Speed inside interval `k`: the Bernstein coefficients of `p(s) x(s)`, of degree 6, where `p` is the bound of degree 4
-    /// on squared axis speeds; by the values at the start.
+    /// Speed inside interval `k`, by the values at its start.
     fn push_speed(&mut self, problem: &FeedProblem, k: usize, fastest: &[f64]) {
         let h = problem.h(k);
-        let p = &problem.speed_bound(k).coefficients;
-        let mut push = |of_start: f64, of_middle: f64, of_end: f64, hi: f64| {
+        let mut push = |[of_start, of_middle, of_end]: [f64; 3], hi: f64| {
             let (beta, alpha) = (h * (of_middle + 2.0 * of_end), h * h * of_end);
             let gamma = of_start + of_middle + of_end;
             self.inner.push(InnerRow { alpha, beta, gamma, lo: f64::NEG_INFINITY, hi, wider: [0.0; 2] });
         };
         // Well above what can bind.
         let most = 2.0 * fastest[k].max(fastest[k + 1]);
-        let largest = p.iter().copied().fold(0.0, f64::max);
+        let largest = problem.speed_bound(k).coefficients.iter().copied().fold(0.0, f64::max);
         if largest * most > 1.0 {
-            // C(4, i - j) C(2, j) / C(6, i)
-            push(4.0 * p[1] / 6.0, 2.0 * p[0] / 6.0, 0.0, 1.0);
-            push(6.0 * p[2] / 15.0, 8.0 * p[1] / 15.0, p[0] / 15.0, 1.0);
-            push(4.0 * p[3] / 20.0, 12.0 * p[2] / 20.0, 4.0 * p[1] / 20.0, 1.0);
-            push(p[4] / 15.0, 8.0 * p[3] / 15.0, 6.0 * p[2] / 15.0, 1.0);
-            push(0.0, 2.0 * p[4] / 6.0, 4.0 * p[3] / 6.0, 1.0);
+            problem.speed_rows(k).into_iter().for_each(|weights| push(weights, 1.0));
         }
         // A cap from elsewhere.
         let middle = problem.middle_x_max(k);
         if middle < most && middle * largest < 0.999 {
-            push(0.25, 0.5, 0.25, middle);
+            push([0.25, 0.5, 0.25], middle);
         }
     }
 

@@ -6,15 +6,18 @@
 //! analysis", IEEE Trans. Robot. 2018, 34, 645). Every row is tested at both ends of every interval.
 //!
 //! # Between the grid points
-//! `u` is constant on an interval, so `x` is linear in `s`. Where the path is cubic in `s` there, the acceleration of a joint
-//! is quadratic and its square speed times `x` of degree five: both lie in the hull of their Bernstein coefficients, which are
-//! linear in `(u, x)`. [`CertifiedReachability`] bounds those, so that nothing is exceeded anywhere on such a path.
+//! With `u` constant on an interval the duration is only accurate to the first power of its length (0.3 % at N = 1000).
+//! [`CertifiedReachability`] takes the optimum of the rows at the points, reads off the slope of `u` on every interval, and solves again with these
+//! slopes given, which leaves the programs linear. Where the path is cubic in `s` the acceleration of a joint then is cubic
+//! and its squared speed of degree six; both lie in the hull of their Bernstein coefficients, which are linear in `(u, x)`, so
+//! that bounding those keeps the limits everywhere on such a path.
 
 use super::both_ends::{moves, squared_speeds};
+use crate::constraint::Within;
 use crate::error::FeedError;
-use crate::grid_plan::GridPlan;
+use crate::grid_plan::{Builder, GridPlan};
 use crate::lp2::{Band, NoOptimum, gap, greatest_x, least_x};
-use crate::problem::{FeedPlanner, FeedProblem, matching};
+use crate::problem::{FeedPlanner, FeedProblem};
 use crate::row::{Quantity, Row, RowSource};
 
 /// Reachability: the optimum of the rows at the grid points to 0.01 % at N = 1000, and complete: where it finds no
@@ -36,7 +39,9 @@ pub struct CertifiedReachability;
 
 impl FeedPlanner for Reachability {
     fn plan(&self, problem: &FeedProblem) -> Result<GridPlan, FeedError> {
-        plan(problem, false)
+        let x = self.squared_speeds(problem)?;
+        moves(problem, &x)?;
+        GridPlan::from_squared_speeds(problem.grid(), &x)
     }
 }
 
@@ -45,7 +50,18 @@ impl FeedPlanner for CertifiedReachability {
         if !problem.is_between_points() {
             return Err(FeedError::Empty { what: "rows between the grid points (FeedProblem::between_points)" });
         }
-        plan(problem, true)
+        // Whatever the slopes are, the second solution is safe; without them it is complete.
+        let guess = solve(problem, false)?;
+        let slopes = slopes(problem, &guess);
+        let sloped = Solver::new(problem, true, &guess, &slopes).solve().and_then(|x| {
+            moves(problem, &x)?;
+            sloped_plan(problem, &x, &slopes)
+        });
+        sloped.or_else(|_| {
+            let x = solve(problem, true)?;
+            moves(problem, &x)?;
+            GridPlan::from_squared_speeds(problem.grid(), &x)
+        })
     }
 }
 
@@ -56,21 +72,42 @@ impl Reachability {
     }
 }
 
-fn plan(problem: &FeedProblem, between: bool) -> Result<GridPlan, FeedError> {
-    let x = solve(problem, between)?;
-    moves(problem, &x)?;
-    GridPlan::from_squared_speeds(problem.grid(), &x)
-}
-
 fn solve(problem: &FeedProblem, between: bool) -> Result<Vec<f64>, FeedError> {
     let n = problem.intervals();
     let friction = (0..=n).any(|i| problem.rows(i).iter().any(|row| row.c != 0.0));
     if !friction {
-        return Solver::new(problem, between, &[]).solve();
+        return Solver::new(problem, between, &[], &[]).solve();
     }
     let near = squared_speeds(problem).unwrap_or_default();
-    let first = Solver::new(problem, between, &near).solve()?;
-    Ok(Solver::new(problem, between, &first).solve().unwrap_or(first))
+    let first = Solver::new(problem, between, &near, &[]).solve()?;
+    Ok(Solver::new(problem, between, &first, &[]).solve().unwrap_or(first))
+}
+
+/// The slope of `u` on every interval as a first solution has it: of the differences to both neighbours the lesser, and none
+/// where they disagree (jumps and turning points) or next to rest.
+fn slopes(problem: &FeedProblem, x: &[f64]) -> Vec<f64> {
+    let u = |k: usize| 0.5 * (x[k + 1] - x[k]) / problem.h(k);
+    let difference = |k: usize| 2.0 * (u(k + 1) - u(k)) / (problem.h(k) + problem.h(k + 1));
+    let n = problem.intervals();
+    let slope = |k: usize| {
+        if k == 0 || k + 1 == n || x[k] == 0.0 || x[k + 1] == 0.0 {
+            return 0.0;
+        }
+        let (before, after) = (difference(k - 1), difference(k));
+        if before * after > 0.0 { if before.abs() < after.abs() { before } else { after } } else { 0.0 }
+    };
+    (0..n).map(slope).collect()
+}
+
+fn sloped_plan(problem: &FeedProblem, x: &[f64], slopes: &[f64]) -> Result<GridPlan, FeedError> {
+    let (n, grid) = (problem.intervals(), problem.grid());
+    let mut builder = Builder::with_capacity(n);
+    for k in 0..n {
+        let h = problem.h(k);
+        let u = 0.5 * (x[k + 1] - x[k]) / h;
+        builder.push_slope(grid[k], h, x[k], u - 0.5 * h * slopes[k], slopes[k], x[k + 1]);
+    }
+    builder.finish(grid[n], x[n].sqrt())
 }
 
 /// A row `lo <= a u + b x <= hi` over one interval, `x` at its start.
@@ -88,6 +125,8 @@ struct Solver<'a> {
     between: bool,
     /// Squared speeds around which friction is made straight; empty if not known.
     near: &'a [f64],
+    /// Slope `w = du/ds` on every interval; empty if 0.
+    slopes: &'a [f64],
     /// Controllable sets.
     sets: Vec<[f64; 2]>,
     lines: Vec<Line>,
@@ -95,8 +134,16 @@ struct Solver<'a> {
 }
 
 impl<'a> Solver<'a> {
-    fn new(problem: &'a FeedProblem, between: bool, near: &'a [f64]) -> Self {
-        Self { problem, between, near, sets: Vec::new(), lines: Vec::with_capacity(64), bands: Vec::with_capacity(64) }
+    fn new(problem: &'a FeedProblem, between: bool, near: &'a [f64], slopes: &'a [f64]) -> Self {
+        Self {
+            problem,
+            between,
+            near,
+            slopes,
+            sets: Vec::new(),
+            lines: Vec::with_capacity(64),
+            bands: Vec::with_capacity(64),
+        }
     }
 
     fn solve(&mut self) -> Result<Vec<f64>, FeedError> {
@@ -144,54 +191,65 @@ impl<'a> Solver<'a> {
         let h2 = 2.0 * problem.h(k);
         self.lines.clear();
         let lines = &mut self.lines;
+        let w = self.slopes.get(k).copied().unwrap_or(0.0);
+        let half = 0.25 * h2 * w;
         for row in problem.rows(k) {
             straight(row, problem.x_max(k), self.near.get(k), |a, b, lo, hi| {
-                lines.push(Line { a, b, lo, hi, source: row.source });
+                let shift = a * half;
+                lines.push(Line { a, b, lo: lo + shift, hi: hi + shift, source: row.source });
             });
         }
         for row in problem.rows(k + 1) {
             straight(row, problem.x_max(k + 1), self.near.get(k + 1), |a, b, lo, hi| {
-                lines.push(Line { a: a + h2 * b, b, lo, hi, source: row.source });
+                let shift = a * half;
+                lines.push(Line { a: a + h2 * b, b, lo: lo - shift, hi: hi - shift, source: row.source });
             });
         }
         if self.between {
-            self.collect_between(k, h2);
+            self.collect_between(k, w);
         }
         let [lo, hi] = self.sets[k + 1];
         self.lines.push(Line { a: h2, b: 1.0, lo, hi, source: RowSource::path(Quantity::Ahead) });
     }
 
-    fn collect_between(&mut self, k: usize, h2: f64) {
+    /// What holds between the ends of interval `k`, where `u` is `u_mean + w (s - s_mid)`.
+    fn collect_between(&mut self, k: usize, w: f64) {
         let problem = self.problem;
-        let (near, middle, far) = (problem.rows(k), problem.middle_rows(k), problem.rows(k + 1));
-        for (j, row) in middle.iter().enumerate() {
-            let near_row = matching(near, row, j, middle.len(), false).map(|j| &near[j]);
-            let far_row = matching(far, row, j, middle.len(), true).map(|j| &far[j]);
+        let h = problem.h(k);
+        let half = 0.5 * h * w;
+        let lines = &mut self.lines;
+        for row in problem.inner_rows(k, Within::Start) {
+            let shift = (row.alpha - 0.5 * h * row.beta) * w;
+            let (lo, hi) = (row.lo - shift, row.hi - shift);
+            lines.push(Line { a: row.beta, b: row.gamma, lo, hi, source: row.source });
+        }
+        for row in problem.inner_rows(k, Within::End) {
+            let shift = (row.alpha + 0.5 * h * row.beta) * w;
+            let (lo, hi) = (row.lo - shift, row.hi - shift);
+            lines.push(Line { a: row.beta + 2.0 * h * row.gamma, b: row.gamma, lo, hi, source: row.source });
+        }
+        // Friction is no polynomial: in the middle alone.
+        for row in problem.middle_rows(k).iter().filter(|row| row.c != 0.0) {
             let x_max = problem.middle_x_max(k).min(problem.x_max(k).max(problem.x_max(k + 1)));
             let around = self.near.get(k).zip(self.near.get(k + 1)).map(|(p, q)| 0.5 * (p + q));
-            let lines = &mut self.lines;
-            match (near_row, far_row) {
-                (Some(p), Some(q)) if row.c == 0.0 && p.c == 0.0 && q.c == 0.0 => {
-                    // The middle Bernstein coefficient of the quadratic through both ends and the middle.
-                    let b = 2.0 * row.b - 0.5 * (p.b + q.b);
-                    let a = 2.0 * row.a - 0.5 * (p.a + q.a) + h2 * (row.b - 0.5 * q.b);
-                    let d = 2.0 * row.d - 0.5 * (p.d + q.d);
-                    lines.push(Line { a, b, lo: row.lo - d, hi: row.hi - d, source: row.source });
-                }
-                _ => straight(row, x_max, around.as_ref(), |a, b, lo, hi| {
-                    lines.push(Line { a: a + 0.5 * h2 * b, b, lo, hi, source: row.source });
-                }),
+            // x is x_k + h u_mean - h^2 w / 8 there.
+            let lower = row.b * 0.25 * h * half;
+            straight(row, x_max, around.as_ref(), |a, b, lo, hi| {
+                lines.push(Line { a: a + h * b, b, lo: lo + lower, hi: hi + lower, source: row.source });
+            });
+        }
+        let source = problem.speed_bound(k).source;
+        for [of_start, of_middle, of_end] in problem.speed_rows(k) {
+            // x_k, x_k + h (u_mean - h w / 2) and x_k + 2 h u_mean.
+            let (a, b) = (h * (of_middle + 2.0 * of_end), of_start + of_middle + of_end);
+            if b > 0.0 {
+                lines.push(Line { a, b, lo: f64::NEG_INFINITY, hi: 1.0 + of_middle * h * half, source });
             }
         }
-        let bound = problem.speed_bound(k);
-        let p = &bound.coefficients;
-        for i in 1..5 {
-            // Coefficient i of p(s) x(s), times 5: ((5 - i) p_i x_k + i p_(i-1) x_(k+1)) <= 5.
-            let (start, end) = ((5 - i) as f64 * p[i], i as f64 * p[i - 1]);
-            if start + end > 0.0 {
-                let (a, b) = (h2 * end, start + end);
-                self.lines.push(Line { a, b, lo: f64::NEG_INFINITY, hi: 5.0, source: bound.source });
-            }
+        if w != 0.0 {
+            // x stays positive inside.
+            let source = RowSource::path(Quantity::Ahead);
+            lines.push(Line { a: h, b: 1.0, lo: h * half, hi: f64::INFINITY, source });
         }
     }
 
@@ -262,7 +320,7 @@ fn straight(row: &Row, x_max: f64, near: Option<&f64>, mut push: impl FnMut(f64,
     }
     // Any place to touch is safe; without a cap there is no scale to choose one by.
     let default = if x_max < f64::INFINITY { 0.25 * x_max } else { 1.0 };
-    let around = near.copied().filter(|&x| x > 0.0 && x < f64::INFINITY).unwrap_or(default).max(1e-9 * default);
+    let around = near.copied().filter(|x| x.is_finite()).unwrap_or(default).max(1e-9 * default);
     let (slope, base, chord) = (0.5 / around.sqrt(), 0.5 * around.sqrt(), 1.0 / x_max.sqrt());
     // Upper side: c sqrt(x) from above; lower side: from below.
     let (above, below) = ((slope, base), (chord, 0.0));
