@@ -72,6 +72,16 @@ impl<const N: usize> Reaches<N> {
         Self { intervals, steps }
     }
 
+    /// The highest speed that the tool's own limits allow on each interval.
+    pub fn tool_speeds(&self, bounds: &Bounds<'_, N>) -> Vec<f64> {
+        self.intervals.iter().map(|reach| tool_speed(reach.curvature, bounds)).collect()
+    }
+
+    /// Whether the joints' accelerations have to step somewhere the tool does not stand.
+    pub fn have_steps(&self) -> bool {
+        self.steps.iter().any(|step| step.amax() > 0.0)
+    }
+
     /// One box per interval, safe anywhere inside it.
     pub fn boxes(&self, bounds: &Bounds<'_, N>) -> Result<Vec<Segment>, PlanError> {
         let boxes = self.intervals.iter().zip(self.steps.windows(2)).map(|(reach, steps)| {
@@ -169,15 +179,21 @@ fn angular(twist: &Twist) -> Vector3<f64> {
     twist.fixed_rows::<3>(3).into_owned()
 }
 
+/// The highest speed that feed, chord error, normal acceleration and normal jerk allow at the curvature `kappa`.
+fn tool_speed<const N: usize>(kappa: f64, bounds: &Bounds<'_, N>) -> f64 {
+    let (tool, scale) = (bounds.tool, bounds.scale);
+    let v = (tool.feed * scale)
+        .min(caps::chord_error_speed(kappa, bounds.chord * scale, bounds.period))
+        .min(caps::normal_acceleration_speed(kappa, tool.normal_acceleration * scale));
+    match tool.normal_jerk {
+        Some(jerk) => v.min(caps::normal_jerk_speed(kappa, jerk * scale)),
+        None => v,
+    }
+}
+
 fn one_box<const N: usize>(reach: &Reach<N>, step: &Joints<N>, bounds: &Bounds<'_, N>) -> (f64, f64, f64) {
     let (tool, joints, scale) = (bounds.tool, bounds.joints, bounds.scale);
-    let kappa = reach.curvature;
-    let mut v = tool.feed * scale;
-    v = v.min(caps::chord_error_speed(kappa, bounds.chord * scale, bounds.period));
-    v = v.min(caps::normal_acceleration_speed(kappa, tool.normal_acceleration * scale));
-    if let Some(jerk) = tool.normal_jerk {
-        v = v.min(caps::normal_jerk_speed(kappa, jerk * scale));
-    }
+    let mut v = tool_speed(reach.curvature, bounds);
     let mut a = tool.tangential_acceleration * scale;
     let mut j = tool.tangential_jerk * scale;
     // First what acceleration and jerk may use at most, then the speed from what is left, then both again.

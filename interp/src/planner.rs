@@ -12,9 +12,11 @@ use crate::arm::PathArm;
 use crate::constraints::{Bounds, Reaches, Shares};
 use crate::error::PlanError;
 use crate::grid;
+use crate::jerk_limited;
 use crate::joint_path::JointPath;
 use crate::limits::{ToolLimits, positive};
 use crate::sampler::Sampler;
+use crate::speed::SpeedLaw;
 use crate::verify::{Requirement, Verification, verify};
 
 /// Directions that turn by less than this at a knot (rad) count as smooth.
@@ -37,7 +39,11 @@ const SHARES: [Shares; 4] = [
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Scan {
-    /// One jerk-limited profile between the speed minima: the default.
+    /// The least time under all limits at once, by an interior-point method: the default. Where the joints' accelerations
+    /// have to step (the curvature of the path jumps, or the turning of the tool) [`Scan::Joined`] is used.
+    JerkLimited,
+    /// One jerk-limited profile between the speed minima, each limit shared out between speed, acceleration and jerk
+    /// by fixed parts: a third of the computing time, a longer motion.
     Joined,
     /// One S-profile per segment with zero acceleration at each boundary (Liu et al. 2023, algorithm 2), looking
     /// `window` segments ahead, or to the end of the path.
@@ -100,13 +106,13 @@ where
     A: PathArm<N> + ?Sized,
 {
     /// A planner for `arm` under limits of its joints and of the tool, with a chord tolerance of 1 um, a control period
-    /// of 1 ms and the joined scan.
+    /// of 1 ms and the jerk-limited planner.
     ///
     /// # Errors
     /// When a limit is not a finite number above 0.
     pub fn new(arm: &'a A, joints: JointLimits<N>, tool: ToolLimits) -> Result<Self, PlanError> {
         tool.check()?;
-        Ok(Self { arm, joints, tool, chord_tolerance: 1e-6, period: 1e-3, scan: Scan::Joined })
+        Ok(Self { arm, joints, tool, chord_tolerance: 1e-6, period: 1e-3, scan: Scan::JerkLimited })
     }
 
     /// Sets the chord tolerance, m: how far the straight line between two setpoints, and the chord of a segment, may lie
@@ -162,7 +168,7 @@ where
             scale *= 0.999 / worst.ratio.min(1.5);
             let begin = Instant::now();
             let reaches = Reaches::of(&plan.path, &plan.joint_path, &plan.stops);
-            (plan.bounds, plan.speed) = self.scan(&reaches, &plan.stops, scale)?;
+            (plan.caps, plan.speed) = self.speed(&plan.joint_path, &reaches, &plan.stops, scale)?;
             plan.timings.scan += begin.elapsed();
         }
         let worst = plan.verification.as_ref().map(Verification::worst);
@@ -201,7 +207,7 @@ where
             path.corners(CORNER).iter().map(|corner| grid.partition_point(|&s| s < corner.s)).collect();
         let begin = Instant::now();
         let reaches = Reaches::of(&path, &joint_path, &stops);
-        let (bounds, speed) = self.scan(&reaches, &stops, 1.0)?;
+        let (caps, speed) = self.speed(&joint_path, &reaches, &stops, 1.0)?;
         timings.scan = begin.elapsed();
         Ok(Plan {
             path,
@@ -209,7 +215,7 @@ where
             segmentation,
             breaks,
             stops,
-            bounds,
+            caps,
             speed,
             chord_tolerance: self.chord_tolerance,
             period: self.period,
@@ -218,19 +224,43 @@ where
         })
     }
 
+    fn bounds(&self, shares: Shares, scale: f64) -> Bounds<'_, N> {
+        Bounds {
+            tool: &self.tool,
+            joints: &self.joints,
+            chord: self.chord_tolerance,
+            period: self.period,
+            shares,
+            scale,
+        }
+    }
+
+    /// The motion law using the fraction `scale` of each limit, and the cap on the speed on each interval.
+    fn speed(
+        &self,
+        joint_path: &JointPath<N>,
+        reaches: &Reaches<N>,
+        stops: &[usize],
+        scale: f64,
+    ) -> Result<(Vec<f64>, SpeedLaw), PlanError> {
+        if self.scan == Scan::JerkLimited && !reaches.have_steps() {
+            match jerk_limited::plan(joint_path, reaches, stops, &self.bounds(SHARES[0], scale)) {
+                Ok((plan, caps)) => return Ok((caps, SpeedLaw::Grid(plan))),
+                // A stretch too short for its grid, or a method that does not converge: the scan always does.
+                Err(error) => {
+                    if std::env::var("SHOW").is_ok() {
+                        eprintln!("{error}");
+                    }
+                }
+            }
+        }
+        let (boxes, speed) = self.scan(reaches, stops, scale)?;
+        Ok((boxes.iter().map(Segment::v_max).collect(), SpeedLaw::Phases(speed)))
+    }
+
     /// The fastest of the scans over the ways to share the limits, using the fraction `scale` of each.
     fn scan(&self, reaches: &Reaches<N>, stops: &[usize], scale: f64) -> Result<(Vec<Segment>, SpeedPlan), PlanError> {
-        let with = |shares| {
-            let bounds = Bounds {
-                tool: &self.tool,
-                joints: &self.joints,
-                chord: self.chord_tolerance,
-                period: self.period,
-                shares,
-                scale,
-            };
-            reaches.boxes(&bounds)
-        };
+        let with = |shares| reaches.boxes(&self.bounds(shares, scale));
         // The joined scans that go through at once are the quick ones, and the fastest plans are among them; the thorough
         // scan is for where none does.
         let mut best: Option<(Vec<Segment>, SpeedPlan)> = None;
@@ -251,7 +281,7 @@ where
     }
 
     fn scan_at_once(&self, boxes: &[Segment], stops: &[usize]) -> Result<Option<SpeedPlan>, PlanError> {
-        if self.scan != Scan::Joined {
+        if matches!(self.scan, Scan::PerSegment { .. }) {
             return self.scan_thoroughly(boxes, stops).map(Some);
         }
         let mut parts = Vec::with_capacity(stops.len() + 1);
@@ -264,7 +294,7 @@ where
 
     fn scan_thoroughly(&self, boxes: &[Segment], stops: &[usize]) -> Result<SpeedPlan, PlanError> {
         let parts = between_stops(boxes, stops).map(|part| match self.scan {
-            Scan::Joined => plan_joined(part, 0.0, 0.0),
+            Scan::Joined | Scan::JerkLimited => plan_joined(part, 0.0, 0.0),
             Scan::PerSegment { window: None } => plan_per_segment(part, 0.0, 0.0),
             Scan::PerSegment { window: Some(n) } => plan_windowed(part, 0.0, n),
         });
@@ -287,8 +317,9 @@ pub struct Plan<const N: usize = 6> {
     segmentation: Segmentation,
     breaks: Vec<f64>,
     stops: Vec<usize>,
-    bounds: Vec<Segment>,
-    speed: SpeedPlan,
+    /// Highest speed from each grid point to the next.
+    caps: Vec<f64>,
+    speed: SpeedLaw,
     chord_tolerance: f64,
     period: f64,
     verification: Option<Verification>,
@@ -321,18 +352,13 @@ impl<const N: usize> Plan<N> {
         self.stops.iter().map(|&i| self.joint_path.nodes()[i].s)
     }
 
-    /// Bounds on speed, acceleration and jerk, one box per interval of the planning grid.
-    pub fn bounds(&self) -> &[Segment] {
-        &self.bounds
-    }
-
     /// The limit curve: arc length at which an interval starts (m), highest speed on it (m/s).
     pub fn limit_curve(&self) -> impl ExactSizeIterator<Item = (f64, f64)> + '_ {
-        self.joint_path.nodes().iter().zip(&self.bounds).map(|(node, bound)| (node.s, bound.v_max()))
+        self.joint_path.nodes().iter().zip(&self.caps).map(|(node, &cap)| (node.s, cap))
     }
 
     /// The motion law s(t).
-    pub fn speed(&self) -> &SpeedPlan {
+    pub fn speed(&self) -> &SpeedLaw {
         &self.speed
     }
 

@@ -1,12 +1,13 @@
 //! From a plan to setpoints at the control period.
 
-use arcfeed_feedrate::{Cursor, MotionLaw};
+use arcfeed_feedrate::MotionLaw;
 use arcfeed_kinematics::Joints;
 
 use crate::arm::PathArm;
 use crate::error::PlanError;
 use crate::joint_path::joint_jet;
 use crate::planner::Plan;
+use crate::speed::SpeedCursor;
 use crate::trajectory::Setpoint;
 
 /// Yields the setpoints of a plan, one per control period and one exactly at the end.
@@ -17,7 +18,7 @@ use crate::trajectory::Setpoint;
 pub struct Sampler<'a, A: ?Sized, const N: usize = 6> {
     plan: &'a Plan<N>,
     arm: &'a A,
-    cursor: Cursor<'a>,
+    cursor: SpeedCursor<'a>,
     period: f64,
     cycle: usize,
     cycles: usize,
