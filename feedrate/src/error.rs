@@ -1,5 +1,7 @@
 //! What can be wrong with a request, with the numbers that say why.
 
+use crate::row::RowSource;
+
 /// Why a profile or a plan was refused.
 ///
 /// Every variant carries the quantity, its value and the bound it broke, so that a caller can add the place and print
@@ -140,6 +142,110 @@ pub enum FeedError {
         lowest: f64,
         /// Highest start speed from which the path can be run (m/s).
         highest_start: f64,
+    },
+    /// The grid of a path does not increase.
+    #[error(
+        "grid point {index} lies at {s}, which is not after the one before it at {previous}; drop duplicate points"
+    )]
+    BadGrid {
+        /// Index of the grid point.
+        index: usize,
+        /// Its position (m).
+        s: f64,
+        /// Position of the one before (m).
+        previous: f64,
+    },
+    /// A row holds a number that is not finite, or bounds that exclude each other.
+    #[error("at s = {s} (grid point {index}): the row for {row} is not finite, or its bounds exclude each other")]
+    BadRow {
+        /// Index of the grid point, or of the interval that starts there.
+        index: usize,
+        /// Position (m).
+        s: f64,
+        /// The row.
+        row: RowSource,
+    },
+    /// Standing still breaks a limit.
+    #[error(
+        "at s = {s} (grid point {index}): holding still already needs {row} of {value}, above its limit {limit}; \
+         raise it, or use the reachability planner, which may pass in motion"
+    )]
+    StaticallyInfeasible {
+        /// Index of the grid point.
+        index: usize,
+        /// Position (m).
+        s: f64,
+        /// The limit that is broken.
+        row: RowSource,
+        /// Value at rest, in the unit of the limit.
+        value: f64,
+        /// The limit.
+        limit: f64,
+    },
+    /// No motion passes a point: two limits exclude each other at every speed.
+    #[error(
+        "at s = {s} (grid point {index}): no speed keeps {row} together with {against}; \
+         the limit {limit} on the first is exceeded by {excess} at the least"
+    )]
+    Infeasible {
+        /// Index of the grid point.
+        index: usize,
+        /// Position (m).
+        s: f64,
+        /// The limit that is broken.
+        row: RowSource,
+        /// The limit that stands against it.
+        against: RowSource,
+        /// By how much the first is broken at the least while the other is kept, in its own unit.
+        excess: f64,
+        /// The limit.
+        limit: f64,
+    },
+    /// The motion comes to rest and cannot leave.
+    #[error("at s = {s} (grid point {index}): {row} holds the motion at rest there; raise that limit")]
+    Standstill {
+        /// Index of the grid point.
+        index: usize,
+        /// Position (m).
+        s: f64,
+        /// The limit that holds it.
+        row: RowSource,
+    },
+    /// No limit bounds the speed.
+    #[error("at s = {s} (grid point {index}): nothing limits the speed; give a feed or a limit on velocity")]
+    Unbounded {
+        /// Index of the grid point.
+        index: usize,
+        /// Position (m).
+        s: f64,
+    },
+    /// The speed asked for at an end of the path cannot be had.
+    #[error(
+        "{what} {speed} is out of reach: feasible is {lowest} to {highest}, because of {row} at s = {s} or later limits"
+    )]
+    SpeedOutOfReach {
+        /// "start speed" or "end speed".
+        what: &'static str,
+        /// The speed asked for (m/s).
+        speed: f64,
+        /// Lowest speed that works (m/s).
+        lowest: f64,
+        /// Highest speed that works (m/s).
+        highest: f64,
+        /// The limit that is met first.
+        row: RowSource,
+        /// Where (m).
+        s: f64,
+    },
+    /// The solver did not arrive at its tolerance.
+    #[error("{what} did not converge: {residual} is left after {iterations} iterations")]
+    NotConverged {
+        /// The algorithm.
+        what: &'static str,
+        /// Iterations made.
+        iterations: usize,
+        /// What is left of its measure of optimality or feasibility (relative).
+        residual: f64,
     },
     /// The end speed cannot be reached.
     #[error("end speed {speed} is out of reach: the fastest motion arrives at {highest}; ask for that or less")]

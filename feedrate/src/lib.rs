@@ -40,21 +40,37 @@
 //! 2024, 13, 108, cited as Liu et al. 2024. Where a formula departs from print its docs say how and why.
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "clarabel")]
+pub mod baseline;
 pub mod caps;
+pub mod constraint;
 pub mod error;
+pub mod grid_plan;
+pub mod jerk_limited;
 pub mod limits;
+mod lp2;
 pub mod online;
 pub mod plan;
+pub mod problem;
+pub mod row;
 pub mod scan;
 pub mod scurve;
 pub mod state;
 pub mod state_to_state;
 
+#[cfg(feature = "clarabel")]
+pub use baseline::{Bounded, ClarabelBaseline};
 pub use error::FeedError;
+pub use grid_plan::{GridCursor, GridPlan};
+pub use jerk_limited::JerkLimited;
 pub use limits::MotionLimits;
 pub use online::{Adoption, FeedLimits, FeedScheduler, FeedStatus, FeedStep};
 pub use plan::{Cursor, SpeedPlan};
+pub use problem::{FeedPlanner, FeedProblem};
+pub use row::{JerkRow, Quantity, Row, RowSource};
+pub use scan::both_ends::{BothEndsScan, PublishedScan};
 pub use scan::joined::{plan_joined, plan_joined_at_once};
+pub use scan::reachability::{CertifiedReachability, Reachability};
 pub use scan::segment::{boundary_speeds, plan_per_segment, plan_windowed};
 pub use scan::{Segment, boundaries};
 pub use scurve::change::SpeedChange;

@@ -7,8 +7,8 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use arcfeed_sync::feedrate::{AxisLimits, AxisState, MotionLaw, StateToState};
-use arcfeed_sync::{Cursor, MotionOptions, OnlineGenerator, Synchronisation, Trajectory};
+use arcfeed_sync::feedrate::{AxisLimits, AxisState, StateToState};
+use arcfeed_sync::{MotionOptions, OnlineGenerator, Synchronisation, Trajectory};
 use criterion::{Criterion, criterion_group, criterion_main};
 use rsruckig::prelude::{InputParameter, Ruckig, ThrowErrorHandler};
 
@@ -113,8 +113,12 @@ fn one_axis(c: &mut Criterion) {
     let all = cases::<1>(1, 4096);
     let mut otg = Ruckig::<1, ThrowErrorHandler>::new(None, 0.005);
     let mut trajectory = Theirs::new(None);
-    let ours = |case: &Case<1>| {
-        black_box(StateToState::new(black_box(&case.start[0]), black_box(&case.target[0]), black_box(&case.limits[0])))
+    let mut motion = StateToState::default();
+    let mut ours = |case: &Case<1>| {
+        let case = black_box(case);
+        let done = motion.recompute(&case.start[0], &case.target[0], &case.limits[0]);
+        black_box(&motion);
+        done
     };
     let a = least_times(&all, |case| {
         let _ = ours(case);
@@ -179,14 +183,15 @@ fn sampling(c: &mut Criterion) {
         .iter()
         .filter_map(|c| Trajectory::new(&c.start, &c.target, &c.limits, &MotionOptions::default()).ok())
         .collect();
-    let (mut k, mut t, mut cursor) = (0, 0.0, Cursor::default());
+    let mut samplers: Vec<_> = motions.iter().map(Trajectory::sampler).collect();
+    let (mut k, mut t) = (0, 0.0);
     group.bench_function("arcfeed", |bench| {
         bench.iter(|| {
             t += 1e-3;
             if t > motions[k].duration() {
                 (t, k) = (0.0, (k + 1) & 63);
             }
-            motions[k].sample(black_box(t), &mut cursor)
+            samplers[k].at(black_box(t))
         });
     });
     let mut otg = Ruckig::<6, ThrowErrorHandler>::new(None, 0.005);

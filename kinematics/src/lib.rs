@@ -62,6 +62,7 @@ mod traits;
 mod trig;
 #[cfg(feature = "urdf")]
 mod urdf;
+mod urdf_export;
 
 pub use nalgebra;
 

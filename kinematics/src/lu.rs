@@ -71,16 +71,14 @@ fn eliminate<const K: usize>(rows: &mut [[f64; 6]; 6], order: &mut [usize; 6]) -
 
 /// x of A x = `b` for a symmetric positive definite A, of which the lower triangle is read; none if it is not.
 #[inline]
+#[expect(clippy::needless_range_loop, reason = "rows and columns of one array are read side by side")]
 pub(crate) fn solve_positive<const K: usize>(mut a: [[f64; K]; K], b: [f64; K]) -> Option<[f64; K]> {
     // A = L D L^T, with the reciprocals of D on the diagonal.
     for j in 0..K {
         for i in j..K {
-            let mut sum = a[i][j];
-            for k in 0..j {
-                // The upper triangle holds L D.
-                sum -= a[i][k] * a[k][j];
-            }
-            a[i][j] = sum;
+            // The upper triangle holds L D.
+            let known: f64 = (0..j).map(|k| a[i][k] * a[k][j]).sum();
+            a[i][j] -= known;
         }
         let pivot = a[j][j];
         if !(pivot > 0.0 && pivot.is_finite()) {
@@ -89,8 +87,9 @@ pub(crate) fn solve_positive<const K: usize>(mut a: [[f64; K]; K], b: [f64; K]) 
         let reciprocal = 1.0 / pivot;
         a[j][j] = reciprocal;
         for i in j + 1..K {
-            a[j][i] = a[i][j];
-            a[i][j] *= reciprocal;
+            let entry = a[i][j];
+            a[j][i] = entry;
+            a[i][j] = entry * reciprocal;
         }
     }
     let mut x = b;

@@ -1,4 +1,4 @@
-//! Arms from URDF, and URDF from arms.
+//! Arms from URDF.
 //!
 //! The chain between two links is taken; fixed joints are folded into the joints and links around them, as is whatever
 //! hangs on a link by fixed joints alone. Limits of 0 (and the absent ones, which read as 0) count as unknown.
@@ -10,8 +10,31 @@ use crate::{
     joint::{JointKind, checked_pose},
 };
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
-use std::{collections::HashMap, fmt::Write};
+use std::collections::HashMap;
 use urdf_rs::{JointType, Robot};
+
+/// How deep elements may be nested; a URDF's are six deep at most.
+const MAX_NESTING: usize = 100;
+
+/// How deep the elements of an XML text are nested, comments left out.
+fn nesting(text: &str) -> usize {
+    let (mut depth, mut deepest, mut rest) = (0_usize, 0, text);
+    while let Some(start) = rest.find('<') {
+        rest = &rest[start + 1..];
+        if rest.starts_with("!--") {
+            rest = rest.find("-->").map_or("", |end| &rest[end..]);
+        } else if rest.starts_with('/') {
+            depth = depth.saturating_sub(1);
+        } else if !rest.starts_with(['?', '!']) {
+            let end = rest.find('>').unwrap_or(rest.len());
+            if !rest[..end].ends_with('/') {
+                depth += 1;
+                deepest = deepest.max(depth);
+            }
+        }
+    }
+    deepest
+}
 
 /// The joints and links of a file, which make a tree.
 struct Tree<'a> {
@@ -120,23 +143,27 @@ impl<'a> Tree<'a> {
         }
     }
 
-    /// What hangs on `link` by fixed joints, `way` not followed, in the frame of `link` at `at`.
-    fn rigid(
+    /// Joins to `found` what hangs on `link` by fixed joints, `way` not followed; `link` stands at `at` in the frame of the
+    /// body.
+    fn join_rigid(
         &self,
-        link: &str,
-        at: &Isometry3<f64>,
+        link: &'a str,
+        at: Isometry3<f64>,
         way: &[&urdf_rs::Joint],
         found: &mut Option<Inertial>,
     ) -> Result<(), KinematicsError> {
-        if let Some(body) = self.links.get(link).map(|link| inertial(link)).transpose()?.flatten() {
-            let body = body.seen_from(at);
-            *found = Some(found.map_or(body, |found| found.joined(&body)));
-        }
-        for joint in self.robot.joints.iter().filter(|joint| joint.parent.link == link) {
-            let on_way = way.iter().any(|other| other.name == joint.name);
-            if joint.joint_type == JointType::Fixed && !on_way {
-                let origin = pose("the origin", &joint.origin).map_err(|error| in_joint(joint, error))?;
-                self.rigid(&joint.child.link, &(at * origin), way, found)?;
+        let mut open = vec![(link, at)];
+        while let Some((link, at)) = open.pop() {
+            if let Some(body) = self.links.get(link).map(|link| inertial(link)).transpose()?.flatten() {
+                let body = body.seen_from(&at);
+                *found = Some(found.map_or(body, |found| found.joined(&body)));
+            }
+            for joint in self.robot.joints.iter().filter(|joint| joint.parent.link == link) {
+                let on_way = way.iter().any(|other| other.name == joint.name);
+                if joint.joint_type == JointType::Fixed && !on_way {
+                    let origin = pose("the origin", &joint.origin).map_err(|error| in_joint(joint, error))?;
+                    open.push((&joint.child.link, at * origin));
+                }
             }
         }
         Ok(())
@@ -170,6 +197,11 @@ impl ArmDescription {
     /// link: [`KinematicsError::Structure`], [`KinematicsError::Mimic`], [`KinematicsError::UnsupportedJoint`],
     /// [`KinematicsError::InvalidInertial`] and others.
     pub fn from_urdf(text: &str, base: Option<&str>, tip: Option<&str>) -> Result<Self, KinematicsError> {
+        // The reader calls itself for every level: a text made for that would overflow the stack.
+        if nesting(text) > MAX_NESTING {
+            let reason = format!("elements are nested more than {MAX_NESTING} deep");
+            return Err(KinematicsError::Unreadable { format: "URDF", reason });
+        }
         let robot = urdf_rs::read_from_string(text)
             .map_err(|error| KinematicsError::Unreadable { format: "URDF", reason: error.to_string() })?;
         let tree = Tree::new(&robot)?;
@@ -200,10 +232,10 @@ impl ArmDescription {
             described.origin = origin;
             // The link, and those that fixed joints of the chain add to it.
             let mut at = Isometry3::identity();
-            tree.rigid(&joint.child.link, &at, way, &mut described.inertial)?;
+            tree.join_rigid(&joint.child.link, at, way, &mut described.inertial)?;
             for fixed in way[k + 1..].iter().take_while(|joint| joint.joint_type == JointType::Fixed) {
                 at *= pose("the origin", &fixed.origin).map_err(|error| in_joint(fixed, error))?;
-                tree.rigid(&fixed.child.link, &at, way, &mut described.inertial)?;
+                tree.join_rigid(&fixed.child.link, at, way, &mut described.inertial)?;
             }
             carried = Isometry3::identity();
             joints.push(described);
@@ -220,69 +252,6 @@ impl ArmDescription {
             joints,
             flange: carried,
         })
-    }
-
-    /// The arm as a URDF text, from link `base_link` to link `tool0` at the flange. What is unknown is written as 0.
-    pub fn to_urdf(&self) -> String {
-        let mut text = String::from("<?xml version=\"1.0\"?>\n");
-        // Writing into a string cannot fail.
-        let _ = self.write_urdf(&mut text);
-        text
-    }
-
-    fn write_urdf(&self, out: &mut String) -> std::fmt::Result {
-        writeln!(
-            out,
-            "<robot name=\"{}\">\n  <link name=\"base_link\"/>\n  <link name=\"base\"/>",
-            escaped(&self.name)
-        )?;
-        write_joint(out, "base_joint", "fixed", ["base_link", "base"], &self.base, "")?;
-        let mut parent = "base".to_owned();
-        for joint in &self.joints {
-            let link = escaped(&joint.link);
-            writeln!(out, "  <link name=\"{link}\">")?;
-            if let Some(body) = &joint.inertial {
-                let (c, t) = (body.centre(), body.tensor());
-                writeln!(
-                    out,
-                    "    <inertial>\n      <origin xyz=\"{:?} {:?} {:?}\"/>\n      <mass value=\"{:?}\"/>",
-                    c.x,
-                    c.y,
-                    c.z,
-                    body.mass()
-                )?;
-                let [xx, xy, xz, yy, yz, zz] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|place| t[place]);
-                writeln!(
-                    out,
-                    "      <inertia ixx=\"{xx:?}\" ixy=\"{xy:?}\" ixz=\"{xz:?}\" iyy=\"{yy:?}\" iyz=\"{yz:?}\" izz=\"{zz:?}\"/>\n    </inertial>"
-                )?;
-            }
-            writeln!(out, "  </link>")?;
-            let kind = match (joint.kind, joint.range) {
-                (JointKind::Prismatic, _) => "prismatic",
-                (JointKind::Revolute, Some(_)) => "revolute",
-                (JointKind::Revolute, None) => "continuous",
-            };
-            let [lower, upper] = joint.range.unwrap_or_default();
-            let (velocity, effort) = (joint.velocity.unwrap_or(0.0), joint.torque.unwrap_or(0.0));
-            let a = &joint.axis;
-            let mut more = format!(
-                "    <axis xyz=\"{:?} {:?} {:?}\"/>\n    <limit lower=\"{lower:?}\" upper=\"{upper:?}\" effort=\"{effort:?}\" velocity=\"{velocity:?}\"/>\n",
-                a.x, a.y, a.z
-            );
-            if let Some([viscous, forward, backward]) = joint.friction {
-                writeln!(
-                    more,
-                    "    <dynamics damping=\"{viscous:?}\" friction=\"{:?}\"/>",
-                    0.5 * (forward + backward)
-                )?;
-            }
-            write_joint(out, &escaped(&joint.name), kind, [&parent, &link], &joint.origin, &more)?;
-            parent = link;
-        }
-        writeln!(out, "  <link name=\"tool0\"/>")?;
-        write_joint(out, "flange_joint", "fixed", [&parent, "tool0"], &self.flange, "")?;
-        writeln!(out, "</robot>")
     }
 }
 
@@ -329,33 +298,4 @@ fn moving(joint: &urdf_rs::Joint) -> Result<Option<JointDescription>, Kinematics
         rotor_inertia: None,
         friction,
     }))
-}
-
-fn escaped(name: &str) -> String {
-    name.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
-
-fn write_joint(
-    out: &mut String,
-    name: &str,
-    kind: &str,
-    [parent, child]: [&str; 2],
-    origin: &Isometry3<f64>,
-    more: &str,
-) -> std::fmt::Result {
-    let (t, [roll, pitch, yaw]) = (&origin.translation, roll_pitch_yaw(&origin.rotation));
-    writeln!(out, "  <joint name=\"{name}\" type=\"{kind}\">")?;
-    writeln!(out, "    <origin xyz=\"{:?} {:?} {:?}\" rpy=\"{roll:?} {pitch:?} {yaw:?}\"/>", t.x, t.y, t.z)?;
-    writeln!(out, "    <parent link=\"{parent}\"/>\n    <child link=\"{child}\"/>\n{more}  </joint>")
-}
-
-/// Fixed-axis angles, each from an arc tangent of what the one before leaves over: exact at a pitch of a right angle too.
-fn roll_pitch_yaw(rotation: &UnitQuaternion<f64>) -> [f64; 3] {
-    let r = rotation.to_rotation_matrix().into_inner();
-    let across = r[(0, 0)].hypot(r[(1, 0)]);
-    let yaw = if across < 1e-9 { 0.0 } else { r[(1, 0)].atan2(r[(0, 0)]) };
-    let level = nalgebra::Rotation3::from_axis_angle(&Vector3::z_axis(), -yaw) * r;
-    let pitch = (-level[(2, 0)]).atan2(level[(0, 0)]);
-    let upright = nalgebra::Rotation3::from_axis_angle(&Vector3::y_axis(), -pitch) * level;
-    [upright[(2, 1)].atan2(upright[(1, 1)]), pitch, yaw]
 }

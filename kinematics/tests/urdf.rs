@@ -184,6 +184,23 @@ fn hostile_files_are_refused_by_name() {
     about(missing(Some("arm"), Some("arm")), ["below the base link", "arm, arm"]);
 }
 
+#[test]
+fn deep_files_are_refused_or_read() {
+    let deep =
+        format!("<robot name=\"x\">{}{}</robot>", "<link name=\"a\">".repeat(100_000), "</link>".repeat(100_000));
+    let error = read(&deep).unwrap_err();
+    assert!(error.to_string().contains("nested more than 100 deep"), "{error}");
+    // Many links in a row are no reason to refuse.
+    let mut long = String::from("<robot name=\"x\"><link name=\"l0\"/>");
+    for k in 0..300 {
+        let kind = if k == 7 { "continuous" } else { "fixed" };
+        long += &format!("<link name=\"l{}\"/><joint name=\"j{k}\" type=\"{kind}\"><origin xyz=\"0.01 0 0\"/>", k + 1);
+        long += &format!("<parent link=\"l{k}\"/><child link=\"l{}\"/></joint>", k + 1);
+    }
+    let arm = ArmDescription::from_urdf(&(long + "</robot>"), None, None).unwrap().build_any().unwrap();
+    assert!((arm.forward(&[0.0]).unwrap().translation.x - 3.0).abs() < 1e-12);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(300))]
 

@@ -54,6 +54,22 @@ pub enum Cr7Error {
         /// How many joints there are.
         joints: usize,
     },
+    /// There is no robot of this name: exit code 2.
+    #[error("no robot is called \"{name}\": the built-in ones are {}; a file ends in .urdf or .json", known.join(", "))]
+    NoSuchRobot {
+        /// The name given.
+        name: String,
+        /// The names there are.
+        known: [&'static str; 6],
+    },
+    /// The file of a robot cannot be used: exit code 2.
+    #[error("{file}: {source}")]
+    Robot {
+        /// The file, or the name of a built-in robot.
+        file: String,
+        /// What is wrong with it.
+        source: KinematicsError,
+    },
     /// The path cannot be planned: exit code 1.
     #[error("{file}: {source}{hint}")]
     Plan {
@@ -221,6 +237,11 @@ impl<A: PathArm<N>, const N: usize> Motion<A, N> {
     /// What a person should look at before running the motion.
     pub fn warnings(&self) -> &[String] {
         &self.warnings
+    }
+
+    /// Adds what else a person should know, such as an assumption about the arm.
+    pub fn warn(&mut self, warnings: impl IntoIterator<Item = String>) {
+        self.warnings.extend(warnings);
     }
 
     /// Time from the path file to the finished plan without its verification.

@@ -222,7 +222,7 @@ fn forward_of_inverse_gives_the_pose_back() {
     desk.run(&["ik", "--xyz-mm", "400", "0", "300", "--quat-xyzw", "0", "0", "0", "0"]).refused(2, &["--quat-xyzw"]);
     desk.run(&["ik", "--rpy-deg", "180", "0", "0"]).refused(2, &["--xyz-mm"]);
     desk.run(&["fk", "--rad", "inf", "0", "0", "0", "0", "0"]).refused(2, &["inf"]);
-    desk.run(&["fk", "--deg", "1", "2", "3"]).refused(2, &["6 values"]);
+    desk.run(&["fk", "--deg", "1", "2", "3"]).refused(2, &["3 values", "6 joints"]);
     desk.run(&["fk"]).refused(2, &["--deg"]);
 }
 

@@ -5,7 +5,8 @@ use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, StateToState};
 use crate::error::SyncError;
 use crate::mode::{MotionOptions, Synchronisation};
 use crate::point_to_point::JointState;
-use crate::state_to_state::{Cursor, Trajectory};
+use crate::sampler::Window;
+use crate::state_to_state::Trajectory;
 
 /// What one cycle brought.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,7 +75,7 @@ pub struct OnlineGenerator<const N: usize> {
     target: [AxisState; N],
     state: [AxisState; N],
     plan: Trajectory<N>,
-    cursor: Cursor<N>,
+    window: Window<N>,
     /// Cycles since the plan began, and in the whole plan.
     steps: f64,
     steps_planned: f64,
@@ -102,7 +103,7 @@ impl<const N: usize> OnlineGenerator<N> {
             target: start,
             state: start,
             plan: Trajectory::coasting(&start, &limits)?,
-            cursor: Cursor::default(),
+            window: Window::default(),
             steps: 0.0,
             steps_planned: 0.0,
             underway: false,
@@ -186,7 +187,7 @@ impl<const N: usize> OnlineGenerator<N> {
             events.reached = true;
         }
         self.steps += 1.0;
-        let mut state = self.plan.sample(self.steps * self.cycle, &mut self.cursor);
+        let mut state = self.window.sample(&self.plan, self.steps * self.cycle);
         if self.underway && self.steps >= self.steps_planned {
             events.reached = true;
             for (k, t) in self.target.iter().enumerate() {
@@ -247,7 +248,7 @@ impl<const N: usize> OnlineGenerator<N> {
         self.steps = 0.0;
         self.steps_planned = (plan.duration() / self.cycle).round();
         self.plan = plan;
-        self.cursor = Cursor::default();
+        self.window = Window::default();
         self.underway = underway;
         self.events.replanned |= underway;
         self.events.outside_limits = self.is_outside();

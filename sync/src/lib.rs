@@ -17,6 +17,7 @@ pub mod generator;
 pub mod mode;
 pub mod point_to_point;
 pub mod projection;
+pub mod sampler;
 pub mod so3;
 pub mod state_to_state;
 mod straight;
@@ -30,4 +31,5 @@ pub use point_to_point::{AxisLimits, JointState, PointToPoint};
 pub use projection::{
     PoseLimits, PoseProjectionSync, PoseState, PoseStep, ProjectionStatus, ProjectionStep, ProjectionSync,
 };
-pub use state_to_state::{Cursor, Trajectory};
+pub use sampler::Sampler;
+pub use state_to_state::Trajectory;

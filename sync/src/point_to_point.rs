@@ -80,6 +80,13 @@ impl<const N: usize> JointState<N> {
     }
 }
 
+impl<const N: usize> Default for JointState<N> {
+    fn default() -> Self {
+        let zero = SVector::zeros();
+        Self { q: zero, qd: zero, qdd: zero, qddd: zero }
+    }
+}
+
 /// The fastest motion from rest to rest on the straight line between two joint positions.
 ///
 /// With `q = start + sigma (goal - start)` every bound of an axis is a bound of the one scalar `sigma`, so

@@ -1,11 +1,11 @@
 //! Several axes from state to state in a common time.
 
 use arcfeed_feedrate::{AxisLimits, AxisProblem, AxisState, MotionLaw, StateToState, StateToStateError};
-use nalgebra::SVector;
 
 use crate::error::SyncError;
 use crate::mode::{MotionOptions, Synchronisation};
 use crate::point_to_point::JointState;
+use crate::sampler::{Sampler, Window};
 use crate::straight::Line;
 
 /// The shortest common motion of `N` axes, each from a state to a state within its own limits.
@@ -33,18 +33,6 @@ pub struct Trajectory<const N: usize> {
     axes: [StateToState; N],
     duration: f64,
     straight: bool,
-}
-
-/// Where the last sample of a [`Trajectory`] was: makes sampling in the order of time a matter of nanoseconds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Cursor<const N: usize> {
-    phases: [usize; N],
-}
-
-impl<const N: usize> Default for Cursor<N> {
-    fn default() -> Self {
-        Self { phases: [0; N] }
-    }
 }
 
 impl<const N: usize> Trajectory<N> {
@@ -178,21 +166,19 @@ impl<const N: usize> Trajectory<N> {
     }
 
     /// The state at time `t` (s). Before 0 it is the start; an axis that has arrived goes on with the velocity of its
-    /// target. Allocates nothing.
+    /// target. Allocates nothing. For samples in the order of time see [`Trajectory::sampler`].
     pub fn at(&self, t: f64) -> JointState<N> {
-        self.sample(t, &mut Cursor::default())
-    }
-
-    /// As [`Trajectory::at`], starting the search where the last sample was. Any order of times is fine, a rising one is fast.
-    #[inline]
-    pub fn sample(&self, t: f64, cursor: &mut Cursor<N>) -> JointState<N> {
-        let zero = SVector::zeros();
-        let mut state = JointState { q: zero, qd: zero, qdd: zero, qddd: zero };
-        for k in 0..N {
-            let s = self.axes[k].at_from(t, &mut cursor.phases[k]);
+        let mut state = JointState::default();
+        for (k, axis) in self.axes.iter().enumerate() {
+            let s = axis.at_or_after(t);
             (state.q[k], state.qd[k], state.qdd[k], state.qddd[k]) = (s.p, s.v, s.a, s.j);
         }
         state
+    }
+
+    /// Samples in a few ns as long as no axis passes on to its next phase.
+    pub fn sampler(&self) -> Sampler<'_, N> {
+        Sampler { motion: self, window: Window::default() }
     }
 }
 

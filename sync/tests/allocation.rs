@@ -6,7 +6,7 @@ use std::hint::black_box;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use arcfeed_sync::feedrate::{AxisLimits, AxisProblem, AxisState};
-use arcfeed_sync::{Cursor, MotionOptions, OnlineGenerator, Synchronisation, Trajectory};
+use arcfeed_sync::{MotionOptions, OnlineGenerator, Synchronisation, Trajectory};
 
 struct Counting;
 static COUNT: AtomicUsize = AtomicUsize::new(0);
@@ -46,8 +46,8 @@ fn nothing_allocates() {
         for mode in [Synchronisation::None, Synchronisation::Time, Synchronisation::StraightLine] {
             let options = MotionOptions::new(mode).with_cycle(1e-3).unwrap();
             if let Ok(motion) = Trajectory::new(&start, &target, &limits, &options) {
-                let mut cursor = Cursor::default();
-                sum += motion.sample(0.3, &mut cursor).q[0] + motion.sample(0.6, &mut cursor).q[5];
+                let mut sampler = motion.sampler();
+                sum += sampler.at(0.3).q[0] + sampler.at(0.6).q[5];
             }
         }
         let problem = AxisProblem::new(&start[0], &target[0], &limits[0]).unwrap();

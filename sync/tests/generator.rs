@@ -27,8 +27,8 @@ fn run<const N: usize>(
         g.set_target(now).map_err(|e| e.to_string())?;
         let step = g.step();
         if step.events.reached {
-            for k in 0..N {
-                let (s, t) = (&step.state, &now[k]);
+            for (k, t) in now.iter().enumerate() {
+                let s = &step.state;
                 if (s.q[k], s.qd[k], s.qdd[k]) != (t.p, t.v, t.a) {
                     return Err(format!("axis {k} arrived in {s:?} instead of {t:?}"));
                 }

@@ -1,7 +1,7 @@
 //! Several axes from state to state: reference durations, common arrival, straight lines, control cycles, refusals.
 #![allow(clippy::unwrap_used)]
 use arcfeed_sync::feedrate::{AxisLimits, AxisProblem, AxisState, MotionLaw, StateToStateError};
-use arcfeed_sync::{Cursor, MotionOptions, SyncError, Synchronisation, Trajectory};
+use arcfeed_sync::{MotionOptions, SyncError, Synchronisation, Trajectory};
 
 mod common;
 use common::{Problem, Rng, check, moving_problem};
@@ -219,14 +219,14 @@ fn an_early_axis_goes_on_with_its_velocity() {
 }
 
 #[test]
-fn the_cursor_changes_nothing() {
+fn the_sampler_changes_nothing() {
     let mut rng = Rng(45);
     for _ in 0..200 {
         let motion = moving_problem::<3>(&mut rng, 0.8).solve(Synchronisation::Time).unwrap();
-        let mut cursor = Cursor::default();
+        let mut sampler = motion.sampler();
         for _ in 0..50 {
             let t = rng.within(-0.1, 1.2) * motion.duration();
-            assert_eq!(motion.sample(t, &mut cursor), motion.at(t));
+            assert_eq!(sampler.at(t), motion.at(t));
         }
     }
 }

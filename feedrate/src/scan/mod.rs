@@ -1,8 +1,10 @@
 //! Speed along a path given as a list of segments, each with its own limits.
 
+pub mod both_ends;
 mod ceiling;
 pub mod joined;
 mod pass;
+pub mod reachability;
 pub mod segment;
 
 use crate::error::FeedError;

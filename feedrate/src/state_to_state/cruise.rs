@@ -79,49 +79,82 @@ impl End {
     }
 }
 
+/// The changes from the start to a velocity and from there to the target.
+pub(super) struct Changes {
+    first: End,
+    second: End,
+}
+
+/// Both of them for one velocity.
+pub(super) struct Pair {
+    pub v: f64,
+    pub duration: f64,
+    pub displacement: f64,
+    /// Sum of both `e`.
+    pub e: f64,
+    first: (Peak, bool),
+    second: (Peak, bool),
+}
+
+impl Changes {
+    pub fn new(p: &Problem) -> Self {
+        let swapped = p.j.swapped();
+        Self {
+            first: End::new(p.v0, p.a0, p.rise, p.fall, &p.j, &swapped),
+            // Backwards in time the second change is one from the target: its acceleration and limits on it have other signs.
+            second: End::new(p.vf, -p.af, p.fall, p.rise, &p.j, &swapped),
+        }
+    }
+
+    #[inline]
+    pub fn at(&self, v: f64) -> Pair {
+        let (peak1, t1, d1, e1, up1) = self.first.to(v);
+        let (peak3, t3, d3, e3, up3) = self.second.to(v);
+        Pair { v, duration: t1 + t3, displacement: d1 + d3, e: e1 + e3, first: (peak1, up1), second: (peak3, up3) }
+    }
+}
+
+impl Pair {
+    /// Derivative of the displacement by the velocity, without a cruise.
+    pub fn slope(&self) -> f64 {
+        let rate = |(peak, up): (Peak, bool)| if up { 1.0 / peak.a } else { -1.0 / peak.a };
+        self.e + self.v * (rate(self.first) + rate(self.second))
+    }
+
+    pub fn shape(&self, cruise: f64) -> Shape {
+        let sign = |up: bool, peak: Peak| if up { peak } else { Peak { a: -peak.a, hold: peak.hold } };
+        // The second change rises backwards in time where it falls forwards.
+        let up = (self.first.1, !self.second.1);
+        let (first, second) = (sign(up.0, self.first.0), sign(up.1, self.second.0));
+        Shape { first, second, cruise, v_peak: self.v, joined: false, up, squeezed: false }
+    }
+}
+
 /// The motion of duration `t` with one cruise velocity, if there is one.
 pub(super) fn solve(p: &Problem, t: f64) -> Option<Shape> {
-    let swapped = p.j.swapped();
-    let first = End::new(p.v0, p.a0, p.rise, p.fall, &p.j, &swapped);
-    // Backwards in time the second change is one from the target: its acceleration and limits on it have other signs.
-    let second = End::new(p.vf, -p.af, p.fall, p.rise, &p.j, &swapped);
+    let changes = Changes::new(p);
     let (mut lo, mut hi) = (p.v_min, p.v_max);
     let mean = p.d / t;
     let scale = mean.abs() + p.v0.abs() + p.vf.abs();
     let mut v = mean.clamp(lo, hi);
     let mut before = hi - lo;
     for _ in 0..MAX_STEPS {
-        let (peak1, t1, d1, e1, up1) = first.to(v);
-        let (peak3, t3, d3, e3, up3) = second.to(v);
-        let cruise = t - t1 - t3;
-        let f = d1 + d3 + v * cruise - p.d;
+        let pair = changes.at(v);
+        let cruise = t - pair.duration;
+        let f = pair.displacement + v * cruise - p.d;
         if f < 0.0 {
             lo = v
         } else {
             hi = v
         }
-        let slope = cruise + e1 + e3;
+        let slope = cruise + pair.e;
         let newton = v - f / slope;
         let inside = slope > 0.0 && newton >= lo && newton <= hi && (newton - v).abs() < 0.8 * before;
         let next = if inside { newton } else { 0.5 * (lo + hi) };
         let step = (next - v).abs();
         if f == 0.0 || step <= f64::EPSILON * (v.abs() + scale) || hi <= lo {
             let exact = f.abs() <= 16.0 * f64::EPSILON * (scale + v.abs()) * t;
-            if cruise < -8.0 * f64::EPSILON * t || !exact {
-                return None;
-            }
-            let sign = |up: bool, peak: Peak| if up { peak } else { Peak { a: -peak.a, hold: peak.hold } };
-            // The second change rises backwards in time where it falls forwards.
-            let (first, second) = (sign(up1, peak1), sign(!up3, peak3));
-            return Some(Shape {
-                first,
-                second,
-                cruise: cruise.max(0.0),
-                v_peak: v,
-                joined: false,
-                up: (up1, !up3),
-                squeezed: false,
-            });
+            return (exact && cruise >= -8.0 * f64::EPSILON * t).then(|| pair.shape(cruise.max(0.0)));
         }
         before = step;
         v = next;

@@ -47,8 +47,8 @@ struct Shortest {
     shape: Shape,
     /// Whether it is an extremal of the mirrored frame.
     mirrored: bool,
-    /// Whether it begins with braking as hard as possible to the velocity limit, and goes on with another shape from there.
-    brakes_first: bool,
+    /// It begins with braking as hard as possible to the velocity limit; the shape goes on from there, mirrored or not.
+    after_braking: Option<bool>,
     /// In working units.
     duration: f64,
 }
@@ -129,7 +129,7 @@ impl AxisProblem {
         self.duration
     }
 
-    fn write_shortest(&self, out: &mut StateToState) {
+    pub(super) fn write_shortest(&self, out: &mut StateToState) {
         let mut writer = self.entry.writer(out);
         self.entry.write(&self.shortest, &mut writer);
         writer.finish(self.shortest.duration, at_target(&self.target));
@@ -141,7 +141,8 @@ impl AxisProblem {
     /// The durations that are possible.
     ///
     /// From a start outside the limits every duration counts as possible in which either of two ways back is: settling at the
-    /// velocity limit without undershooting it, or braking as hard as possible until inside.
+    /// velocity limit without undershooting it, or braking as hard as possible until inside. [`AxisProblem::lasting`] may find
+    /// more then; from inside the limits these are all.
     pub fn durations(&self) -> Durations {
         let lead = self.entry.lead_time;
         let gaps = self.entry.gaps(self.shortest.duration - lead, self.shortest.mirrored);
@@ -242,34 +243,30 @@ impl Entry {
         let p = &self.problem;
         let (shape, mirrored) = solve(p, self.noise);
         let duration = end_of(p, &shape, mirrored, self.lead_time);
-        let settling = Shortest { shape, mirrored, brakes_first: false, duration };
+        let settling = Shortest { shape, mirrored, after_braking: None, duration };
         if !shape.squeezed {
             return settling;
         }
-        // Rare enough to write both down.
-        let mut scratch = StateToState::default();
-        let mut writer = self.writer(&mut scratch);
-        let braking = Shortest { brakes_first: true, ..settling };
-        if !self.write(&braking, &mut writer) || writer.t >= duration {
-            return settling;
-        }
-        Shortest { duration: writer.t, ..braking }
+        let frame = if mirrored { p.mirrored() } else { *p };
+        let Some(brake) = Brake::new(&frame) else { return settling };
+        let (shape, flipped) = solve(&brake.rest, 0.0);
+        let duration = end_of(&brake.rest, &shape, flipped, self.lead_time + brake.t1 + brake.peak.hold);
+        let braking = Shortest { shape, mirrored, after_braking: Some(flipped), duration };
+        if braking.duration < settling.duration { braking } else { settling }
     }
 
-    /// Writes the shortest motion; false if it would have to brake first and cannot.
-    fn write(&self, shortest: &Shortest, writer: &mut Writer<'_>) -> bool {
-        let Shortest { shape, mirrored, brakes_first, .. } = shortest;
+    fn write(&self, shortest: &Shortest, writer: &mut Writer<'_>) {
+        let Shortest { shape, mirrored, after_braking, .. } = *shortest;
         let p = &self.problem;
-        if !brakes_first {
-            writer.write(p, shape, *mirrored, self.from, self.to);
-            return true;
+        let frame = if mirrored { p.mirrored() } else { *p };
+        if let Some(flipped) = after_braking
+            && let Some(brake) = Brake::new(&frame)
+        {
+            let from = writer.brake(&brake, mirrored, self.from);
+            writer.write(&brake.rest, &shape, flipped, from, if mirrored { -self.to } else { self.to });
+        } else {
+            writer.write(p, &shape, mirrored, self.from, self.to);
         }
-        let frame = if *mirrored { p.mirrored() } else { *p };
-        let Some(brake) = Brake::new(&frame) else { return false };
-        let from = writer.brake(&brake, *mirrored, self.from);
-        let (shape, flipped) = solve(&brake.rest, 0.0);
-        writer.write(&brake.rest, &shape, flipped, from, if *mirrored { -self.to } else { self.to });
-        true
     }
 
     /// The shortest change of velocity and acceleration, wherever it ends.
@@ -321,7 +318,7 @@ impl Entry {
     fn between(&self, duration: f64, out: &mut StateToState) -> bool {
         let left = duration - self.lead_time;
         let mut writer = self.writer(out);
-        let done = between(&self.problem, left, (self.from, self.to), &mut writer)
+        let done = between(&self.problem, left, self.noise, (self.from, self.to), &mut writer)
             || self.between_after_braking(left, &mut writer);
         writer.finish(duration, MotionState::default());
         done
@@ -337,7 +334,7 @@ impl Entry {
             writer.write(&brake.rest, &shape, false, from, to);
             return true;
         }
-        between(&brake.rest, left, (from, to), writer)
+        between(&brake.rest, left, self.noise, (from, to), writer)
     }
 }
 
@@ -349,7 +346,7 @@ fn gaps_inside(p: &Problem, shortest: f64, solved_mirrored: Option<bool>) -> Gap
     gaps
 }
 
-fn between(p: &Problem, t: f64, ends: (f64, f64), writer: &mut Writer<'_>) -> bool {
+fn between(p: &Problem, t: f64, noise: f64, ends: (f64, f64), writer: &mut Writer<'_>) -> bool {
     let rises = Direct::new(p).up;
     let up = Extremals::new(p, rises).at(t);
     let down = Extremals::new(&p.mirrored(), !rises).at(t);
@@ -358,7 +355,7 @@ fn between(p: &Problem, t: f64, ends: (f64, f64), writer: &mut Writer<'_>) -> bo
     let slow = p.j.up.min(p.j.down);
     let lead = |v: f64, a: f64| a.abs() / slow * (v.abs() + a * a / slow);
     let speeds = p.v0.abs() + p.vf.abs() + p.v_max - p.v_min;
-    let noise = ROUND_OFF * (p.d.abs() + t * speeds + lead(p.v0, p.a0) + lead(p.vf, p.af));
+    let noise = 4.0 * noise + ROUND_OFF * (p.d.abs() + t * speeds + lead(p.v0, p.a0) + lead(p.vf, p.af));
     if up.0 < -noise || down.0 < -noise {
         return false;
     }

@@ -62,6 +62,20 @@ impl StateToState {
         Ok(AxisProblem::new(start, target, limits)?.shortest())
     }
 
+    /// As [`StateToState::new`], in place: saves moving the result. An error leaves the motion as it was.
+    ///
+    /// # Errors
+    /// As [`StateToState::new`].
+    pub fn recompute(
+        &mut self,
+        start: &AxisState,
+        target: &AxisState,
+        limits: &AxisLimits,
+    ) -> Result<(), StateToStateError> {
+        AxisProblem::new(start, target, limits)?.write_shortest(self);
+        Ok(())
+    }
+
     /// A motion that takes exactly `duration` (s): see [`AxisProblem::lasting`].
     ///
     /// # Errors
@@ -100,26 +114,28 @@ impl StateToState {
         self.phases[..self.count].iter().copied().zip(self.lasting.iter().copied())
     }
 
-    /// As [`MotionLaw::at`], but beyond the end the motion goes on with the velocity it arrived with, and the search
-    /// starts at `phase`, the one of the last sample, and leaves there the one found.
-    #[inline]
-    pub fn at_from(&self, t: f64, phase: &mut usize) -> MotionState {
-        if t >= self.duration {
+    /// As [`MotionLaw::at`], but beyond the end the motion goes on with the velocity it arrived with.
+    pub fn at_or_after(&self, t: f64) -> MotionState {
+        if t > self.duration {
             let end = self.target;
-            let late = t - self.duration;
-            return if late > 0.0 { MotionState { p: end.p + late * end.v, v: end.v, a: 0.0, j: 0.0 } } else { end };
+            return MotionState { p: end.p + (t - self.duration) * end.v, v: end.v, a: 0.0, j: 0.0 };
         }
-        let t = if t > 0.0 { t } else { 0.0 };
-        let mut i = (*phase).min(self.count.max(1) - 1);
-        while i + 1 < self.count && self.phases[i + 1].t <= t {
-            i += 1;
+        self.at(t)
+    }
+
+    /// The phase that acts at time `t` (s), its duration, and the time at which the next one begins, infinite after the end:
+    /// between the phase's start and that time [`Phase::after`] gives the state.
+    pub fn phase_at(&self, t: f64) -> (Phase, f64, f64) {
+        if t >= self.duration || self.count == 0 {
+            let MotionState { p, v, a, .. } = self.target;
+            if t > self.duration {
+                return (Phase { t: self.duration, s: p, v, a: 0.0, j: 0.0 }, f64::INFINITY, f64::INFINITY);
+            }
+            return (Phase { t: self.duration, s: p, v, a, j: 0.0 }, 0.0, self.duration);
         }
-        while i > 0 && self.phases[i].t > t {
-            i -= 1;
-        }
-        *phase = i;
-        let phase = &self.phases[i];
-        phase.after((t - phase.t).min(self.lasting[i]))
+        let i = (1..self.count).take_while(|&i| self.phases[i].t <= t).count();
+        let next = if i + 1 < self.count { self.phases[i + 1].t } else { self.duration };
+        (self.phases[i], self.lasting[i], next.min(self.duration))
     }
 
     /// The same motion of another axis that moves `ratio` times as far, from `start` to `target`, which must be in that proportion
@@ -172,7 +188,13 @@ impl MotionLaw for StateToState {
 
     #[inline]
     fn at(&self, t: f64) -> MotionState {
-        self.at_from(if t > self.duration { self.duration } else { t }, &mut 0)
+        if t >= self.duration {
+            return self.target;
+        }
+        let t = if t > 0.0 { t } else { 0.0 };
+        let i = (1..self.count).take_while(|&i| self.phases[i].t <= t).count();
+        let phase = &self.phases[i];
+        phase.after((t - phase.t).min(self.lasting[i]))
     }
 }
 

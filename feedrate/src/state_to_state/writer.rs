@@ -81,53 +81,53 @@ impl<'a> Writer<'a> {
         if !(lasts(&far_writer) && lasts(&near_writer)) {
             return false;
         }
-        let mean = |x: f64, y: f64| y + weight * (x - y);
+        // Not beyond either of the two by cancellation.
+        let mean = |x: f64, y: f64| if x == y { x } else { weight * x + (1.0 - weight) * y };
         let state = |(i, since_i): (usize, f64), (k, since_k): (usize, f64)| {
             let (x, y) = (far.phases[i].after(since_i), near.phases[k].after(since_k));
             (mean(x.p, y.p), mean(x.v, y.v), mean(x.a, y.a), mean(x.j, y.j))
         };
-        // Forward to the middle and backward to it: round-off meets there. What lies in the middle belongs to both.
-        let half = 0.5 * t;
-        let (mut i, mut k, mut since_i, mut since_k, mut now) = (0, 0, 0.0, 0.0, 0.0);
-        let (middle, start) = loop {
-            let left = (left_of(&far, i, since_i), left_of(&near, k, since_k));
-            let dt = left.0.min(left.1);
-            let (i0, k0) = (i.min(PHASES - 1), k.min(PHASES - 1));
-            let (p, v, a, j) = state((i0, since_i), (k0, since_k));
-            if now + dt > half * (1.0 + 2.0 * MIDDLE) || i >= far.count || k >= near.count {
-                break ((p, v, a, j), now);
+        // Forward from the start and backward from the end: round-off meets in the longest stretch of the least jerk.
+        let (mut pivot, mut best) = (0.5 * t, (false, 0.0));
+        let mut merge = Merge::default();
+        let mut now = 0.0;
+        while let Some((dt, i, k)) = merge.next(&far, &near) {
+            let j = mean(far.phases[i].j, near.phases[k].j).abs();
+            let score = if j == 0.0 { (true, dt) } else { (false, dt / j) };
+            if score > best && dt > SHORT * t {
+                (pivot, best) = (now + 0.5 * dt, score);
             }
-            self.push(dt, p, v, a, j);
             now += dt;
-            (since_i, since_k) = (since_i + dt, since_k + dt);
-            if left.0 <= left.1 {
-                (i, since_i) = (i + 1, 0.0);
-            }
-            if left.1 <= left.0 {
-                (k, since_k) = (k + 1, 0.0);
+        }
+        let mut merge = Merge::default();
+        let mut start = 0.0;
+        let middle = loop {
+            let (i, k) = (merge.i.min(PHASES - 1), merge.k.min(PHASES - 1));
+            let (p, v, a, j) = state((i, merge.since_i), (k, merge.since_k));
+            match merge.next(&far, &near) {
+                Some((dt, ..)) if start + dt <= pivot => {
+                    self.push(dt, p, v, a, j);
+                    start += dt;
+                }
+                _ => break (p, v, a, j),
             }
         };
         let mut later = [(0.0, (0.0, 0.0, 0.0, 0.0)); PHASES];
-        let mut count = 0;
-        let (mut i, mut k, mut to_i, mut to_k, mut back) = (far.count, near.count, 0.0, 0.0, 0.0);
-        loop {
-            // Ends of what is left of the phases before `i` and `k`, which are written from their ends on.
-            let left = (left_of(&far, i.saturating_sub(1), to_i), left_of(&near, k.saturating_sub(1), to_k));
-            let dt = left.0.min(left.1);
-            if back + dt > half * (1.0 - MIDDLE) || count == PHASES || i == 0 || k == 0 {
+        let (mut count, mut back) = (0, 0.0);
+        let (far_back, near_back) = (backwards(&far), backwards(&near));
+        let mut merge = Merge::default();
+        while let Some((dt, i, k)) = merge.next(&far_back, &near_back) {
+            if back + dt > t - pivot || count == PHASES {
                 break;
             }
-            (to_i, to_k) = (to_i + dt, to_k + dt);
-            let since = (left_of(&far, i.saturating_sub(1), to_i), left_of(&near, k.saturating_sub(1), to_k));
-            later[count] =
-                (dt, state((i.saturating_sub(1), since.0.max(0.0)), (k.saturating_sub(1), since.1.max(0.0))));
+            // What has not been passed of the two phases, seen from their starts.
+            let since = |motion: &StateToState, n: usize, next: usize, passed: f64| {
+                if next > n { 0.0 } else { (motion.lasting[n] - passed).max(0.0) }
+            };
+            let since_i = since(&far_back, i, merge.i, merge.since_i);
+            let since_k = since(&near_back, k, merge.k, merge.since_k);
+            later[count] = (dt, state((far.count - 1 - i, since_i), (near.count - 1 - k, since_k)));
             (count, back) = (count + 1, back + dt);
-            if left.0 <= left.1 {
-                (i, to_i) = (i.saturating_sub(1), 0.0);
-            }
-            if left.1 <= left.0 {
-                (k, to_k) = (k.saturating_sub(1), 0.0);
-            }
         }
         let (p, v, a, j) = middle;
         self.push(t - start - back, p, v, a, j);
@@ -201,13 +201,44 @@ pub(super) fn end_of(p: &Problem, shape: &Shape, mirrored: bool, t: f64) -> f64 
     times.into_iter().fold(t, |sum, dt| sum + dt)
 }
 
-/// What is left of a phase after a part of it; without end where there is none.
-fn left_of(motion: &StateToState, i: usize, since: f64) -> f64 {
-    if i < motion.count { motion.lasting[i] - since } else { f64::INFINITY }
+/// Walks through the phases of two motions at once.
+#[derive(Default)]
+struct Merge {
+    i: usize,
+    k: usize,
+    since_i: f64,
+    since_k: f64,
+}
+
+impl Merge {
+    /// How long neither changes its phase, and the phases.
+    fn next(&mut self, far: &StateToState, near: &StateToState) -> Option<(f64, usize, usize)> {
+        let (i, k) = (self.i, self.k);
+        if i >= far.count || k >= near.count {
+            return None;
+        }
+        let (left_i, left_k) = (far.lasting[i] - self.since_i, near.lasting[k] - self.since_k);
+        let dt = left_i.min(left_k);
+        (self.since_i, self.since_k) = (self.since_i + dt, self.since_k + dt);
+        if left_i <= left_k {
+            (self.i, self.since_i) = (i + 1, 0.0);
+        }
+        if left_k <= left_i {
+            (self.k, self.since_k) = (k + 1, 0.0);
+        }
+        Some((dt, i, k))
+    }
+}
+
+/// How long the phases last, the last one first.
+fn backwards(motion: &StateToState) -> StateToState {
+    let mut other = *motion;
+    other.lasting[..motion.count].reverse();
+    other
 }
 
 /// Of the time that the phases take, relative to the one they were made for. More means numbers too far apart to work with.
 const ROUND_OFF: f64 = 1e-6;
 
-/// How close to the middle of the duration a change of jerk counts as being there.
-const MIDDLE: f64 = 1e-12;
+/// Two phases that should end together may do so this far apart, relative to the duration.
+const SHORT: f64 = 1e-9;

@@ -75,6 +75,8 @@ pub struct ParallelAxes {
 /// One value of joint 1 and what the target looks like from link 1.
 struct Shoulder {
     q1: f64,
+    /// See [`FirstJoint::rounding`].
+    rounding: f64,
     /// Orientation and wrist point in F, with joint 1 undone.
     orientation: Matrix3<f64>,
     wrist: Vector2<f64>,
@@ -106,11 +108,11 @@ impl ParallelAxes {
                 if turn != 0.0 && sine * turn.abs() < ORIENTATION_ROUNDING {
                     let end = reach - turned(&hand, turn);
                     let q6 = q6 - turn * m[(2, 2)].signum();
-                    self.elbow_branches(&end, phi + turn, [shoulder.q1, q5, q6], solutions, miss);
+                    self.elbow_branches(&end, shoulder, [phi + turn, q5, q6], solutions, miss);
                     continue;
                 }
             }
-            self.elbow_branches(&(reach - hand), phi, [shoulder.q1, q5, q6], solutions, miss);
+            self.elbow_branches(&(reach - hand), shoulder, [phi, q5, q6], solutions, miss);
         }
     }
 
@@ -139,7 +141,7 @@ impl ParallelAxes {
         let turn = self.turn_into_reach(&reach, &hand);
         let q6 = seed[5] - if parallel { turn } else { -turn };
         let end = reach - if turn == 0.0 { hand } else { turned(&hand, turn) };
-        self.elbow_branches(&end, phi + turn, [shoulder.q1, b - self.wrist_zero, q6], solutions, miss);
+        self.elbow_branches(&end, shoulder, [phi + turn, b - self.wrist_zero, q6], solutions, miss);
     }
 
     /// The least turn of `hand`, rad, after which joints 2 and 3 reach the point `reach - hand`; 0 if they do already.
@@ -163,12 +165,13 @@ impl ParallelAxes {
     fn elbow_branches(
         &self,
         end: &Vector2<f64>,
-        phi: f64,
-        [q1, q5, q6]: [f64; 3],
+        shoulder: &Shoulder,
+        [phi, q5, q6]: [f64; 3],
         solutions: &mut Solutions<6>,
         miss: &mut Miss,
     ) {
-        self.links.solve(end, miss, |q2, q3| {
+        let q1 = shoulder.q1;
+        self.links.solve(end, shoulder.rounding, miss, |q2, q3| {
             let q4 = phi - q2 - q3;
             let q = [q1, q2, q3 * self.sign3, q4 * self.sign4, q5, q6];
             solutions.push(Joints::from(q.map(principal)));
@@ -255,8 +258,7 @@ impl ClosedForm for ParallelAxes {
         match FirstJoints::new(&wrist, self.shoulder_offset, self.size) {
             FirstJoints::Free => {
                 solutions.mark_shoulder_singular();
-                let ([sin], [cos]) = sin_cos(&[seed[0]]);
-                each(&FirstJoint { q: seed[0], sin, cos }, &mut solutions);
+                each(&FirstJoint::at(seed[0], self.size), &mut solutions);
             }
             FirstJoints::TooNear(distance) => miss.note(distance, ReachSide::TooNear),
             FirstJoints::Two(two) => two.iter().for_each(|first| each(first, &mut solutions)),
@@ -297,14 +299,14 @@ fn turned(vector: &Vector2<f64>, by: f64) -> Vector2<f64> {
 
 /// The target as seen from link 1.
 fn undo_first(first: &FirstJoint, orientation: &Matrix3<f64>, wrist: &Vector3<f64>) -> Shoulder {
-    let &FirstJoint { q, sin, cos } = first;
+    let &FirstJoint { q, sin, cos, rounding } = first;
     let mut turned = *orientation;
     for column in 0..3 {
         let (x, z) = (orientation[(0, column)], orientation[(2, column)]);
         turned[(0, column)] = cos * x - sin * z;
         turned[(2, column)] = sin * x + cos * z;
     }
-    Shoulder { q1: q, orientation: turned, wrist: Vector2::new(cos * wrist.x - sin * wrist.z, wrist.y) }
+    Shoulder { q1: q, rounding, orientation: turned, wrist: Vector2::new(cos * wrist.x - sin * wrist.z, wrist.y) }
 }
 
 fn rotation_matrix(rotation: &UnitQuaternion<f64>) -> Matrix3<f64> {

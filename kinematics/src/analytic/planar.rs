@@ -3,12 +3,20 @@
 //!
 //! Both work in the frame F = (u, v, n): v along axis 1, n along axis 2, u = v x n, origin on axis 1.
 
-use crate::{error::ReachSide, jacobian::Configuration, trig::atan2};
+use crate::{
+    error::ReachSide,
+    jacobian::Configuration,
+    trig::{atan2, sin_cos},
+};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use std::f64::consts::PI;
 
-/// Excess of reach, relative to the arm's size, that is taken as rounding and clamped.
+/// Excess of reach, relative to the arm's size, that is taken as rounding and clamped, ...
 const REACH_ROUNDING: f64 = 1e-12;
+/// ... and the most of it where a point near axis 1 enlarges the rounding, ...
+const ENLARGED_ROUNDING: f64 = 1e-10;
+/// ... which is this for coordinates of the target.
+const ROUNDING: f64 = 1e-15;
 /// Distance from a double root, relative to the arm's size, below which the two roots are one: the root itself is
 /// then accurate where its square root is noise.
 const DOUBLE_ROOT: f64 = 1e-14;
@@ -45,6 +53,8 @@ pub(super) struct FirstJoint {
     pub(super) q: f64,
     pub(super) sin: f64,
     pub(super) cos: f64,
+    /// Rounding of the point in the plane of the arm, m: near axis 1 that of the target is enlarged.
+    pub(super) rounding: f64,
 }
 
 /// The values of joint 1 that put a point at the offset it has from the plane of the arm.
@@ -56,6 +66,14 @@ pub(super) enum FirstJoints {
     Two([FirstJoint; 2]),
     /// The point is at the offset but for rounding; should that give nothing, the two values that rounding makes of it.
     Double(FirstJoint, Option<[FirstJoint; 2]>),
+}
+
+impl FirstJoint {
+    /// At `q`, for a point on axis 1.
+    pub(super) fn at(q: f64, size: f64) -> Self {
+        let ([sin], [cos]) = sin_cos(&[q]);
+        Self { q, sin, cos, rounding: REACH_ROUNDING * size }
+    }
 }
 
 impl FirstJoints {
@@ -73,11 +91,12 @@ impl FirstJoints {
         }
         let root = (slack * (r + d.abs())).max(0.0).sqrt();
         let middle = atan2(point.x, point.z);
+        let rounding = (ROUNDING * size * size / root).min(ENLARGED_ROUNDING * size).max(REACH_ROUNDING * size);
         let branch = |side: f64, root: f64| {
             let half = atan2(root, d);
             let cos = (point.z * d - side * point.x * root) / (r * r);
             let sin = (point.x * d + side * point.z * root) / (r * r);
-            FirstJoint { q: middle + side * half, sin, cos }
+            FirstJoint { q: middle + side * half, sin, cos, rounding }
         };
         if slack <= DOUBLE_ROOT * size {
             let split = (root > 0.0).then(|| [branch(1.0, root), branch(-1.0, root)]);
@@ -95,8 +114,7 @@ pub(super) struct TwoLink {
     /// Direction of the upper arm, and of the forearm against it, at zero joint values.
     upper_arm_angle: f64,
     elbow_angle: f64,
-    /// Rounding of lengths, m.
-    rounding: f64,
+    /// Distance from a double root, m, that is none.
     double: f64,
 }
 
@@ -109,23 +127,22 @@ impl TwoLink {
             forearm: forearm.norm(),
             upper_arm_angle: angle(upper_arm),
             elbow_angle: angle(forearm) - angle(upper_arm),
-            rounding: REACH_ROUNDING * size,
             double: DOUBLE_ROOT * size,
         }
     }
 
     /// Calls `found` with the turns about n of joint 2 and of joint 3 for each way to put the arm's end at `end` (m from
-    /// axis 2).
+    /// axis 2). A miss by `rounding` (m) is none.
     #[inline]
-    pub(super) fn solve(&self, end: &Vector2<f64>, miss: &mut Miss, mut found: impl FnMut(f64, f64)) {
+    pub(super) fn solve(&self, end: &Vector2<f64>, rounding: f64, miss: &mut Miss, mut found: impl FnMut(f64, f64)) {
         let (l2, l3) = (self.upper_arm, self.forearm);
         let length = end.norm();
         let (far, near) = (l2 + l3 - length, length - (l2 - l3).abs());
         // A target so far away that squares overflow gives NaN, which counts as a miss.
-        if far < -self.rounding || far.is_nan() {
+        if far < -rounding || far.is_nan() {
             return miss.note(-far, ReachSide::TooFar);
         }
-        if near < -self.rounding {
+        if near < -rounding {
             return miss.note(-near, ReachSide::TooNear);
         }
         let direction = atan2(end.y, end.x) - self.upper_arm_angle;

@@ -160,7 +160,7 @@ impl ClosedForm for SphericalWrist {
         let mut each = |first: &FirstJoint, solutions: &mut Solutions<6>| {
             let upright = orientation_undone::<0, 2>(&orientation, -first.sin, first.cos);
             let end = Vector2::new(first.cos * wrist.x - first.sin * wrist.z, wrist.y) - self.axis2;
-            self.links.solve(&end, &mut miss, |q2, q3| {
+            self.links.solve(&end, first.rounding, &mut miss, |q2, q3| {
                 let ([sin], [cos]) = sin_cos(&[q2 + q3]);
                 let level = orientation_undone::<0, 1>(&upright, sin, cos);
                 self.wrist_branches(&(self.frame_to_wrist * level), [first.q, q2, q3 * self.sign3], seed, solutions);
@@ -169,8 +169,7 @@ impl ClosedForm for SphericalWrist {
         match FirstJoints::new(&wrist, self.shoulder_offset, self.size) {
             FirstJoints::Free => {
                 solutions.mark_shoulder_singular();
-                let ([sin], [cos]) = sin_cos(&[seed[0]]);
-                each(&FirstJoint { q: seed[0], sin, cos }, &mut solutions);
+                each(&FirstJoint::at(seed[0], self.size), &mut solutions);
             }
             FirstJoints::TooNear(distance) => miss.note(distance, ReachSide::TooNear),
             FirstJoints::Two(two) => two.iter().for_each(|first| each(first, &mut solutions)),

@@ -4,18 +4,30 @@ use std::path::PathBuf;
 
 use arcfeed_geometry::{ArcLengthCurve, Curve, NurbsCurve, SegmentationMethod, Spacing};
 use robot_cr7::plot::{path_picture, save_picture};
-use robot_cr7::{Cr7Error, InputError};
+use robot_cr7::{Cr7Error, InputError, Robot};
 
 use crate::Failure;
+use crate::output::say;
 use crate::plan::read_path;
+use crate::robots;
 
 /// Arguments of `cr7 inspect`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   cr7 inspect part.json
   cr7 inspect points.csv --unit mm --fit-mm 0.01 --tolerance-mm 0.05
-  cr7 inspect                              the embedded butterfly")]
+  cr7 inspect                              the embedded butterfly
+  cr7 inspect --robot panda                limits, geometry, reach and inverse of a robot")]
 pub struct Args {
+    /// Look at a robot in place of a path: a built-in name (`cr7 robots` lists them), or a file .urdf or .json
+    #[arg(long, conflicts_with = "path")]
+    robot: Option<String>,
+    /// Link of a .urdf file where the arm begins [default: its root]
+    #[arg(long, requires = "robot")]
+    base_link: Option<String>,
+    /// Link of a .urdf file where the arm ends, the flange [default: its only end]
+    #[arg(long, requires = "robot")]
+    tip_link: Option<String>,
     /// Path file: .json (NURBS curve) or .csv (points). Without it: an embedded butterfly
     path: Option<PathBuf>,
     /// Chord tolerance of the segmentations, mm
@@ -36,32 +48,35 @@ pub struct Args {
 const SAMPLES: u32 = 5_000;
 
 pub fn run(args: &Args) -> Result<(), Failure> {
+    if let Some(name) = &args.robot {
+        return robots::inspect(&Robot::load(name, args.base_link.as_deref(), args.tip_link.as_deref())?);
+    }
     let file = read_path(args.path.as_deref(), args.unit.as_deref(), None)?;
     let shown = file.file.display().to_string();
     let geometry = |source| Failure::from(Cr7Error::Curve { file: shown.clone(), source });
     let curve = file.curve_with(|points| {
         let degree = points.len().saturating_sub(1).min(3);
         let fit = NurbsCurve::approximate(points, degree, Spacing::default(), args.fit_mm * 1e-3)?;
-        println!("fitted to {} points, none farther away than {:.3e} mm", points.len(), fit.max_deviation * 1e3);
+        say!("fitted to {} points, none farther away than {:.3e} mm", points.len(), fit.max_deviation * 1e3);
         Ok(fit.curve)
     })?;
     let path = ArcLengthCurve::new(curve.clone(), 1e-15).map_err(geometry)?;
 
-    println!("{}", file.name);
+    say!("{}", file.name);
     if let Some(source) = &file.source {
-        println!("  source       {source}");
+        say!("  source       {source}");
     }
     let kind = if curve.is_rational() { "rational" } else { "polynomial" };
     let spans = curve.knots().spans().count();
-    println!(
+    say!(
         "  curve        degree {}, {} control points, {spans} knot spans, {kind}",
         curve.degree(),
         curve.control_points().len()
     );
-    println!("  length       {:.9} mm", path.length() * 1e3);
+    say!("  length       {:.9} mm", path.length() * 1e3);
     let (a, b) = curve.domain();
     let closed = (curve.point(a) - curve.point(b)).norm();
-    println!("  ends         {:.3e} mm apart{}", closed * 1e3, if closed < 1e-9 { " (closed)" } else { "" });
+    say!("  ends         {:.3e} mm apart{}", closed * 1e3, if closed < 1e-9 { " (closed)" } else { "" });
     let (mut low, mut high) = (curve.point(a), curve.point(a));
     let (mut sharpest, mut at) = (0.0f64, a);
     // Evenly in every knot span by the curve's own parameter, which dwells where the curve bends.
@@ -79,26 +94,26 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     let at = path.arc_length_at(at);
     let size = (high - low) * 1e3;
-    println!("  extent       {:.3} x {:.3} x {:.3} mm", size.x, size.y, size.z);
+    say!("  extent       {:.3} x {:.3} x {:.3} mm", size.x, size.y, size.z);
     if sharpest > 0.0 {
-        println!(
+        say!(
             "  curvature    up to {:.3} /mm (radius {:.4} mm) at s = {:.3} mm, over {SAMPLES} samples a knot span",
             sharpest * 1e-3,
             1e3 / sharpest,
             at * 1e3
         );
     } else {
-        println!("  curvature    0 (straight)");
+        say!("  curvature    0 (straight)");
     }
     for corner in path.corners(1e-6) {
-        println!(
+        say!(
             "  corner       {:.2} deg at s = {:.3} mm: the tool has to stop there",
             corner.angle.to_degrees(),
             corner.s * 1e3
         );
     }
 
-    println!("\n  segments for a chord tolerance of {} mm    count   largest deviation", args.tolerance_mm);
+    say!("\n  segments for a chord tolerance of {} mm    count   largest deviation", args.tolerance_mm);
     let tolerance = args.tolerance_mm * 1e-3;
     let mut drawn = None;
     for (name, method) in [
@@ -108,7 +123,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         ("convex hull, bisected", SegmentationMethod::Hull),
     ] {
         let result = curve.segment(method, tolerance).map_err(geometry)?;
-        println!("    {name:<44}{:>6}   {:.6} mm", result.len(), result.max_deviation() * 1e3);
+        say!("    {name:<44}{:>6}   {:.6} mm", result.len(), result.max_deviation() * 1e3);
         drawn.get_or_insert(result);
     }
     let Some(segmentation) = drawn else { return Ok(()) };
@@ -128,6 +143,6 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     std::fs::create_dir_all(&args.out).map_err(write)?;
     let svg = path_picture(&file.name, &lines, segmentation.deviations(), tolerance).map_err(write)?;
     save_picture(&picture, &svg)?;
-    println!("\n  wrote {}", picture.display());
+    say!("\n  wrote {}", picture.display());
     Ok(())
 }

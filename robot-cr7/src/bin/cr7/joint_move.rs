@@ -4,11 +4,14 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use arcfeed_feedrate::{AxisState, MotionLaw};
+use arcfeed_kinematics::JointLimits;
 use arcfeed_sync::{MotionOptions, Synchronisation, Trajectory};
-use robot_cr7::{Cr7, InputError, Job, JointReport, check_joints, write_trajectory};
+use robot_cr7::{Cr7Error, InputError, Job, JointReport, Robot, check_joints, write_trajectory};
 
 use crate::Failure;
-use crate::joint_space::{axis_limits, draw, numbers, rates_of, row, six};
+use crate::joint_space::{axis_limits, draw, for_joints, numbers, rates_of, row};
+use crate::output::{say, say_as_is};
+use crate::robots::RobotArgs;
 
 /// Arguments of `cr7 move`.
 #[derive(Debug, clap::Args)]
@@ -17,23 +20,25 @@ use crate::joint_space::{axis_limits, draw, numbers, rates_of, row, six};
   cr7 move --from-deg 0 -30 90 30 -90 0 --to-deg 60 0 60 30 -90 45 --mode line
   cr7 move --from-deg 0 0 0 0 0 0 --from-deg-s 10 0 0 0 0 0 --to-deg 30 0 0 0 0 0 --to-deg-s 5 0 0 0 0 0 --json")]
 pub struct Args {
-    /// Joint angles at the start, degrees; 0 is the maker's zero, the arm upright
-    #[arg(long, num_args = 6, allow_negative_numbers = true, value_names = six::Q, required = true)]
+    #[command(flatten)]
+    robot: RobotArgs,
+    /// Joint angles at the start, degrees, one for each joint; the zero is the robot's own (the CR7's: upright)
+    #[arg(long, num_args = 1..=10, allow_negative_numbers = true, value_name = "Q", required = true)]
     from_deg: Vec<f64>,
     /// Joint velocities at the start, degrees per second [default: at rest]
-    #[arg(long, num_args = 6, allow_negative_numbers = true, value_names = six::Q)]
+    #[arg(long, num_args = 1..=10, allow_negative_numbers = true, value_name = "Q")]
     from_deg_s: Option<Vec<f64>>,
     /// Joint accelerations at the start, degrees per second squared [default: 0]
-    #[arg(long, num_args = 6, allow_negative_numbers = true, value_names = six::Q)]
+    #[arg(long, num_args = 1..=10, allow_negative_numbers = true, value_name = "Q")]
     from_deg_s2: Option<Vec<f64>>,
     /// Joint angles at the end, degrees
-    #[arg(long, num_args = 6, allow_negative_numbers = true, value_names = six::Q, required = true)]
+    #[arg(long, num_args = 1..=10, allow_negative_numbers = true, value_name = "Q", required = true)]
     to_deg: Vec<f64>,
     /// Joint velocities at the end, degrees per second [default: at rest]
-    #[arg(long, num_args = 6, allow_negative_numbers = true, value_names = six::Q)]
+    #[arg(long, num_args = 1..=10, allow_negative_numbers = true, value_name = "Q")]
     to_deg_s: Option<Vec<f64>>,
     /// Joint accelerations at the end, degrees per second squared [default: 0]
-    #[arg(long, num_args = 6, allow_negative_numbers = true, value_names = six::Q)]
+    #[arg(long, num_args = 1..=10, allow_negative_numbers = true, value_name = "Q")]
     to_deg_s2: Option<Vec<f64>>,
     /// How the joints belong together: all arrive at once, on a straight line where it can be, on a line or not at all,
     /// or each on its own
@@ -69,19 +74,25 @@ enum Mode {
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
+    let robot = args.robot.load()?;
+    for_joints!(robot, run_with(args, &robot))
+}
+
+fn run_with<const N: usize>(args: &Args, robot: &Robot) -> Result<(), Failure> {
     let job = args.job.as_deref().map_or_else(|| Ok(Job::default()), Job::read)?;
-    let cr7 = Cr7::of(&job)?;
+    let (joint_limits, assumed) = robot.limits::<N>(&job.joints)?;
+    let arm = robot.arm::<N>(job.tool).map_err(Cr7Error::from)?;
     let state =
-        |flag: &str, q: &[f64], v: &Option<Vec<f64>>, a: &Option<Vec<f64>>| -> Result<[AxisState; 6], Failure> {
-            let q = numbers(&format!("{flag}-deg"), q)?;
-            let v = numbers(&format!("{flag}-deg-s"), v.as_deref().unwrap_or(&[0.0; 6]))?;
-            let a = numbers(&format!("{flag}-deg-s2"), a.as_deref().unwrap_or(&[0.0; 6]))?;
+        |flag: &str, q: &[f64], v: &Option<Vec<f64>>, a: &Option<Vec<f64>>| -> Result<[AxisState; N], Failure> {
+            let q = numbers::<N>(&format!("{flag}-deg"), q, robot)?;
+            let v = numbers::<N>(&format!("{flag}-deg-s"), v.as_deref().unwrap_or(&[0.0; N]), robot)?;
+            let a = numbers::<N>(&format!("{flag}-deg-s2"), a.as_deref().unwrap_or(&[0.0; N]), robot)?;
             Ok(std::array::from_fn(|k| AxisState::new(q[k].to_radians(), v[k].to_radians(), a[k].to_radians())))
         };
     let from = state("--from", &args.from_deg, &args.from_deg_s, &args.from_deg_s2)?;
     let to = state("--to", &args.to_deg, &args.to_deg_s, &args.to_deg_s2)?;
     for (flag, state) in [("--from-deg", &from), ("--to-deg", &to)] {
-        inside_range(&cr7, flag, state)?;
+        inside_range(&joint_limits, flag, state)?;
     }
     let options = MotionOptions::new(match args.mode {
         Mode::Time => Synchronisation::Time,
@@ -94,7 +105,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if args.whole_cycles {
         options = options.with_cycle(job.period).map_err(usage)?;
     }
-    let limits = axis_limits(cr7.limits()).map_err(|e| Failure::BadInput(e.to_string()))?;
+    let limits = axis_limits(&joint_limits).map_err(|e| Failure::BadInput(e.to_string()))?;
     std::fs::create_dir_all(&args.out).map_err(|source| InputError::Write { file: args.out.clone(), source })?;
 
     let begin = Instant::now();
@@ -106,11 +117,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let rows: Vec<_> = (0..=cycles)
         .map(|i| {
             let t = if i == cycles { motion.duration() } else { i as f64 * job.period };
-            row(cr7.arm(), t, &motion.at(t))
+            row(&arm, t, &motion.at(t))
         })
         .collect();
-    let rates = rates_of(cr7.limits());
-    let (lower, upper) = (*cr7.limits().lower(), *cr7.limits().upper());
+    let rates = rates_of(&joint_limits);
+    let (lower, upper) = (*joint_limits.lower(), *joint_limits.upper());
     let checks = check_joints(&rows, |_| rates, (&lower.into(), &upper.into()));
     let slowest = motion.axes().iter().map(MotionLaw::duration).enumerate().fold(
         (0, 0.0),
@@ -122,6 +133,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         ("line".to_owned(), if motion.is_straight() { "straight in joint space" } else { "not straight" }.to_owned()),
         ("computing".to_owned(), format!("{:.1} us", computing.as_secs_f64() * 1e6)),
     ];
+    facts.extend(assumed.into_iter().map(|text| ("warning".to_owned(), text)));
     if args.mode == Mode::None {
         facts.push(("slowest joint".to_owned(), format!("J{}", slowest.0 + 1)));
     }
@@ -138,11 +150,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let trajectory = args.out.join("trajectory.csv");
     write_trajectory(&trajectory, rows.iter().copied())?;
     report.files.push(trajectory);
-    report.files.extend(draw("joint move", &args.out, &rows, cr7.limits(), |_| rates, &[])?);
+    report.files.extend(draw("joint move", &args.out, &rows, &joint_limits, |_| rates, &[])?);
     if args.json {
-        println!("{}", report.to_json());
+        say!("{}", report.to_json());
     } else {
-        print!("{report}");
+        say_as_is!("{report}");
     }
     // The position range is the one thing that the move itself was not planned for.
     let outside = report.limits.iter().find(|l| l.name == "joint position" && l.ratio.is_nan() | (l.ratio > 1.0));
@@ -156,9 +168,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
 }
 
-fn inside_range(cr7: &Cr7, flag: &str, state: &[AxisState; 6]) -> Result<(), Failure> {
-    let (lower, upper) = (cr7.limits().lower(), cr7.limits().upper());
-    match (0..6).find(|&k| !(lower[k]..=upper[k]).contains(&state[k].p)) {
+fn inside_range<const N: usize>(limits: &JointLimits<N>, flag: &str, state: &[AxisState; N]) -> Result<(), Failure> {
+    let (lower, upper) = (limits.lower(), limits.upper());
+    match (0..N).find(|&k| !(lower[k]..=upper[k]).contains(&state[k].p)) {
         None => Ok(()),
         Some(k) => Err(Failure::BadInput(format!(
             "{flag}: joint {} is {:.3} deg, outside its range [{:.3}, {:.3}] deg",

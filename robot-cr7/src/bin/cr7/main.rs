@@ -4,16 +4,18 @@ mod inspect;
 mod joint_move;
 mod joint_space;
 mod online;
+mod output;
 mod plan;
 mod pose;
 mod reproduce;
+mod robots;
 
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use robot_cr7::Cr7Error;
 
-/// Plans tool paths for the Dobot CR7 robot arm: NURBS paths cut within a chord tolerance, speed planned under tool and
+/// Plans tool paths for the Dobot CR7 and other robot arms: NURBS paths cut within a chord tolerance, speed planned under tool and
 /// joint limits, every result verified before it is handed out.
 ///
 /// Exit codes: 0 done, 1 cannot be planned (or a guarantee does not hold), 2 bad usage or input.
@@ -34,6 +36,7 @@ const EXAMPLES: &str = "Examples:
   cr7 move --from-deg 0 -30 90 30 -90 0 --to-deg 60 0 60 30 -90 45
                                         a joint move: trajectory, pictures and report
   cr7 online scenario.toml              targets and limits that change while the arm moves
+  cr7 plan --robot panda                another robot; `cr7 robots` lists them, files do as well
   cr7 reproduce pn                      the numbers of a paper beside ours";
 
 #[derive(Debug, Subcommand)]
@@ -46,6 +49,12 @@ enum Command {
     Fk(pose::ForwardArgs),
     /// Inverse kinematics: all joint angles that reach a pose
     Ik(pose::InverseArgs),
+    /// Jacobian and distance from singular poses at given joint angles
+    Jacobian(pose::JacobianArgs),
+    /// Torque of the drives for given joint angles, velocities and accelerations
+    Torque(pose::TorqueArgs),
+    /// The robots that come with the program
+    Robots(robots::Args),
     /// Joint move: from one joint state to another, all joints together
     Move(joint_move::Args),
     /// Joint motion towards targets, and within limits, that change on the way
@@ -83,6 +92,9 @@ fn main() -> ExitCode {
         Command::Inspect(args) => inspect::run(&args),
         Command::Fk(args) => pose::forward(&args),
         Command::Ik(args) => pose::inverse(&args),
+        Command::Jacobian(args) => pose::jacobian(&args),
+        Command::Torque(args) => pose::torque(&args),
+        Command::Robots(args) => robots::run(&args),
         Command::Move(args) => joint_move::run(&args),
         Command::Online(args) => online::run(&args),
         Command::Reproduce(args) => reproduce::run(&args),

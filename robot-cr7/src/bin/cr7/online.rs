@@ -3,13 +3,16 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
+use nalgebra::Isometry3;
 use robot_cr7::{
-    Cr7, InputError, Job, JointReport, OnlineScenario, Rates, ScenarioError, TrajectoryRow, check_joints,
+    Cr7Error, InputError, JointReport, OnlineScenario, Rates, Robot, ScenarioError, TrajectoryRow, check_joints,
     write_trajectory,
 };
 
 use crate::Failure;
-use crate::joint_space::{draw, row};
+use crate::joint_space::{draw, for_joints, row};
+use crate::output::{say, say_as_is};
+use crate::robots::RobotArgs;
 
 /// Arguments of `cr7 online`.
 #[derive(Debug, clap::Args)]
@@ -19,6 +22,8 @@ use crate::joint_space::{draw, row};
   cr7 online mine.toml --out mine
   cr7 online mine.toml --json | jq .events")]
 pub struct Args {
+    #[command(flatten)]
+    robot: RobotArgs,
     /// Scenario file (TOML): start, target, limits and timed changes. Without it: an embedded one
     scenario: Option<PathBuf>,
     /// Print the embedded scenario, with every key explained, and stop
@@ -34,39 +39,45 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<(), Failure> {
     if args.print_example {
-        print!("{}", OnlineScenario::EXAMPLE);
+        say_as_is!("{}", OnlineScenario::EXAMPLE);
         return Ok(());
     }
+    let robot = args.robot.load()?;
+    for_joints!(robot, run_with(args, &robot))
+}
+
+fn run_with<const N: usize>(args: &Args, robot: &Robot) -> Result<(), Failure> {
     let scenario = match &args.scenario {
         Some(file) => OnlineScenario::read(file)?,
         None => OnlineScenario::parse(OnlineScenario::EXAMPLE, "online.toml".as_ref())?,
     };
     let name = args.scenario.as_ref().map_or("online.toml".to_owned(), |file| file.display().to_string());
-    let cr7 = Cr7::of(&Job { joints: scenario.joints.clone(), ..Job::default() })?;
+    let (limits, assumed) = robot.limits::<N>(&scenario.joints)?;
+    let arm = robot.arm::<N>(Isometry3::identity()).map_err(Cr7Error::from)?;
     std::fs::create_dir_all(&args.out).map_err(|source| InputError::Write { file: args.out.clone(), source })?;
 
     let begin = Instant::now();
-    let run = scenario.run(cr7.limits()).map_err(|e| match e {
+    let run = scenario.run(&limits).map_err(|e| match e {
         ScenarioError::Input(e) => Failure::BadInput(e.to_string()),
         other => Failure::Undoable(other.to_string()),
     })?;
     let computing = begin.elapsed();
 
-    let rows: Vec<TrajectoryRow<6>> = run.samples.iter().map(|(t, state, _)| row(cr7.arm(), *t, state)).collect();
-    let rates = |i: usize| -> Rates<6> { run.samples[i].2 };
-    let (lower, upper) = (*cr7.limits().lower(), *cr7.limits().upper());
+    let rows: Vec<TrajectoryRow<N>> = run.samples.iter().map(|(t, state, _)| row(&arm, *t, state)).collect();
+    let rates = |i: usize| -> Rates<N> { run.samples[i].2 };
+    let (lower, upper) = (*limits.lower(), *limits.upper());
     let checks = check_joints(&rows, rates, (&lower.into(), &upper.into()));
     let marks: Vec<f64> = run.events.iter().map(|e| e.t_s).filter(|&t| t > 0.0).collect();
     let duration = rows.last().map_or(0.0, |r| r.t);
+    let per_cycle = format!("{:.2} us a cycle", computing.as_secs_f64() * 1e6 / rows.len() as f64);
+    let mut facts = vec![("computing".to_owned(), per_cycle)];
+    facts.extend(assumed.into_iter().map(|text| ("warning".to_owned(), text)));
     let mut report = JointReport {
         name: format!("online motion of {name}"),
         duration_s: duration,
         samples: rows.len(),
         period_s: scenario.period,
-        facts: vec![(
-            "computing".to_owned(),
-            format!("{:.2} us a cycle", computing.as_secs_f64() * 1e6 / rows.len() as f64),
-        )],
+        facts,
         events: run.events.clone(),
         limits: checks,
         files: Vec::new(),
@@ -74,11 +85,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let trajectory = args.out.join("trajectory.csv");
     write_trajectory(&trajectory, rows.iter().copied())?;
     report.files.push(trajectory);
-    report.files.extend(draw(&name, &args.out, &rows, cr7.limits(), rates, &marks)?);
+    report.files.extend(draw(&name, &args.out, &rows, &limits, rates, &marks)?);
     if args.json {
-        println!("{}", report.to_json());
+        say!("{}", report.to_json());
     } else {
-        print!("{report}");
+        say_as_is!("{report}");
     }
     Ok(())
 }

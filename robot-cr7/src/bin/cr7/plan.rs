@@ -4,14 +4,17 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use arcfeed_interp::{PathArm, Setpoint};
+use arcfeed_interp::{LockedArm, PathArm, Setpoint, best_start};
 use indicatif::{ProgressBar, ProgressStyle};
 use robot_cr7::plot::{Along, Bound, JointQuantity, feed_picture, joint_picture, path_picture, save_picture};
 use robot_cr7::{
-    InputError, Job, LengthUnit, Motion, PathFile, butterfly, drawn_segments, trajectory_row, write_trajectory,
+    Cr7Error, InputError, Job, LengthUnit, Motion, PathFile, butterfly, drawn_segments, plan_with, trajectory_row,
+    write_trajectory,
 };
 
 use crate::Failure;
+use crate::output::{say, say_as_is};
+use crate::robots::RobotArgs;
 
 /// Arguments of `cr7 plan`.
 #[derive(Debug, clap::Args)]
@@ -20,8 +23,11 @@ use crate::Failure;
   cr7 plan part.json                       a NURBS curve (JSON)
   cr7 plan points.csv --unit mm            a curve fitted to points
   cr7 plan --job robot-cr7/jobs/butterfly.toml --out butterfly
+  cr7 plan --robot ur5e                    another robot: a name of `cr7 robots`, a .urdf or a .json file
   cr7 plan --job job.toml --json | jq .duration_s")]
 pub struct Args {
+    #[command(flatten)]
+    robot: RobotArgs,
     /// Path file: .json (NURBS curve) or .csv (points). Without it: the job's, else an embedded butterfly
     path: Option<PathBuf>,
     /// Job file (TOML): workpiece, tool, feed, limits, tolerance, period. Without it: documented defaults
@@ -49,8 +55,35 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     std::fs::create_dir_all(&args.out).map_err(|source| InputError::Write { file: args.out.clone(), source })?;
 
     let bar = spinner("planning");
-    let motion = robot_cr7::plan(&job, &file)?;
-    finish(args, &job, &motion, &bar)
+    if args.robot.is_default() {
+        return finish(args, &job, &robot_cr7::plan(&job, &file)?, &bar);
+    }
+    let robot = args.robot.load()?;
+    match robot.joints() {
+        6 => {
+            let (limits, assumed) = robot.limits::<6>(&job.joints)?;
+            let arm = robot.arm::<6>(job.tool).map_err(Cr7Error::from)?;
+            let mut motion = plan_with(&job, &file, &limits, |path| {
+                let start = best_start(&arm, path, limits.lower(), limits.upper())?;
+                Ok((arm, start))
+            })?;
+            motion.warn(assumed);
+            finish(args, &job, &motion, &bar)
+        }
+        7 => {
+            let (limits, assumed) = robot.limits::<7>(&job.joints)?;
+            let arm = robot.arm::<7>(job.tool).map_err(Cr7Error::from)?;
+            let mut motion = plan_with(&job, &file, &limits, |path| LockedArm::for_path(&arm, path))?;
+            let (joint, value) = motion.arm().held();
+            motion.warn([format!("joint {} is held at {:.3} deg all the way", joint + 1, value.to_degrees())]);
+            motion.warn(assumed);
+            finish(args, &job, &motion, &bar)
+        }
+        n => Err(Failure::Undoable(format!(
+            "{} has {n} joints: a tool path with its orientation needs six, or seven of which one is held",
+            args.robot.robot
+        ))),
+    }
 }
 
 /// Samples the motion and writes all there is to write.
@@ -81,9 +114,9 @@ fn finish<A: PathArm<N>, const N: usize>(
     }
     bar.finish_and_clear();
     if args.json {
-        println!("{}", report.to_json());
+        say!("{}", report.to_json());
     } else {
-        print!("{report}");
+        say_as_is!("{report}");
     }
     Ok(())
 }

@@ -1,26 +1,46 @@
-//! `cr7 fk` and `cr7 ik`: from joint angles to the tool and back.
+//! `cr7 fk`, `ik`, `jacobian` and `torque`: one configuration of an arm.
 
-use arcfeed_kinematics::{
-    AnalyticInverse, ForwardKinematics, InverseKinematics, Joints, manipulability, smallest_singular_value,
-};
+use arcfeed_kinematics::Dexterity;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
-use robot_cr7::{Cr7, Cr7Error};
+use robot_cr7::Robot;
 
 use crate::Failure;
+use crate::output::say;
+use crate::robots::{RobotArgs, joint_values};
+
+/// Joint angles on the command line.
+#[derive(Debug, clap::Args)]
+pub struct Angles {
+    /// Joint angles in degrees, one for each joint; the zero is the robot's own (the CR7's: upright)
+    #[arg(long, num_args = 1..=10, allow_negative_numbers = true, value_name = "Q",
+          required_unless_present = "rad", conflicts_with = "rad")]
+    deg: Option<Vec<f64>>,
+    /// Joint angles in radians
+    #[arg(long, num_args = 1..=10, allow_negative_numbers = true, value_name = "Q")]
+    rad: Option<Vec<f64>>,
+}
+
+impl Angles {
+    fn of(&self, robot: &Robot) -> Result<Vec<f64>, Failure> {
+        match (&self.deg, &self.rad) {
+            (Some(deg), _) => Ok(joint_values("--deg", deg, robot)?.iter().map(|d| d.to_radians()).collect()),
+            (None, Some(rad)) => joint_values("--rad", rad, robot),
+            (None, None) => Err(Failure::BadInput("give the joint angles with --deg or --rad".to_owned())),
+        }
+    }
+}
 
 /// Arguments of `cr7 fk`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   cr7 fk --deg 0 -30 90 30 -90 0
-  cr7 fk --rad 0 0 1.57 0 -1.57 0 --json")]
+  cr7 fk --rad 0 0 1.57 0 -1.57 0 --json
+  cr7 fk --robot panda --deg 0 -23 0 -115 0 92 40")]
 pub struct ForwardArgs {
-    /// Joint angles in degrees, six of them; 0 is the maker's zero, the arm upright
-    #[arg(long, num_args = 6, allow_negative_numbers = true, value_names = ["Q1", "Q2", "Q3", "Q4", "Q5", "Q6"],
-          required_unless_present = "rad", conflicts_with = "rad")]
-    deg: Option<Vec<f64>>,
-    /// Joint angles in radians
-    #[arg(long, num_args = 6, allow_negative_numbers = true, value_names = ["Q1", "Q2", "Q3", "Q4", "Q5", "Q6"])]
-    rad: Option<Vec<f64>>,
+    #[command(flatten)]
+    robot: RobotArgs,
+    #[command(flatten)]
+    angles: Angles,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -30,8 +50,11 @@ pub struct ForwardArgs {
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   cr7 ik --xyz-mm 400 0 300 --rpy-deg 180 0 0
-  cr7 ik --xyz-mm 400 0 300 --quat-xyzw 1 0 0 0 --near-deg 0 -30 90 30 -90 0")]
+  cr7 ik --xyz-mm 400 0 300 --quat-xyzw 1 0 0 0 --near-deg 0 -30 90 30 -90 0
+  cr7 ik --robot kr6_r700 --xyz-mm 400 0 300 --rpy-deg 180 0 0")]
 pub struct InverseArgs {
+    #[command(flatten)]
+    robot: RobotArgs,
     /// Position of the flange in the base frame, mm
     #[arg(long, num_args = 3, allow_negative_numbers = true, value_names = ["X", "Y", "Z"])]
     xyz_mm: Vec<f64>,
@@ -43,53 +66,104 @@ pub struct InverseArgs {
     #[arg(long, num_args = 4, allow_negative_numbers = true, value_names = ["X", "Y", "Z", "W"])]
     quat_xyzw: Option<Vec<f64>>,
     /// Mark the solution nearest to these joint angles (degrees), full turns included
-    #[arg(long, num_args = 6, allow_negative_numbers = true, value_names = ["Q1", "Q2", "Q3", "Q4", "Q5", "Q6"])]
+    #[arg(long, num_args = 1..=10, allow_negative_numbers = true, value_name = "Q")]
     near_deg: Option<Vec<f64>>,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
 }
 
+/// Arguments of `cr7 jacobian`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  cr7 jacobian --deg 0 -30 90 30 -90 0
+  cr7 jacobian --robot arm.urdf --rad 0.1 0.2 0.3 0.4 0.5 0.6 --json")]
+pub struct JacobianArgs {
+    #[command(flatten)]
+    robot: RobotArgs,
+    #[command(flatten)]
+    angles: Angles,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// Arguments of `cr7 torque`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  cr7 torque --robot ur5e --deg 0 -90 90 -90 -90 0
+  cr7 torque --robot panda --deg 0 -23 0 -115 0 92 40 --deg-s 10 10 10 10 10 10 10 --json")]
+pub struct TorqueArgs {
+    #[command(flatten)]
+    robot: RobotArgs,
+    #[command(flatten)]
+    angles: Angles,
+    /// Joint velocities in degrees per second [default: 0]
+    #[arg(long, num_args = 1..=10, allow_negative_numbers = true, value_name = "V")]
+    deg_s: Option<Vec<f64>>,
+    /// Joint accelerations in degrees per second squared [default: 0]
+    #[arg(long, num_args = 1..=10, allow_negative_numbers = true, value_name = "A")]
+    deg_s2: Option<Vec<f64>>,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+fn undoable(error: impl ToString) -> Failure {
+    Failure::Undoable(error.to_string())
+}
+
 pub fn forward(args: &ForwardArgs) -> Result<(), Failure> {
-    let q = match (&args.deg, &args.rad) {
-        (Some(deg), _) => Joints::<6>::from_iterator(deg.iter().map(|d| d.to_radians())),
-        (None, Some(rad)) => Joints::<6>::from_iterator(rad.iter().copied()),
-        (None, None) => return Err(Failure::BadInput("give the joint angles with --deg or --rad".to_owned())),
-    };
-    finite(q.iter(), "a joint angle")?;
-    let cr7 = Cr7::new(Isometry3::identity()).map_err(Cr7Error::from)?;
-    let (pose, jacobian) = cr7.arm().forward_jacobian(&q);
+    let robot = args.robot.load()?;
+    let q = args.angles.of(&robot)?;
+    let pose = robot.any().forward(&q).map_err(undoable)?;
+    let at = robot.any().dexterity(&q).map_err(undoable)?;
+    let inside = inside(&robot, &q);
     let (p, r) = (pose.translation.vector, pose.rotation);
     let (roll, pitch, yaw) = r.euler_angles();
     let quaternion = r.quaternion();
     let xyzw = [quaternion.i, quaternion.j, quaternion.k, quaternion.w];
-    let sigma = smallest_singular_value(&jacobian);
     if args.json {
         let object = serde_json::json!({
             "position_m": [p.x, p.y, p.z],
             "quaternion_xyzw": xyzw,
-            "inside_limits": cr7.arm().range().contains(&q),
-            "smallest_singular_value": sigma,
-            "manipulability": manipulability(&jacobian),
+            "inside_limits": inside,
+            "smallest_singular_value": at.sigma_min,
+            "manipulability": at.manipulability,
         });
-        println!("{object}");
+        say!("{object}");
         return Ok(());
     }
-    println!("flange in base");
-    println!("  position     {:.4} {:.4} {:.4} mm", p.x * 1e3, p.y * 1e3, p.z * 1e3);
-    println!("  rpy          {:.4} {:.4} {:.4} deg", roll.to_degrees(), pitch.to_degrees(), yaw.to_degrees());
-    println!("  quaternion   {:.9} {:.9} {:.9} {:.9} (x y z w)", xyzw[0], xyzw[1], xyzw[2], xyzw[3]);
-    println!(
-        "  singularity  smallest singular value {sigma:.4} (rows in m and rad), manipulability {:.5}",
-        manipulability(&jacobian)
-    );
-    if !cr7.arm().range().contains(&q) {
-        println!("  these joint angles are outside the joint ranges of the arm");
+    say!("flange in base");
+    say!("  position     {:.4} {:.4} {:.4} mm", p.x * 1e3, p.y * 1e3, p.z * 1e3);
+    say!("  rpy          {:.4} {:.4} {:.4} deg", roll.to_degrees(), pitch.to_degrees(), yaw.to_degrees());
+    say!("  quaternion   {:.9} {:.9} {:.9} {:.9} (x y z w)", xyzw[0], xyzw[1], xyzw[2], xyzw[3]);
+    print_dexterity(&at);
+    if !inside {
+        say!("  these joint angles are outside the joint ranges of the arm");
     }
     Ok(())
 }
 
+fn inside(robot: &Robot, q: &[f64]) -> bool {
+    let (lower, upper) = robot.any().range();
+    q.iter().zip(lower.iter().zip(upper)).all(|(q, (low, high))| (low..=high).contains(&q))
+}
+
+fn print_dexterity(at: &Dexterity) {
+    say!(
+        "  singularity  smallest singular value {:.4} (rows in m and rad), condition {:.1}, manipulability {:.5}",
+        at.sigma_min,
+        at.condition,
+        at.manipulability
+    );
+    if let Some(d) = &at.singularities {
+        say!("               nearest kind: {}", d.nearest);
+    }
+}
+
 pub fn inverse(args: &InverseArgs) -> Result<(), Failure> {
+    let robot = args.robot.load()?;
     if args.xyz_mm.len() != 3 {
         return Err(Failure::BadInput("give the position with --xyz-mm X Y Z".to_owned()));
     }
@@ -113,31 +187,81 @@ pub fn inverse(args: &InverseArgs) -> Result<(), Failure> {
     };
     let position = Translation3::new(args.xyz_mm[0] * 1e-3, args.xyz_mm[1] * 1e-3, args.xyz_mm[2] * 1e-3);
     let target = Isometry3::from_parts(position, rotation);
-    let cr7 = Cr7::new(Isometry3::identity()).map_err(Cr7Error::from)?;
-    let solutions = cr7.arm().inverse_all(&target).map_err(|e| Failure::Undoable(e.to_string()))?;
+    let (solutions, complete) = robot.any().inverse_all(&target).map_err(undoable)?;
     let nearest = match &args.near_deg {
         Some(near) => {
-            finite(near.iter(), "an angle of --near-deg")?;
-            let seed = Joints::<6>::from_iterator(near.iter().map(|d| d.to_radians()));
-            Some(cr7.arm().inverse(&target, &seed).map_err(|e| Failure::Undoable(e.to_string()))?)
+            let seed: Vec<f64> = joint_values("--near-deg", near, &robot)?.iter().map(|d| d.to_radians()).collect();
+            Some(robot.any().inverse(&target, &seed).map_err(undoable)?)
         }
         None => None,
     };
     if args.json {
-        let list: Vec<[f64; 6]> = solutions.iter().map(|q| (*q).into()).collect();
-        let near: Option<[f64; 6]> = nearest.map(Into::into);
-        println!("{}", serde_json::json!({ "solutions_rad": list, "nearest_rad": near }));
+        let object = serde_json::json!({ "solutions_rad": solutions, "complete": complete, "nearest_rad": nearest });
+        say!("{object}");
         return Ok(());
     }
-    println!("{} solutions, degrees, modulo 360", solutions.len());
-    let row = |q: &Joints<6>| q.iter().map(|a| format!("{:>10.4}", a.to_degrees())).collect::<String>();
-    for q in solutions.iter() {
-        let note = if cr7.arm().range().contains(q) { "" } else { "   outside the joint ranges" };
-        println!("{}{note}", row(q));
+    say!(
+        "{} solutions, degrees, modulo 360{}",
+        solutions.len(),
+        if complete { "" } else { " (found by search: there may be more)" }
+    );
+    let row = |q: &[f64]| q.iter().map(|a| format!("{:>10.4}", a.to_degrees())).collect::<String>();
+    for q in &solutions {
+        let note = if inside(&robot, q) { "" } else { "   outside the joint ranges" };
+        say!("{}{note}", row(q));
     }
     if let Some(q) = nearest {
-        println!("nearest to --near-deg, full turns included");
-        println!("{}", row(&q));
+        say!("nearest to --near-deg, full turns included");
+        say!("{}", row(&q));
+    }
+    Ok(())
+}
+
+pub fn jacobian(args: &JacobianArgs) -> Result<(), Failure> {
+    let robot = args.robot.load()?;
+    let q = args.angles.of(&robot)?;
+    let at = robot.any().dexterity(&q).map_err(undoable)?;
+    if args.json {
+        let object = serde_json::json!({
+            "columns": at.jacobian, "smallest_singular_value": at.sigma_min, "condition": at.condition,
+            "manipulability": at.manipulability, "nearest_singularity": at.singularities.map(|d| d.nearest.to_string()),
+        });
+        say!("{object}");
+        return Ok(());
+    }
+    say!("Jacobian at the flange, base axes; rows m/s and rad/s, a column for 1 rad/s (m/s) of each joint");
+    for (row, name) in ["x", "y", "z", "wx", "wy", "wz"].iter().enumerate() {
+        let cells: String = at.jacobian.iter().map(|column| format!("{:>11.6}", column[row])).collect();
+        say!("  {name:<3}{cells}");
+    }
+    print_dexterity(&at);
+    Ok(())
+}
+
+pub fn torque(args: &TorqueArgs) -> Result<(), Failure> {
+    let robot = args.robot.load()?;
+    let q = args.angles.of(&robot)?;
+    let rates = |flag: &str, given: &Option<Vec<f64>>| -> Result<Vec<f64>, Failure> {
+        match given {
+            Some(given) => Ok(joint_values(flag, given, &robot)?.iter().map(|d| d.to_radians()).collect()),
+            None => Ok(vec![0.0; robot.joints()]),
+        }
+    };
+    let (qd, qdd) = (rates("--deg-s", &args.deg_s)?, rates("--deg-s2", &args.deg_s2)?);
+    let torque = robot.any().torque(&q, &qd, &qdd).map_err(undoable)?;
+    let joints = &robot.description().joints;
+    if args.json {
+        let limits: Vec<_> = joints.iter().map(|j| j.torque).collect();
+        say!("{}", serde_json::json!({ "torque": torque, "limit": limits }));
+        return Ok(());
+    }
+    say!("torque of the drives, friction included");
+    for (joint, torque) in joints.iter().zip(&torque) {
+        let limit = joint.torque.map(|l| format!("  {:>6.1} % of {l} N m", 100.0 * torque.abs() / l));
+        say!("  {:<16}{torque:>12.4} N m{}", joint.name, limit.unwrap_or_default());
+    }
+    for note in &robot.description().notes {
+        say!("  note: {note}");
     }
     Ok(())
 }

@@ -8,6 +8,7 @@ use robot_cr7::plot::{Line, lines_picture, save_picture};
 use robot_cr7::reproduce::{Figure, Reproduction, liu_2023, liu_2024};
 
 use crate::Failure;
+use crate::output::{say, say_as_is};
 use crate::plan::spinner;
 
 /// Arguments of `cr7 reproduce`.
@@ -47,11 +48,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     };
     bar.finish_and_clear();
     if args.json {
-        println!("{}", reproduction.to_json());
+        say!("{}", reproduction.to_json());
     } else {
-        print!("{reproduction}");
+        say_as_is!("{reproduction}");
         for file in files {
-            println!("wrote {}", file.display());
+            say!("wrote {}", file.display());
         }
     }
     match reproduction.broken().count() {

@@ -1,0 +1,67 @@
+//! What speed planning along a path costs: six joints, rows included.
+#![allow(missing_docs)]
+use std::hint::black_box;
+
+use arcfeed_feedrate::constraint::{JointAcceleration, JointJerk, JointVelocity};
+use arcfeed_feedrate::{
+    BothEndsScan, CertifiedReachability, FeedPlanner, FeedProblem, JerkLimited, MotionLaw, Reachability,
+};
+use criterion::{Criterion, criterion_group, criterion_main};
+
+#[path = "../tests/common/spline_paths.rs"]
+mod spline_paths;
+use spline_paths::{A_MAX, JOINTS, Samples, Spline, V_A, paths};
+
+/// Rows at the points, and those between them with or without jerk.
+#[derive(Clone, Copy, PartialEq)]
+enum Rows {
+    Points,
+    Between,
+    Jerk,
+}
+
+fn problem(grid: &[f64], samples: &Samples, jerk: &[f64; JOINTS], rows: Rows) -> FeedProblem {
+    let path = samples.path();
+    let velocity = JointVelocity::new(path, &V_A).expect("valid limits");
+    let acceleration = JointAcceleration::new(path, &A_MAX).expect("valid limits");
+    let jerk = JointJerk::new(path, jerk).expect("valid limits");
+    match rows {
+        Rows::Points => FeedProblem::at_points(grid, &[&velocity, &acceleration]),
+        Rows::Between => FeedProblem::between_points(grid, &[&velocity, &acceleration]),
+        Rows::Jerk => FeedProblem::between_points(grid, &[&velocity, &acceleration, &jerk]),
+    }
+    .expect("a valid grid")
+}
+
+fn planners(c: &mut Criterion) {
+    let path = &paths()[0].spline;
+    let jerk = A_MAX.map(|a| 10.0 * a);
+    let jerk_limited = JerkLimited::default();
+    let all: [(&str, Rows, &dyn FeedPlanner); 4] = [
+        ("both ends", Rows::Points, &BothEndsScan),
+        ("reachability", Rows::Points, &Reachability),
+        ("certified", Rows::Between, &CertifiedReachability),
+        ("jerk-limited", Rows::Jerk, &jerk_limited),
+    ];
+    for n in [100, 500, 1000, 10_000, 100_000] {
+        let grid = Spline::uniform(n);
+        let samples = path.samples(&grid);
+        c.bench_function(&format!("rows, {n}"), |b| {
+            b.iter(|| problem(black_box(&grid), &samples, &jerk, Rows::Points))
+        });
+        for (name, rows, planner) in all {
+            if n > 10_000 && rows == Rows::Jerk {
+                continue;
+            }
+            let mut group = c.benchmark_group(name);
+            group.sample_size(if n > 1000 || rows == Rows::Jerk { 10 } else { 60 });
+            group.bench_function(n.to_string(), |b| {
+                b.iter(|| planner.plan(&problem(black_box(&grid), &samples, &jerk, rows)).map(|plan| plan.duration()))
+            });
+            group.finish();
+        }
+    }
+}
+
+criterion_group!(benches, planners);
+criterion_main!(benches);

@@ -1,0 +1,198 @@
+//! Velocity, acceleration and jerk of joints.
+
+use super::path::PathDerivatives;
+use super::{PathConstraint, Place, RowSink, Within};
+use crate::error::FeedError;
+use crate::row::{JerkRow, Quantity, Row, RowSource};
+
+/// One limit per axis: not negative, may be infinite.
+fn per_axis(what: &'static str, path: &PathDerivatives<'_>, limits: &[f64]) -> Result<(), FeedError> {
+    if limits.len() != path.axes() {
+        return Err(FeedError::LengthMismatch { what, got: limits.len(), expected: path.axes() });
+    }
+    match limits.iter().find(|&&limit| limit.is_nan() || limit < 0.0) {
+        Some(&value) => Err(FeedError::Negative { what, value }),
+        None => Ok(()),
+    }
+}
+
+/// `|q' sdot| <= v` for every joint (Electronics 2025, 14, 3869, eq. 4).
+#[derive(Debug, Clone)]
+pub struct JointVelocity<'a> {
+    path: PathDerivatives<'a>,
+    limits: &'a [f64],
+    /// Their inverses, so that a point costs one division and not one per joint.
+    inverses: Vec<f64>,
+}
+
+impl<'a> JointVelocity<'a> {
+    /// Limits per joint (rad/s or m/s), not negative; infinity means none.
+    ///
+    /// # Errors
+    /// [`FeedError::LengthMismatch`], [`FeedError::Negative`].
+    pub fn new(path: PathDerivatives<'a>, limits: &'a [f64]) -> Result<Self, FeedError> {
+        per_axis("joint velocity limits", &path, limits)?;
+        Ok(Self { path, limits, inverses: limits.iter().map(|limit| 1.0 / limit).collect() })
+    }
+
+    /// The joint that is fastest in units of its limit decides.
+    fn cap(&self, slopes: impl Iterator<Item = f64>, out: &mut RowSink<'_>) {
+        let (mut most, mut joint) = (0.0, 0);
+        for (j, (slope, inverse)) in slopes.zip(&self.inverses).enumerate() {
+            let ratio = slope.abs() * inverse;
+            // A joint that stands still may have a limit of 0; any other NaN must not get lost.
+            if ratio > most || ratio.is_nan() && slope != 0.0 {
+                (most, joint) = (ratio, j);
+            }
+        }
+        if most != 0.0 {
+            out.cap(1.0 / (most * most), RowSource::joint(Quantity::JointVelocity, joint));
+        }
+    }
+}
+
+impl PathConstraint for JointVelocity<'_> {
+    fn points(&self) -> Option<usize> {
+        Some(self.path.points())
+    }
+
+    fn rows(&self, place: Place, out: &mut RowSink<'_>) {
+        match place {
+            Place::Point(i) => {
+                self.cap(self.path.first(i).iter().copied(), out);
+                if let Some(before) = self.path.first_before(i) {
+                    self.cap(before.iter().copied(), out);
+                }
+            }
+            Place::Middle { k, h } => self.cap((0..self.path.axes()).map(|j| self.path.mid(k, h, j)[0]), out),
+        }
+    }
+
+    fn axis_speeds(&self, k: usize, h: f64, out: &mut dyn FnMut([f64; 3], f64, RowSource)) {
+        for (j, &limit) in self.limits.iter().enumerate().filter(|(_, limit)| limit.is_finite()) {
+            let (p0, p1) = (self.path.start(k, j)[0], self.path.end(k + 1, j)[0]);
+            let middle = 2.0 * self.path.mid(k, h, j)[0] - 0.5 * (p0 + p1);
+            out([p0, middle, p1], limit, RowSource::joint(Quantity::JointVelocity, j));
+        }
+    }
+}
+
+/// `|q' u + q'' x| <= a` for every joint (Electronics 2025, 14, 3869, eq. 5).
+#[derive(Debug, Clone, Copy)]
+pub struct JointAcceleration<'a> {
+    path: PathDerivatives<'a>,
+    limits: &'a [f64],
+    all_finite: bool,
+}
+
+impl<'a> JointAcceleration<'a> {
+    /// Limits per joint (rad/s² or m/s²), not negative; infinity means none.
+    ///
+    /// # Errors
+    /// [`FeedError::LengthMismatch`], [`FeedError::Negative`].
+    pub fn new(path: PathDerivatives<'a>, limits: &'a [f64]) -> Result<Self, FeedError> {
+        per_axis("joint acceleration limits", &path, limits)?;
+        Ok(Self { path, limits, all_finite: limits.iter().all(|limit| limit.is_finite()) })
+    }
+
+    fn row(&self, j: usize, a: f64, b: f64, out: &mut RowSink<'_>) {
+        out.row(Row::symmetric(a, b, self.limits[j], RowSource::joint(Quantity::JointAcceleration, j)));
+    }
+}
+
+impl PathConstraint for JointAcceleration<'_> {
+    fn points(&self) -> Option<usize> {
+        Some(self.path.points())
+    }
+
+    fn rows(&self, place: Place, out: &mut RowSink<'_>) {
+        match place {
+            Place::Point(i) => {
+                let (first, second) = (self.path.first(i), self.path.second(i));
+                if self.all_finite {
+                    let rows = first.iter().zip(second).zip(self.limits).zip(0..);
+                    out.rows.extend(rows.map(|(((&a, &b), &limit), joint)| {
+                        let source = RowSource { quantity: Quantity::JointAcceleration, joint: Some(joint) };
+                        Row::symmetric(a, b, limit, source)
+                    }));
+                } else {
+                    first.iter().zip(second).enumerate().for_each(|(j, (&a, &b))| self.row(j, a, b, out));
+                }
+                let (first_before, second_before) = (self.path.first_before(i), self.path.second_before(i));
+                let jumps = first_before.is_some_and(|before| {
+                    before.iter().zip(first).zip(self.limits).any(|((p, q), limit)| p != q && limit.is_finite())
+                });
+                if jumps {
+                    out.cap(0.0, RowSource::path(Quantity::Corner));
+                } else if let Some(before) = second_before.filter(|before| *before != second) {
+                    for (j, (&a, &b)) in first.iter().zip(before).enumerate() {
+                        self.row(j, a, b, out);
+                    }
+                }
+            }
+            Place::Middle { k, h } => {
+                for j in 0..self.path.axes() {
+                    let [a, b, _] = self.path.mid(k, h, j);
+                    self.row(j, a, b, out);
+                }
+            }
+        }
+    }
+}
+
+/// `|(q' w + 3 q'' u + q''' x) sdot| <= jerk` for every joint.
+#[derive(Debug, Clone, Copy)]
+pub struct JointJerk<'a> {
+    path: PathDerivatives<'a>,
+    limits: &'a [f64],
+}
+
+impl<'a> JointJerk<'a> {
+    /// Limits per joint (rad/s³ or m/s³), above 0; infinity means none.
+    ///
+    /// # Errors
+    /// [`FeedError::LengthMismatch`], [`FeedError::Negative`], [`FeedError::NotPositive`]; [`FeedError::Empty`] if the path
+    /// has no third derivatives.
+    pub fn new(path: PathDerivatives<'a>, limits: &'a [f64]) -> Result<Self, FeedError> {
+        per_axis("joint jerk limits", &path, limits)?;
+        if limits.contains(&0.0) {
+            return Err(FeedError::NotPositive { what: "joint jerk limits", value: 0.0 });
+        }
+        if !path.has_third() {
+            return Err(FeedError::Empty { what: "third derivatives of the path" });
+        }
+        Ok(Self { path, limits })
+    }
+}
+
+impl PathConstraint for JointJerk<'_> {
+    fn points(&self) -> Option<usize> {
+        Some(self.path.points())
+    }
+
+    fn rows(&self, place: Place, out: &mut RowSink<'_>) {
+        // Where the acceleration of a joint would jump, only standing still keeps its jerk.
+        let Place::Point(i) = place else { return };
+        let jump = |before: Option<&[f64]>, after: &[f64]| {
+            before.is_some_and(|before| {
+                before.iter().zip(after).zip(self.limits).any(|((p, q), limit)| p != q && limit.is_finite())
+            })
+        };
+        if jump(self.path.first_before(i), self.path.first(i)) || jump(self.path.second_before(i), self.path.second(i))
+        {
+            out.cap(0.0, RowSource::path(Quantity::Corner));
+        }
+    }
+
+    fn jerk_rows(&self, k: usize, h: f64, within: Within, out: &mut Vec<JerkRow>) {
+        for (j, &limit) in self.limits.iter().enumerate().filter(|(_, limit)| limit.is_finite()) {
+            let [p, s, t] = match within {
+                Within::Start => self.path.start(k, j),
+                Within::Middle => self.path.mid(k, h, j),
+                Within::End => self.path.end(k + 1, j),
+            };
+            let source = RowSource::joint(Quantity::JointJerk, j);
+            out.push(JerkRow { alpha: p, beta: 3.0 * s, gamma: t, limit, source });
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! The shape of a path as seen by its joints: derivatives by the path parameter on a grid.
+
+use crate::error::FeedError;
+
+/// Derivatives by `s` of one or more axes (joints, or tool coordinates) at every grid point, row-major:
+/// entry `i * axes + j` belongs to axis `j` at grid point `i`.
+///
+/// Where a derivative jumps at a grid point, as the third one of a cubic spline does at its knots, the main arrays hold the
+/// value just after the point and [`PathDerivatives::with_values_before`] the one just before it. A jump of the *first*
+/// derivative is a corner, at which the motion has to stop.
+#[derive(Debug, Clone, Copy)]
+pub struct PathDerivatives<'a> {
+    axes: usize,
+    points: usize,
+    after: [&'a [f64]; 3],
+    before: [&'a [f64]; 3],
+    middle: Option<[&'a [f64]; 2]>,
+}
+
+/// First, second and third derivative of one axis at one place.
+pub(super) type Jet = [f64; 3];
+
+impl<'a> PathDerivatives<'a> {
+    /// First and second derivatives at every grid point.
+    ///
+    /// # Errors
+    /// [`FeedError::Empty`] without axes, [`FeedError::LengthMismatch`] if the arrays differ in length or do not hold a whole
+    /// number of points.
+    pub fn new(axes: usize, first: &'a [f64], second: &'a [f64]) -> Result<Self, FeedError> {
+        if axes == 0 || first.is_empty() {
+            return Err(FeedError::Empty { what: "path derivatives" });
+        }
+        let points = first.len() / axes;
+        let path = Self { axes, points, after: [first, second, &[]], before: [first, second, &[]], middle: None };
+        path.check("first derivatives", first)?;
+        path.check("second derivatives", second)?;
+        Ok(path)
+    }
+
+    /// Adds third derivatives at every grid point, just after it.
+    ///
+    /// # Errors
+    /// [`FeedError::LengthMismatch`].
+    pub fn with_third(mut self, third: &'a [f64]) -> Result<Self, FeedError> {
+        self.check("third derivatives", third)?;
+        self.after[2] = third;
+        self.before[2] = third;
+        Ok(self)
+    }
+
+    /// Gives the values just before every grid point where they may differ from those after it: first, second and third
+    /// derivatives; an empty array means "the same". The entries of the first grid point are not used.
+    ///
+    /// # Errors
+    /// [`FeedError::LengthMismatch`].
+    pub fn with_values_before(
+        mut self,
+        first: &'a [f64],
+        second: &'a [f64],
+        third: &'a [f64],
+    ) -> Result<Self, FeedError> {
+        let names = ["first derivatives before", "second derivatives before", "third derivatives before"];
+        for (k, values) in [first, second, third].into_iter().enumerate() {
+            if !values.is_empty() {
+                self.check(names[k], values)?;
+                self.before[k] = values;
+            }
+        }
+        Ok(self)
+    }
+
+    /// Gives first and second derivatives in the middle of every interval (one point less than the grid has). Without
+    /// them they are interpolated from both ends by Hermite's formula, which is exact on a cubic path.
+    ///
+    /// # Errors
+    /// [`FeedError::LengthMismatch`].
+    pub fn with_middles(mut self, first: &'a [f64], second: &'a [f64]) -> Result<Self, FeedError> {
+        let expected = (self.points - 1) * self.axes;
+        for (what, values) in [("first derivatives in the middle", first), ("second derivatives in the middle", second)]
+        {
+            if values.len() != expected {
+                return Err(FeedError::LengthMismatch { what, got: values.len(), expected });
+            }
+        }
+        self.middle = Some([first, second]);
+        Ok(self)
+    }
+
+    fn check(&self, what: &'static str, values: &[f64]) -> Result<(), FeedError> {
+        let expected = self.points * self.axes;
+        if values.len() == expected {
+            Ok(())
+        } else {
+            Err(FeedError::LengthMismatch { what, got: values.len(), expected })
+        }
+    }
+
+    /// Number of axes.
+    pub fn axes(&self) -> usize {
+        self.axes
+    }
+
+    /// Number of grid points.
+    pub fn points(&self) -> usize {
+        self.points
+    }
+
+    /// Whether third derivatives are known.
+    pub fn has_third(&self) -> bool {
+        !self.after[2].is_empty()
+    }
+
+    /// First derivatives of all axes just after point `i`.
+    pub(super) fn first(&self, i: usize) -> &'a [f64] {
+        &self.after[0][i * self.axes..(i + 1) * self.axes]
+    }
+
+    /// Second derivatives of all axes just after point `i`.
+    pub(super) fn second(&self, i: usize) -> &'a [f64] {
+        &self.after[1][i * self.axes..(i + 1) * self.axes]
+    }
+
+    /// First derivatives of all axes just before point `i`, if they are given apart.
+    pub(super) fn first_before(&self, i: usize) -> Option<&'a [f64]> {
+        self.apart(0, i)
+    }
+
+    /// Second derivatives of all axes just before point `i`, if they are given apart.
+    pub(super) fn second_before(&self, i: usize) -> Option<&'a [f64]> {
+        self.apart(1, i)
+    }
+
+    fn apart(&self, order: usize, i: usize) -> Option<&'a [f64]> {
+        let apart = i > 0 && !std::ptr::eq(self.before[order], self.after[order]);
+        apart.then(|| &self.before[order][i * self.axes..(i + 1) * self.axes])
+    }
+
+    /// Axis `j` just after point `i`; an unknown third derivative is 0.
+    pub(super) fn start(&self, i: usize, j: usize) -> Jet {
+        self.after.map(|values| values.get(i * self.axes + j).copied().unwrap_or(0.0))
+    }
+
+    /// Axis `j` just before point `i`.
+    pub(super) fn end(&self, i: usize, j: usize) -> Jet {
+        self.before.map(|values| values.get(i * self.axes + j).copied().unwrap_or(0.0))
+    }
+
+    /// Axis `j` in the middle of interval `k` of length `h`.
+    pub(super) fn mid(&self, k: usize, h: f64, j: usize) -> Jet {
+        let ([p0, s0, t0], [p1, s1, t1]) = (self.start(k, j), self.end(k + 1, j));
+        let third = if self.has_third() { 0.5 * (t0 + t1) } else { (s1 - s0) / h };
+        if let Some([first, second]) = self.middle {
+            return [first[k * self.axes + j], second[k * self.axes + j], third];
+        }
+        let second = if self.has_third() {
+            0.5 * (s0 + s1) + 0.125 * h * (t0 - t1)
+        } else {
+            1.5 * (p1 - p0) / h - 0.25 * (s0 + s1)
+        };
+        [0.5 * (p0 + p1) + 0.125 * h * (s0 - s1), second, third]
+    }
+}

@@ -1,0 +1,161 @@
+//! Limits of the tool: feed, speed, acceleration and jerk along the path.
+
+use super::{PathConstraint, Place, RowSink, Within};
+use crate::error::{FeedError, positive};
+use crate::row::{JerkRow, Quantity, Row, RowSource};
+
+/// A cap on `ds/dt` at every grid point, from whatever source: see [`crate::caps`] for normal acceleration, normal jerk and
+/// chord error from the curvature, and divide a limit on angular speed by `|d angle / ds|`.
+#[derive(Debug, Clone, Copy)]
+pub struct SpeedCap<'a> {
+    speeds: &'a [f64],
+    source: RowSource,
+}
+
+impl<'a> SpeedCap<'a> {
+    /// Greatest `ds/dt` at each grid point, not negative; infinity means none.
+    ///
+    /// # Errors
+    /// [`FeedError::Empty`], [`FeedError::Negative`] (also for NaN).
+    pub fn new(speeds: &'a [f64], quantity: Quantity) -> Result<Self, FeedError> {
+        if speeds.is_empty() {
+            return Err(FeedError::Empty { what: "speed caps" });
+        }
+        match speeds.iter().find(|v| v.is_nan() || **v < 0.0) {
+            Some(&value) => Err(FeedError::Negative { what: "speed cap", value }),
+            None => Ok(Self { speeds, source: RowSource::path(quantity) }),
+        }
+    }
+}
+
+impl PathConstraint for SpeedCap<'_> {
+    fn points(&self) -> Option<usize> {
+        Some(self.speeds.len())
+    }
+
+    /// In the middle of an interval the mean of both squares is taken: a cap is what its caller says it is at the points.
+    fn rows(&self, place: Place, out: &mut RowSink<'_>) {
+        let square = |i: usize| self.speeds[i] * self.speeds[i];
+        match place {
+            Place::Point(i) => out.cap(square(i), self.source),
+            Place::Middle { k, .. } => out.cap(0.5 * (square(k) + square(k + 1)), self.source),
+        }
+    }
+}
+
+/// A programmed feed per section of the path; where two sections meet, the lower one counts.
+#[derive(Debug, Clone, Copy)]
+pub struct Feed<'a> {
+    per_interval: &'a [f64],
+}
+
+impl<'a> Feed<'a> {
+    /// Greatest `ds/dt` in each interval of the grid (one less than there are points), above 0.
+    ///
+    /// # Errors
+    /// [`FeedError::Empty`], [`FeedError::NotPositive`] (also for NaN).
+    pub fn new(per_interval: &'a [f64]) -> Result<Self, FeedError> {
+        if per_interval.is_empty() {
+            return Err(FeedError::Empty { what: "feeds" });
+        }
+        match per_interval.iter().find(|v| !(**v > 0.0)) {
+            Some(&value) => Err(FeedError::NotPositive { what: "feed", value }),
+            None => Ok(Self { per_interval }),
+        }
+    }
+}
+
+impl PathConstraint for Feed<'_> {
+    fn points(&self) -> Option<usize> {
+        Some(self.per_interval.len() + 1)
+    }
+
+    fn rows(&self, place: Place, out: &mut RowSink<'_>) {
+        let mut cap = |k: Option<&f64>| {
+            if let Some(v) = k {
+                out.cap(v * v, RowSource::path(Quantity::Feed));
+            }
+        };
+        match place {
+            Place::Point(i) => {
+                cap(self.per_interval.get(i));
+                cap(i.checked_sub(1).and_then(|k| self.per_interval.get(k)));
+            }
+            Place::Middle { k, .. } => cap(self.per_interval.get(k)),
+        }
+    }
+
+    fn axis_speeds(&self, k: usize, _h: f64, out: &mut dyn FnMut([f64; 3], f64, RowSource)) {
+        out([1.0; 3], self.per_interval[k], RowSource::path(Quantity::Feed));
+    }
+}
+
+/// `|u| <= a`: tangential acceleration.
+#[derive(Debug, Clone, Copy)]
+pub struct TangentialAcceleration(f64);
+
+impl TangentialAcceleration {
+    /// The limit (m/s²), above 0 and finite.
+    ///
+    /// # Errors
+    /// [`FeedError::NotFinite`], [`FeedError::NotPositive`].
+    pub fn new(limit: f64) -> Result<Self, FeedError> {
+        positive("tangential acceleration", limit).map(Self)
+    }
+}
+
+impl PathConstraint for TangentialAcceleration {
+    fn points(&self) -> Option<usize> {
+        None
+    }
+
+    fn rows(&self, _place: Place, out: &mut RowSink<'_>) {
+        out.row(Row::symmetric(1.0, 0.0, self.0, RowSource::path(Quantity::TangentialAcceleration)));
+    }
+}
+
+/// `|w sdot| <= jerk`: tangential jerk.
+#[derive(Debug, Clone, Copy)]
+pub struct TangentialJerk(f64);
+
+impl TangentialJerk {
+    /// The limit (m/s³), above 0 and finite.
+    ///
+    /// # Errors
+    /// [`FeedError::NotFinite`], [`FeedError::NotPositive`].
+    pub fn new(limit: f64) -> Result<Self, FeedError> {
+        positive("tangential jerk", limit).map(Self)
+    }
+}
+
+impl PathConstraint for TangentialJerk {
+    fn points(&self) -> Option<usize> {
+        None
+    }
+
+    fn rows(&self, _place: Place, _out: &mut RowSink<'_>) {}
+
+    fn jerk_rows(&self, _k: usize, _h: f64, _within: Within, out: &mut Vec<JerkRow>) {
+        let source = RowSource::path(Quantity::TangentialJerk);
+        out.push(JerkRow { alpha: 1.0, beta: 0.0, gamma: 0.0, limit: self.0, source });
+    }
+}
+
+/// A point at which the motion has to stop, such as a corner of the path.
+#[derive(Debug, Clone, Copy)]
+pub struct Stop {
+    /// Index of the grid point.
+    pub at: usize,
+}
+
+impl PathConstraint for Stop {
+    fn points(&self) -> Option<usize> {
+        None
+    }
+
+    fn rows(&self, place: Place, out: &mut RowSink<'_>) {
+        if place == Place::Point(self.at) {
+            out.cap(0.0, RowSource::path(Quantity::Corner));
+        }
+    }
+}

@@ -1,0 +1,202 @@
+//! What happens between the knots: margins while iterating, and the check of the result.
+//!
+//! The coefficients of a row vary between two grid points; they are interpolated through both ends and the middle, which is
+//! exact where the path is piecewise cubic. A row then is a cubic in `s`, whose extremes are found in closed form.
+
+use std::ops::Range;
+
+use super::spline::Values;
+use super::stretch::Stretch;
+use crate::constraint::Within;
+use crate::grid_plan::GridPlan;
+use crate::problem::{FeedProblem, matching, quadratic};
+use crate::row::Row;
+use crate::state::MotionState;
+
+/// By how much the parabola through three equidistant values leaves the range of both ends, below and above.
+fn parabola_overshoot(start: f64, middle: f64, end: f64) -> [f64; 2] {
+    let slope = 4.0 * middle - 3.0 * start - end;
+    let bend = start - 2.0 * middle + end;
+    // It turns at t = -slope / 4 bend.
+    if !(slope * bend < 0.0 && slope.abs() < 4.0 * bend.abs()) {
+        return [0.0; 2];
+    }
+    let peak = start - slope * slope / (8.0 * bend);
+    [(start.min(end) - peak).max(0.0), (peak - start.max(end)).max(0.0)]
+}
+
+/// The same for the cubic through two values with two slopes, over the unit interval.
+fn cubic_overshoot([start, end]: [f64; 2], [slope, end_slope]: [f64; 2]) -> [f64; 2] {
+    let (lowest, highest) = (start.min(end), start.max(end));
+    // The inner Bernstein coefficients.
+    let (p, q) = (start + slope / 3.0, end - end_slope / 3.0);
+    if p.min(q) >= lowest && p.max(q) <= highest {
+        return [0.0; 2];
+    }
+    let rise = end - start;
+    let (square, cube) = (3.0 * rise - 2.0 * slope - end_slope, slope + end_slope - 2.0 * rise);
+    let mut over = [0.0_f64; 2];
+    // Zeros of slope + 2 square t + 3 cube t^2, without cancellation.
+    let root = (square * square - 3.0 * cube * slope).sqrt();
+    let sum = -(square + root.copysign(square));
+    for t in [sum / (3.0 * cube), slope / sum] {
+        if t > 0.0 && t < 1.0 {
+            let value = start + t * (slope + t * (square + t * cube));
+            over = [over[0].max(lowest - value), over[1].max(value - highest)];
+        }
+    }
+    over
+}
+
+/// State at one end of an interval of a spline.
+#[derive(Debug, Clone, Copy)]
+struct Edge {
+    x: f64,
+    u: f64,
+    root: f64,
+}
+
+/// Values and slopes (over the unit interval) of a row at both ends of an interval of length `h`, from the row at the
+/// start, in the middle and at the end; and the value of its constant part at both ends.
+fn along([p, m, q]: [&Row; 3], [near, far]: [Edge; 2], h: f64) -> ([f64; 2], [f64; 2]) {
+    let w = (far.u - near.u) / h;
+    let at = |edge: Edge, row: &Row, slope: &dyn Fn(fn(&Row) -> f64) -> f64| {
+        let value = row.a * edge.u + row.b * edge.x + row.d;
+        let moving = slope(|row| row.a) * edge.u + slope(|row| row.b) * edge.x + slope(|row| row.d);
+        let along = h * (row.a * w + 2.0 * row.b * edge.u);
+        if row.c == 0.0 {
+            (value, moving + along)
+        } else {
+            let friction = slope(|row| row.c) * edge.root + h * row.c * edge.u / edge.root;
+            (value + row.c * edge.root, moving + along + friction)
+        }
+    };
+    let (start, slope) = at(near, p, &|of| 4.0 * of(m) - 3.0 * of(p) - of(q));
+    let (end, end_slope) = at(far, q, &|of| 3.0 * of(q) - 4.0 * of(m) + of(p));
+    ([start, end], [slope, end_slope])
+}
+
+/// How much of its slack a row keeps at least when a new margin is set, so that the iterate stays strictly inside.
+const KEPT: f64 = 0.3;
+
+impl Stretch {
+    /// Sets margins on jerk at the ends of every interval so that the current `x(s)` keeps inside it what it keeps there.
+    /// None grows past what leaves the iterate strictly inside.
+    pub fn set_margins(&mut self, problem: &FeedProblem, values: &Values) {
+        // Not while the bounds are widened: the iterate is outside the true ones.
+        let intervals = if self.jerk_wider == 0.0 { self.knots.intervals() } else { 0 };
+        for k in 0..intervals {
+            self.set_jerk_parts(problem, k, values);
+        }
+    }
+
+    fn set_jerk_parts(&mut self, problem: &FeedProblem, k: usize, values: &Values) {
+        let Values { x, u, w, middle } = values;
+        let w = w[k];
+        let states = [(u[k], x[k]), (0.5 * (u[k] + u[k + 1]), middle[k]), (u[k + 1], x[k + 1])];
+        let rows = [Within::Start, Within::Middle, Within::End].map(|within| problem.jerk_rows(self.from + k, within));
+        for (end, p) in [(0, 2 * k), (2, 2 * k + 1)] {
+            for row in &mut self.thirds[self.thirds_first[p]..self.thirds_first[p + 1]] {
+                let value = |i: usize| {
+                    let row = &rows[i][row.id as usize];
+                    row.value(w, states[i].0, states[i].1) / row.limit
+                };
+                let [low, high] = parabola_overshoot(value(0), value(1), value(2));
+                let here = value(end).abs();
+                let part = (self.most - low.max(high)).max(here + KEPT * (row.part - here)).min(self.most);
+                let factor = row.part / part;
+                row.alpha *= factor;
+                row.beta *= factor;
+                row.gamma *= factor;
+                row.part = part;
+            }
+        }
+    }
+}
+
+/// Samples of an interval, its ends included, at which jerk is checked.
+const SAMPLES: usize = 8;
+
+/// The least factor by which any bound has been met so far.
+#[derive(Debug, Clone, Copy)]
+struct Scale(f64);
+
+impl Scale {
+    /// `factor * value <= bound`, for a bound that is not negative.
+    fn keep(&mut self, value: f64, bound: f64) {
+        if value > 0.0 && value * self.0 > bound {
+            self.0 = bound.max(0.0) / value;
+        }
+    }
+}
+
+/// The greatest factor on `x`, `u` and `w` of a plan, 1 at most, at which everything is kept in the given intervals, between
+/// the grid points too.
+pub(super) fn largest_scale(problem: &FeedProblem, plan: &GridPlan, intervals: Range<usize>) -> f64 {
+    let mut scale = Scale(1.0);
+    for k in intervals {
+        let h = problem.h(k);
+        let edges = [0.0, 0.5 * h, h].map(|ds| {
+            let state = plan.within(k, ds);
+            Edge { x: state.v * state.v, u: state.a, root: state.v }
+        });
+        // Next to rest x(s) is no polynomial, but grows steadily.
+        let rests = edges[0].root == 0.0 || edges[2].root == 0.0;
+        let (near, middle, far) = (problem.rows(k), problem.middle_rows(k), problem.rows(k + 1));
+        for (j, row) in middle.iter().enumerate() {
+            let Some(p) = matching(near, row, j, middle.len(), false) else { continue };
+            let Some(q) = matching(far, row, j, middle.len(), true) else { continue };
+            let (values, over) = if rests {
+                let [start, mid, end] =
+                    [(&near[p], edges[0]), (row, edges[1]), (&far[q], edges[2])].map(|(row, at)| row.value(at.u, at.x));
+                let (lowest, highest) = (start.min(end), start.max(end));
+                ([start, end], [(lowest - mid).max(0.0), (mid - highest).max(0.0)])
+            } else {
+                let (values, slopes) = along([&near[p], row, &far[q]], [edges[0], edges[2]], h);
+                (values, cubic_overshoot(values, slopes))
+            };
+            let rest = near[p].d.max(far[q].d);
+            scale.keep(values[0].max(values[1]) + over[1] - rest, row.hi - rest);
+            let rest = near[p].d.min(far[q].d);
+            scale.keep(rest - values[0].min(values[1]) + over[0], rest - row.lo);
+        }
+        // At a stop round-off may leave a trace of speed.
+        let part = |x: f64, cap: f64| if cap < f64::INFINITY && cap > 0.0 { x / cap } else { 0.0 };
+        let [start, mid, end] = [
+            part(edges[0].x, problem.x_max(k)),
+            part(edges[1].x, problem.middle_x_max(k)),
+            part(edges[2].x, problem.x_max(k + 1)),
+        ];
+        scale.keep(start.max(end) + parabola_overshoot(start, mid, end)[1], 1.0);
+        keep_jerk(problem, plan, k, &mut scale);
+    }
+    scale.0
+}
+
+fn keep_jerk(problem: &FeedProblem, plan: &GridPlan, k: usize, scale: &mut Scale) {
+    let h = problem.h(k);
+    let states: [MotionState; SAMPLES + 1] = std::array::from_fn(|i| plan.within(k, h * i as f64 / SAMPLES as f64));
+    let [near, middle, far] = [Within::Start, Within::Middle, Within::End].map(|within| problem.jerk_rows(k, within));
+    for (row, (p, q)) in middle.iter().zip(near.iter().zip(far)) {
+        let value = |i: usize| {
+            let f = i as f64 / SAMPLES as f64;
+            let mix = quadratic(f);
+            let MotionState { v, a, j, .. } = states[i];
+            mix(p.alpha, row.alpha, q.alpha) * j
+                + v * (mix(p.beta, row.beta, q.beta) * a + v * v * mix(p.gamma, row.gamma, q.gamma))
+        };
+        let three = [value(0), value(SAMPLES / 2), value(SAMPLES)];
+        let worst = three.iter().fold(0.0, |worst: f64, value| worst.max(value.abs()));
+        if worst < 0.5 * row.limit {
+            continue;
+        }
+        let worst = (1..SAMPLES).fold(worst, |worst, i| {
+            let (start, mid, end) = (value(i - 1), value(i), value(i + 1));
+            let [low, high] = parabola_overshoot(start, mid, end);
+            worst.max(start.max(end) + high).max(low - start.min(end))
+        });
+        // Jerk grows with the power 3/2.
+        let ratio = worst / row.limit;
+        scale.keep((ratio * ratio).cbrt(), 1.0);
+    }
+}

@@ -1,0 +1,432 @@
+//! Primal-dual interior-point iterations for the fastest `x(s)` on a stretch of path.
+//!
+//! Every row is a barrier with a multiplier; the Newton matrix by spline coefficients has two diagonals beside the main one,
+//! so an iteration costs two passes over the rows and one over the coefficients.
+
+use super::band::Pentadiagonal;
+use super::spline::{
+    AtKnot, End, OnInterval, Values, gradient_to_coefficients, tie_gradient, tie_matrix, to_coefficients,
+};
+use super::stretch::{Sides, Stretch};
+use crate::problem::FeedProblem;
+
+/// One side of a row: a multiplier, its change, and the inverse of the slack (0 for a bound at infinity).
+#[derive(Debug, Clone, Copy, Default)]
+struct Side {
+    multiplier: f64,
+    /// While a direction is sought, the predictor's second-order term in units of the multiplier; then the change to take.
+    change: f64,
+    inverse: f64,
+}
+
+impl Side {
+    fn weight(&self) -> f64 {
+        self.multiplier * self.inverse
+    }
+
+    /// What the barrier pulls with at `mu`: `mu / slack`, the second-order term, and what narrowing the bound adds.
+    fn force(&self, mu: f64, wider: f64) -> f64 {
+        mu * self.inverse + self.multiplier * (self.change + self.inverse * wider)
+    }
+}
+
+/// Weighted sums of products of the factors of `x`, `u` and `w`.
+#[derive(Debug, Clone, Copy, Default)]
+struct Products {
+    xx: f64,
+    xu: f64,
+    uu: f64,
+    xw: f64,
+    uw: f64,
+    ww: f64,
+}
+
+impl Products {
+    fn add(&mut self, weight: f64, [gamma, beta, alpha]: [f64; 3]) {
+        let (x, u, w) = (weight * gamma, weight * beta, weight * alpha);
+        self.xx += x * gamma;
+        self.xu += x * beta;
+        self.xw += x * alpha;
+        self.uu += u * beta;
+        self.uw += u * alpha;
+        self.ww += w * alpha;
+    }
+}
+
+/// How the iterations ended.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Outcome {
+    pub iterations: usize,
+    /// Bound on what is still to be gained, relative to the duration.
+    pub gap: f64,
+    /// What bounds are still widened by (relative); 0 when all are kept.
+    pub wider: f64,
+}
+
+/// Iterates and their scratch space.
+#[derive(Debug, Default)]
+pub(super) struct Solver {
+    /// Spline coefficients: the solution.
+    pub c: Vec<f64>,
+    pub values: Values,
+    delta: Values,
+    at: Vec<AtKnot>,
+    on: Vec<OnInterval>,
+    matrix: Pentadiagonal,
+    step: Vec<f64>,
+    /// All rows: those at the knots, caps, jerk rows, rest intervals.
+    barrier: Vec<[Side; 2]>,
+}
+
+/// Sums over all sides.
+#[derive(Debug, Clone, Copy)]
+struct Sums {
+    /// Sum of multiplier times slack.
+    complementarity: f64,
+    count: f64,
+    /// Smallest slack found; not positive means outside.
+    least: f64,
+}
+
+/// How much of the way to the boundary a step may go.
+const STEP_FRACTION: f64 = 0.95;
+
+/// Relative gap the multipliers start with.
+const START_GAP: f64 = 0.3;
+
+/// Relative gap from which on margins are set.
+const MARGINS_FROM: f64 = 0.1;
+
+/// Relative gap below which rows far from their bounds are dropped.
+const DROP_BELOW: f64 = 0.04;
+
+/// The lesser of two numbers, neither of which is NaN: cheaper than `f64::min`.
+fn lesser(x: f64, y: f64) -> f64 {
+    if x < y { x } else { y }
+}
+
+/// Many times what is needed.
+const MOST_ITERATIONS: usize = 100;
+
+impl Solver {
+    /// Minimises the duration from coefficients `c` that keep the ends and are strictly inside all bounds as they are
+    /// widened at present. With `drop_distant`, rows far from their bounds are left out once the shape shows.
+    pub fn minimise(
+        &mut self,
+        problem: &FeedProblem,
+        stretch: &mut Stretch,
+        c: Vec<f64>,
+        tolerance: f64,
+        drop_distant: bool,
+    ) -> Outcome {
+        self.c = c;
+        self.barrier.clear();
+        self.barrier.resize(stretch.offsets()[3] + 2, [Side::default(); 2]);
+        let mut outcome = Outcome { iterations: 0, gap: f64::INFINITY, wider: stretch.narrow(0.0) };
+        let mut steps = [0.0; 2];
+        let mut to_drop = drop_distant;
+        while outcome.iterations < MOST_ITERATIONS {
+            stretch.knots.evaluate(&self.c, &mut self.values);
+            // Once the shape shows, and not so late that every change would have to be caught up with.
+            if outcome.gap < MARGINS_FROM && outcome.gap > 4.0 * tolerance {
+                stretch.set_margins(problem, &self.values);
+            }
+            if to_drop && outcome.gap < DROP_BELOW && outcome.gap > tolerance {
+                to_drop = false;
+                self.drop_distant(stretch);
+            }
+            let mut sums = self.slacks(stretch, steps[1]);
+            if !(sums.least > 0.0) {
+                // Only friction can do this: its rows are not straight. Back half of the way.
+                steps = [0.5 * steps[0], 0.0];
+                if !(steps[0] > 1e-6) {
+                    break;
+                }
+                self.c.iter_mut().zip(&self.step).for_each(|(c, d)| *c -= steps[0] * d);
+                outcome.iterations += 1;
+                continue;
+            }
+            let duration = self.duration(stretch);
+            let centred = outcome.gap == f64::INFINITY;
+            if centred {
+                sums.complementarity = START_GAP * duration;
+                self.centre(sums.complementarity / sums.count);
+            }
+            outcome.gap = sums.complementarity / duration;
+            if outcome.gap < tolerance && outcome.wider < tolerance {
+                break;
+            }
+            steps = self.direction(stretch, sums.complementarity / sums.count, outcome.wider > 0.0, centred);
+            self.c.iter_mut().zip(&self.step).for_each(|(c, d)| *c += steps[0] * d);
+            if outcome.wider > 0.0 {
+                outcome.wider = stretch.narrow(steps[0]);
+            }
+            outcome.iterations += 1;
+        }
+        stretch.knots.evaluate(&self.c, &mut self.values);
+        outcome
+    }
+
+    fn drop_distant(&mut self, stretch: &mut Stretch) {
+        let (mut read, mut write) = (0, 0);
+        let barrier = &mut self.barrier;
+        stretch.drop_distant(&self.values, |stays| {
+            if stays {
+                barrier[write] = barrier[read];
+                write += 1;
+            }
+            read += 1;
+        });
+        barrier.truncate(write);
+    }
+
+    /// Duration of the current iterate, by Simpson's rule on every interval.
+    fn duration(&self, stretch: &Stretch) -> f64 {
+        let Values { x, middle, .. } = &self.values;
+        let inner: f64 = stretch
+            .knots
+            .h
+            .iter()
+            .enumerate()
+            .map(|(k, h)| h / 6.0 * (1.0 / x[k].sqrt() + 4.0 / middle[k].sqrt() + 1.0 / x[k + 1].sqrt()))
+            .sum();
+        let rest = |end: End, x: f64| if let End::Rest { h } = end { 3.0 * h / x.sqrt() } else { 0.0 };
+        inner + rest(stretch.ends[0], x[0]) + rest(stretch.ends[1], x[x.len() - 1])
+    }
+
+    /// Takes the last step of the multipliers and evaluates the slacks anew.
+    fn slacks(&mut self, stretch: &Stretch, dual_step: f64) -> Sums {
+        let mut sums = Sums { complementarity: 0.0, count: 0.0, least: f64::INFINITY };
+        if self.values.x.iter().chain(&self.values.middle).any(|&x| !(x > 0.0)) {
+            return Sums { least: 0.0, ..sums };
+        }
+        let barrier = &mut self.barrier;
+        stretch.each_slack(&self.values, |i, slacks| {
+            for (side, slack) in barrier[i].iter_mut().zip(slacks) {
+                side.multiplier += dual_step * side.change;
+                side.change = 0.0;
+                side.inverse = 1.0 / slack;
+                // A bound at infinity has the multiplier 0.
+                sums.complementarity += side.multiplier * lesser(slack, f64::MAX);
+                sums.count += f64::from(u8::from(slack < f64::INFINITY));
+                // Written so that NaN is outside.
+                if !(slack > sums.least) {
+                    sums.least = slack;
+                }
+            }
+        });
+        sums
+    }
+
+    /// Puts all multipliers on the central path.
+    fn centre(&mut self, mu: f64) {
+        self.barrier.iter_mut().flatten().for_each(|side| side.multiplier = mu * side.inverse);
+    }
+
+    /// Mehrotra's predictor and corrector, into `self.step`; how far to go along it for coefficients and multipliers.
+    fn direction(&mut self, stretch: &Stretch, mu: f64, wider: bool, centred: bool) -> Sides {
+        self.assemble(stretch);
+        to_coefficients(&stretch.knots, &self.at, &self.on, &mut self.matrix);
+        tie_matrix(stretch.ends, stretch.ratios(), &mut self.matrix);
+        self.matrix.factor();
+        let mut mu = mu;
+        // On the central path there is nothing to predict.
+        if !centred {
+            self.pull_of_time(stretch);
+            if wider {
+                self.pull_of_rows(stretch, 0.0);
+            }
+            self.solve(stretch);
+            let [slack, multiplier] = self.predict(stretch);
+            let left = 1.0 - slack.min(multiplier);
+            mu *= (left * left * left).max(1e-3);
+        }
+        self.pull_of_time(stretch);
+        self.pull_of_rows(stretch, mu);
+        self.solve(stretch);
+        self.changes(stretch, mu)
+    }
+
+    /// Newton's step from the first derivatives.
+    fn solve(&mut self, stretch: &Stretch) {
+        let ratios = stretch.ratios();
+        gradient_to_coefficients(&stretch.knots, &self.at, &self.on, &mut self.step);
+        tie_gradient(stretch.ends, ratios, &mut self.step);
+        self.step.iter_mut().for_each(|d| *d = -*d);
+        self.matrix.solve(&mut self.step);
+        let n = self.step.len();
+        self.step[0] = self.step[1] / ratios[0];
+        self.step[n - 1] = self.step[n - 2] / ratios[1];
+        stretch.knots.evaluate(&self.step, &mut self.delta);
+    }
+
+    /// Second derivatives of duration plus barriers by the values at knots and on intervals.
+    fn assemble(&mut self, stretch: &Stretch) {
+        let Values { x, middle, .. } = &self.values;
+        let [caps, inner, thirds, rest] = stretch.offsets();
+        self.at.clear();
+        self.at.resize(x.len(), AtKnot::default());
+        self.on.clear();
+        self.on.resize(middle.len(), OnInterval::default());
+        // Second derivative of h x^(-1/2).
+        let time = |h: f64, x: f64| 0.75 * h / (x * x * x.sqrt());
+        for (k, h) in stretch.knots.h.iter().enumerate() {
+            self.at[k].xx += time(h / 6.0, x[k]);
+            self.at[k + 1].xx += time(h / 6.0, x[k + 1]);
+            self.on[k].mm = time(4.0 / 6.0 * h, middle[k]);
+        }
+        for (i, end) in [0, x.len() - 1].into_iter().enumerate() {
+            if let End::Rest { h } = stretch.ends[i] {
+                self.at[end].xx += time(3.0 * h, x[end]);
+            }
+            let slope = stretch.rest[i] + 0.5 / (x[end] * x[end].sqrt());
+            self.at[end].xx += self.barrier[rest + i][1].weight() * slope * slope;
+        }
+        for k in 0..x.len() {
+            let at = &mut self.at[k];
+            for i in stretch.first[k]..stretch.first[k + 1] {
+                let row = &stretch.points[i];
+                let b = row.slope(x[k]);
+                let weight = self.barrier[i][0].weight() + self.barrier[i][1].weight();
+                at.xx += weight * b * b;
+                at.xu += weight * b * row.a;
+                at.uu += weight * row.a * row.a;
+            }
+            at.xx += self.barrier[caps + k][1].weight();
+        }
+        for (place, (k, end, inner_rows, third_rows)) in stretch.places().enumerate() {
+            let x = x[end];
+            // The tangent of 1 / sqrt(x) falls with this slope.
+            let fall = 0.5 / (x * x.sqrt());
+            let mut sum = Products::default();
+            for (row, [low, high]) in
+                stretch.inner[inner_rows.clone()].iter().zip(&self.barrier[inner + inner_rows.start..])
+            {
+                sum.add(low.weight() + high.weight(), [row.gamma, row.beta, row.alpha]);
+            }
+            // Sums of weights, and of their differences between both sides times the row.
+            let (mut weights, mut dx, mut du, mut dw) = (0.0, 0.0, 0.0, 0.0);
+            for (row, [low, high]) in
+                stretch.thirds[third_rows.clone()].iter().zip(&self.barrier[thirds + third_rows.start..])
+            {
+                let (low, high) = (low.weight(), high.weight());
+                sum.add(low + high, [row.gamma, row.beta, row.alpha]);
+                weights += low + high;
+                dx += (high - low) * row.gamma;
+                du += (high - low) * row.beta;
+                dw += (high - low) * row.alpha;
+            }
+            let at = &mut self.at[end];
+            at.xx += sum.xx + fall * (2.0 * dx + fall * weights);
+            at.xu += sum.xu + fall * du;
+            at.uu += sum.uu;
+            let on = &mut self.on[k];
+            let cross = if place % 2 == 0 { &mut on.start } else { &mut on.end };
+            cross[0] += sum.xw + fall * dw;
+            cross[1] += sum.uw;
+            on.ww += sum.ww;
+        }
+    }
+
+    /// First derivatives of the duration.
+    fn pull_of_time(&mut self, stretch: &Stretch) {
+        let Values { x, middle, .. } = &self.values;
+        let time = |h: f64, x: f64| -0.5 * h / (x * x.sqrt());
+        self.at.iter_mut().for_each(|at| (at.x, at.u) = (0.0, 0.0));
+        for (k, h) in stretch.knots.h.iter().enumerate() {
+            self.at[k].x += time(h / 6.0, x[k]);
+            self.at[k + 1].x += time(h / 6.0, x[k + 1]);
+            (self.on[k].m, self.on[k].w) = (time(4.0 / 6.0 * h, middle[k]), 0.0);
+        }
+        for (i, end) in [0, x.len() - 1].into_iter().enumerate() {
+            if let End::Rest { h } = stretch.ends[i] {
+                self.at[end].x += time(3.0 * h, x[end]);
+            }
+        }
+    }
+
+    /// Adds the first derivatives of the barriers at `mu`.
+    fn pull_of_rows(&mut self, stretch: &Stretch, mu: f64) {
+        let x = &self.values.x;
+        let [caps, inner, thirds, rest] = stretch.offsets();
+        for (i, end) in [0, x.len() - 1].into_iter().enumerate() {
+            let y = 1.0 / x[end].sqrt();
+            let slope = stretch.rest[i] + 0.5 * y / x[end];
+            self.at[end].x += slope * self.barrier[rest + i][1].force(mu, stretch.jerk_wider * stretch.jerk_unit[end]);
+        }
+        for k in 0..x.len() {
+            let at = &mut self.at[k];
+            for i in stretch.first[k]..stretch.first[k + 1] {
+                let row = &stretch.points[i];
+                let [low, high] = &self.barrier[i];
+                let force = high.force(mu, row.wider[1]) - low.force(mu, row.wider[0]);
+                at.x += force * row.slope(x[k]);
+                at.u += force * row.a;
+            }
+            at.x += self.barrier[caps + k][1].force(mu, stretch.caps[k][1]);
+        }
+        for (k, end, inner_rows, third_rows) in stretch.places() {
+            let (mut sx, mut su, mut sw, mut forces) = (0.0, 0.0, 0.0, 0.0);
+            let sides = &self.barrier[inner + inner_rows.start..];
+            for (row, [low, high]) in stretch.inner[inner_rows].iter().zip(sides) {
+                let force = high.force(mu, row.wider[1]) - low.force(mu, row.wider[0]);
+                sx += force * row.gamma;
+                su += force * row.beta;
+                sw += force * row.alpha;
+            }
+            let y = 1.0 / x[end].sqrt();
+            let fall = 0.5 * y / x[end];
+            let taken = stretch.jerk_wider * stretch.jerk_unit[end];
+            let sides = &self.barrier[thirds + third_rows.start..];
+            for (row, [low, high]) in stretch.thirds[third_rows].iter().zip(sides) {
+                let (low, high) = (low.force(mu, taken), high.force(mu, taken));
+                sx += (high - low) * row.gamma;
+                su += (high - low) * row.beta;
+                sw += (high - low) * row.alpha;
+                forces += high + low;
+            }
+            self.at[end].x += sx + fall * forces;
+            self.at[end].u += su;
+            self.on[k].w += sw;
+        }
+    }
+
+    /// How far slacks and multipliers could go towards `mu = 0`; leaves the second-order terms of that step.
+    fn predict(&mut self, stretch: &Stretch) -> Sides {
+        // Relative changes of slacks; multipliers change by the opposite less 1.
+        let (mut least, mut most) = (0.0, 0.0);
+        let barrier = &mut self.barrier;
+        stretch.each_change(&self.values, &self.delta, |i, by| {
+            for (side, by) in barrier[i].iter_mut().zip(by) {
+                let relative = by * side.inverse;
+                side.change = relative * (1.0 + relative);
+                least = lesser(relative, least);
+                most = -lesser(-relative, -most);
+            }
+        });
+        [1.0 / f64::max(1.0, -least), 1.0 / (1.0 + most)]
+    }
+
+    /// Changes of all multipliers for the step, and how far slacks and multipliers can follow it.
+    fn changes(&mut self, stretch: &Stretch, mu: f64) -> Sides {
+        let (mut least, mut fall) = (0.0, 0.0);
+        let barrier = &mut self.barrier;
+        stretch.each_change(&self.values, &self.delta, |i, by| {
+            for (side, by) in barrier[i].iter_mut().zip(by) {
+                let relative = by * side.inverse;
+                side.change = mu * side.inverse + side.multiplier * (side.change - 1.0 - relative);
+                least = lesser(relative, least);
+                // A bound at infinity has multiplier and change 0. Few sides take the division.
+                if -side.change > fall * side.multiplier {
+                    fall = -side.change / side.multiplier;
+                }
+            }
+        });
+        // The duration is a barrier at x = 0, but Newton's step may jump over it.
+        let (Values { x, middle, .. }, Values { x: dx, middle: dm, .. }) = (&self.values, &self.delta);
+        for (x, d) in x.iter().zip(dx).chain(middle.iter().zip(dm)) {
+            least = lesser(d / x, least);
+        }
+        [-least, fall].map(|decrease| if decrease < STEP_FRACTION { 1.0 } else { STEP_FRACTION / decrease })
+    }
+}

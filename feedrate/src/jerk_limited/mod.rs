@@ -1,0 +1,256 @@
+//! Third order: the fastest speed law under limits on velocity, acceleration, torque and jerk.
+//!
+//! # Formulation
+//! The unknown is `x(s) = sdot^2`, a quadratic B-spline on the grid, so that `u = x' / 2` is continuous and `w = u'` constant on
+//! every interval. The duration `integral of x^(-1/2) ds` is minimised directly; it is convex. Rows on velocity, acceleration
+//! and torque are linear in the coefficients of the spline. A jerk row
+//!
+//! ```text
+//! |alpha w + beta u + gamma x| <= J x^(-1/2)
+//! ```
+//!
+//! has a convex right side, whose tangent at the current iterate is below it: every step of the interior-point method
+//! ([`interior_point`]) stays inside the true bound, and no sequence of convex programs is needed. The Newton matrix has two
+//! diagonals beside the main one.
+//!
+//! From and to rest the first and last interval have constant jerk, `x = (4.5 j s^2)^(2/3)`, which no quadratic spline can
+//! follow; the spline continues their speed and acceleration. Where that interval is longer than the acceleration takes to
+//! build up, it is split there ([`refine`]).
+//!
+//! # Between the grid points
+//! On an interval of a piecewise cubic path a joint's acceleration is a cubic in `s` and `|q'|^2 x` a polynomial of degree six;
+//! their inner Bernstein coefficients are rows too ([`stretch`]). Jerk is kept by margins that follow the iterate. At the end
+//! everything is checked between the points in closed form, and what is left, of the order of 1e-5, is taken off the speed
+//! ([`between`]). On other paths (inverse kinematics, torque) the same holds for the rows as interpolated through both ends
+//! and the middle of each interval.
+mod band;
+mod between;
+mod interior_point;
+mod refine;
+mod spline;
+mod start;
+mod stretch;
+
+use std::ops::Range;
+
+use crate::error::{FeedError, positive};
+use crate::grid_plan::{Builder, GridPlan};
+use crate::problem::{FeedPlanner, FeedProblem};
+use crate::scan::both_ends::{moves, squared_speeds};
+use crate::scan::reachability::Reachability;
+use between::largest_scale;
+use interior_point::Solver;
+use refine::refined;
+use spline::{End, Values};
+use stretch::Stretch;
+
+/// The jerk-limited planner: velocity, acceleration, torque and jerk, kept between the grid points too, in the least time
+/// that a quadratic spline on the grid allows.
+///
+/// Needs [`FeedProblem::between_points`] with at least one jerk row, and four intervals between two stops. Where the
+/// path starts or ends in motion the acceleration there is 0. It stops at grid points whose cap is 0. Put the knots of a spline
+/// path on the grid.
+///
+/// ```
+/// use arcfeed_feedrate::constraint::{Feed, TangentialAcceleration, TangentialJerk};
+/// use arcfeed_feedrate::{FeedPlanner, FeedProblem, JerkLimited, MotionLaw};
+///
+/// // A straight path of 0.2 m: the answer is nearly the seven-phase profile, which takes 1.15 s.
+/// let grid: Vec<f64> = (0..=200).map(|i| 0.001 * f64::from(i)).collect();
+/// let feed = Feed::new(&[0.2; 200])?;
+/// let (acceleration, jerk) = (TangentialAcceleration::new(2.0)?, TangentialJerk::new(40.0)?);
+/// let problem = FeedProblem::between_points(&grid, &[&feed, &acceleration, &jerk])?;
+/// let plan = JerkLimited::default().plan(&problem)?;
+/// assert!((plan.duration() - 1.15).abs() < 0.005, "{}", plan.duration());
+/// # Ok::<(), arcfeed_feedrate::FeedError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JerkLimited {
+    tolerance: f64,
+}
+
+impl Default for JerkLimited {
+    /// Stops within 2e-4 of the optimal duration.
+    fn default() -> Self {
+        Self { tolerance: 2e-4 }
+    }
+}
+
+impl JerkLimited {
+    /// Stops once the duration is within this fraction of the optimum of its problem; 1e-8 at the least is used.
+    ///
+    /// # Errors
+    /// [`FeedError::NotFinite`], [`FeedError::NotPositive`].
+    pub fn new(tolerance: f64) -> Result<Self, FeedError> {
+        Ok(Self { tolerance: positive("tolerance", tolerance)?.clamp(1e-8, 1e-2) })
+    }
+
+    fn solve(
+        &self,
+        problem: &FeedProblem,
+        solver: &mut Solver,
+        fastest: &[f64],
+        part: &Part,
+        attempt: Attempt,
+    ) -> Result<Solution, FeedError> {
+        let mut stretch = Stretch::new(problem, [part.grid.start, part.grid.end], part.speeds, fastest);
+        if attempt.factor < 1.0 {
+            stretch.tighten(attempt.factor);
+        }
+        let start = start::start(problem, &mut stretch, fastest);
+        let outcome = solver.minimise(problem, &mut stretch, start, self.tolerance, attempt.drop_distant);
+        // An iterate inside all bounds is a motion, however far it got.
+        if outcome.wider > 10.0 * self.tolerance || !(outcome.gap < 0.1) {
+            return Err(FeedError::NotConverged {
+                what: "the jerk-limited planner",
+                iterations: outcome.iterations,
+                residual: outcome.wider.max(outcome.gap),
+            });
+        }
+        Ok(Solution { stretch, c: solver.c.clone() })
+    }
+}
+
+/// A stretch of grid between two stops, or an end of the path at a speed.
+#[derive(Debug, Clone)]
+struct Part {
+    /// First and last grid point.
+    grid: Range<usize>,
+    speeds: [f64; 2],
+}
+
+/// How a stretch is solved.
+#[derive(Debug, Clone, Copy)]
+struct Attempt {
+    drop_distant: bool,
+    /// By which all bounds are lowered.
+    factor: f64,
+}
+
+#[derive(Debug)]
+struct Solution {
+    stretch: Stretch,
+    c: Vec<f64>,
+}
+
+impl Solution {
+    fn scale(&mut self, factor: f64) {
+        self.c.iter_mut().for_each(|c| *c *= factor);
+    }
+
+    /// Whether the motion can be slowed down as a whole.
+    fn rests(&self) -> bool {
+        self.stretch.ends.iter().all(|end| matches!(end, End::Rest { .. }))
+    }
+
+    fn push(&self, problem: &FeedProblem, builder: &mut Builder, values: &mut Values) {
+        let Self { stretch, c } = self;
+        stretch.knots.evaluate(c, values);
+        let (m, a, grid) = (stretch.knots.intervals(), stretch.from, problem.grid());
+        if let End::Rest { h } = stretch.ends[0] {
+            builder.push_from_rest(grid[a - 1], h, values.x[0]);
+        }
+        for k in 0..m {
+            let h = stretch.knots.h[k];
+            builder.push_slope(grid[a + k], h, values.x[k], values.u[k], values.w[k], values.x[k + 1]);
+        }
+        if let End::Rest { h } = stretch.ends[1] {
+            builder.push_to_rest(grid[a + m], h, values.x[m]);
+        }
+    }
+}
+
+fn assemble(problem: &FeedProblem, solutions: &[Solution]) -> Result<GridPlan, FeedError> {
+    let mut builder = Builder::with_capacity(problem.intervals());
+    let mut values = Values::default();
+    for solution in solutions {
+        solution.push(problem, &mut builder, &mut values);
+    }
+    builder.finish(problem.grid()[problem.intervals()], problem.v_end())
+}
+
+/// The stretches between stops: grid points with a cap of 0.
+fn parts(problem: &FeedProblem) -> Result<Vec<Part>, FeedError> {
+    let n = problem.intervals();
+    let mut parts = Vec::new();
+    let mut from = 0;
+    for i in (1..=n).filter(|&i| i == n || problem.x_max(i) == 0.0) {
+        let speeds = [if from == 0 { problem.v_start() } else { 0.0 }, if i == n { problem.v_end() } else { 0.0 }];
+        let expected = 2 + speeds.iter().filter(|&&v| v == 0.0).count();
+        if i - from < expected {
+            return Err(FeedError::LengthMismatch {
+                what: "a stretch between two stops (intervals)",
+                got: i - from,
+                expected,
+            });
+        }
+        parts.push(Part { grid: from..i, speeds });
+        from = i;
+    }
+    Ok(parts)
+}
+
+/// Where more than this has to be taken off the speed at the end, something was left out.
+const TAKEN_OFF: f64 = 1e-3;
+
+/// What a motion that cannot be slowed down may exceed its limits by.
+const EXCEEDED: f64 = 1e-7;
+
+impl FeedPlanner for JerkLimited {
+    fn plan(&self, problem: &FeedProblem) -> Result<GridPlan, FeedError> {
+        if !problem.is_between_points() {
+            return Err(FeedError::Empty { what: "rows between the grid points (FeedProblem::between_points)" });
+        }
+        if !problem.has_jerk() {
+            return Err(FeedError::Empty { what: "limits on jerk" });
+        }
+        let problem = &refined(problem);
+        let fastest = squared_speeds(problem).or_else(|error| match error {
+            // Reachability passes points at which standing still is impossible.
+            FeedError::StaticallyInfeasible { .. } => Reachability.squared_speeds(problem),
+            error => Err(error),
+        })?;
+        moves(problem, &fastest)?;
+        let parts = parts(problem)?;
+        let mut solver = Solver::default();
+        let mut solutions = Vec::with_capacity(parts.len());
+        let attempt = Attempt { drop_distant: true, factor: 1.0 };
+        for part in &parts {
+            solutions.push(self.solve(problem, &mut solver, &fastest, part, attempt)?);
+        }
+        let mut plan = assemble(problem, &solutions)?;
+        let mut factors = vec![1.0; parts.len()];
+        for attempt in 0..4 {
+            let mut changed = false;
+            for ((part, solution), factor) in parts.iter().zip(&mut solutions).zip(&mut factors) {
+                let scale = largest_scale(problem, &plan, part.grid.clone());
+                if scale < 1.0 - TAKEN_OFF && attempt == 0 {
+                    let careful = Attempt { drop_distant: false, factor: 1.0 };
+                    *solution = self.solve(problem, &mut solver, &fastest, part, careful)?;
+                } else if solution.rests() && scale < 1.0 {
+                    solution.scale(scale);
+                } else if scale < 1.0 - EXCEEDED {
+                    *factor *= 1.0 - 2.0 * (1.0 - scale);
+                    let lower = Attempt { drop_distant: false, factor: *factor };
+                    *solution = self.solve(problem, &mut solver, &fastest, part, lower)?;
+                } else {
+                    continue;
+                }
+                changed = true;
+            }
+            if !changed {
+                return Ok(plan);
+            }
+            plan = assemble(problem, &solutions)?;
+        }
+        let left = 1.0 - largest_scale(problem, &plan, 0..problem.intervals());
+        if left < 1e-6 {
+            return Ok(plan);
+        }
+        Err(FeedError::NotConverged {
+            what: "the jerk-limited planner between the grid points",
+            iterations: 4,
+            residual: left,
+        })
+    }
+}

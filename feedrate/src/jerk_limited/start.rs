@@ -1,0 +1,135 @@
+//! Where the iterations start: a smooth `x(s)` below the second-order solution.
+
+use super::spline::{End, Values};
+use super::stretch::Stretch;
+use crate::problem::FeedProblem;
+use crate::row::Row;
+
+/// The part of the way to the nearest limit that the start takes.
+const INSIDE: f64 = 0.9;
+
+/// Coefficients to start from; where need be the bounds of the stretch are widened so that these are strictly inside.
+///
+/// The squared speeds `limit` of a second-order planner are lowered to the least and then the mean over a window, and kept
+/// below a jerk-limited departure from and approach to rest. Of several windows the one is taken that has to be slowed down
+/// least as a whole. Where a speed is given at an end, slowing down is no option; there the limits are widened instead.
+pub(super) fn start(problem: &FeedProblem, stretch: &mut Stretch, limit: &[f64]) -> Vec<f64> {
+    let (m, a) = (stretch.knots.intervals(), stretch.from);
+    let grid = problem.grid();
+    let (first, last) = (a - stretch.ends[0].rest_intervals(), a + m + stretch.ends[1].rest_intervals());
+    let ratios = stretch.ratios();
+    let slowing = stretch.ends.iter().all(|end| matches!(end, End::Rest { .. })) && at_rest_inside(stretch);
+    let mut departure = vec![f64::INFINITY; m + 1];
+    for (i, at) in [(0, first), (1, last)] {
+        if let End::Rest { h } = stretch.ends[i] {
+            let next = if i == 0 { at + 1 } else { at - 1 };
+            let u = greatest_u(problem.rows(at)).min(greatest_u(problem.rows(next)));
+            let law = Departure::new(stretch.rest[i], h, u);
+            for (k, x) in departure.iter_mut().enumerate() {
+                *x = x.min(law.squared_speed((grid[a + k] - grid[at]).abs()));
+            }
+        }
+    }
+    let mut values = Values::default();
+    let mut best = (f64::NEG_INFINITY, Vec::new());
+    let (mut low, mut x) = (vec![0.0; m + 1], vec![0.0; m + 1]);
+    for width in [1, 4, 16, 64] {
+        let reach = |k: usize| width.min((k + 1) / 4).min((m - k + 1) / 4);
+        for k in 0..=m {
+            let window = &limit[a + k - reach(k)..=a + k + reach(k)];
+            low[k] = window.iter().copied().fold(f64::INFINITY, f64::min);
+        }
+        for k in 0..=m {
+            let window = &low[k - reach(k)..=k + reach(k)];
+            x[k] = (window.iter().sum::<f64>() / window.len() as f64).min(departure[k]);
+        }
+        let mut c: Vec<f64> = (0..m + 2).map(|i| 0.5 * (x[i.saturating_sub(1).min(m)] + x[i.min(m)])).collect();
+        for (i, (outer, inner)) in [(0, 1), (m + 1, m)].into_iter().enumerate() {
+            if let End::Moving { x } = stretch.ends[i] {
+                c[outer] = x;
+            }
+            c[inner] = c[outer] * ratios[i];
+        }
+        stretch.knots.evaluate(&c, &mut values);
+        let [scale, jerk_scale] = stretch.largest_scales(&values);
+        let factor = INSIDE * scale.min(jerk_scale).min(1.0);
+        if factor > best.0 {
+            if slowing {
+                c.iter_mut().for_each(|c| *c *= factor);
+            }
+            best = (factor, c);
+        }
+    }
+    if !slowing {
+        stretch.knots.evaluate(&best.1, &mut values);
+        let jerk_ratio = stretch.largest_scales(&values)[1].powf(-1.5);
+        widen(stretch, &values, jerk_ratio);
+    }
+    best.1
+}
+
+/// Whether every row holds at rest with room on both sides.
+fn at_rest_inside(stretch: &Stretch) -> bool {
+    stretch.points.iter().all(|row| row.lo < 0.0 && 0.0 < row.hi && row.c == 0.0)
+}
+
+/// Widens all bounds such that the values are strictly inside.
+fn widen(stretch: &mut Stretch, values: &Values, jerk_ratio: f64) {
+    // At least this part of a bound is left as slack.
+    const SLACK: f64 = 0.1;
+    let wider = |value: f64, lo: f64, hi: f64| {
+        let slack = SLACK * if (hi - lo).is_finite() { hi - lo } else { 1.0 + value.abs() };
+        [(slack - (value - lo)).max(0.0), (slack - (hi - value)).max(0.0)]
+    };
+    let Values { x, u, .. } = values;
+    for k in 0..x.len() {
+        for row in &mut stretch.points[stretch.first[k]..stretch.first[k + 1]] {
+            let friction = if row.c == 0.0 { 0.0 } else { row.c * x[k].sqrt() };
+            let value = row.a * u[k] + row.b * x[k] + friction;
+            row.wider = wider(value, row.lo, row.hi);
+        }
+        let [cap, wider] = &mut stretch.caps[k];
+        *wider = (x[k] * (1.0 + SLACK) - *cap).max(0.0);
+    }
+    for place in 0..2 * stretch.knots.intervals() {
+        let (k, end) = (place / 2, place / 2 + place % 2);
+        for row in &mut stretch.inner[stretch.inner_first[place]..stretch.inner_first[place + 1]] {
+            let value = row.alpha * values.w[k] + row.beta * u[end] + row.gamma * x[end];
+            row.wider = wider(value, row.lo, row.hi);
+        }
+    }
+    stretch.jerk_unit.iter_mut().zip(x).for_each(|(unit, x)| *unit = 1.0 / x.sqrt());
+    stretch.jerk_wider = ((1.0 + SLACK) * jerk_ratio - 1.0).max(0.0);
+}
+
+/// The greatest acceleration of either sign that the rows allow from rest.
+pub(super) fn greatest_u(rows: &[Row]) -> f64 {
+    let one = |row: &Row| ((row.hi - row.d) / row.a).abs().min(((row.lo - row.d) / row.a).abs());
+    rows.iter().filter(|row| row.a != 0.0).map(one).fold(f64::INFINITY, f64::min)
+}
+
+/// From rest with constant jerk up to an acceleration, then with that.
+#[derive(Debug, Clone, Copy)]
+struct Departure {
+    jerk: f64,
+    u: f64,
+}
+
+impl Departure {
+    /// The jerk is such that `|rest x| <= 1 / sqrt(x)` at distance `h`, and that `u` is not reached before.
+    fn new(rest: f64, h: f64, u: f64) -> Self {
+        // x = (4.5 jerk h^2)^(2/3) there.
+        let jerk = 1.0 / (4.5 * h * h * rest);
+        Self { jerk: jerk.min((u * u * u / (6.0 * h)).sqrt()), u }
+    }
+
+    fn squared_speed(self, distance: f64) -> f64 {
+        let Self { jerk, u } = self;
+        let until = u * u * u / (6.0 * jerk * jerk);
+        if distance <= until {
+            return (4.5 * jerk * distance * distance).cbrt().powi(2);
+        }
+        let x = (0.5 * u * u / jerk).powi(2);
+        x + 2.0 * u * (distance - until)
+    }
+}

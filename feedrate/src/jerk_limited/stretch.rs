@@ -1,0 +1,452 @@
+//! One stretch of path between two stops as the interior-point method sees it: spline, rows in units of their limits, caps.
+
+use std::ops::Range;
+
+use super::spline::{End, Knots, Values};
+use crate::constraint::Within;
+use crate::problem::{FeedProblem, matching};
+use crate::row::{JerkRow, Row};
+
+/// `lo <= a u + b x + c sqrt(x) <= hi`, for the time being with bounds that are `wider`.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PointRow {
+    pub a: f64,
+    pub b: f64,
+    pub c: f64,
+    pub lo: f64,
+    pub hi: f64,
+    /// By how much the lower and the upper bound are widened; taken back as the iterations go.
+    pub wider: Sides,
+}
+
+/// `|alpha w + beta u + gamma x| <= 1 / sqrt(x)`: a jerk row in units of the part of its limit that is used.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ThirdRow {
+    pub alpha: f64,
+    pub beta: f64,
+    pub gamma: f64,
+    /// That part, at most 1; the rest is a margin for what happens between the knots.
+    pub part: f64,
+    /// Which jerk row of the problem it is.
+    pub id: u32,
+}
+
+/// `lo <= alpha w + beta u + gamma x <= hi`: an inner Bernstein coefficient of a row that is a cubic on an interval.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct InnerRow {
+    pub alpha: f64,
+    pub beta: f64,
+    pub gamma: f64,
+    pub lo: f64,
+    pub hi: f64,
+    /// By how much the lower and the upper bound are widened; taken back as the iterations go.
+    pub wider: Sides,
+}
+
+/// A stretch between two stops (or ends at a speed), ready to be iterated on.
+#[derive(Debug, Clone)]
+pub(super) struct Stretch {
+    /// Grid point of the first knot.
+    pub from: usize,
+    pub knots: Knots,
+    pub ends: [End; 2],
+    /// Rows at knot `k` are `points[first[k]..first[k + 1]]`.
+    pub points: Vec<PointRow>,
+    pub first: Vec<usize>,
+    /// Greatest `x` per knot, and by how much it is raised for the time being.
+    pub caps: Vec<[f64; 2]>,
+    /// By what the bounds `1 / sqrt(x)` on jerk are raised for the time being: this times `jerk_unit` of the knot.
+    pub jerk_wider: f64,
+    pub jerk_unit: Vec<f64>,
+    /// Rows between the knots: place `2 k` is the start of interval `k`, place `2 k + 1` its end, and those of place `p` are
+    /// `inner[inner_first[p]..inner_first[p + 1]]`.
+    pub inner: Vec<InnerRow>,
+    pub inner_first: Vec<usize>,
+    /// Jerk rows, by place likewise.
+    pub thirds: Vec<ThirdRow>,
+    pub thirds_first: Vec<usize>,
+    /// The part of the limits on jerk that may be used at all.
+    pub most: f64,
+    /// Jerk in the rest interval at the first and at the last knot: `|r x| <= 1 / sqrt(x)`.
+    pub rest: [f64; 2],
+}
+
+/// Lower and upper side of a row.
+pub(super) type Sides = [f64; 2];
+
+/// A row is dropped where its value is closer to the middle between its bounds than to either, by this measure.
+const DISTANT: f64 = 0.6;
+
+impl PointRow {
+    /// Derivative by `x`.
+    pub fn slope(&self, x: f64) -> f64 {
+        if self.c == 0.0 { self.b } else { self.b + 0.5 * self.c / x.sqrt() }
+    }
+}
+
+impl Stretch {
+    /// The stretch from grid point `from` to grid point `to`, at rest at an end unless a speed is given for it.
+    ///
+    /// `fastest` are squared speeds at all grid points that the solution is not expected to exceed by much.
+    pub fn new(problem: &FeedProblem, [from, to]: [usize; 2], speeds: [f64; 2], fastest: &[f64]) -> Self {
+        let end = |speed: f64, h: f64| if speed > 0.0 { End::Moving { x: speed * speed } } else { End::Rest { h } };
+        let ends = [end(speeds[0], problem.h(from)), end(speeds[1], problem.h(to - 1))];
+        let (a, b) = (from + ends[0].rest_intervals(), to - ends[1].rest_intervals());
+        let knots = Knots::new((a..b).map(|k| problem.h(k)).collect());
+        let mut stretch = Self {
+            from: a,
+            knots,
+            ends,
+            points: Vec::with_capacity((b - a + 1) * problem.rows(a).len()),
+            first: Vec::with_capacity(b - a + 2),
+            caps: Vec::with_capacity(b - a + 1),
+            inner: Vec::with_capacity(2 * (b - a) * problem.rows(a).len()),
+            inner_first: vec![0],
+            thirds: Vec::with_capacity(2 * (b - a) * problem.jerk_rows(a, Within::Start).len()),
+            thirds_first: vec![0],
+            jerk_wider: 0.0,
+            jerk_unit: vec![0.0; b - a + 1],
+            most: 1.0,
+            rest: [0.0; 2],
+        };
+        stretch.first.push(0);
+        for i in a..=b {
+            // Speed and acceleration at a moving end are given: the planner has checked them, nothing is left to decide.
+            let given = matches!((&ends, i), ([End::Moving { .. }, _], i) if i == a)
+                || matches!((&ends, i), ([_, End::Moving { .. }], i) if i == b);
+            if !given {
+                stretch.points.extend(problem.rows(i).iter().map(|row| {
+                    let (lo, hi) = (row.lo - row.d, row.hi - row.d);
+                    PointRow { a: row.a, b: row.b, c: row.c, lo, hi, wider: [0.0; 2] }
+                }));
+            }
+            stretch.first.push(stretch.points.len());
+            stretch.caps.push([if given { f64::INFINITY } else { problem.x_max(i) }, 0.0]);
+        }
+        for k in a..b {
+            for within in [Within::Start, Within::End] {
+                stretch.push_inner(problem, k, within);
+                if within == Within::Start {
+                    stretch.push_speed(problem, k, fastest);
+                }
+                stretch.inner_first.push(stretch.inner.len());
+                stretch.thirds.extend(problem.jerk_rows(k, within).iter().zip(0..).map(|(row, id)| ThirdRow {
+                    alpha: row.alpha / row.limit,
+                    beta: row.beta / row.limit,
+                    gamma: row.gamma / row.limit,
+                    part: 1.0,
+                    id,
+                }));
+                stretch.thirds_first.push(stretch.thirds.len());
+            }
+        }
+        for (i, k) in [(0, from), (1, to - 1)] {
+            let End::Rest { h } = ends[i] else { continue };
+            // At the knot u = 2 x / 3h away from rest and w = x / 4.5 h^2; at rest only the constant jerk itself is left.
+            let (at_rest, at_knot) = if i == 0 { (Within::Start, Within::End) } else { (Within::End, Within::Start) };
+            let u = if i == 0 { 2.0 / (3.0 * h) } else { -2.0 / (3.0 * h) };
+            let w = 1.0 / (4.5 * h * h);
+            let worst = |rest: f64, row: &JerkRow, u: f64, x: f64| {
+                rest.max(((row.alpha * w + row.beta * u + row.gamma * x) / row.limit).abs())
+            };
+            let rest = problem.jerk_rows(k, at_rest).iter().fold(0.0, |rest, row| worst(rest, row, 0.0, 0.0));
+            let rest = problem.jerk_rows(k, Within::Middle).iter().fold(rest, |rest, row| {
+                // sqrt(x) grows with s^(2/3), u with s^(1/3).
+                worst(rest, row, u * 0.5, 0.25 * 1.0)
+            });
+            stretch.rest[i] = problem.jerk_rows(k, at_knot).iter().fold(rest, |rest, row| worst(rest, row, u, 1.0));
+        }
+        stretch
+    }
+
+    /// The inner Bernstein coefficient next to one end of interval `k`: value there plus a third of the slope times `h`.
+    fn push_inner(&mut self, problem: &FeedProblem, k: usize, within: Within) {
+        let h = problem.h(k);
+        let (near, middle, far) = (problem.rows(k), problem.middle_rows(k), problem.rows(k + 1));
+        for (j, m) in middle.iter().enumerate() {
+            let Some(p) = matching(near, m, j, middle.len(), false).map(|j| &near[j]) else { continue };
+            let Some(q) = matching(far, m, j, middle.len(), true).map(|j| &far[j]) else { continue };
+            if p.c != 0.0 || q.c != 0.0 {
+                continue;
+            }
+            // A third of the slopes of the coefficients over the interval, and the direction to the inside.
+            let (row, third, inside): (&Row, fn(f64, f64, f64) -> f64, f64) = match within {
+                Within::End => (q, |p, m, q| (4.0 * m - 3.0 * q - p) / 3.0, -h / 3.0),
+                _ => (p, |p, m, q| (4.0 * m - 3.0 * p - q) / 3.0, h / 3.0),
+            };
+            let d = row.d + third(p.d, m.d, q.d);
+            self.inner.push(InnerRow {
+                alpha: inside * row.a,
+                beta: row.a + third(p.a, m.a, q.a) + 2.0 * inside * row.b,
+                gamma: row.b + third(p.b, m.b, q.b),
+                lo: row.lo - d,
+                hi: row.hi - d,
+                wider: [0.0; 2],
+            });
+        }
+    }
+
+    /// Speed inside interval `k`: the Bernstein coefficients of `p(s) x(s)`, of degree 6, where `p` is the bound of degree 4
+    /// on squared axis speeds; by the values at the start.
+    fn push_speed(&mut self, problem: &FeedProblem, k: usize, fastest: &[f64]) {
+        let h = problem.h(k);
+        let p = &problem.speed_bound(k).coefficients;
+        let mut push = |of_start: f64, of_middle: f64, of_end: f64, hi: f64| {
+            let (beta, alpha) = (h * (of_middle + 2.0 * of_end), h * h * of_end);
+            let gamma = of_start + of_middle + of_end;
+            self.inner.push(InnerRow { alpha, beta, gamma, lo: f64::NEG_INFINITY, hi, wider: [0.0; 2] });
+        };
+        // Well above what can bind.
+        let most = 2.0 * fastest[k].max(fastest[k + 1]);
+        let largest = p.iter().copied().fold(0.0, f64::max);
+        if largest * most > 1.0 {
+            // C(4, i - j) C(2, j) / C(6, i)
+            push(4.0 * p[1] / 6.0, 2.0 * p[0] / 6.0, 0.0, 1.0);
+            push(6.0 * p[2] / 15.0, 8.0 * p[1] / 15.0, p[0] / 15.0, 1.0);
+            push(4.0 * p[3] / 20.0, 12.0 * p[2] / 20.0, 4.0 * p[1] / 20.0, 1.0);
+            push(p[4] / 15.0, 8.0 * p[3] / 15.0, 6.0 * p[2] / 15.0, 1.0);
+            push(0.0, 2.0 * p[4] / 6.0, 4.0 * p[3] / 6.0, 1.0);
+        }
+        // A cap from elsewhere.
+        let middle = problem.middle_x_max(k);
+        if middle < most && middle * largest < 0.999 {
+            push(0.25, 0.5, 0.25, middle);
+        }
+    }
+
+    /// Every place between the knots: its interval, the knot at it, its inner rows and its jerk rows.
+    pub fn places(&self) -> impl Iterator<Item = (usize, usize, Range<usize>, Range<usize>)> + '_ {
+        (0..2 * self.knots.intervals()).map(|p| {
+            let inner = self.inner_first[p]..self.inner_first[p + 1];
+            (p / 2, p / 2 + p % 2, inner, self.thirds_first[p]..self.thirds_first[p + 1])
+        })
+    }
+
+    /// The greatest factors on `x` (and `u`, `w`) at which every row and cap is kept, friction aside, and every jerk row.
+    pub fn largest_scales(&self, values: &Values) -> Sides {
+        let Values { x, u, w, .. } = values;
+        let mut scale = f64::INFINITY;
+        for k in 0..x.len() {
+            scale = scale.min(self.caps[k][0] / x[k]);
+            for row in &self.points[self.first[k]..self.first[k + 1]] {
+                let value = row.a * u[k] + row.b * x[k];
+                let bound = if value > 0.0 { row.hi } else { row.lo };
+                if value != 0.0 {
+                    scale = scale.min(bound / value);
+                }
+            }
+        }
+        // The greatest square of a jerk in units of its limit; jerk grows with the power 3/2.
+        let mut square = 0.0_f64;
+        for (k, end, inner, thirds) in self.places() {
+            for row in &self.inner[inner] {
+                let value = row.alpha * w[k] + row.beta * u[end] + row.gamma * x[end];
+                let bound = if value > 0.0 { row.hi } else { row.lo };
+                if value != 0.0 {
+                    scale = scale.min(bound / value);
+                }
+            }
+            for row in &self.thirds[thirds] {
+                let value = row.alpha * w[k] + row.beta * u[end] + row.gamma * x[end];
+                square = square.max(value * value * x[end]);
+            }
+        }
+        for (rest, x) in self.rest.iter().zip([x[0], x[x.len() - 1]]) {
+            square = square.max(rest * rest * x * x * x);
+        }
+        [scale, 1.0 / square.cbrt()]
+    }
+
+    /// Lowers all bounds by the factor `x`, `u` and `w` would be lowered by.
+    pub fn tighten(&mut self, factor: f64) {
+        for row in &mut self.points {
+            (row.lo, row.hi) = (factor * row.lo, factor * row.hi);
+        }
+        for row in &mut self.inner {
+            (row.lo, row.hi) = (factor * row.lo, factor * row.hi);
+        }
+        self.caps.iter_mut().for_each(|cap| cap[0] *= factor);
+        // Jerk grows with the power 3/2.
+        let up = factor.powf(-1.5);
+        for row in &mut self.thirds {
+            (row.alpha, row.beta, row.gamma) = (up * row.alpha, up * row.beta, up * row.gamma);
+            row.part /= up;
+        }
+        self.most /= up;
+        self.rest = self.rest.map(|rest| up * rest);
+    }
+
+    /// Takes back the given part of what bounds are widened by; the largest widening left, in units of its bound.
+    pub fn narrow(&mut self, part: f64) -> f64 {
+        let keep = 1.0 - part;
+        let mut largest = 0.0_f64;
+        let mut take = |wider: &mut f64, bound: f64| {
+            *wider *= keep;
+            // Round-off of the bound itself.
+            if *wider <= 1e-15 * bound.abs() {
+                *wider = 0.0;
+            } else {
+                largest = largest.max(*wider / bound.abs());
+            }
+        };
+        for row in &mut self.points {
+            take(&mut row.wider[0], row.lo);
+            take(&mut row.wider[1], row.hi);
+        }
+        for row in &mut self.inner {
+            take(&mut row.wider[0], row.lo);
+            take(&mut row.wider[1], row.hi);
+        }
+        for [cap, wider] in &mut self.caps {
+            take(wider, *cap);
+        }
+        take(&mut self.jerk_wider, 1.0);
+        largest
+    }
+
+    /// Drops the rows that are far from their bounds at the given values and calls `keep` for every row with whether it
+    /// stays, in their order.
+    pub fn drop_distant(&mut self, values: &Values, mut keep: impl FnMut(bool)) {
+        let Values { x, u, w, .. } = values;
+        let near = |value: f64, lo: f64, hi: f64| {
+            let size = if (hi - lo).is_finite() { 0.5 * (hi - lo) } else { hi.abs().min(lo.abs()) };
+            (value - lo).min(hi - value) < DISTANT * size
+        };
+        let mut write = 0;
+        let mut start = 0;
+        for k in 0..x.len() {
+            for i in start..self.first[k + 1] {
+                let row = self.points[i];
+                let friction = if row.c == 0.0 { 0.0 } else { row.c * x[k].sqrt() };
+                let stays = near(row.a * u[k] + row.b * x[k] + friction, row.lo, row.hi);
+                keep(stays);
+                if stays {
+                    self.points[write] = row;
+                    write += 1;
+                }
+            }
+            start = self.first[k + 1];
+            self.first[k + 1] = write;
+        }
+        self.points.truncate(write);
+        self.caps.iter().for_each(|_| keep(true));
+        let (mut write, mut start) = (0, 0);
+        for p in 0..2 * w.len() {
+            for i in start..self.inner_first[p + 1] {
+                let row = self.inner[i];
+                let end = p / 2 + p % 2;
+                let stays = near(row.alpha * w[p / 2] + row.beta * u[end] + row.gamma * x[end], row.lo, row.hi);
+                keep(stays);
+                if stays {
+                    self.inner[write] = row;
+                    write += 1;
+                }
+            }
+            start = self.inner_first[p + 1];
+            self.inner_first[p + 1] = write;
+        }
+        self.inner.truncate(write);
+        let (mut write, mut start) = (0, 0);
+        for p in 0..2 * w.len() {
+            for i in start..self.thirds_first[p + 1] {
+                let row = self.thirds[i];
+                let end = p / 2 + p % 2;
+                let value = row.alpha * w[p / 2] + row.beta * u[end] + row.gamma * x[end];
+                let bound = 1.0 / x[end].sqrt();
+                let stays = near(value, -bound, bound);
+                keep(stays);
+                if stays {
+                    self.thirds[write] = row;
+                    write += 1;
+                }
+            }
+            start = self.thirds_first[p + 1];
+            self.thirds_first[p + 1] = write;
+        }
+        self.thirds.truncate(write);
+        (0..2).for_each(|_| keep(true));
+    }
+
+    /// Index of the first cap, inner row, jerk row and rest interval among all rows.
+    pub fn offsets(&self) -> [usize; 4] {
+        let caps = self.points.len();
+        let inner = caps + self.caps.len();
+        let thirds = inner + self.inner.len();
+        [caps, inner, thirds, thirds + self.thirds.len()]
+    }
+
+    /// `c[1] / c[0]` at both ends.
+    pub fn ratios(&self) -> Sides {
+        [self.ends[0].ratio(self.knots.h[0]), self.ends[1].ratio(self.knots.h[self.knots.intervals() - 1])]
+    }
+
+    /// The slack of every side at the given values.
+    pub fn each_slack(&self, values: &Values, mut visit: impl FnMut(usize, Sides)) {
+        let Values { x, u, w, .. } = values;
+        let [caps, inner, thirds, rest] = self.offsets();
+        for k in 0..x.len() {
+            for i in self.first[k]..self.first[k + 1] {
+                let row = &self.points[i];
+                let friction = if row.c == 0.0 { 0.0 } else { row.c * x[k].sqrt() };
+                let value = row.a * u[k] + row.b * x[k] + friction;
+                let [low, high] = row.wider;
+                visit(i, [value - row.lo + low, row.hi + high - value]);
+            }
+            visit(caps + k, [f64::INFINITY, self.caps[k][0] + self.caps[k][1] - x[k]]);
+        }
+        for (k, end, inner_rows, third_rows) in self.places() {
+            let (x, u, w) = (x[end], u[end], w[k]);
+            for i in inner_rows {
+                let row = &self.inner[i];
+                let value = row.alpha * w + row.beta * u + row.gamma * x;
+                let [low, high] = row.wider;
+                visit(inner + i, [value - row.lo + low, row.hi + high - value]);
+            }
+            let bound = 1.0 / x.sqrt() + self.jerk_wider * self.jerk_unit[end];
+            for i in third_rows {
+                let row = &self.thirds[i];
+                let value = row.alpha * w + row.beta * u + row.gamma * x;
+                visit(thirds + i, [bound + value, bound - value]);
+            }
+        }
+        for (i, end) in [0, x.len() - 1].into_iter().enumerate() {
+            let bound = 1.0 / x[end].sqrt() + self.jerk_wider * self.jerk_unit[end];
+            let slack = if self.rest[i] == 0.0 { f64::INFINITY } else { bound - self.rest[i] * x[end] };
+            visit(rest + i, [f64::INFINITY, slack]);
+        }
+    }
+
+    /// How the slack of every side changes with the values, to first order, while all relaxation is taken back.
+    pub fn each_change(&self, values: &Values, delta: &Values, mut visit: impl FnMut(usize, Sides)) {
+        let (Values { x, .. }, Values { x: dx, u: du, w: dw, .. }) = (values, delta);
+        let [caps, inner, thirds, rest] = self.offsets();
+        for k in 0..x.len() {
+            for i in self.first[k]..self.first[k + 1] {
+                let row = &self.points[i];
+                let by = row.a * du[k] + row.slope(x[k]) * dx[k];
+                visit(i, [by - row.wider[0], -by - row.wider[1]]);
+            }
+            visit(caps + k, [0.0, -dx[k] - self.caps[k][1]]);
+        }
+        for (k, end, inner_rows, third_rows) in self.places() {
+            let (x, dx, du, dw) = (x[end], dx[end], du[end], dw[k]);
+            for i in inner_rows {
+                let row = &self.inner[i];
+                let by = row.alpha * dw + row.beta * du + row.gamma * dx;
+                visit(inner + i, [by - row.wider[0], -by - row.wider[1]]);
+            }
+            let y = 1.0 / x.sqrt();
+            let bound = -0.5 * y / x * dx - self.jerk_wider * self.jerk_unit[end];
+            for i in third_rows {
+                let row = &self.thirds[i];
+                let by = row.alpha * dw + row.beta * du + row.gamma * dx;
+                visit(thirds + i, [bound + by, bound - by]);
+            }
+        }
+        for (i, end) in [0, x.len() - 1].into_iter().enumerate() {
+            let y = 1.0 / x[end].sqrt();
+            let slope = self.rest[i] + 0.5 * y / x[end];
+            visit(rest + i, [0.0, -slope * dx[end] - self.jerk_wider * self.jerk_unit[end]]);
+        }
+    }
+}

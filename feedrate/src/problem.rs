@@ -1,0 +1,388 @@
+//! What a speed planner is given: a grid on the path, rows at its points, caps on the speed, speeds at both ends.
+
+use crate::constraint::{PathConstraint, Place, RowSink, Within};
+use crate::error::{FeedError, not_negative};
+use crate::row::{JerkRow, Quantity, Row, RowSource};
+
+/// Rows of one place after the other.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct RowTable {
+    rows: Vec<Row>,
+    first: Vec<usize>,
+    x_max: Vec<f64>,
+    source: Vec<RowSource>,
+}
+
+impl RowTable {
+    fn with_capacity(places: usize) -> Self {
+        let mut first = Vec::with_capacity(places + 1);
+        first.push(0);
+        let (x_max, source) = (Vec::with_capacity(places), Vec::with_capacity(places));
+        Self { rows: Vec::new(), first, x_max, source }
+    }
+
+    /// Collects the rows of the next place; tells which one is not sound.
+    fn collect(&mut self, place: Place, constraints: &[&dyn PathConstraint]) -> Result<(), RowSource> {
+        let start = self.rows.len();
+        let mut sink = RowSink { rows: &mut self.rows, x_max: f64::INFINITY, source: RowSource::path(Quantity::Other) };
+        for constraint in constraints {
+            constraint.rows(place, &mut sink);
+        }
+        let (x_max, source) = (sink.x_max, sink.source);
+        if !(x_max >= 0.0) {
+            return Err(source);
+        }
+        if let Some(row) = self.rows[start..].iter().find(|row| !row.is_sound()) {
+            return Err(row.source);
+        }
+        self.x_max.push(x_max);
+        self.source.push(source);
+        self.first.push(self.rows.len());
+        Ok(())
+    }
+
+    fn push(&mut self, rows: &[Row], x_max: f64, source: RowSource) {
+        self.rows.extend_from_slice(rows);
+        self.first.push(self.rows.len());
+        self.x_max.push(x_max);
+        self.source.push(source);
+    }
+
+    pub fn rows(&self, i: usize) -> &[Row] {
+        &self.rows[self.first[i]..self.first[i + 1]]
+    }
+
+    pub fn x_max(&self, i: usize) -> f64 {
+        self.x_max[i]
+    }
+
+    pub fn source(&self, i: usize) -> RowSource {
+        self.source[i]
+    }
+
+    fn is_empty(&self) -> bool {
+        self.x_max.is_empty()
+    }
+}
+
+/// Squared speeds of axes over an interval in units of their limits: Bernstein coefficients of a polynomial of degree 4 in
+/// `s` that is above each of them, so that its product with `x(s)` must stay below 1.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SpeedBound {
+    pub coefficients: [f64; 5],
+    pub source: RowSource,
+}
+
+/// Find the fastest `sdot(s)` along a path that keeps rows and caps: the input of every [`FeedPlanner`].
+///
+/// The path parameter may have any unit; no planner depends on it.
+#[derive(Debug, Clone)]
+pub struct FeedProblem {
+    s: Vec<f64>,
+    points: RowTable,
+    middles: RowTable,
+    speed_bounds: Vec<SpeedBound>,
+    jerk_rows: Vec<JerkRow>,
+    jerk_rows_per_place: usize,
+    v_start: f64,
+    v_end: f64,
+}
+
+impl FeedProblem {
+    /// The limits at the points of a strictly increasing grid, from rest to rest.
+    ///
+    /// # Errors
+    /// [`FeedError::Empty`] for fewer than two points, [`FeedError::NotFinite`], [`FeedError::BadGrid`],
+    /// [`FeedError::LengthMismatch`] for a constraint made for another grid, [`FeedError::BadRow`].
+    pub fn at_points(s: &[f64], constraints: &[&dyn PathConstraint]) -> Result<Self, FeedError> {
+        Self::new(s, constraints, false)
+    }
+
+    /// Like [`FeedProblem::at_points`], with what planners need that keep the limits between the points too.
+    ///
+    /// # Errors
+    /// As [`FeedProblem::at_points`].
+    pub fn between_points(s: &[f64], constraints: &[&dyn PathConstraint]) -> Result<Self, FeedError> {
+        Self::new(s, constraints, true)
+    }
+
+    fn new(s: &[f64], constraints: &[&dyn PathConstraint], between: bool) -> Result<Self, FeedError> {
+        if s.len() < 2 {
+            return Err(FeedError::Empty { what: "grid intervals" });
+        }
+        if let Some(&value) = s.iter().find(|s| !s.is_finite()) {
+            return Err(FeedError::NotFinite { what: "grid point", value });
+        }
+        if let Some(k) = (1..s.len()).find(|&k| s[k] <= s[k - 1]) {
+            return Err(FeedError::BadGrid { index: k, s: s[k], previous: s[k - 1] });
+        }
+        if !(s[s.len() - 1] - s[0]).is_finite() {
+            return Err(FeedError::OutOfRange { what: "length of the grid" });
+        }
+        for got in constraints.iter().filter_map(|constraint| constraint.points()) {
+            if got != s.len() {
+                return Err(FeedError::LengthMismatch { what: "a constraint (grid points)", got, expected: s.len() });
+            }
+        }
+        let bad = |index: usize, row: RowSource| FeedError::BadRow { index, s: s[index], row };
+        let mut points = RowTable::with_capacity(s.len());
+        points.collect(Place::Point(0), constraints).map_err(|row| bad(0, row))?;
+        points.rows.reserve((points.rows.len() + 1) * s.len());
+        for i in 1..s.len() {
+            points.collect(Place::Point(i), constraints).map_err(|row| bad(i, row))?;
+        }
+        let mut problem = Self {
+            s: s.to_vec(),
+            points,
+            middles: RowTable::default(),
+            speed_bounds: Vec::new(),
+            jerk_rows: Vec::new(),
+            jerk_rows_per_place: 0,
+            v_start: 0.0,
+            v_end: 0.0,
+        };
+        problem.collect_jerk(constraints)?;
+        if between {
+            problem.middles = RowTable::with_capacity(s.len() - 1);
+            for k in 0..s.len() - 1 {
+                let h = s[k + 1] - s[k];
+                problem.middles.collect(Place::Middle { k, h }, constraints).map_err(|row| bad(k, row))?;
+                problem.speed_bounds.push(speed_bound(constraints, k, h).map_err(|row| bad(k, row))?);
+            }
+        }
+        Ok(problem)
+    }
+
+    fn collect_jerk(&mut self, constraints: &[&dyn PathConstraint]) -> Result<(), FeedError> {
+        for k in 0..self.intervals() {
+            let h = self.h(k);
+            for within in [Within::Start, Within::Middle, Within::End] {
+                let start = self.jerk_rows.len();
+                for constraint in constraints {
+                    constraint.jerk_rows(k, h, within, &mut self.jerk_rows);
+                }
+                let got = self.jerk_rows.len() - start;
+                if k == 0 && within == Within::Start {
+                    if got == 0 {
+                        return Ok(());
+                    }
+                    self.jerk_rows_per_place = got;
+                    self.jerk_rows.reserve(3 * got * self.intervals());
+                }
+                if got != self.jerk_rows_per_place {
+                    let expected = self.jerk_rows_per_place;
+                    return Err(FeedError::LengthMismatch { what: "jerk rows of an interval", got, expected });
+                }
+                let sound = |row: &JerkRow| (row.alpha + row.beta + row.gamma).is_finite() && row.limit > 0.0;
+                if let Some(row) = self.jerk_rows[start..].iter().find(|row| !sound(row)) {
+                    return Err(FeedError::BadRow { index: k, s: self.s[k], row: row.source });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Asks for speeds `ds/dt` at both ends.
+    ///
+    /// # Errors
+    /// [`FeedError::NotFinite`], [`FeedError::Negative`].
+    pub fn with_end_speeds(mut self, v_start: f64, v_end: f64) -> Result<Self, FeedError> {
+        self.v_start = not_negative("start speed", v_start)?;
+        self.v_end = not_negative("end speed", v_end)?;
+        Ok(self)
+    }
+
+    /// The grid, `intervals() + 1` points.
+    pub fn grid(&self) -> &[f64] {
+        &self.s
+    }
+
+    /// Number of intervals.
+    pub fn intervals(&self) -> usize {
+        self.s.len() - 1
+    }
+
+    /// Length of interval `k`.
+    pub fn h(&self, k: usize) -> f64 {
+        self.s[k + 1] - self.s[k]
+    }
+
+    /// The rows at grid point `i`.
+    pub fn rows(&self, i: usize) -> &[Row] {
+        self.points.rows(i)
+    }
+
+    /// Greatest `x = (ds/dt)^2` at grid point `i` that the caps allow, and which limit that is.
+    pub fn cap(&self, i: usize) -> (f64, RowSource) {
+        (self.points.x_max(i), self.points.source(i))
+    }
+
+    pub(crate) fn x_max(&self, i: usize) -> f64 {
+        self.points.x_max(i)
+    }
+
+    /// The rows in the middle of interval `k`; none unless built by [`FeedProblem::between_points`].
+    pub fn middle_rows(&self, k: usize) -> &[Row] {
+        if self.middles.is_empty() { &[] } else { self.middles.rows(k) }
+    }
+
+    /// Greatest `x` in the middle of interval `k`; infinite unless built by [`FeedProblem::between_points`].
+    pub(crate) fn middle_x_max(&self, k: usize) -> f64 {
+        if self.middles.is_empty() { f64::INFINITY } else { self.middles.x_max(k) }
+    }
+
+    /// The jerk rows at one place of interval `k`.
+    pub fn jerk_rows(&self, k: usize, within: Within) -> &[JerkRow] {
+        let place = 3 * k + within as usize;
+        &self.jerk_rows[place * self.jerk_rows_per_place..(place + 1) * self.jerk_rows_per_place]
+    }
+
+    /// Whether limits between the points are known.
+    pub fn is_between_points(&self) -> bool {
+        !self.middles.is_empty()
+    }
+
+    /// Whether any jerk is limited.
+    pub fn has_jerk(&self) -> bool {
+        self.jerk_rows_per_place > 0
+    }
+
+    pub(crate) fn speed_bound(&self, k: usize) -> &SpeedBound {
+        &self.speed_bounds[k]
+    }
+
+    /// Speed asked for at the start (m/s).
+    pub fn v_start(&self) -> f64 {
+        self.v_start
+    }
+
+    /// Speed asked for at the end (m/s).
+    pub fn v_end(&self) -> f64 {
+        self.v_end
+    }
+}
+
+/// Rows by quadratic interpolation through an interval.
+impl FeedProblem {
+    /// The problem with some intervals split at fractions (increasing, inside 0..1) of their length.
+    pub(crate) fn split(&self, cuts: &[(usize, Vec<f64>)]) -> Self {
+        let n = self.intervals();
+        let places = n + 1 + cuts.iter().map(|(_, fractions)| fractions.len()).sum::<usize>();
+        let mut new = Self {
+            s: Vec::with_capacity(places),
+            points: RowTable::with_capacity(places),
+            middles: RowTable::with_capacity(places),
+            speed_bounds: Vec::with_capacity(places),
+            jerk_rows: Vec::with_capacity(3 * places * self.jerk_rows_per_place),
+            ..*self
+        };
+        let mut cuts = cuts.iter().peekable();
+        for k in 0..n {
+            new.s.push(self.s[k]);
+            new.points.push(self.rows(k), self.x_max(k), self.points.source(k));
+            let Some((_, fractions)) = cuts.next_if(|(at, _)| *at == k) else {
+                new.middles.push(self.middle_rows(k), self.middle_x_max(k), self.middles.source(k));
+                new.speed_bounds.push(self.speed_bounds[k]);
+                let rows = 3 * self.jerk_rows_per_place;
+                new.jerk_rows.extend_from_slice(&self.jerk_rows[k * rows..(k + 1) * rows]);
+                continue;
+            };
+            // The least of three caps and the greatest of the coefficients hold in every part.
+            let x_max = self.middle_x_max(k).min(if k > 0 { self.x_max(k) } else { f64::INFINITY });
+            let x_max = x_max.min(if k + 1 < n { self.x_max(k + 1) } else { f64::INFINITY });
+            let x_max = if x_max > 0.0 { x_max } else { self.middle_x_max(k) };
+            let mut bound = self.speed_bounds[k];
+            bound.coefficients = [bound.coefficients.iter().copied().fold(0.0, f64::max); 5];
+            let ends = |i: usize| if i == 0 { 0.0 } else { fractions[i - 1] };
+            for i in 0..=fractions.len() {
+                let (from, to) = (ends(i), fractions.get(i).copied().unwrap_or(1.0));
+                if i > 0 {
+                    new.s.push(self.s[k] + from * self.h(k));
+                    new.points.push(&self.rows_within(k, from), x_max, self.middles.source(k));
+                }
+                new.middles.push(&self.rows_within(k, 0.5 * (from + to)), x_max, self.middles.source(k));
+                new.speed_bounds.push(bound);
+                for fraction in [from, 0.5 * (from + to), to] {
+                    self.jerk_rows_within(k, fraction, &mut new.jerk_rows);
+                }
+            }
+        }
+        new.s.push(self.s[n]);
+        new.points.push(self.rows(n), self.x_max(n), self.points.source(n));
+        new
+    }
+
+    fn rows_within(&self, k: usize, fraction: f64) -> Vec<Row> {
+        let mix = quadratic(fraction);
+        let (near, middle, far) = (self.rows(k), self.middle_rows(k), self.rows(k + 1));
+        let between = |(j, m): (usize, &Row)| {
+            let ends = matching(near, m, j, middle.len(), false).zip(matching(far, m, j, middle.len(), true));
+            let (p, q) = ends.map_or((m, m), |(p, q)| (&near[p], &far[q]));
+            Row { a: mix(p.a, m.a, q.a), b: mix(p.b, m.b, q.b), c: mix(p.c, m.c, q.c), d: mix(p.d, m.d, q.d), ..*m }
+        };
+        middle.iter().enumerate().map(between).collect()
+    }
+
+    fn jerk_rows_within(&self, k: usize, fraction: f64, out: &mut Vec<JerkRow>) {
+        let mix = quadratic(fraction);
+        let [near, middle, far] = [Within::Start, Within::Middle, Within::End].map(|within| self.jerk_rows(k, within));
+        out.extend(middle.iter().zip(near.iter().zip(far)).map(|(m, (p, q))| JerkRow {
+            alpha: mix(p.alpha, m.alpha, q.alpha),
+            beta: mix(p.beta, m.beta, q.beta),
+            gamma: mix(p.gamma, m.gamma, q.gamma),
+            ..*m
+        }));
+    }
+}
+
+/// The quadratic through values at 0, 1/2 and 1, at `fraction`.
+pub(crate) fn quadratic(fraction: f64) -> impl Fn(f64, f64, f64) -> f64 {
+    let f = fraction;
+    let weights = [(1.0 - f) * (1.0 - 2.0 * f), 4.0 * f * (1.0 - f), f * (2.0 * f - 1.0)];
+    move |p, m, q| weights[0] * p + weights[1] * m + weights[2] * q
+}
+
+/// The coefficient-wise maximum over all axes, which is above each of them because Bernstein polynomials are positive.
+fn speed_bound(constraints: &[&dyn PathConstraint], k: usize, h: f64) -> Result<SpeedBound, RowSource> {
+    let mut bound = SpeedBound { coefficients: [0.0; 5], source: RowSource::path(Quantity::Other) };
+    let (mut worst, mut bad) = (0.0, None);
+    for constraint in constraints {
+        constraint.axis_speeds(k, h, &mut |[b0, b1, b2], limit, source| {
+            // The square of a quadratic in Bernstein form.
+            let square = [b0 * b0, b0 * b1, (b0 * b2 + 2.0 * b1 * b1) / 3.0, b1 * b2, b2 * b2];
+            for (sum, value) in bound.coefficients.iter_mut().zip(square) {
+                // A limit of 0 makes this infinite, or NaN for an axis that stands still.
+                let scaled = if value == 0.0 { 0.0 } else { value / (limit * limit) };
+                if scaled.is_nan() {
+                    bad = Some(source);
+                }
+                if scaled > worst {
+                    (worst, bound.source) = (scaled, source);
+                }
+                *sum = scaled.max(*sum);
+            }
+        });
+    }
+    bad.map_or(Ok(bound), Err)
+}
+
+/// The index of the row at an end of an interval that belongs to row `j` of its middle: the same index, or the same source
+/// where a jump doubles the rows of a point (those after it come first).
+pub(crate) fn matching(rows: &[Row], middle: &Row, j: usize, count: usize, last: bool) -> Option<usize> {
+    if rows.len() == count {
+        Some(j)
+    } else if last {
+        rows.iter().rposition(|row| row.source == middle.source)
+    } else {
+        rows.iter().position(|row| row.source == middle.source)
+    }
+}
+
+/// Plans the speed along a path.
+pub trait FeedPlanner {
+    /// The law of motion this planner finds for the problem.
+    ///
+    /// # Errors
+    /// Why there is none: where, which row and by how much.
+    fn plan(&self, problem: &FeedProblem) -> Result<crate::grid_plan::GridPlan, FeedError>;
+}

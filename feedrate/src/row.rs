@@ -1,0 +1,178 @@
+//! The one shape of every limit along a path, and where each limit comes from.
+
+use std::fmt;
+
+/// What a limit is on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Quantity {
+    /// Speed of a joint.
+    JointVelocity,
+    /// Acceleration of a joint.
+    JointAcceleration,
+    /// Torque of a joint.
+    JointTorque,
+    /// Jerk of a joint.
+    JointJerk,
+    /// Speed of the tool along its path.
+    LinearSpeed,
+    /// Angular speed of the tool.
+    AngularSpeed,
+    /// Programmed feed.
+    Feed,
+    /// Tangential acceleration of the tool.
+    TangentialAcceleration,
+    /// Tangential jerk of the tool.
+    TangentialJerk,
+    /// Normal acceleration of the tool.
+    NormalAcceleration,
+    /// Normal jerk of the tool.
+    NormalJerk,
+    /// Deviation of the chord between two samples.
+    ChordError,
+    /// A corner or a jump of curvature that a limit on acceleration or jerk cannot pass in motion.
+    Corner,
+    /// The speed asked for at the start.
+    StartSpeed,
+    /// The speed asked for at the end.
+    EndSpeed,
+    /// What the rest of the path leaves room for.
+    Ahead,
+    /// A row of the caller's own.
+    Other,
+}
+
+impl fmt::Display for Quantity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::JointVelocity => "velocity",
+            Self::JointAcceleration => "acceleration",
+            Self::JointTorque => "torque",
+            Self::JointJerk => "jerk",
+            Self::LinearSpeed => "linear speed",
+            Self::AngularSpeed => "angular speed",
+            Self::Feed => "feed",
+            Self::TangentialAcceleration => "tangential acceleration",
+            Self::TangentialJerk => "tangential jerk",
+            Self::NormalAcceleration => "normal acceleration",
+            Self::NormalJerk => "normal jerk",
+            Self::ChordError => "chord error",
+            Self::Corner => "corner",
+            Self::StartSpeed => "start speed",
+            Self::EndSpeed => "end speed",
+            Self::Ahead => "the rest of the path",
+            Self::Other => "custom row",
+        })
+    }
+}
+
+/// Which limit a row stems from: the quantity, and the joint where there is one.
+///
+/// Prints as a person would say it; joints are counted from 1 there, from 0 in the field.
+///
+/// ```
+/// use arcfeed_feedrate::{Quantity, RowSource};
+/// assert_eq!(RowSource::joint(Quantity::JointTorque, 2).to_string(), "torque of joint 3");
+/// assert_eq!(RowSource::path(Quantity::Feed).to_string(), "feed");
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct RowSource {
+    /// What is limited.
+    pub quantity: Quantity,
+    /// Which joint, from 0.
+    pub joint: Option<u16>,
+}
+
+impl RowSource {
+    /// The limit of one joint, counted from 0.
+    pub fn joint(quantity: Quantity, joint: usize) -> Self {
+        Self { quantity, joint: Some(u16::try_from(joint).unwrap_or(u16::MAX)) }
+    }
+
+    /// A limit on the motion as a whole.
+    pub const fn path(quantity: Quantity) -> Self {
+        Self { quantity, joint: None }
+    }
+}
+
+impl fmt::Display for RowSource {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.joint {
+            Some(joint) => write!(f, "{} of joint {}", self.quantity, u32::from(joint) + 1),
+            None => write!(f, "{}", self.quantity),
+        }
+    }
+}
+
+/// `lo <= a u + b x + c sqrt(x) + d <= hi` at one place of the path, with `x = (ds/dt)^2` and `u = d2s/dt2`.
+///
+/// Joint acceleration has `a = q'`, `b = q''`; torque adds viscous friction as `c` and gravity with Coulomb friction as
+/// `d` (Electronics 2025, 14, 3869, eqs. 5 and 8). The unit is that of the limited quantity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Row {
+    /// Factor of `u`.
+    pub a: f64,
+    /// Factor of `x`.
+    pub b: f64,
+    /// Factor of `sqrt(x)`.
+    pub c: f64,
+    /// What remains at rest.
+    pub d: f64,
+    /// Least value allowed; may be `-inf`.
+    pub lo: f64,
+    /// Greatest value allowed; may be `inf`.
+    pub hi: f64,
+    /// Where the row comes from.
+    pub source: RowSource,
+}
+
+impl Row {
+    /// `|a u + b x| <= limit`.
+    pub const fn symmetric(a: f64, b: f64, limit: f64, source: RowSource) -> Self {
+        Self { a, b, c: 0.0, d: 0.0, lo: -limit, hi: limit, source }
+    }
+
+    /// The value at `(u, x)`.
+    pub fn value(&self, u: f64, x: f64) -> f64 {
+        let friction = if self.c == 0.0 { 0.0 } else { self.c * x.sqrt() };
+        self.a * u + self.b * x + friction + self.d
+    }
+
+    /// By how much the value at `(u, x)` is outside its bounds; 0 inside.
+    pub fn excess(&self, u: f64, x: f64) -> f64 {
+        let value = self.value(u, x);
+        (value - self.hi).max(self.lo - value).max(0.0)
+    }
+
+    pub(crate) fn is_sound(&self) -> bool {
+        // Without branches between the tests: this runs over every row.
+        (self.a + self.b + self.c + self.d).is_finite()
+            & (self.lo <= self.hi)
+            & (self.lo < f64::INFINITY)
+            & (self.hi > f64::NEG_INFINITY)
+    }
+}
+
+/// `|(alpha w + beta u + gamma x) sqrt(x)| <= limit` with `w = du/ds`: a limit on the third derivative in time.
+///
+/// Joint jerk has `alpha = q'`, `beta = 3 q''`, `gamma = q'''`; tangential jerk `alpha = 1` and nothing else.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JerkRow {
+    /// Factor of `w`.
+    pub alpha: f64,
+    /// Factor of `u`.
+    pub beta: f64,
+    /// Factor of `x`.
+    pub gamma: f64,
+    /// Greatest magnitude allowed, above 0; may be `inf`.
+    pub limit: f64,
+    /// Where the row comes from.
+    pub source: RowSource,
+}
+
+impl JerkRow {
+    /// The value at `(w, u, x)`.
+    pub fn value(&self, w: f64, u: f64, x: f64) -> f64 {
+        (self.alpha * w + self.beta * u + self.gamma * x) * x.sqrt()
+    }
+}
