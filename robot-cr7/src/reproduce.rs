@@ -1,5 +1,9 @@
 //! A paper's claims beside what this library measures, with the guarantees that must hold.
 
+mod hs;
+
+pub use hs::liu_2024;
+
 use std::fmt;
 use std::time::Instant;
 
@@ -39,6 +43,30 @@ pub struct Reproduction {
     pub paper: String,
     /// Its numbers and ours.
     pub claims: Vec<Claim>,
+}
+
+/// One figure of a paper, drawn anew: lines over time in s.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Figure {
+    /// Name of its file.
+    pub file: &'static str,
+    /// What it shows.
+    pub title: &'static str,
+    /// Conditions and results in words.
+    pub facts: String,
+    /// Quantity and unit.
+    pub label: &'static str,
+    /// The lines.
+    pub lines: Vec<FigureLine>,
+}
+
+/// One line of a [`Figure`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct FigureLine {
+    /// Name in the legend.
+    pub name: String,
+    /// Time in s and value.
+    pub points: Vec<(f64, f64)>,
 }
 
 impl Reproduction {

@@ -234,7 +234,17 @@ fn the_paper_is_reproduced() {
         assert!(run.stdout.contains(part), "{part}: {run:?}");
     }
     assert!(!run.stdout.contains("BROKEN"), "{run:?}");
-    desk.run(&["reproduce", "xy"]).refused(2, &["xy", "pn"]);
+    let run = desk.run(&["reproduce", "hs", "--out", "figures"]).done();
+    for part in ["0.914486", "Table 3", "Table 5", "Table 7", "holds"] {
+        assert!(run.stdout.contains(part), "{part}: {run:?}");
+    }
+    assert!(!run.stdout.contains("BROKEN"), "{run:?}");
+    for figure in
+        ["figure_5_feed", "figure_7a_velocity", "figure_7b_velocity", "figure_9b_position", "figure_13_velocity"]
+    {
+        assert!(desk.folder.join("figures").join(figure).with_extension("svg").exists(), "{figure}");
+    }
+    desk.run(&["reproduce", "xy"]).refused(2, &["xy", "pn", "hs"]);
 }
 
 #[test]

@@ -1,7 +1,11 @@
 //! `cr7 reproduce`: the numbers of a paper beside ours.
 
+use std::path::{Path, PathBuf};
+
 use clap::ValueEnum;
-use robot_cr7::reproduce::{Reproduction, liu_2023};
+use robot_cr7::InputError;
+use robot_cr7::plot::{Line, lines_picture, save_picture};
+use robot_cr7::reproduce::{Figure, Reproduction, liu_2023, liu_2024};
 
 use crate::Failure;
 use crate::output::{say, say_as_is};
@@ -11,10 +15,14 @@ use crate::plan::spinner;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   cr7 reproduce pn                         tables 1 and 2 and the segment counts, beside ours
+  cr7 reproduce hs --out figures           tables 3, 4, 5 and 7, and figures 5, 7, 9 and 13 drawn anew
   cr7 reproduce pn --json")]
 pub struct Args {
     /// Which paper
     paper: Paper,
+    /// Draw the figures into this folder (hs has some, pn has none)
+    #[arg(long)]
+    out: Option<PathBuf>,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -24,21 +32,46 @@ pub struct Args {
 enum Paper {
     /// Liu et al. 2023, planar NURBS interpolation (Appl. Sci. 13, 13210)
     Pn,
+    /// Liu et al. 2024, online trajectories in task and joint space (Actuators 13, 108)
+    Hs,
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
     let bar = spinner("reproducing");
-    let reproduction: Reproduction = match args.paper {
-        Paper::Pn => liu_2023()?,
+    let (reproduction, figures): (Reproduction, Vec<Figure>) = match args.paper {
+        Paper::Pn => (liu_2023()?, Vec::new()),
+        Paper::Hs => liu_2024(),
+    };
+    let files = match &args.out {
+        Some(out) => draw(out, &figures)?,
+        None => Vec::new(),
     };
     bar.finish_and_clear();
     if args.json {
         say!("{}", reproduction.to_json());
     } else {
         say_as_is!("{reproduction}");
+        for file in files {
+            say!("wrote {}", file.display());
+        }
     }
     match reproduction.broken().count() {
         0 => Ok(()),
         n => Err(Failure::Undoable(format!("{n} guarantees do not hold: see the lines marked BROKEN"))),
     }
+}
+
+fn draw(out: &Path, figures: &[Figure]) -> Result<Vec<PathBuf>, Failure> {
+    std::fs::create_dir_all(out).map_err(|source| InputError::Write { file: out.to_owned(), source })?;
+    let mut files = Vec::new();
+    for figure in figures {
+        let file = out.join(figure.file);
+        let lines: Vec<Line<'_>> =
+            figure.lines.iter().map(|line| Line { name: &line.name, points: &line.points }).collect();
+        let svg = lines_picture(figure.title, &figure.facts, ("time t [s]", figure.label), &lines, &[])
+            .map_err(|source| InputError::Write { file: file.clone(), source })?;
+        save_picture(&file, &svg)?;
+        files.push(file);
+    }
+    Ok(files)
 }
