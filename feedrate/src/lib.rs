@@ -26,7 +26,8 @@
 //! | [`scurve::change`] | change of speed and braking from any state |
 //! | [`caps`] | bounds from chord error, normal acceleration and jerk, joints |
 //! | [`scan`] | [`Segment`], the scans per segment and joined |
-//! | [`StateToState`] | time-optimal motion from any position, speed and acceleration to any other |
+//! | [`StateToState`] | time-optimal motion from any position, speed and acceleration to any other, or to a speed, or to a stop |
+//! | [`AxisProblem`], [`Durations`] | the durations between two states that are possible, and a motion in each of them |
 //! | [`plan`] | [`SpeedPlan`]: phases, sampling, position to speed |
 //! | [`error`] | [`FeedError`] |
 //!
