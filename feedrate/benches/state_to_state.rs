@@ -1,8 +1,8 @@
 //! What one calculation of a time-optimal state-to-state motion of one axis costs, and one sample of it.
 //!
-//! Measured on a 2-core AMD EPYC VM, release profile, least of many repetitions of each of 4096 cases: median 256 ns,
-//! 99th percentile 508 ns, largest 904 ns; a sample 5 ns. With other work on both cores criterion's medians were about
-//! twice that (558 ns, 18 ns).
+//! Measured on a 2-core AMD EPYC VM with other work on both cores: criterion's medians 596 ns and 8.6 ns at a load of 4, 419 ns
+//! and 6.8 ns at a load of 2. The least of many repetitions of each input, beside another library, is measured in the
+//! benchmark of the same name in `integration-tests`: median 340 ns, 99th percentile 460 ns, largest 770 ns.
 #![allow(missing_docs)]
 use std::hint::black_box;
 

@@ -28,6 +28,8 @@
 //! | [`scan`] | [`Segment`], the scans per segment and joined |
 //! | [`StateToState`] | time-optimal motion from any position, speed and acceleration to any other |
 //! | [`online`] | [`FeedScheduler`]: speed towards the end of a path under limits that change while it runs |
+//! | [`StateToState`] | time-optimal motion from any position, speed and acceleration to any other, or to a speed, or to a stop |
+//! | [`AxisProblem`], [`Durations`] | the durations between two states that are possible, and a motion in each of them |
 //! | [`plan`] | [`SpeedPlan`]: phases, sampling, position to speed |
 //! | [`error`] | [`FeedError`] |
 //!

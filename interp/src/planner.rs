@@ -243,6 +243,7 @@ where
         stops: &[usize],
         scale: f64,
     ) -> Result<(Vec<f64>, SpeedLaw), PlanError> {
+        if std::env::var("SHOW").is_ok() { eprintln!("steps {} points {}", reaches.have_steps(), joint_path.nodes().len()); }
         if self.scan == Scan::JerkLimited && !reaches.have_steps() {
             match jerk_limited::plan(joint_path, reaches, stops, &self.bounds(SHARES[0], scale)) {
                 Ok((plan, caps)) => return Ok((caps, SpeedLaw::Grid(plan))),
