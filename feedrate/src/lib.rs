@@ -26,7 +26,6 @@
 //! | [`scurve::change`] | change of speed and braking from any state |
 //! | [`caps`] | bounds from chord error, normal acceleration and jerk, joints |
 //! | [`scan`] | [`Segment`], the scans per segment and joined |
-//! | [`StateToState`] | time-optimal motion from any position, speed and acceleration to any other |
 //! | [`online`] | [`FeedScheduler`]: speed towards the end of a path under limits that change while it runs |
 //! | [`StateToState`] | time-optimal motion from any position, speed and acceleration to any other, or to a speed, or to a stop |
 //! | [`AxisProblem`], [`Durations`] | the durations between two states that are possible, and a motion in each of them |

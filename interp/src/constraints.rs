@@ -72,9 +72,20 @@ impl<const N: usize> Reaches<N> {
         Self { intervals, steps }
     }
 
-    /// The highest speed that the tool's own limits allow on each interval.
+    /// The highest speed that chord error, normal acceleration and normal jerk allow at each grid point, so that between two
+    /// points the square of the speed may lie on the straight line through both.
     pub fn tool_speeds(&self, bounds: &Bounds<'_, N>) -> Vec<f64> {
-        self.intervals.iter().map(|reach| tool_speed(reach.curvature, bounds)).collect()
+        let mut squares = vec![f64::INFINITY; self.intervals.len() + 1];
+        for (k, reach) in self.intervals.iter().enumerate() {
+            let [start, middle, end] = reach.bends.map(|kappa| {
+                let v = bend_speed(kappa, bounds).min(bounds.tool.feed);
+                v * v
+            });
+            let sag = (middle / (0.5 * (start + end))).min(1.0);
+            squares[k] = squares[k].min(sag * start);
+            squares[k + 1] = squares[k + 1].min(sag * end);
+        }
+        squares.into_iter().map(f64::sqrt).collect()
     }
 
     /// Whether the joints' accelerations have to step somewhere the tool does not stand.
@@ -116,6 +127,8 @@ struct Reach<const N: usize> {
     d2: Joints<N>,
     d3: Joints<N>,
     curvature: f64,
+    /// Curvature at the start, in the middle and at the end.
+    bends: [f64; 3],
 }
 
 impl<const N: usize> Reach<N> {
@@ -137,10 +150,11 @@ impl<const N: usize> Reach<N> {
             let (a, b) = (start.d3[k], end.d3[k]);
             a.abs().max(b.abs()) * (1.0 + misfit.third) + 0.15 * (b - a).abs()
         });
+        let bends = tool.map(|jet| linear(&jet.d2).norm());
         let [c0, _, c1] = tool.map(|jet| (linear(&jet.d2), linear(&jet.d3)));
         let curvature = c0.0.norm().max((c0.0 + c0.1 * (h / 3.0)).norm()).max((c1.0 - c1.1 * (h / 3.0)).norm());
         let curvature = curvature.max(c1.0.norm()) * (1.0 + misfit.second);
-        Self { length: h, d1, d2, d3, curvature }
+        Self { length: h, d1, d2, d3, curvature, bends }
     }
 }
 
@@ -179,11 +193,10 @@ fn angular(twist: &Twist) -> Vector3<f64> {
     twist.fixed_rows::<3>(3).into_owned()
 }
 
-/// The highest speed that feed, chord error, normal acceleration and normal jerk allow at the curvature `kappa`.
-fn tool_speed<const N: usize>(kappa: f64, bounds: &Bounds<'_, N>) -> f64 {
+/// The highest speed that chord error, normal acceleration and normal jerk allow at the curvature `kappa`.
+fn bend_speed<const N: usize>(kappa: f64, bounds: &Bounds<'_, N>) -> f64 {
     let (tool, scale) = (bounds.tool, bounds.scale);
-    let v = (tool.feed * scale)
-        .min(caps::chord_error_speed(kappa, bounds.chord * scale, bounds.period))
+    let v = caps::chord_error_speed(kappa, bounds.chord * scale, bounds.period)
         .min(caps::normal_acceleration_speed(kappa, tool.normal_acceleration * scale));
     match tool.normal_jerk {
         Some(jerk) => v.min(caps::normal_jerk_speed(kappa, jerk * scale)),
@@ -193,7 +206,7 @@ fn tool_speed<const N: usize>(kappa: f64, bounds: &Bounds<'_, N>) -> f64 {
 
 fn one_box<const N: usize>(reach: &Reach<N>, step: &Joints<N>, bounds: &Bounds<'_, N>) -> (f64, f64, f64) {
     let (tool, joints, scale) = (bounds.tool, bounds.joints, bounds.scale);
-    let mut v = tool_speed(reach.curvature, bounds);
+    let mut v = bend_speed(reach.curvature, bounds).min(tool.feed * scale);
     let mut a = tool.tangential_acceleration * scale;
     let mut j = tool.tangential_jerk * scale;
     // First what acceleration and jerk may use at most, then the speed from what is left, then both again.

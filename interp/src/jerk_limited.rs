@@ -1,10 +1,10 @@
 //! The speed by the jerk-limited planner: limits of tool and joints as rows on the grid of the joint path.
 
 use arcfeed_feedrate::constraint::{
-    Feed, JointAcceleration, JointJerk, JointVelocity, PathConstraint, PathDerivatives, Stop, TangentialAcceleration,
-    TangentialJerk,
+    Feed, JointAcceleration, JointJerk, JointVelocity, PathConstraint, PathDerivatives, SpeedCap, Stop,
+    TangentialAcceleration, TangentialJerk,
 };
-use arcfeed_feedrate::{FeedError, FeedPlanner, FeedProblem, GridPlan, JerkLimited};
+use arcfeed_feedrate::{FeedError, FeedPlanner, FeedProblem, GridPlan, JerkLimited, Quantity};
 
 use crate::constraints::{Bounds, Reaches};
 use crate::joint_path::JointPath;
@@ -22,12 +22,12 @@ impl Derivatives {
         let (mut after, mut before): ([Vec<f64>; 3], [Vec<f64>; 3]) = (empty(), empty());
         for i in 0..points {
             let (left, right) = joints.sides(i);
-            // At a smooth knot both tangents are the same but for rounding, which must not count as a corner.
-            let first = if stops.contains(&i) { &left.d1 } else { &right.d1 };
+            // At a smooth knot both sides are the same but for rounding, which must not count as a corner or a jump.
+            let (first, second) = if stops.contains(&i) { (&left.d1, &left.d2) } else { (&right.d1, &right.d2) };
             for (list, values) in after.iter_mut().zip([&right.d1, &right.d2, &right.d3]) {
                 list.extend_from_slice(values.as_slice());
             }
-            for (list, values) in before.iter_mut().zip([first, &left.d2, &left.d3]) {
+            for (list, values) in before.iter_mut().zip([first, second, &left.d3]) {
                 list.extend_from_slice(values.as_slice());
             }
         }
@@ -56,8 +56,10 @@ pub(crate) fn plan<const N: usize>(
         bounds.joints.acceleration() * bounds.scale,
         bounds.joints.jerk() * bounds.scale,
     );
-    let feed = reaches.tool_speeds(bounds);
+    let feed = vec![bounds.tool.feed * bounds.scale; joints.intervals()];
     let feed = Feed::new(&feed)?;
+    let bends = reaches.tool_speeds(bounds);
+    let bends = SpeedCap::new(&bends, Quantity::NormalAcceleration)?;
     let tangential = TangentialAcceleration::new(bounds.tool.tangential_acceleration * bounds.scale)?;
     let tangential_jerk = TangentialJerk::new(bounds.tool.tangential_jerk * bounds.scale)?;
     let velocity = JointVelocity::new(path, velocity.as_slice())?;
@@ -65,7 +67,7 @@ pub(crate) fn plan<const N: usize>(
     let jerk = JointJerk::new(path, jerk.as_slice())?;
     let stops: Vec<Stop> = stops.iter().map(|&at| Stop { at }).collect();
     let mut constraints: Vec<&dyn PathConstraint> =
-        vec![&feed, &tangential, &tangential_jerk, &velocity, &acceleration, &jerk];
+        vec![&feed, &bends, &tangential, &tangential_jerk, &velocity, &acceleration, &jerk];
     constraints.extend(stops.iter().map(|stop| stop as &dyn PathConstraint));
     let problem = FeedProblem::between_points(&grid, &constraints)?;
     let caps = (0..grid.len()).map(|i| problem.cap(i).0.sqrt()).collect();

@@ -157,6 +157,7 @@ where
         Cr7Error::Plan { file: shown.clone(), source: Box::new(source), hint }
     };
     let scan = match (job.scan, job.lookahead) {
+        (Scan::JerkLimited, _) => PlanScan::JerkLimited,
         (Scan::Joined, _) => PlanScan::Joined,
         (Scan::Segments, window) => PlanScan::PerSegment { window },
     };

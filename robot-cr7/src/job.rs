@@ -84,8 +84,10 @@ impl JointValues {
 /// How the speed is planned over the segments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Scan {
-    /// Over all segments at once, joined between the speed minima.
+    /// The least time under all limits at once.
     #[default]
+    JerkLimited,
+    /// Over all segments at once, joined between the speed minima, with the limits shared out by fixed parts.
     Joined,
     /// Segment by segment, with zero acceleration at every joint between two of them.
     Segments,
@@ -143,7 +145,7 @@ impl Default for Job {
             joints: JointOverrides::default(),
             chord_tolerance: 1e-6,
             period: 1e-3,
-            scan: Scan::Joined,
+            scan: Scan::JerkLimited,
             lookahead: None,
             warnings: Vec::new(),
         }
@@ -236,6 +238,7 @@ impl JobCheck<'_> {
                 .unwrap_or(default.chord_tolerance),
             period: self.0.period(raw.sampling.period_ms)?.unwrap_or(default.period),
             scan: match raw.plan.scan {
+                RawScan::JerkLimited => Scan::JerkLimited,
                 RawScan::Joined => Scan::Joined,
                 RawScan::Segments => Scan::Segments,
             },

@@ -90,9 +90,10 @@ pub(crate) struct RawPlan {
 }
 
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "snake_case")]
 pub(crate) enum RawScan {
     #[default]
+    JerkLimited,
     Joined,
     Segments,
 }
