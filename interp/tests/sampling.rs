@@ -106,13 +106,7 @@ fn at_corners_the_tool_stands() {
     for &s in &stops {
         assert!(plan.speed().at_position(s).v < 1e-6, "{}", plan.speed().at_position(s).v);
         // When the law is there, it stands, and before and after it moves.
-        let t = plan
-            .speed()
-            .phases()
-            .iter()
-            .find(|p| p.s >= s - 1e-12 && p.v.abs() < 1e-9)
-            .expect("a phase starts there")
-            .t;
+        let t = crossing(&plan, s);
         let mut sampler = plan.sampler(&arm, 1e-3).expect("a valid period");
         let at = sampler.at(t).expect("on the path");
         assert!((at.s - s).abs() < 1e-12 && at.feed < 1e-9 && at.qd.amax() < 1e-8, "{at:?}");
