@@ -2,7 +2,17 @@
 //!
 //! Measured on a 2-core AMD EPYC VM while other programs kept both cores busy, medians of one run:
 //!
-//! TABLE
+//! | KR 6 R700 | arcfeed | rs-opw-kinematics 3.0.0 | k 0.32.0 |
+//! |---|---|---|---|
+//! | forward | 110 ns | 175 ns | 374 ns |
+//! | forward and Jacobian | 134 ns | | 1.00 us |
+//! | all inverse solutions | 0.84 us | 3.44 us | |
+//! | torque (Newton-Euler) | 207 ns | | |
+//! | mass matrix | 251 to 363 ns | | |
+//! | all torque coefficients along a path | 0.67 us | | |
+//!
+//! All solutions of the Puma 560 0.81 us, of the UR5e 0.58 us. The Panda's inverse from a seed 0.01 rad away: 1.63 us to
+//! 1e-11 m and rad, k 22 us to 1e-3 m and 5e-3 rad.
 
 use arcfeed_kinematics::{
     AnalyticInverse, ArmDynamics, Dynamics, ForwardKinematics, InverseKinematics, JointRange, Joints, models,
@@ -75,8 +85,10 @@ fn distance(ours: &Isometry3<f64>, translation: [f64; 3]) -> f64 {
 
 fn benches(criterion: &mut Criterion) {
     let kr6 = models::kr6_r700();
-    let kr6_links: ArmDynamics<6> =
-        *models::description("kr6_r700").and_then(|arm| arm.build::<6>().ok()?.dynamics().copied()).as_ref().expect("known");
+    let kr6_links: ArmDynamics<6> = *models::description("kr6_r700")
+        .and_then(|arm| arm.build::<6>().ok()?.dynamics().copied())
+        .as_ref()
+        .expect("known");
     let (opw, k_kr6) = (opw(), k_chain("kr6_r700"));
     let joints = samples(kr6.range());
     let poses: Vec<Isometry3<f64>> = joints.iter().map(|q| kr6.forward(q)).collect();
