@@ -2,7 +2,17 @@
 //!
 //! Measured on a 2-core AMD EPYC VM while other programs kept both cores busy, medians of one run:
 //!
-//! TABLE
+//! | KR 6 R700 | arcfeed | rs-opw-kinematics 3.0.0 | k 0.32.0 |
+//! |---|---|---|---|
+//! | forward | 110 ns | 175 ns | 374 ns |
+//! | forward and Jacobian | 134 ns | | 1.00 us |
+//! | all inverse solutions | 0.84 us | 3.44 us | |
+//! | torque (Newton-Euler) | 207 ns | | |
+//! | mass matrix | 251 to 363 ns | | |
+//! | all torque coefficients along a path | 0.67 us | | |
+//!
+//! All solutions of the Puma 560 0.81 us, of the UR5e 0.58 us. The Panda's inverse from a seed 0.01 rad away: 1.63 us to
+//! 1e-11 m and rad, k 22 us to 1e-3 m and 5e-3 rad.
 
 use arcfeed_kinematics::{
     AnalyticInverse, ArmDynamics, Dynamics, ForwardKinematics, InverseKinematics, JointRange, Joints, models,

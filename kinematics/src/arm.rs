@@ -2,6 +2,7 @@
 
 use crate::{
     analytic::{ClosedForm, Solutions},
+    branch::{Candidate, largest_step},
     chain::Chain,
     closed_form::{ClosedFormArm, ParallelAxisArm, SphericalWristArm},
     dynamics::ArmDynamics,
@@ -254,6 +255,35 @@ impl<const N: usize> Arm<N> {
     pub fn closed_form_refusals(&self) -> Option<[KinematicsError; 2]> {
         let (chain, range) = six_joints(&self.chain, &self.range)?;
         Some([ParallelAxisArm::new(chain, range).err()?, SphericalWristArm::new(chain, range).err()?])
+    }
+
+    /// What becomes of each inverse solution of `target` when seen from `seed`: inside the limits with which step, or
+    /// outside by how much. A numeric inverse finds only solutions inside, and not all.
+    ///
+    /// # Errors
+    /// As [`AnalyticInverse::inverse_all`]; [`KinematicsError::NotFinite`] also for the seed.
+    pub fn candidates(
+        &self,
+        target: &Isometry3<f64>,
+        seed: &Joints<N>,
+    ) -> Result<impl Iterator<Item = Candidate<N>>, KinematicsError> {
+        let solutions: Solutions<N> = match &self.solver {
+            Solver::ParallelAxis(arm) => arm.solve(target, &renamed(seed))?.for_joints(),
+            Solver::SphericalWrist(arm) => arm.solve(target, &renamed(seed))?.for_joints(),
+            Solver::Numeric(arm) => arm.inverse_all(target)?,
+        };
+        if !seed.iter().all(|v| v.is_finite()) {
+            return Err(KinematicsError::NotFinite { what: "the seed" });
+        }
+        let (arm, seed) = (*self, *seed);
+        Ok((0..solutions.len()).map(move |i| match &arm.solver {
+            Solver::Numeric(numeric) => {
+                let q = numeric.turned_towards(&solutions[i], &seed);
+                let (joint, step) = largest_step(&q, &seed);
+                Candidate::Usable { q, joint, step }
+            }
+            _ => Candidate::new(&solutions[i], &seed, &arm.range),
+        }))
     }
 
     /// How far the arm at `q` is from its singular poses, kind by kind, if it has a closed form.

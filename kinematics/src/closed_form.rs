@@ -108,7 +108,7 @@ impl<S: ClosedForm> ClosedFormArm<S> {
         Ok((0..solutions.len()).map(move |i| Candidate::new(&solutions[i], &seed, &range)))
     }
 
-    fn solve(&self, target: &Isometry3<f64>, seed: &Joints<6>) -> Result<Solutions<6>, KinematicsError> {
+    pub(crate) fn solve(&self, target: &Isometry3<f64>, seed: &Joints<6>) -> Result<Solutions<6>, KinematicsError> {
         if !seed.iter().all(|v| v.is_finite()) {
             return Err(KinematicsError::NotFinite { what: "the seed" });
         }

@@ -234,7 +234,7 @@ impl<const N: usize> NumericArm<N> {
     }
 
     /// `q` with every turning joint on the turn inside the range that is nearest to `seed`.
-    fn turned_towards(&self, q: &Joints<N>, seed: &Joints<N>) -> Joints<N> {
+    pub(crate) fn turned_towards(&self, q: &Joints<N>, seed: &Joints<N>) -> Joints<N> {
         let turned = nearest_turns(q, seed, &self.range).unwrap_or(*q);
         Joints::from_fn(|i, _| if self.chain.joints()[i].kind() == JointKind::Revolute { turned[i] } else { q[i] })
     }

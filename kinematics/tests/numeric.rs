@@ -4,8 +4,8 @@
 mod common;
 
 use arcfeed_kinematics::{
-    AnalyticInverse, Arm, ArmDynamics, BranchTracker, Chain, DriveLimits, Dynamics, ForwardKinematics, Friction,
-    InverseKinematics, InverseMethod, Joint, JointRange, Joints, KinematicsError, NullSpace, NumericArm,
+    AnalyticInverse, Arm, ArmDynamics, BranchTracker, Candidate, Chain, DriveLimits, Dynamics, ForwardKinematics,
+    Friction, InverseKinematics, InverseMethod, Joint, JointRange, Joints, KinematicsError, NullSpace, NumericArm,
     NumericSettings, ToolDerivatives, Twist, least_norm_derivatives, models,
 };
 use common::{chain, inertials, pose_distance};
@@ -193,6 +193,14 @@ fn geometry_chooses_the_inverse() {
     assert_eq!(arm.inverse(&target, &q).unwrap(), plain.inverse(&target, &q).unwrap());
     assert_eq!(arm.inverse_all(&target).unwrap().as_slice(), plain.inverse_all(&target).unwrap().as_slice());
     assert_eq!(arm.singularity_distances(&q), Some(plain.singularity_distances(&q)));
+    let ours: Vec<_> = arm.candidates(&target, &q).unwrap().collect();
+    assert_eq!(ours, plain.candidates(&target, &q).unwrap().collect::<Vec<_>>());
+    let q = Joints::from([0.1, -0.4, 0.2, -2.0, 0.1, 1.6, 0.7]);
+    let target = panda.forward(&q);
+    for candidate in panda.candidates(&target, &q).unwrap() {
+        let Candidate::Usable { q, .. } = candidate else { panic!("found inside the range") };
+        assert!(panda.range().contains(&q) && pose_distance(&panda.forward(&q), &target) < 2e-11);
+    }
 }
 
 #[test]
