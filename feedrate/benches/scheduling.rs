@@ -3,9 +3,7 @@
 use std::hint::black_box;
 
 use arcfeed_feedrate::constraint::{JointAcceleration, JointJerk, JointVelocity};
-use arcfeed_feedrate::{
-    BothEndsScan, CertifiedReachability, FeedPlanner, FeedProblem, JerkLimited, MotionLaw, Reachability,
-};
+use arcfeed_feedrate::{BothEndsScan, CertifiedReachability, FeedPlanner, FeedProblem, JerkLimited, Reachability};
 use criterion::{Criterion, criterion_group, criterion_main};
 
 #[path = "../tests/common/spline_paths.rs"]

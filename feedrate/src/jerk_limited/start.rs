@@ -53,7 +53,7 @@ pub(super) fn start(problem: &FeedProblem, stretch: &mut Stretch, limit: &[f64])
         stretch.knots.evaluate(&c, &mut values);
         let [scale, jerk_scale] = stretch.largest_scales(&values);
         let factor = INSIDE * scale.min(jerk_scale).min(1.0);
-        if factor > best.0 {
+        if factor > best.0 || best.1.is_empty() {
             if slowing {
                 c.iter_mut().for_each(|c| *c *= factor);
             }

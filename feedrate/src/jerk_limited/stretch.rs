@@ -155,7 +155,7 @@ impl Stretch {
             let rest = problem.jerk_rows(k, at_rest).iter().fold(0.0, |rest, row| worst(rest, row, 0.0, 0.0));
             let rest = problem.jerk_rows(k, Within::Middle).iter().fold(rest, |rest, row| {
                 // sqrt(x) grows with s^(2/3), u with s^(1/3).
-                worst(rest, row, u * 0.5, 0.25 * 1.0)
+                worst(rest, row, u * 0.5, 0.25)
             });
             stretch.rest[i] = problem.jerk_rows(k, at_knot).iter().fold(rest, |rest, row| worst(rest, row, u, 1.0));
         }
