@@ -1,5 +1,16 @@
 //! Speed planning beside COPP 0.2 and clarabel 0.11 in one run: six joints, velocity and acceleration (and jerk), from
-//! the path's derivatives to squared speeds, rows included.
+//! the path's derivatives to squared speeds, rows included (COPP evaluates the derivatives itself, six sines a point).
+//!
+//! Medians of one run on a 2-core AMD EPYC VM with other work on both cores:
+//!
+//! | N | both ends | reachability | COPP reachability | certified | jerk-limited | COPP third order, one program (clarabel) |
+//! |---|---|---|---|---|---|---|
+//! | 100 | 13 us | 33 us | 130 us | 0.15 ms | 1.2 ms | 25 ms |
+//! | 500 | 61 us | 158 us | 592 us | 0.83 ms | 6.7 ms | 229 ms |
+//! | 1000 | 129 us | 316 us | 1148 us | 1.5 ms | 18 ms | 481 ms |
+//!
+//! Durations at N = 1000: reachability 13.63565 s by both, certified 13.63201 s; jerk-limited 13.73638 s, COPP 13.78687 s after two
+//! programs (which do not keep the limits between the points).
 #![allow(missing_docs)]
 use std::hint::black_box;
 
