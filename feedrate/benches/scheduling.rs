@@ -1,11 +1,23 @@
-//! What speed planning along a path costs: six joints, rows included.
+//! What speed planning along a path costs: six joints, velocity and acceleration (and jerk), rows included.
+//!
+//! Medians on a 2-core AMD EPYC VM that other work loaded twice over (factor 1.5 to 2.5 above an idle core), N intervals of
+//! the spline through 20 way-points:
+//!
+//! | N | rows alone | both ends | reachability | certified | jerk-limited |
+//! |---|---|---|---|---|---|
+//! | 100 | 9.1 us | 28 us | 47 us | 0.12 ms | 4.6 ms |
+//! | 500 | 41 us | 98 us | 0.23 ms | 0.54 ms | 13 ms |
+//! | 1000 | 60 us | 0.18 ms | 0.33 ms | 0.86 ms | 22 ms |
+//! | 10 000 | 0.61 ms | 1.9 ms | 3.3 ms | 14 ms | 0.50 s |
+//! | 100 000 | 29 ms | 41 ms | 59 ms | 0.14 s | |
+//!
+//! The jerk-limited planner takes more iterations on 10 000 intervals than on 1000. Best of 3000 runs at N = 1000, later and under the
+//! same load: both ends 111 us, reachability 289 us, certified 1.8 ms (then of second order), jerk-limited 19 ms.
 #![allow(missing_docs)]
 use std::hint::black_box;
 
 use arcfeed_feedrate::constraint::{JointAcceleration, JointJerk, JointVelocity};
-use arcfeed_feedrate::{
-    BothEndsScan, CertifiedReachability, FeedPlanner, FeedProblem, JerkLimited, MotionLaw, Reachability,
-};
+use arcfeed_feedrate::{BothEndsScan, CertifiedReachability, FeedPlanner, FeedProblem, JerkLimited, Reachability};
 use criterion::{Criterion, criterion_group, criterion_main};
 
 #[path = "../tests/common/spline_paths.rs"]

@@ -17,6 +17,10 @@
 //! ([`plan_windowed`]), and [`plan_joined`], which keeps the acceleration continuous across segments and so does not pay
 //! for their number.
 //!
+//! Where the limits are not one number per segment but belong to joints, motors and tool, each is a [`Row`] in `sdot^2` and
+//! `sddot` ([`constraint`], [`FeedProblem`]), and a [`FeedPlanner`] finds the law: [`BothEndsScan`], [`Reachability`],
+//! [`CertifiedReachability`] and, with jerk, [`JerkLimited`]. All read the same rows and yield a [`GridPlan`].
+//!
 //! # The rooms
 //! | module | holds |
 //! |---|---|
@@ -25,7 +29,11 @@
 //! | [`scurve::profile`] | the seven-phase profile over a displacement |
 //! | [`scurve::change`] | change of speed and braking from any state |
 //! | [`caps`] | bounds from chord error, normal acceleration and jerk, joints |
-//! | [`scan`] | [`Segment`], the scans per segment and joined |
+//! | [`scan`] | [`Segment`], the scans per segment and joined; the scans over rows and reachability |
+//! | [`row`], [`problem`], [`constraint`] | limits as rows on a grid, where each comes from |
+//! | [`jerk_limited`] | the third-order planner |
+//! | [`grid_plan`] | [`GridPlan`]: the planned speed with its planner's own interpolation |
+//! | `baseline` (feature `clarabel`) | the conic optimum of the same rows and its bound |
 //! | [`online`] | [`FeedScheduler`]: speed towards the end of a path under limits that change while it runs |
 //! | [`StateToState`] | time-optimal motion from any position, speed and acceleration to any other, or to a speed, or to a stop |
 //! | [`AxisProblem`], [`Durations`] | the durations between two states that are possible, and a motion in each of them |
@@ -38,8 +46,11 @@
 //! # Sources
 //! X. Liu et al., "A High-Precision Planar NURBS Interpolation System Based on Segmentation Method for Industrial Robot",
 //! Appl. Sci. 2023, 13, 13210, cited as Liu et al. 2023; online trajectory generation in robot task and joint spaces, Actuators
-//! 2024, 13, 108, cited as Liu et al. 2024. Where a formula departs from print its docs say how and why.
+//! 2024, 13, 108, cited as Liu et al. 2024; "Quaternion-Based Velocity Scheduling for Robotic Systems", Electronics 2025, 14, 3869.
+//! Where a formula departs from print its docs say how and why.
 #![forbid(unsafe_code)]
+// `!(x > 0.0)` is how NaN is taken to the safe side.
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 #[cfg(feature = "clarabel")]
 pub mod baseline;

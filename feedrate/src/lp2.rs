@@ -19,6 +19,8 @@ pub(crate) struct Gap {
     pub room: f64,
     /// Slope of the room by `x`.
     pub slope: f64,
+    /// Where the two bands meet: Newton's next iterate, without the cancellation of a difference.
+    pub meet: f64,
     /// Magnitude of what the room is the difference of, for judging round-off.
     pub scale: f64,
     /// Band of the upper bound.
@@ -42,12 +44,16 @@ pub(crate) fn gap(bands: &[Band], x: f64) -> Gap {
         }
     }
     let slope = bands.get(upper).map_or(0.0, |b| b.p) - bands.get(lower).map_or(0.0, |b| b.p);
+    let meet = match (bands.get(upper), bands.get(lower)) {
+        (Some(u), Some(l)) => (u.hi - l.lo) / (l.p - u.p),
+        _ => f64::NAN,
+    };
     let of = |b: &Band, bound: f64| (b.p * x).abs().max(bound.abs());
     let scale = match (bands.get(upper), bands.get(lower)) {
         (Some(u), Some(l)) if hi.is_finite() && lo.is_finite() => of(u, u.hi).max(of(l, l.lo)),
         _ => 0.0,
     };
-    Gap { room: hi - lo, slope, scale, upper, lower }
+    Gap { room: hi - lo, slope, meet, scale, upper, lower }
 }
 
 /// Why there is no solution.
@@ -74,7 +80,7 @@ pub(crate) fn greatest_x(bands: &[Band], least: f64, most: f64) -> Result<f64, N
         if now.room >= -TOLERANCE * now.scale {
             return Ok(x);
         }
-        let next = x - now.room / now.slope;
+        let next = now.meet;
         if !(now.slope < 0.0) || !(next >= least) {
             // Left of here the room only shrinks, or it opens too late.
             let worst = if now.slope < 0.0 { least } else { x };
@@ -98,7 +104,7 @@ pub(crate) fn least_x(bands: &[Band], least: f64, most: f64) -> Result<f64, NoOp
         if now.room >= -TOLERANCE * now.scale {
             return Ok(x);
         }
-        let next = x - now.room / now.slope;
+        let next = now.meet;
         if !(now.slope > 0.0) || !(next <= most) {
             return Err(NoOptimum::Infeasible(x));
         }

@@ -1,4 +1,5 @@
 //! The conic optimum against its recorded values, and as a bound for the other planners.
+#![allow(clippy::unwrap_used, clippy::neg_cmp_op_on_partial_ord)]
 #![cfg(feature = "clarabel")]
 use arcfeed_feedrate::constraint::{JointAcceleration, JointVelocity};
 use arcfeed_feedrate::{BothEndsScan, ClarabelBaseline, FeedPlanner, FeedProblem, Reachability};

@@ -1,4 +1,5 @@
 //! Problems with a known answer, units, and a plan as a law of motion.
+#![allow(clippy::unwrap_used, clippy::neg_cmp_op_on_partial_ord)]
 use arcfeed_feedrate::constraint::{
     Feed, JointAcceleration, JointTorque, JointVelocity, PathDerivatives, SpeedCap, TangentialAcceleration,
 };

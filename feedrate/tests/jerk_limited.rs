@@ -1,4 +1,5 @@
 //! The jerk-limited planner: nothing exceeded on dense samples, durations beside other programs and closed forms.
+#![allow(clippy::unwrap_used, clippy::neg_cmp_op_on_partial_ord)]
 use arcfeed_feedrate::constraint::{
     Feed, JointAcceleration, JointJerk, JointVelocity, PathDerivatives, Stop, TangentialAcceleration, TangentialJerk,
 };

@@ -1,4 +1,5 @@
 //! Second-order planners against durations made with other programs.
+#![allow(clippy::unwrap_used, clippy::neg_cmp_op_on_partial_ord)]
 use arcfeed_feedrate::constraint::{JointAcceleration, JointTorque, JointVelocity};
 use arcfeed_feedrate::{
     BothEndsScan, CertifiedReachability, FeedPlanner, FeedProblem, GridPlan, PublishedScan, Reachability,

@@ -7,7 +7,7 @@ use crate::row::{Quantity, Row, RowSource};
 /// `|a u + b x + c sqrt(x) + d| <= tau` for every joint (Electronics 2025, 14, 3869, eq. 8).
 ///
 /// With mass matrix `M`, Coriolis term `C`, gravity `g`, Coulomb friction `f_c` and viscous friction `f_v`:
-/// `a = M q'`, `b = M q'' + C(q, q') q'`, `c = f_v |..| q'` (so `c = f_v q'`), `d = g + f_c sign(q')`. The sums are the
+/// `a = M q'`, `b = M q'' + C(q, q') q'`, `c = f_v q'`, `d = g + f_c sign(q')`. The sums are the
 /// caller's, who knows the arm.
 #[derive(Debug, Clone, Copy)]
 pub struct JointTorque<'a> {

@@ -122,10 +122,10 @@ const SAMPLES: usize = 8;
 struct Scale(f64);
 
 impl Scale {
-    /// `factor * value <= bound`, for a bound that is not negative.
+    /// `factor * value <= bound`. A bound below 0, which standing still breaks, allows no factor but 1.
     fn keep(&mut self, value: f64, bound: f64) {
-        if value > 0.0 && value * self.0 > bound {
-            self.0 = bound.max(0.0) / value;
+        if value > bound.min(0.0) && value * self.0 > bound {
+            self.0 = if value > 0.0 { bound.max(0.0) / value } else { 0.0 };
         }
     }
 }

@@ -10,19 +10,21 @@
 //! ```
 //!
 //! has a convex right side, whose tangent at the current iterate is below it: every step of the interior-point method
-//! ([`interior_point`]) stays inside the true bound, and no sequence of convex programs is needed. The Newton matrix has two
+//! (module `interior_point`) stays inside the true bound, and no sequence of convex programs is needed. The Newton matrix has two
 //! diagonals beside the main one.
 //!
 //! From and to rest the first and last interval have constant jerk, `x = (4.5 j s^2)^(2/3)`, which no quadratic spline can
 //! follow; the spline continues their speed and acceleration. Where that interval is longer than the acceleration takes to
-//! build up, it is split there ([`refine`]).
+//! build up, it is split there (module `refine`).
 //!
 //! # Between the grid points
 //! On an interval of a piecewise cubic path a joint's acceleration is a cubic in `s` and `|q'|^2 x` a polynomial of degree six;
-//! their inner Bernstein coefficients are rows too ([`stretch`]). Jerk is kept by margins that follow the iterate. At the end
+//! their inner Bernstein coefficients are rows too (module `stretch`). Jerk is kept by margins that follow the iterate. At the end
 //! everything is checked between the points in closed form, and what is left, of the order of 1e-5, is taken off the speed
-//! ([`between`]). On other paths (inverse kinematics, torque) the same holds for the rows as interpolated through both ends
+//! (module `between`). On other paths (inverse kinematics, torque) the same holds for the rows as interpolated through both ends
 //! and the middle of each interval.
+// Knots, values, coefficients and rows run in step.
+#![allow(clippy::needless_range_loop)]
 mod band;
 mod between;
 mod interior_point;
@@ -190,6 +192,20 @@ fn parts(problem: &FeedProblem) -> Result<Vec<Part>, FeedError> {
     Ok(parts)
 }
 
+/// Acceleration starts and ends at 0, so standing still must be possible where the motion does.
+fn stands(problem: &FeedProblem, i: usize) -> Result<(), FeedError> {
+    match problem.rows(i).iter().find(|row| !(row.lo <= row.d && row.d <= row.hi)) {
+        Some(row) => Err(FeedError::StaticallyInfeasible {
+            index: i,
+            s: problem.grid()[i],
+            row: row.source,
+            value: row.d,
+            limit: if row.d > row.hi { row.hi } else { row.lo },
+        }),
+        None => Ok(()),
+    }
+}
+
 /// Where more than this has to be taken off the speed at the end, something was left out.
 const TAKEN_OFF: f64 = 1e-3;
 
@@ -212,6 +228,13 @@ impl FeedPlanner for JerkLimited {
         })?;
         moves(problem, &fastest)?;
         let parts = parts(problem)?;
+        for part in &parts {
+            for (i, speed) in [part.grid.start, part.grid.end].into_iter().zip(part.speeds) {
+                if speed == 0.0 {
+                    stands(problem, i)?;
+                }
+            }
+        }
         let mut solver = Solver::default();
         let mut solutions = Vec::with_capacity(parts.len());
         let attempt = Attempt { drop_distant: true, factor: 1.0 };

@@ -53,7 +53,7 @@ pub(super) fn start(problem: &FeedProblem, stretch: &mut Stretch, limit: &[f64])
         stretch.knots.evaluate(&c, &mut values);
         let [scale, jerk_scale] = stretch.largest_scales(&values);
         let factor = INSIDE * scale.min(jerk_scale).min(1.0);
-        if factor > best.0 {
+        if factor > best.0 || best.1.is_empty() {
             if slowing {
                 c.iter_mut().for_each(|c| *c *= factor);
             }
@@ -78,7 +78,7 @@ fn widen(stretch: &mut Stretch, values: &Values, jerk_ratio: f64) {
     // At least this part of a bound is left as slack.
     const SLACK: f64 = 0.1;
     let wider = |value: f64, lo: f64, hi: f64| {
-        let slack = SLACK * if (hi - lo).is_finite() { hi - lo } else { 1.0 + value.abs() };
+        let slack = SLACK * if (hi - lo).is_finite() { hi - lo } else { value.abs() };
         [(slack - (value - lo)).max(0.0), (slack - (hi - value)).max(0.0)]
     };
     let Values { x, u, .. } = values;

@@ -155,7 +155,7 @@ impl Stretch {
             let rest = problem.jerk_rows(k, at_rest).iter().fold(0.0, |rest, row| worst(rest, row, 0.0, 0.0));
             let rest = problem.jerk_rows(k, Within::Middle).iter().fold(rest, |rest, row| {
                 // sqrt(x) grows with s^(2/3), u with s^(1/3).
-                worst(rest, row, u * 0.5, 0.25 * 1.0)
+                worst(rest, row, u * 0.5, 0.25)
             });
             stretch.rest[i] = problem.jerk_rows(k, at_knot).iter().fold(rest, |rest, row| worst(rest, row, u, 1.0));
         }
@@ -165,6 +165,9 @@ impl Stretch {
     /// Speed inside interval `k`, by the values at its start.
     fn push_speed(&mut self, problem: &FeedProblem, k: usize, fastest: &[f64]) {
         let h = problem.h(k);
+        // With positive Bernstein coefficients x(s) is positive between the knots too.
+        let (alpha, beta, gamma) = (0.0, h, 1.0);
+        self.inner.push(InnerRow { alpha, beta, gamma, lo: 0.0, hi: f64::INFINITY, wider: [0.0; 2] });
         let mut push = |[of_start, of_middle, of_end]: [f64; 3], hi: f64| {
             let (beta, alpha) = (h * (of_middle + 2.0 * of_end), h * h * of_end);
             let gamma = of_start + of_middle + of_end;
@@ -279,7 +282,8 @@ impl Stretch {
         let Values { x, u, w, .. } = values;
         let near = |value: f64, lo: f64, hi: f64| {
             let size = if (hi - lo).is_finite() { 0.5 * (hi - lo) } else { hi.abs().min(lo.abs()) };
-            (value - lo).min(hi - value) < DISTANT * size
+            // A bound of 0 alone has no size: such a row always stays.
+            size == 0.0 || (value - lo).min(hi - value) < DISTANT * size
         };
         let mut write = 0;
         let mut start = 0;

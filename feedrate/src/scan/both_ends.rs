@@ -66,12 +66,18 @@ fn first_crossing(p: f64, c: f64, r: f64, from: f64) -> f64 {
         let x = r / p;
         return if x >= from { x } else { f64::INFINITY };
     }
-    let root = (c * c + 4.0 * p * r).sqrt();
-    if root.is_nan() {
+    // In units of c, so that its square does not overflow.
+    let (p, r, c) = (p / c.abs(), r / c.abs(), c.signum());
+    let square = 1.0 + 4.0 * p * r;
+    if square < 0.0 {
         return f64::INFINITY;
     }
+    if !square.is_finite() {
+        // What cannot be judged must not grow.
+        return from;
+    }
     // The pair of roots without cancellation.
-    let q = -0.5 * (c + root.copysign(c));
+    let q = -0.5 * (c + square.sqrt().copysign(c));
     let w_from = from.max(0.0).sqrt();
     // A root at the start of the search counts: there the row is already tight.
     [q / p, -r / q]

@@ -1,7 +1,7 @@
 //! Time-optimal path parametrisation by reachability analysis (TOPP-RA): complete, and certified between the points.
 //!
 //! Backward, the set of squared speeds from which the end can be reached is an interval per grid point, found by two linear
-//! programs in two variables ([`crate::lp2`] solves them exactly). Forward, the greatest acceleration that stays inside these
+//! programs in two variables (module `lp2` solves them exactly). Forward, the greatest acceleration that stays inside these
 //! intervals is taken (H. Pham and Q.-C. Pham, "A new approach to time-optimal path parameterization based on reachability
 //! analysis", IEEE Trans. Robot. 2018, 34, 645). Every row is tested at both ends of every interval.
 //!
@@ -156,7 +156,7 @@ impl<'a> Solver<'a> {
         self.sets = vec![[x_end; 2]; n + 1];
         for k in (0..n).rev() {
             self.collect(k);
-            let (least, most) = self.to_bands(problem.x_max(k));
+            let (least, most) = self.divide(problem.x_max(k), 2.0 * problem.h(k));
             let greatest = greatest_x(&self.bands, least, most).map_err(|why| self.explain(k, why))?;
             let least = least_x(&self.bands, least, greatest).unwrap_or(greatest);
             self.sets[k] = [least, greatest];
@@ -254,13 +254,14 @@ impl<'a> Solver<'a> {
     }
 
     /// The lines divided by their factor of `u`; those without one bound `x` alone.
-    fn to_bands(&mut self, x_max: f64) -> (f64, f64) {
+    fn divide(&mut self, x_max: f64, h2: f64) -> (f64, f64) {
         let (mut least, mut most) = (0.0_f64, x_max);
         self.bands.clear();
         for (id, line) in self.lines.iter().enumerate() {
             let inverse = 1.0 / line.a;
             let (p, lo, hi) = (-line.b * inverse, line.lo * inverse, line.hi * inverse);
-            if p.is_finite() && inverse.is_finite() {
+            // As u is of the size of x / h2, a factor of u this small is lost beside that of x.
+            if p.abs() * h2 < 1e14 && inverse.is_finite() {
                 let (lo, hi) = if inverse > 0.0 { (lo, hi) } else { (hi, lo) };
                 self.bands.push(Band { p, lo, hi, id });
             } else if line.b > 0.0 {

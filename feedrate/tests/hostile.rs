@@ -1,0 +1,235 @@
+//! Whatever comes in, planners answer with a sound plan or an error that names a place or a value.
+#![allow(clippy::unwrap_used, clippy::neg_cmp_op_on_partial_ord)]
+use arcfeed_feedrate::constraint::{
+    Feed, JointAcceleration, JointJerk, JointTorque, JointVelocity, PathConstraint, PathDerivatives, SpeedCap, Stop,
+    TangentialAcceleration, TangentialJerk,
+};
+use arcfeed_feedrate::{
+    BothEndsScan, CertifiedReachability, FeedError, FeedPlanner, FeedProblem, GridPlan, JerkLimited, MotionLaw,
+    PublishedScan, Quantity, Reachability,
+};
+use proptest::prelude::*;
+
+fn planners() -> [Box<dyn FeedPlanner>; 5] {
+    [
+        Box::new(BothEndsScan),
+        Box::new(PublishedScan),
+        Box::new(Reachability),
+        Box::new(CertifiedReachability),
+        Box::new(JerkLimited::default()),
+    ]
+}
+
+/// A plan that runs forward from the first to the last grid point in a finite time.
+fn assert_sound(plan: &GridPlan, grid: &[f64]) {
+    assert!(plan.duration() > 0.0 && plan.duration().is_finite());
+    let mut last = f64::NEG_INFINITY;
+    for i in 0..=200 {
+        let state = plan.at(plan.duration() * f64::from(i) / 200.0);
+        assert!(state.p.is_finite() && state.v.is_finite() && state.a.is_finite() && state.v >= 0.0, "{state:?}");
+        assert!(state.p >= last, "{state:?} after {last}");
+        last = state.p;
+    }
+    assert_eq!((plan.at(0.0).p, plan.at(plan.duration()).p), (grid[0], grid[grid.len() - 1]));
+}
+
+/// Ordinary numbers, and now and then one that breaks things.
+fn number() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        20 => -10.0..10.0,
+        2 => Just(0.0),
+        1 => prop_oneof![Just(1e-300), Just(1e300), Just(-1e200), Just(f64::NAN), Just(f64::INFINITY), Just(-0.0), Just(5e-324)],
+    ]
+}
+
+fn limit() -> impl Strategy<Value = f64> {
+    prop_oneof![12 => 0.1..100.0, 1 => Just(0.0), 1 => Just(f64::INFINITY), 1 => number()]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 5000, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_input_is_answered(
+        steps in prop::collection::vec(prop_oneof![30 => 0.01..1.0, 1 => Just(0.0), 1 => Just(1e-12), 1 => number()], 0..14),
+        values in prop::collection::vec(number(), 15 * 2 * 4),
+        velocity in prop::collection::vec(limit(), 2),
+        acceleration in prop::collection::vec(limit(), 2),
+        jerk in prop::collection::vec(limit(), 2),
+        torque in prop::collection::vec(limit(), 2),
+        ends in [0.0..1.5, 0.0..1.5],
+        moving in any::<bool>(),
+        parts in 0_u8..64,
+    ) {
+        let mut grid = vec![0.0];
+        steps.iter().for_each(|h| grid.push(grid[grid.len() - 1] + h));
+        let n = 2 * grid.len();
+        let [first, second, third, d] = [0, 1, 2, 3].map(|k| &values[k * 30..k * 30 + n]);
+        let path = PathDerivatives::new(2, first, second).and_then(|path| path.with_third(third));
+        let Ok(path) = path else { return Ok(()) };
+        let mut all: Vec<Box<dyn PathConstraint + '_>> = Vec::new();
+        if let Ok(limit) = JointVelocity::new(path, &velocity) && parts & 1 != 0 {
+            all.push(Box::new(limit));
+        }
+        if let Ok(limit) = JointAcceleration::new(path, &acceleration) && parts & 2 != 0 {
+            all.push(Box::new(limit));
+        }
+        if let Ok(limit) = JointJerk::new(path, &jerk) && parts & 4 != 0 {
+            all.push(Box::new(limit));
+        }
+        if let Ok(limit) = JointTorque::new(first, second, third, d, &torque) && parts & 8 != 0 {
+            all.push(Box::new(limit));
+        }
+        if let Ok(limit) = TangentialJerk::new(acceleration[0]) && parts & 16 != 0 {
+            all.push(Box::new(limit));
+        }
+        if parts & 32 != 0 {
+            all.push(Box::new(Stop { at: 4 }));
+        }
+        let all: Vec<&dyn PathConstraint> = all.iter().map(|limit| &**limit).collect();
+        let Ok(problem) = FeedProblem::between_points(&grid, &all) else { return Ok(()) };
+        let problem = if moving { problem.with_end_speeds(ends[0], ends[1]).unwrap() } else { problem };
+        for (which, planner) in planners().into_iter().enumerate() {
+            if let Ok(plan) = planner.plan(&problem) {
+                assert_sound(&plan, &grid);
+                // The published scan keeps nothing.
+                if which != 1 {
+                    assert_kept(&problem, &plan, which);
+                }
+            }
+        }
+    }
+}
+
+/// Every row and cap behind every grid point, as far as numbers can be told apart at all.
+fn assert_kept(problem: &FeedProblem, plan: &GridPlan, which: usize) {
+    let apart = |i: usize| problem.rows(i).iter().any(|row| row.a.abs().max(row.b.abs()).max(row.c.abs()) > 1e9);
+    if (0..=problem.intervals()).any(apart) {
+        return;
+    }
+    for i in 0..problem.intervals() {
+        let state = plan.at_position(problem.grid()[i]);
+        let (u, x) = (state.a, state.v * state.v);
+        for row in problem.rows(i) {
+            let sum = (row.a * u).abs() + (row.b * x).abs() + (row.c * state.v).abs() + row.d.abs();
+            let excess = row.excess(u, x);
+            // u is a difference of squared speeds over a length, which may be tiny.
+            let round_off = row.a.abs() * 1e-14 * x.max(1e-9) / problem.h(i);
+            assert!(
+                excess <= 1e-6 * sum.max(1e-9) + round_off,
+                "planner {which}, point {i}: {row:?} by {excess} at {state:?}"
+            );
+        }
+        let cap = problem.cap(i).0;
+        assert!(x <= cap * (1.0 + 1e-6) + 1e-12, "planner {which}, point {i}: {x} above {cap}");
+    }
+}
+
+fn grid(n: usize) -> Vec<f64> {
+    (0..=n).map(|i| i as f64 / n as f64).collect()
+}
+
+#[test]
+fn bad_grids_are_named() {
+    let limit = TangentialAcceleration::new(1.0).unwrap();
+    let make = |grid: &[f64]| FeedProblem::at_points(grid, &[&limit]).unwrap_err();
+    assert!(matches!(make(&[0.0]), FeedError::Empty { .. }));
+    assert!(matches!(make(&[0.0, 1.0, 1.0, 2.0]), FeedError::BadGrid { index: 2, s: 1.0, previous: 1.0 }));
+    assert!(matches!(make(&[0.0, f64::NAN]), FeedError::NotFinite { .. }));
+    assert!(matches!(make(&[-1e308, 1e308]), FeedError::OutOfRange { .. }));
+    let feed = [1.0; 3];
+    let feed = Feed::new(&feed).unwrap();
+    let error = FeedProblem::at_points(&grid(5), &[&feed]).unwrap_err();
+    assert!(matches!(error, FeedError::LengthMismatch { got: 4, expected: 6, .. }));
+}
+
+#[test]
+fn numbers_that_are_none_are_named() {
+    let mut first = vec![1.0; 11];
+    let second = vec![0.0; 11];
+    first[7] = f64::NAN;
+    let path = PathDerivatives::new(1, &first, &second).unwrap();
+    let (velocity, acceleration) =
+        (JointVelocity::new(path, &[1.0]).unwrap(), JointAcceleration::new(path, &[1.0]).unwrap());
+    for limit in [&velocity as &dyn PathConstraint, &acceleration] {
+        let error = FeedProblem::at_points(&grid(10), &[limit]).unwrap_err();
+        assert!(matches!(error, FeedError::BadRow { index: 7, .. }), "{error}");
+    }
+    assert!(JointVelocity::new(path, &[-1.0]).is_err() && JointVelocity::new(path, &[f64::NAN]).is_err());
+    assert!(JointVelocity::new(path, &[1.0, 1.0]).is_err());
+    assert!(SpeedCap::new(&[1.0, -1.0], Quantity::Feed).is_err() && Feed::new(&[0.0]).is_err());
+    assert!(PathDerivatives::new(2, &first, &second).is_err() && PathDerivatives::new(0, &first, &second).is_err());
+}
+
+/// A corner (jump of q') and limits of zero: the motion stops or says what holds it.
+#[test]
+fn corners_stop_and_zero_limits_are_named() {
+    let grid = grid(40);
+    let (mut first, second) = (vec![1.0; 41], vec![0.0; 41]);
+    let mut before = first.clone();
+    first[20..].fill(-1.0);
+    before[21..].fill(-1.0);
+    let path = PathDerivatives::new(1, &first, &second)
+        .and_then(|path| path.with_third(&second))
+        .and_then(|path| path.with_values_before(&before, &[], &[]))
+        .unwrap();
+    let (acceleration, jerk) = (JointAcceleration::new(path, &[1.0]).unwrap(), JointJerk::new(path, &[10.0]).unwrap());
+    let velocity = JointVelocity::new(path, &[10.0]).unwrap();
+    let problem = FeedProblem::between_points(&grid, &[&velocity, &acceleration, &jerk]).unwrap();
+    for planner in planners() {
+        let plan = planner.plan(&problem).unwrap();
+        assert_sound(&plan, &grid);
+        assert!(plan.at_position(0.5).v < 1e-6);
+        // Twice half the way from rest to rest: 2 sqrt(0.5 / 1) each; jerk adds about a / j.
+        let extra = plan.duration() - 4.0 * 0.5_f64.sqrt();
+        assert!((-1e-9..0.3).contains(&extra), "{extra}");
+    }
+    let stuck = JointAcceleration::new(path, &[0.0]).unwrap();
+    let problem = FeedProblem::between_points(&grid, &[&velocity, &stuck, &jerk]).unwrap();
+    for planner in planners() {
+        let error = planner.plan(&problem).unwrap_err();
+        let FeedError::Standstill { row, .. } = error else { panic!("{error:?}") };
+        assert_eq!((row.quantity, row.joint), (Quantity::JointAcceleration, Some(0)));
+    }
+    // A joint that does not move needs no speed.
+    let still = vec![0.0; 41];
+    let path = PathDerivatives::new(1, &still, &still).unwrap();
+    let (zero, feed) = (JointVelocity::new(path, &[0.0]).unwrap(), TangentialAcceleration::new(1.0).unwrap());
+    let problem = FeedProblem::between_points(&grid, &[&zero, &feed]).unwrap();
+    assert!((Reachability.plan(&problem).unwrap().duration() - 2.0).abs() < 1e-9);
+}
+
+#[test]
+fn without_limits_nothing_is_planned() {
+    let problem = FeedProblem::between_points(&grid(10), &[]).unwrap();
+    for planner in [&BothEndsScan as &dyn FeedPlanner, &Reachability, &CertifiedReachability] {
+        assert!(matches!(planner.plan(&problem), Err(FeedError::Unbounded { .. })));
+    }
+}
+
+#[test]
+fn a_joint_that_turns_around_passes_without_stopping() {
+    // q = (s - 0.5)^2: q' = 0 in the middle, where only q'' x limits.
+    let grid = grid(200);
+    let first: Vec<f64> = grid.iter().map(|s| 2.0 * (s - 0.5)).collect();
+    let (second, third) = (vec![2.0; 201], vec![0.0; 201]);
+    let path = PathDerivatives::new(1, &first, &second).unwrap().with_third(&third).unwrap();
+    let acceleration = JointAcceleration::new(path, &[1.0]).unwrap();
+    let (jerk, tool) = (JointJerk::new(path, &[50.0]).unwrap(), TangentialAcceleration::new(5.0).unwrap());
+    let problem = FeedProblem::between_points(&grid, &[&acceleration, &jerk, &tool]).unwrap();
+    for planner in planners() {
+        let plan = planner.plan(&problem).unwrap();
+        assert_sound(&plan, &grid);
+        assert!(plan.at_position(0.5).v > 0.4);
+    }
+}
+
+#[test]
+fn a_million_points() {
+    let n = if cfg!(debug_assertions) { 100_000 } else { 1_000_000 };
+    let grid = grid(n);
+    let problem = FeedProblem::at_points(&grid, &[&TangentialAcceleration::new(1.0).unwrap()]).unwrap();
+    for planner in [&BothEndsScan as &dyn FeedPlanner, &Reachability] {
+        assert!((planner.plan(&problem).unwrap().duration() - 2.0).abs() < 1e-8);
+    }
+}
