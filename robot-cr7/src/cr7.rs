@@ -60,7 +60,7 @@ pub enum Cr7Error {
         /// The name given.
         name: String,
         /// The names there are.
-        known: [&'static str; 6],
+        known: &'static [&'static str],
     },
     /// The file of a robot cannot be used: exit code 2.
     #[error("{file}: {source}")]

@@ -46,7 +46,7 @@ impl Robot {
             "urdf" => ArmDescription::from_urdf(&read_text(file, EXPECTED)?, base, tip).map_err(wrong)?,
             "json" => ArmDescription::from_json(&read_text(file, EXPECTED)?).map_err(wrong)?,
             _ => models::description(name)
-                .ok_or_else(|| Cr7Error::NoSuchRobot { name: name.to_owned(), known: Self::NAMES })?,
+                .ok_or_else(|| Cr7Error::NoSuchRobot { name: name.to_owned(), known: &Self::NAMES })?,
         };
         let any = description.build_any().map_err(wrong)?;
         Ok(Self { description, any })
