@@ -16,7 +16,7 @@ use std::time::Duration;
 
 use arcfeed_feedrate::{MotionLimits, SProfile};
 use arcfeed_geometry::{ArcLengthCurve, NurbsCurve, OrientationPath, PosePath};
-use arcfeed_interp::{Planner, ToolLimits, best_start};
+use arcfeed_interp::{Planner, Scan, ToolLimits, best_start};
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use robot_cr7::{Cr7, Job, PathGeometry, ToolOrientation, butterfly};
 
@@ -55,7 +55,11 @@ fn pipeline(c: &mut Criterion) {
     c.bench_function("choice of the start", |b| {
         b.iter(|| best_start(cr7.arm(), black_box(&path), limits.lower(), limits.upper()));
     });
-    c.bench_function("plan of the butterfly, without verification", |b| {
+    let scanning = planner.clone().with_scan(Scan::Joined);
+    c.bench_function("plan of the butterfly, scanned, without verification", |b| {
+        b.iter_batched(|| path.clone(), |path| scanning.draft(path, &start), BatchSize::SmallInput);
+    });
+    c.bench_function("plan of the butterfly, jerk-limited, without verification", |b| {
         b.iter_batched(|| path.clone(), |path| planner.draft(path, &start), BatchSize::SmallInput);
     });
     c.bench_function("verification of the plan", |b| b.iter(|| plan.verify(cr7.arm(), &tool, &limits)));
