@@ -206,3 +206,26 @@ fn a_path_that_turns_back_on_itself_is_refused_with_its_place() {
     // The first place where z'(u) = 0, on the first span: z = 0.1 - 0.065 (3 u (1 - u)^2) + ... falls, then rises.
     assert!((0.0..1.0).contains(&u), "{error}");
 }
+
+/// Several turns between two places of the coarse walk: it took what lay between for a joint at the end of its range.
+#[test]
+fn a_winding_path_is_followed_from_its_start() {
+    let turns = 30.0 * std::f64::consts::TAU;
+    let points: Vec<_> = (0..600)
+        .map(|i| {
+            let share = f64::from(i) / 599.0;
+            let (radius, angle) = (0.005 + 0.03 * share, turns * share);
+            vector![0.45 + radius * angle.cos(), radius * angle.sin(), 0.2]
+        })
+        .collect();
+    let mut knots = vec![0.0; 4];
+    knots.extend((1..597).map(f64::from));
+    knots.extend([597.0; 4]);
+    let curve = NurbsCurve::bspline(3, points, knots).expect("a valid curve");
+    let down = UnitQuaternion::from_euler_angles(std::f64::consts::PI, 0.0, 0.0);
+    let path =
+        PosePath::new(ArcLengthCurve::new(curve, 1e-15).expect("of some length"), OrientationPath::Constant(down));
+    let arm = models::cr7();
+    let start = best_start(&arm, &path, arm.range().lower(), arm.range().upper()).expect("well inside the reach");
+    assert!(arm.range().contains(&start));
+}

@@ -227,8 +227,12 @@ where
     walk(arm, path, &start, grid, lower, upper).map(|quality| (quality, start))
 }
 
+/// A walk takes steps down to this part of the path before a jump counts as one.
+const SHORTEST_STEP: f64 = 1e-8;
+
 /// Least of (smallest singular value, distance to a joint limit / 10) on a coarse walk; or how far it got and why it
-/// stopped.
+/// stopped. Where a step is not what the one before foretold it is halved: a winding path bends a lot between two
+/// places of the walk.
 fn walk<A, const N: usize>(
     arm: &A,
     path: &PosePath,
@@ -240,14 +244,23 @@ fn walk<A, const N: usize>(
 where
     A: PathArm<N> + ?Sized,
 {
+    let shortest = SHORTEST_STEP * path.length();
     let mut last: Option<JointJet<N>> = None;
     let mut quality = f64::INFINITY;
-    for &s in grid {
+    let mut ahead: Vec<f64> = grid.iter().rev().copied().collect();
+    while let Some(&s) = ahead.last() {
         let near = last.map_or(*seed, |jet: JointJet<N>| jet.q);
         let jet = joint_jet(arm, s, &path.jet(s), &near).map_err(|e| (s, e))?;
-        if let Some(before) = last {
-            check_step(&jet, &before.ahead(s - before.s), 1.0).map_err(|e| (s, e.within(lower, upper)))?;
+        if let Some(before) = last
+            && let Err(jump) = check_step(&jet, &before.ahead(s - before.s), 1.0)
+        {
+            if s - before.s > shortest {
+                ahead.push(before.s + 0.5 * (s - before.s));
+                continue;
+            }
+            return Err((s, jump.within(lower, upper)));
         }
+        ahead.pop();
         let room = (jet.q - lower).zip_map(&(upper - jet.q), f64::min).min();
         let sigma = arcfeed_kinematics::smallest_singular_value(&arm.jacobian(&jet.q));
         quality = quality.min(sigma).min(0.1 * room);
