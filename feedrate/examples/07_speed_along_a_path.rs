@@ -63,7 +63,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let (fast, slow) = ("#d49a2a", "#1f6fb2");
     common::write(
-        "feedrate_05_speed_along_a_path.svg",
+        "feedrate_07_speed_along_a_path.svg",
         "Speed along a path of three joints",
         "path parameter s",
         &[

@@ -95,7 +95,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         limits: vec![],
     };
     common::write(
-        "feedrate_05_online_feed_rate.svg",
+        "feedrate_06_online_feed_rate.svg",
         "Online feed rate: limits that change while the motion runs (Liu et al. 2024, table 3, figure 5)",
         "time in s",
         &[panel("s mm", |s| s.p), panel("v mm/s", |s| s.v), panel("a mm/s2", |s| s.a), panel("j mm/s3", |s| s.j)],
