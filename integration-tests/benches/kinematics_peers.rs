@@ -1,17 +1,17 @@
 //! Kinematics and dynamics beside rs-opw-kinematics 3 and k 0.32 in one run, at random joint values inside the limits.
 //!
-//! Measured on a 2-core AMD EPYC VM while other programs kept both cores busy, medians of one run:
+//! Measured on a 2-core AMD EPYC VM, medians of one run:
 //!
 //! | KR 6 R700 | arcfeed | rs-opw-kinematics 3.0.0 | k 0.32.0 |
 //! |---|---|---|---|
-//! | forward | 110 ns | 175 ns | 374 ns |
-//! | forward and Jacobian | 134 ns | | 1.00 us |
-//! | all inverse solutions | 0.84 us | 3.44 us | |
-//! | torque (Newton-Euler) | 207 ns | | |
-//! | mass matrix | 251 to 363 ns | | |
-//! | all torque coefficients along a path | 0.67 us | | |
+//! | forward | 111 ns | 153 ns | 341 ns |
+//! | forward and Jacobian | 136 ns | | 0.96 us |
+//! | all inverse solutions | 0.67 us | 3.61 us | |
+//! | torque (Newton-Euler) | 218 ns | | |
+//! | mass matrix | 260 ns | | |
+//! | all torque coefficients along a path | 0.57 us | | |
 //!
-//! All solutions of the Puma 560 0.81 us, of the UR5e 0.58 us. The Panda's inverse from a seed 0.01 rad away: 1.63 us to
+//! All solutions of the Puma 560 0.74 us, of the UR5e 0.58 us. The Panda's inverse from a seed 0.01 rad away: 1.63 us to
 //! 1e-11 m and rad, k 22 us to 1e-3 m and 5e-3 rad.
 
 use arcfeed_kinematics::{

@@ -1,15 +1,16 @@
 //! The whole way of the main job on the butterfly: 383 mm at 100 mm/s on the CR7, chord tolerance 0.001 mm, 1 ms.
 //!
-//! Measured on a 2-core AMD EPYC VM while other programs kept both cores busy, medians:
+//! Measured on a 2-core AMD EPYC VM, medians:
 //!
 //! | | |
 //! |---|---|
-//! | arc-length map of the butterfly, to 1e-12 mm | 0.70 ms |
+//! | arc-length map of the butterfly, to 1e-12 mm | 0.73 ms |
 //! | choice of the start (all branches walked) | 2.2 ms |
-//! | plan without verification: 1174 chord segments, joint path, scans | 10.5 ms |
-//! | verification of the 7.9 s of motion on eight samples per cycle | 120 ms |
-//! | one cycle of sampling with inverse kinematics | 1.44 us |
-//! | one S-profile | 53 ns |
+//! | plan without verification, scanned: 1174 chord segments, joint path, four scans | 12.3 ms |
+//! | plan without verification, jerk-limited | 147 ms |
+//! | verification of 5.8 s of motion on eight samples per cycle | 88 ms |
+//! | one cycle of sampling with inverse kinematics | 1.52 us |
+//! | one S-profile | 56 ns |
 
 use std::hint::black_box;
 use std::time::Duration;
