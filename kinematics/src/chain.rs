@@ -2,7 +2,7 @@
 
 use crate::{
     error::KinematicsError,
-    jacobian::Configuration,
+    jacobian::{Configuration, quaternion},
     joint::{Joint, Joints, checked_pose},
     normalised::Normalised,
     traits::ForwardKinematics,
@@ -132,5 +132,11 @@ impl<const N: usize> ForwardKinematics<N> for Chain<N> {
     #[inline]
     fn configuration(&self, q: &Joints<N>) -> Configuration<N> {
         self.fast.configuration(q)
+    }
+
+    #[inline]
+    fn forward(&self, q: &Joints<N>) -> Isometry3<f64> {
+        let (rotation, position) = self.fast.tool(q);
+        Isometry3::from_parts(position.into(), quaternion(&rotation))
     }
 }

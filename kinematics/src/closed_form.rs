@@ -148,6 +148,11 @@ impl<S: ClosedForm> ForwardKinematics<6> for ClosedFormArm<S> {
         self.chain.configuration(q)
     }
 
+    #[inline]
+    fn forward(&self, q: &Joints<6>) -> Isometry3<f64> {
+        self.chain.forward(q)
+    }
+
     fn nearest_singularity(&self, q: &Joints<6>) -> Option<SingularityKind> {
         Some(self.singularity_distances(q).nearest)
     }

@@ -124,7 +124,7 @@ impl<const N: usize> Configuration<N> {
 /// The quaternion of a rotation matrix: a row of 4 q q^T, divided by the root of its diagonal entry. All four rows are
 /// there and one is picked, as a branch on a random orientation is mispredicted at more than the price of the rest.
 #[inline]
-fn quaternion(r: &Matrix3<f64>) -> UnitQuaternion<f64> {
+pub(crate) fn quaternion(r: &Matrix3<f64>) -> UnitQuaternion<f64> {
     let (xx, yy, zz) = (r[(0, 0)], r[(1, 1)], r[(2, 2)]);
     let (wx, wy, wz) = (r[(2, 1)] - r[(1, 2)], r[(0, 2)] - r[(2, 0)], r[(1, 0)] - r[(0, 1)]);
     let (xy, xz, yz) = (r[(1, 0)] + r[(0, 1)], r[(0, 2)] + r[(2, 0)], r[(2, 1)] + r[(1, 2)]);

@@ -104,6 +104,32 @@ impl<const N: usize> Normalised<N> {
         }))
     }
 
+    /// The tool alone: orientation and position, nothing of the joints kept.
+    #[inline]
+    pub(crate) fn tool(&self, q: &Joints<N>) -> (Matrix3<f64>, Vector3<f64>) {
+        let (sines, cosines) = self.turns(q);
+        let mut x: Vector3<f64> = self.start.rotation.column(0).into();
+        let mut y: Vector3<f64> = self.start.rotation.column(1).into();
+        let mut z: Vector3<f64> = self.start.rotation.column(2).into();
+        let mut p = self.start.translation;
+        for i in 0..N {
+            let link = &self.links[i];
+            if i > 0 {
+                let t = &link.translation;
+                p += x * t.x + y * t.y + z * t.z;
+                if !link.parallel {
+                    (y, z) = (y * link.cos_alpha + z * link.sin_alpha, z * link.cos_alpha - y * link.sin_alpha);
+                }
+            }
+            if link.kind == JointKind::Prismatic {
+                p += z * q[i];
+            }
+            (x, y) = (x * cosines[i] + y * sines[i], y * cosines[i] - x * sines[i]);
+        }
+        let rotation = Matrix3::from_columns(&[x, y, z]);
+        (rotation * self.end.rotation, p + rotation * self.end.translation)
+    }
+
     #[inline]
     pub(crate) fn configuration(&self, q: &Joints<N>) -> Configuration<N> {
         let (sines, cosines) = self.turns(q);
