@@ -104,9 +104,13 @@ impl<const N: usize> Normalised<N> {
         }))
     }
 
-    /// The tool alone: orientation and position, nothing of the joints kept.
-    #[inline]
-    pub(crate) fn tool(&self, q: &Joints<N>) -> (Matrix3<f64>, Vector3<f64>) {
+    /// Orientation and position of the tool; `joint` is told the index, axis and a point of every joint on the way.
+    #[inline(always)]
+    fn walk(
+        &self,
+        q: &Joints<N>,
+        mut joint: impl FnMut(usize, Vector3<f64>, Vector3<f64>),
+    ) -> (Matrix3<f64>, Vector3<f64>) {
         let (sines, cosines) = self.turns(q);
         let mut x: Vector3<f64> = self.start.rotation.column(0).into();
         let mut y: Vector3<f64> = self.start.rotation.column(1).into();
@@ -121,6 +125,7 @@ impl<const N: usize> Normalised<N> {
                     (y, z) = (y * link.cos_alpha + z * link.sin_alpha, z * link.cos_alpha - y * link.sin_alpha);
                 }
             }
+            joint(i, z, p);
             if link.kind == JointKind::Prismatic {
                 p += z * q[i];
             }
@@ -130,40 +135,20 @@ impl<const N: usize> Normalised<N> {
         (rotation * self.end.rotation, p + rotation * self.end.translation)
     }
 
+    /// The tool alone, nothing of the joints kept.
+    #[inline]
+    pub(crate) fn tool(&self, q: &Joints<N>) -> (Matrix3<f64>, Vector3<f64>) {
+        self.walk(q, |_, _, _| {})
+    }
+
     #[inline]
     pub(crate) fn configuration(&self, q: &Joints<N>) -> Configuration<N> {
-        let (sines, cosines) = self.turns(q);
-        let mut at = Configuration {
-            rotation: self.start.rotation,
-            tool: self.start.translation,
-            axes: [Vector3::zeros(); N],
-            points: [Vector3::zeros(); N],
-            kinds: self.kinds,
-        };
-        let mut x: Vector3<f64> = self.start.rotation.column(0).into();
-        let mut y: Vector3<f64> = self.start.rotation.column(1).into();
-        let mut z: Vector3<f64> = self.start.rotation.column(2).into();
-        let mut p = self.start.translation;
-        for i in 0..N {
-            let link = &self.links[i];
-            if i > 0 {
-                let t = &link.translation;
-                p += x * t.x + y * t.y + z * t.z;
-                if !link.parallel {
-                    (y, z) = (y * link.cos_alpha + z * link.sin_alpha, z * link.cos_alpha - y * link.sin_alpha);
-                }
-            }
-            at.axes[i] = z;
-            at.points[i] = p;
-            if link.kind == JointKind::Prismatic {
-                p += z * q[i];
-            }
-            (x, y) = (x * cosines[i] + y * sines[i], y * cosines[i] - x * sines[i]);
-        }
-        let rotation = Matrix3::from_columns(&[x, y, z]);
-        at.tool = p + rotation * self.end.translation;
-        at.rotation = rotation * self.end.rotation;
-        at
+        let (mut axes, mut points) = ([Vector3::zeros(); N], [Vector3::zeros(); N]);
+        let (rotation, tool) = self.walk(q, |i, axis, point| {
+            axes[i] = axis;
+            points[i] = point;
+        });
+        Configuration { rotation, tool, axes, points, kinds: self.kinds }
     }
 }
 
