@@ -4,8 +4,8 @@
 //!
 //! | KR 6 R700 | arcfeed | rs-opw-kinematics 3.0.0 | k 0.32.0 |
 //! |---|---|---|---|
-//! | forward | 101 ns | 153 ns | 341 ns |
-//! | forward and Jacobian | 136 ns | | 0.96 us |
+//! | forward | 104 ns | 162 ns | 369 ns |
+//! | forward and Jacobian | 136 ns | | 1.08 us |
 //! | all inverse solutions | 0.67 us | 3.61 us | |
 //! | torque (Newton-Euler) | 218 ns | | |
 //! | mass matrix | 260 ns | | |

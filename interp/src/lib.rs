@@ -12,9 +12,10 @@
 //! chord error         of the curve between two control cycles, v T apart
 //! ```
 //!
-//! The [`Planner`] narrows these to boxes `v <= V, |a| <= A, |j| <= J` on the intervals of a grid, plans the speed inside
-//! them, and holds the result against the limits themselves with [`verify`], which knows nothing of boxes. A [`Plan`] that
-//! comes out of [`Planner::plan`] has passed; its [`Sampler`] yields setpoints for a controller.
+//! The [`Planner`] hands these to the jerk-limited planner as rows on a grid, or narrows them to boxes
+//! `v <= V, |a| <= A, |j| <= J` for a scan ([`Scan`]), and holds the result against the limits themselves with [`verify`], which
+//! knows nothing of either. A [`Plan`] that comes out of [`Planner::plan`] has passed; its [`Sampler`] yields setpoints for a
+//! controller.
 //!
 //! | room | holds |
 //! |---|---|
@@ -22,7 +23,9 @@
 //! | `locked` | arms of seven joints: [`LockedArm`] |
 //! | `joint_path` | joint values and derivatives along the path, branch by continuity, best start |
 //! | `grid`, `constraints` | where and how limits become bounds |
+//! | `jerk_limited` | those bounds as rows, for the jerk-limited planner |
 //! | `planner` | the way from path to verified plan |
+//! | `speed` | the motion law of a plan, whichever planner made it: [`SpeedLaw`] |
 //! | `sampler`, `trajectory` | setpoints at the control period, without allocation |
 //! | `verify` | the independent check |
 //! | [`parameter`] | Taylor steps, closed-loop steps and the arc-length map behind one trait |
