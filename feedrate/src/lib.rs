@@ -35,6 +35,7 @@
 //! | [`grid_plan`] | [`GridPlan`]: the planned speed with its planner's own interpolation |
 //! | `baseline` (feature `clarabel`) | the conic optimum of the same rows and its bound |
 //! | [`online`] | [`FeedScheduler`]: speed towards the end of a path under limits that change while it runs |
+//! | [`live`] | [`LiveFeed`]: speed under a limit curve, changed by an operator while it runs |
 //! | [`StateToState`] | time-optimal motion from any position, speed and acceleration to any other, or to a speed, or to a stop |
 //! | [`AxisProblem`], [`Durations`] | the durations between two states that are possible, and a motion in each of them |
 //! | [`plan`] | [`SpeedPlan`]: phases, sampling, position to speed |
@@ -60,6 +61,7 @@ pub mod error;
 pub mod grid_plan;
 pub mod jerk_limited;
 pub mod limits;
+pub mod live;
 mod lp2;
 pub mod online;
 pub mod plan;
@@ -76,6 +78,7 @@ pub use error::FeedError;
 pub use grid_plan::{GridCursor, GridPlan};
 pub use jerk_limited::JerkLimited;
 pub use limits::MotionLimits;
+pub use live::{FeedSection, LiveCurve, LiveFeed, LiveStatus, LiveStep};
 pub use online::{Adoption, FeedLimits, FeedScheduler, FeedStatus, FeedStep};
 pub use plan::{Cursor, SpeedPlan};
 pub use problem::{FeedPlanner, FeedProblem};

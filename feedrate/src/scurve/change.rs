@@ -60,7 +60,7 @@ impl SpeedChange {
         Self::new(v, a, 0.0, limits)
     }
 
-    fn build(v0: f64, a0: f64, target: f64, a_max: f64, j: f64) -> Self {
+    pub(crate) fn build(v0: f64, a0: f64, target: f64, a_max: f64, j: f64) -> Self {
         let free = v0 + 0.5 * a0 * (a0.abs() / j);
         // Mirror so that the acceleration has to go up.
         let sign = if target >= free { 1.0 } else { -1.0 };
