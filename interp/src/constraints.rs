@@ -93,6 +93,35 @@ impl<const N: usize> Reaches<N> {
         self.steps.iter().any(|step| step.amax() > 0.0)
     }
 
+    /// Largest tangential acceleration and jerk that no joint limit and no limit of the tool forbids at a standstill, anywhere.
+    pub fn rest_limits(&self, bounds: &Bounds<'_, N>) -> (f64, f64) {
+        let (tool, joints, scale) = (bounds.tool, bounds.joints, bounds.scale);
+        let start = (tool.tangential_acceleration * scale, tool.tangential_jerk * scale);
+        self.intervals.iter().fold(start, |most, reach| {
+            (0..N).fold(most, |(a, j), k| match reach.d1[k] {
+                d1 if d1 > 0.0 => (a.min(joints.acceleration()[k] * scale / d1), j.min(joints.jerk()[k] * scale / d1)),
+                _ => (a, j),
+            })
+        })
+    }
+
+    /// The highest speed on every interval at which all limits hold whatever the motion does within `|a| <= acceleration` and
+    /// `|j| <= jerk`, both below [`Reaches::rest_limits`].
+    pub fn live_caps(&self, bounds: &Bounds<'_, N>, acceleration: f64, jerk: f64) -> Vec<f64> {
+        let (joints, scale) = (bounds.joints, bounds.scale);
+        let caps = self.intervals.iter().zip(self.steps.windows(2)).map(|(reach, steps)| {
+            let step = steps[0].zip_map(&steps[1], f64::max);
+            let v = bend_speed(reach.curvature, bounds).min(bounds.tool.feed * scale);
+            (0..N).fold(v, |v, k| {
+                let d = [reach.d1[k], reach.d2[k], reach.d3[k]];
+                let most =
+                    [joints.velocity()[k], joints.acceleration()[k], joints.jerk()[k]].map(|limit| limit * scale);
+                v.min(live_speed(d, step[k] / bounds.period, most, acceleration, jerk))
+            })
+        });
+        caps.collect()
+    }
+
     /// One box per interval, safe anywhere inside it.
     pub fn boxes(&self, bounds: &Bounds<'_, N>) -> Result<Vec<Segment>, PlanError> {
         let boxes = self.intervals.iter().zip(self.steps.windows(2)).map(|(reach, steps)| {
@@ -102,6 +131,35 @@ impl<const N: usize> Reaches<N> {
         });
         boxes.collect()
     }
+}
+
+/// The highest speed of one joint with derivatives `d` by `s` of at most that, and a step of acceleration of `step v^2` per second, for
+/// its limits `most` on velocity, acceleration and jerk, whatever the motion does within the tangential bounds.
+pub(crate) fn live_speed(d: [f64; 3], step: f64, most: [f64; 3], acceleration: f64, jerk: f64) -> f64 {
+    let [d1, d2, d3] = d;
+    let mut v = if d1 > 0.0 { most[0] / d1 } else { f64::INFINITY };
+    if d2 > 0.0 {
+        v = v.min(((most[1] - d1 * acceleration).max(0.0) / d2).sqrt());
+    }
+    let left = (most[2] - d1 * jerk).max(0.0);
+    let used = |v: f64| v * (3.0 * d2 * acceleration + v * (step + v * d3));
+    if v.is_infinite() {
+        // One term alone is above the sum's root.
+        v = [left / (3.0 * d2 * acceleration), (left / step).sqrt(), (left / d3).cbrt()]
+            .into_iter()
+            .filter(|v| v.is_finite())
+            .fold(f64::INFINITY, f64::min);
+    }
+    if v.is_infinite() || used(v) <= left {
+        return v;
+    }
+    // The sum grows with v.
+    let (mut low, mut high) = (0.0, v);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        *(if used(middle) <= left { &mut low } else { &mut high }) = middle;
+    }
+    low
 }
 
 /// Where the curvature of the joint path jumps (a path that is only tangent-continuous), joint acceleration steps by
@@ -194,7 +252,7 @@ fn angular(twist: &Twist) -> Vector3<f64> {
 }
 
 /// The highest speed that chord error, normal acceleration and normal jerk allow at the curvature `kappa`.
-fn bend_speed<const N: usize>(kappa: f64, bounds: &Bounds<'_, N>) -> f64 {
+pub(crate) fn bend_speed<const N: usize>(kappa: f64, bounds: &Bounds<'_, N>) -> f64 {
     let (tool, scale) = (bounds.tool, bounds.scale);
     let v = caps::chord_error_speed(kappa, bounds.chord * scale, bounds.period)
         .min(caps::normal_acceleration_speed(kappa, tool.normal_acceleration * scale));

@@ -82,6 +82,9 @@ pub enum PlanError {
     /// The speed along the path cannot be planned.
     #[error("speed along the path: {0}")]
     Feed(#[from] FeedError),
+    /// A motion in both spaces cannot be set up.
+    #[error(transparent)]
+    Hybrid(#[from] crate::hybrid::HybridError),
     /// The finished trajectory breaks a limit; it must not be executed.
     #[error("the finished trajectory breaks a limit and is withheld: {quantity} reaches {:.4} % of its limit at s = {s:.6} m, t = {t:.4} s; lower the feed or the accelerations, and please report the job", 100.0 * ratio)]
     Unverified {

@@ -120,6 +120,14 @@ impl<const N: usize> JointPath<N> {
         (&self.left[i], &self.right[i])
     }
 
+    /// Joint values and derivatives near `s`, by the Taylor series from the grid point before.
+    pub(crate) fn near_jet(&self, s: f64) -> JointJet<N> {
+        let i = self.right.partition_point(|jet| jet.s <= s).saturating_sub(1);
+        let (jet, h) = (self.right[i], s - self.right[i].s);
+        let d1 = jet.d1 + (jet.d2 + jet.d3 * (0.5 * h)) * h;
+        JointJet { s, q: jet.ahead(h), d1, d2: jet.d2 + jet.d3 * h, d3: jet.d3 }
+    }
+
     /// Joint values near `s`, good enough as a seed: Taylor series from the grid point before.
     pub fn near(&self, s: f64) -> Joints<N> {
         let i = self.right.partition_point(|jet| jet.s <= s).saturating_sub(1);

@@ -28,6 +28,7 @@
 //! | `speed` | the motion law of a plan, whichever planner made it: [`SpeedLaw`] |
 //! | `sampler`, `trajectory` | setpoints at the control period, without allocation |
 //! | `verify` | the independent check |
+//! | `live_path`, `hybrid` | motion that is changed, left and resumed while it runs: [`LivePath`], [`HybridMotion`] |
 //! | [`parameter`] | Taylor steps, closed-loop steps and the arc-length map behind one trait |
 //!
 //! Units: m, rad, s. Poses: tool in base. The arm is any [`PathArm`]: of six joints, anything with
@@ -39,9 +40,11 @@ mod arm;
 mod constraints;
 mod error;
 mod grid;
+mod hybrid;
 mod jerk_limited;
 mod joint_path;
 mod limits;
+mod live_path;
 mod locked;
 pub mod parameter;
 mod planner;
@@ -53,8 +56,10 @@ mod verify;
 pub use arm::{MIN_SINGULAR_VALUE, PathArm};
 pub use constraints::Shares;
 pub use error::PlanError;
+pub use hybrid::{Command, Excursion, HybridError, HybridMotion, HybridState, HybridStep, LeaveBy, MAX_POINTS};
 pub use joint_path::{JointJet, JointPath, best_start, joint_jet};
 pub use limits::ToolLimits;
+pub use live_path::LivePath;
 pub use locked::LockedArm;
 pub use planner::{Plan, Planner, Scan, Timings};
 pub use sampler::Sampler;

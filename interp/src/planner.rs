@@ -20,7 +20,7 @@ use crate::speed::SpeedLaw;
 use crate::verify::{Requirement, Verification, verify};
 
 /// Directions that turn by less than this at a knot (rad) count as smooth.
-const CORNER: f64 = 1e-6;
+pub(crate) const CORNER: f64 = 1e-6;
 /// By how much a limit may seem to be exceeded in verification through rounding.
 const VERIFY_TOLERANCE: f64 = 1e-6;
 /// How often a plan that fails its verification is planned again with tighter bounds.
@@ -80,11 +80,11 @@ pub enum Scan {
 /// ```
 #[derive(Debug, Clone)]
 pub struct Planner<'a, A: ?Sized, const N: usize = 6> {
-    arm: &'a A,
-    joints: JointLimits<N>,
-    tool: ToolLimits,
-    chord_tolerance: f64,
-    period: f64,
+    pub(crate) arm: &'a A,
+    pub(crate) joints: JointLimits<N>,
+    pub(crate) tool: ToolLimits,
+    pub(crate) chord_tolerance: f64,
+    pub(crate) period: f64,
     scan: Scan,
 }
 

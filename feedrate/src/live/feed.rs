@@ -14,6 +14,8 @@ const SAMPLES: usize = 12;
 const PARTS: usize = 24;
 /// Halvings with which the place is found where such a braking comes closest to the law.
 const CLOSEST: usize = 5;
+/// Parts of a cycle that are looked at where the curve is near.
+const WITHIN: usize = 4;
 /// How often less is tried where what is asked for is too much.
 const HALVINGS: usize = 5;
 /// How often the jerk is halved until the first cycle from a standstill fits under the curve.
@@ -21,7 +23,7 @@ const STARTS: usize = 14;
 /// The way to an end is left to one exact plan from so many cycles before the last place to brake.
 const EARLY: f64 = 4.0;
 /// Part of the jerk with which the fastest law is approached, and the cycles over which the rest of the way to it is spread.
-const APPROACH: (f64, f64) = (0.4, 8.0);
+const APPROACH: (f64, f64) = (0.4, 5.0);
 
 /// What the operator wants.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,6 +53,15 @@ pub struct LiveStep {
     pub state: MotionState,
     /// What the motion is doing.
     pub status: LiveStatus,
+}
+
+/// How to go on for a cycle.
+#[derive(Debug, Clone, Copy)]
+enum Way {
+    /// By a change of speed, and at its target speed after it.
+    Change(SpeedChange, f64),
+    /// With constant jerk.
+    Push(f64),
 }
 
 /// An exact plan to a standstill at a known place.
@@ -186,6 +197,14 @@ impl<'a> LiveFeed<'a> {
         }
         self.intent = Intent::Back(place);
         Ok(())
+    }
+
+    /// Takes the motion as standing where it is: something else has taken it over, and brings it back here.
+    pub fn stand(&mut self) {
+        (self.v, self.a) = (0.0, 0.0);
+        (self.landing, self.braking_for) = (None, None);
+        self.intent = Intent::Hold;
+        self.next = self.stops_passed();
     }
 
     /// The curve it runs under.
@@ -347,15 +366,15 @@ impl<'a> LiveFeed<'a> {
     /// One cycle under the curve.
     fn follow_curve(&mut self) {
         let feed = self.asked();
-        let brake = self.changed(0.0);
-        let next = if feed == 0.0 {
+        let brake = self.change_to(0.0);
+        let way = if feed == 0.0 {
             brake
         } else if self.is_at_rest() {
             self.start(feed)
         } else {
             self.towards(feed, brake)
         };
-        (self.s, self.v, self.a) = next;
+        (self.s, self.v, self.a) = self.after(&way, self.period);
         self.begin_landing();
     }
 
@@ -368,58 +387,68 @@ impl<'a> LiveFeed<'a> {
         }
     }
 
-    /// The state after a cycle of the fastest change to speed `target`.
-    fn changed(&self, target: f64) -> (f64, f64, f64) {
-        let change = SpeedChange::build(self.v, self.a, target, self.curve.acceleration(), self.curve.jerk());
-        let state = change.at(self.period);
-        let coast = (self.period - change.duration()).max(0.0) * target;
-        (self.s + state.p + coast, state.v.max(0.0), state.a)
+    /// The fastest change to speed `target`.
+    fn change_to(&self, target: f64) -> Way {
+        Way::Change(SpeedChange::build(self.v, self.a, target, self.curve.acceleration(), self.curve.jerk()), target)
     }
 
-    /// The state after a cycle of constant jerk.
-    fn pushed(&self, j: f64) -> (f64, f64, f64) {
-        let t = self.period;
-        let (v, a) = (self.v, self.a);
-        (self.s + t * (v + t * (0.5 * a + t * j / 6.0)), v + t * (a + 0.5 * t * j), a + t * j)
+    /// Position, speed and acceleration at time `t` of a way to go on.
+    #[inline]
+    fn after(&self, way: &Way, t: f64) -> (f64, f64, f64) {
+        match way {
+            Way::Change(change, target) => {
+                let state = change.at(t);
+                let coast = (t - change.duration()).max(0.0) * target;
+                (self.s + state.p + coast, state.v.max(0.0), state.a)
+            }
+            Way::Push(j) => {
+                let (v, a) = (self.v, self.a);
+                (self.s + t * (v + t * (0.5 * a + t * j / 6.0)), v + t * (a + 0.5 * t * j), a + t * j)
+            }
+        }
     }
 
     /// The first cycle from a standstill: as much jerk as fits under the curve.
-    fn start(&self, feed: f64) -> (f64, f64, f64) {
-        let full = self.changed(feed);
-        if self.is_safe(full) {
+    fn start(&self, feed: f64) -> Way {
+        let full = self.change_to(feed);
+        if self.is_safe(&full) {
             return full;
         }
         let mut j = self.curve.jerk();
         for _ in 0..STARTS {
             j *= 0.5;
-            let next = self.pushed(j);
-            if next.1 <= feed && self.is_safe(next) {
-                return next;
+            let way = Way::Push(j);
+            if self.after(&way, self.period).1 <= feed && self.is_safe(&way) {
+                return way;
             }
         }
-        (self.s, self.v, self.a)
+        Way::Push(0.0)
     }
 
     /// As far towards `feed` as is safe.
-    fn towards(&mut self, feed: f64, brake: (f64, f64, f64)) -> (f64, f64, f64) {
-        let mut next = self.changed(feed);
+    fn towards(&mut self, feed: f64, brake: Way) -> Way {
+        let mut way = self.change_to(feed);
+        let mut next = self.after(&way, self.period);
         if let Some(slower) = self.for_sections(&next) {
-            next = self.changed(slower.min(feed));
+            way = self.change_to(slower.min(feed));
+            next = self.after(&way, self.period);
         }
         let near = self.approach();
-        if near.2 < next.2 {
-            next = near;
+        if self.a + near * self.period < next.2 {
+            way = Way::Push(near);
+            next = self.after(&way, self.period);
         }
-        if self.is_safe(next) {
-            return next;
+        if self.is_safe(&way) {
+            return way;
         }
         // Between braking, which is safe, and what was asked for.
-        let (mut low, mut high) = ((brake.2 - self.a) / self.period, (next.2 - self.a) / self.period);
+        let jerk_to = |a: f64| (a - self.a) / self.period;
+        let (mut low, mut high) = (jerk_to(self.after(&brake, self.period).2), jerk_to(next.2));
         let mut best = brake;
         for _ in 0..HALVINGS {
             let j = 0.5 * (low + high);
-            let middle = self.pushed(j);
-            if self.is_safe(middle) {
+            let middle = Way::Push(j);
+            if self.is_safe(&middle) {
                 (low, best) = (j, middle);
             } else {
                 high = j;
@@ -448,8 +477,8 @@ impl<'a> LiveFeed<'a> {
         self.braking_for.map(|(_, feed)| feed)
     }
 
-    /// A cycle towards the fastest law: onto it from below with a part of the jerk, and along it.
-    fn approach(&self) -> (f64, f64, f64) {
+    /// The jerk that leads to the fastest law: onto it from below with a part of what is allowed, and along it.
+    fn approach(&self) -> f64 {
         let t = self.period;
         let (a_max, j_max) = (self.curve.acceleration(), self.curve.jerk());
         let law = self.curve.fastest(self.s + t * (self.v + 0.5 * t * self.a));
@@ -461,13 +490,14 @@ impl<'a> LiveFeed<'a> {
         // The law as it passes by at the present speed.
         let passing = if law.v > 0.0 { law.a * v / law.v } else { 0.0 };
         let a = (passing + closing).max(-a_max).min(a_max);
-        self.pushed(((a - self.a) / t).max(-j_max).min(j_max))
+        ((a - self.a) / t).max(-j_max).min(j_max)
     }
 
-    /// Whether a state is under the curve, and from it braking gets under the fastest law for good.
-    fn is_safe(&self, (s, v, a): (f64, f64, f64)) -> bool {
+    /// Whether a cycle stays under the curve, and from where it ends braking gets under the fastest law for good.
+    fn is_safe(&self, way: &Way) -> bool {
         let (a_max, j_max) = (self.curve.acceleration(), self.curve.jerk());
         let Some(&stop) = self.curve.stops().get(self.next) else { return false };
+        let (s, v, a) = self.after(way, self.period);
         // Speed and acceleration of the law that braking has to get under: the fastest one, or the same run slower so that it has
         // the speed `v`.
         let law = |s: f64, v: f64| {
@@ -483,6 +513,16 @@ impl<'a> LiveFeed<'a> {
         // Braking that is too strong to be taken off before the motion would turn back.
         if a < 0.0 && v < 0.5 * a * a / j_max * (1.0 - 1e-9) {
             return false;
+        }
+        // A dip of the curve that the cycle would jump over.
+        let bow = j_max * self.period * self.period / 8.0;
+        if self.v.max(v) + bow > self.curve.lowest_cap(self.s, s) {
+            for i in 1..WITHIN {
+                let (s, v, _) = self.after(way, self.period * i as f64 / WITHIN as f64);
+                if v > law(s, v).0 {
+                    return false;
+                }
+            }
         }
         if a <= a_law {
             return true;

@@ -1,0 +1,286 @@
+//! Random scenarios for motion in both spaces, by seed: a random smooth path in the workspace of an arm, random limits, and an operator
+//! who does random things at random cycles. Every cycle is held against every limit with nothing but the setpoints.
+
+use arcfeed_feedrate::FeedSection;
+use arcfeed_geometry::{ArcLengthCurve, NurbsCurve, OrientationPath, PosePath};
+use arcfeed_interp::{
+    Command, Excursion, HybridMotion, HybridState, HybridStep, LeaveBy, LivePath, Planner, Setpoint, ToolLimits,
+    best_start,
+};
+use arcfeed_kinematics::{Joints, ParallelAxisArm, models};
+use nalgebra::{UnitQuaternion, Vector3};
+
+/// A motion that takes more cycles than this hangs.
+const MOST_CYCLES: usize = 300_000;
+/// By how much a limit may seem to be exceeded through rounding.
+const TOLERANCE: f64 = 1e-6;
+
+/// Random numbers by seed: `SplitMix64` (Steele, Lea and Flood 2014).
+#[derive(Debug, Clone)]
+pub struct Random(u64);
+
+impl Random {
+    /// The sequence that belongs to `seed`.
+    pub fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * ((self.next() >> 11) as f64 / (1u64 << 53) as f64)
+    }
+
+    /// A number whose logarithm is evenly spread.
+    fn log(&mut self, low: f64, high: f64) -> f64 {
+        self.between(low.ln(), high.ln()).exp()
+    }
+
+    fn below(&mut self, n: u64) -> u64 {
+        self.next() % n
+    }
+
+    fn vector(&mut self, size: f64) -> Vector3<f64> {
+        Vector3::new(self.between(-size, size), self.between(-size, size), self.between(-size, size))
+    }
+}
+
+/// An arm, a path and limits: what several scenarios share.
+#[derive(Debug, Clone)]
+pub struct Stage {
+    /// The arm: CR7 or UR5e.
+    pub arm: ParallelAxisArm,
+    /// The path, made ready.
+    pub live: LivePath,
+}
+
+impl Stage {
+    /// The stage that belongs to `seed`, or `None` where the random path is one that the arm cannot follow.
+    pub fn random(seed: u64) -> Option<Self> {
+        let r = &mut Random::new(seed ^ 0x5EED_57A6);
+        let arm = if r.below(2) == 0 { models::cr7() } else { models::ur5e() };
+        let centre = Vector3::new(r.between(0.3, 0.5), r.between(-0.25, 0.25), r.between(0.1, 0.4));
+        let size = r.log(0.01, 0.12);
+        let count = 4 + r.below(6) as usize;
+        let degree = 3 + r.below(3).min(count as u64 - 4) as usize;
+        let points: Vec<Vector3<f64>> = (0..count).map(|_| centre + r.vector(size)).collect();
+        let mut knots = vec![0.0; degree + 1];
+        for _ in 0..count - degree - 1 {
+            knots.push(knots[knots.len() - 1] + r.between(0.3, 1.0));
+        }
+        let end = knots[knots.len() - 1] + r.between(0.3, 1.0);
+        knots.extend(vec![end; degree + 1]);
+        let curve = ArcLengthCurve::new(NurbsCurve::bspline(degree, points, knots).ok()?, 1e-15).ok()?;
+        let down = UnitQuaternion::from_euler_angles(std::f64::consts::PI, 0.0, 0.0);
+        let first = UnitQuaternion::from_scaled_axis(r.vector(0.3)) * down;
+        let orientation = if r.below(2) == 0 {
+            OrientationPath::Constant(first)
+        } else {
+            OrientationPath::slerp(curve.length(), first, UnitQuaternion::from_scaled_axis(r.vector(0.6)) * first)
+                .ok()?
+        };
+        let path = PosePath::new(curve, orientation);
+        let tool = ToolLimits {
+            feed: r.log(0.1, 0.6),
+            tangential_acceleration: r.log(0.5, 5.0),
+            tangential_jerk: r.log(10.0, 200.0),
+            normal_acceleration: r.log(0.5, 5.0),
+            normal_jerk: None,
+        };
+        let rates = [r.log(1.0, 4.0), r.log(3.0, 30.0), r.log(30.0, 1000.0)].map(Joints::repeat);
+        let limits = arm.range().with_rates(rates[0], rates[1], rates[2]).ok()?;
+        let start = best_start(&arm, &path, limits.lower(), limits.upper()).ok()?;
+        let period = [1e-3, 2e-3, 4e-3][r.below(3) as usize];
+        let planner = Planner::new(&arm, limits, tool)
+            .and_then(|p| p.with_chord_tolerance(r.log(1e-6, 1e-4)))
+            .and_then(|p| p.with_period(period))
+            .ok()?;
+        let live = planner.live(path, &start).ok()?;
+        Some(Self { arm, live })
+    }
+
+    fn command(&self, r: &mut Random, motion: &HybridMotion<'_, ParallelAxisArm>) -> Command {
+        let length = self.live.path().length();
+        match r.below(14) {
+            0 | 1 => Command::Override(r.between(0.0, 1.5)),
+            2 => Command::Feed(r.log(0.005, 0.6)),
+            3 => {
+                let from = r.between(0.0, length);
+                Command::Section(FeedSection {
+                    from,
+                    to: from + r.between(0.01, 0.5) * length,
+                    feed: r.log(0.005, 0.3),
+                })
+            }
+            4 => Command::ClearSections,
+            5 => Command::Hold,
+            6 | 7 => Command::Resume,
+            8 => Command::StepBack(r.between(0.0, motion.feed().position())),
+            9..=11 => {
+                let here = motion.setpoint().q;
+                let count = 1 + r.below(4) as usize;
+                let (lower, upper) = (self.live.joints().lower(), self.live.joints().upper());
+                let points: Vec<Joints<6>> = (0..count)
+                    .map(|_| Joints::from_fn(|k, _| (here[k] + r.between(-0.8, 0.8)).max(lower[k]).min(upper[k])))
+                    .collect();
+                let leave = if r.below(2) == 0 { LeaveBy::Braking } else { LeaveBy::AtOnce };
+                Excursion::new(&points, leave).map_or(Command::None, Command::Leave)
+            }
+            12 => Command::Return,
+            _ => Command::None,
+        }
+    }
+
+    /// Plays the scenario that belongs to `seed`.
+    ///
+    /// # Errors
+    /// What went wrong, and in which cycle.
+    pub fn play(&self, seed: u64) -> Result<Played, String> {
+        let r = &mut Random::new(seed);
+        let feed = r.log(0.01, 0.5);
+        let mut motion = HybridMotion::new(&self.arm, &self.live, feed).map_err(|e| e.to_string())?;
+        let mut watch = Watch::new(self, *motion.setpoint());
+        let acts = r.below(14) as usize;
+        let span = self.live.curve().duration() / self.live.period() * 1.5;
+        let mut cycles: Vec<usize> = (0..acts).map(|_| r.between(0.0, span) as usize).collect();
+        cycles.sort_unstable();
+        let stops = r.below(8) == 0;
+        let last = cycles.last().copied().unwrap_or(0) + r.below(400) as usize;
+        let mut next = 0;
+        let mut played = Played::default();
+        for cycle in 0..MOST_CYCLES {
+            // Whatever was done, it can be brought to an end: by stopping, or by going on to the end of the path.
+            let after = cycle.checked_sub(last);
+            let command = match after {
+                Some(1) if stops => Command::Stop,
+                Some(1) => Command::Override(1.0),
+                Some(2) => Command::ClearSections,
+                Some(3) => Command::Feed(self.live.tool().feed),
+                Some(4) => Command::Return,
+                Some(5) => Command::Resume,
+                _ if next < cycles.len() && cycles[next] <= cycle => {
+                    next += 1;
+                    self.command(r, &motion)
+                }
+                _ => Command::None,
+            };
+            let step = motion.step(&command);
+            watch.look(&step).map_err(|what| format!("cycle {cycle}, state {:?}: {what}", step.state))?;
+            played.left_path |= !step.on_path;
+            match step.state {
+                HybridState::Done | HybridState::Stopped => {
+                    played.cycles = cycle + 1;
+                    let s = &step.setpoint;
+                    if s.qd.amax() + s.qdd.amax() > 0.0 {
+                        return Err(format!("ends in motion: {s:?}"));
+                    }
+                    if step.state == HybridState::Done && s.s != self.live.path().length() {
+                        return Err(format!("done at s = {} of {}", s.s, self.live.path().length()));
+                    }
+                    if (step.state == HybridState::Stopped) != (stops && after.is_some()) && after.is_some() && !stops {
+                        return Err(format!("stopped without being told: {:?}", step.state));
+                    }
+                    played.worst = watch.worst;
+                    return Ok(played);
+                }
+                _ => {}
+            }
+        }
+        Err(format!("no end after {MOST_CYCLES} cycles: {:?} at {:?}", motion.state(), motion.setpoint()))
+    }
+}
+
+/// What a scenario came to.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Played {
+    /// Cycles until the end.
+    pub cycles: usize,
+    /// Whether the tool left the path.
+    pub left_path: bool,
+    /// Largest ratio of anything to its limit.
+    pub worst: f64,
+}
+
+/// Holds one cycle after the other against all limits.
+struct Watch<'a> {
+    stage: &'a Stage,
+    before: Setpoint,
+    on_path: bool,
+    speed: f64,
+    worst: f64,
+}
+
+impl<'a> Watch<'a> {
+    fn new(stage: &'a Stage, start: Setpoint) -> Self {
+        Self { stage, before: start, on_path: true, speed: 0.0, worst: 0.0 }
+    }
+
+    fn see(&mut self, what: &str, value: f64, limit: f64) -> Result<(), String> {
+        let ratio = value / limit;
+        // NaN is no pass.
+        if ratio <= 1.0 + TOLERANCE {
+            self.worst = self.worst.max(ratio);
+            return Ok(());
+        }
+        Err(format!("{what} is {value}, limit {limit}, at s = {}", self.before.s))
+    }
+
+    fn look(&mut self, step: &HybridStep) -> Result<(), String> {
+        let live = &self.stage.live;
+        let (limits, tool, period) = (live.joints(), live.tool(), live.period());
+        let (now, before) = (step.setpoint, self.before);
+        for k in 0..6 {
+            if !(limits.lower()[k] - 1e-12..=limits.upper()[k] + 1e-12).contains(&now.q[k]) {
+                return Err(format!("joint {k} at {} is outside its range", now.q[k]));
+            }
+            let jerk = limits.jerk()[k];
+            self.see("joint velocity", now.qd[k].abs(), limits.velocity()[k])?;
+            self.see("joint acceleration", now.qdd[k].abs(), limits.acceleration()[k])?;
+            self.see("joint jerk", (now.qdd[k] - before.qdd[k]).abs() / period, jerk)?;
+            // What every motion satisfies whose jerk is below the limit, from one sample to the next; and rounding.
+            let v = now.qd[k] - before.qd[k] - 0.5 * period * (before.qdd[k] + now.qdd[k]);
+            let q = now.q[k] - before.q[k] - 0.5 * period * (before.qd[k] + now.qd[k]);
+            self.see("jump of joint velocity", v.abs(), jerk * period.powi(2) / 4.0 + 1e-11)?;
+            self.see("jump of joint position", q.abs(), jerk * period.powi(3) / 12.0 * 1.001 + 1e-12)?;
+        }
+        let configuration = arcfeed_kinematics::ForwardKinematics::configuration(&self.stage.arm, &now.q);
+        let pose = configuration.pose();
+        let stated =
+            (pose.translation.vector - now.pose.translation.vector).norm() + pose.rotation.angle_to(&now.pose.rotation);
+        self.see("misstated pose", stated, 1e-8)?;
+        let velocity = (configuration.jacobian() * now.qd).fixed_rows::<3>(0).into_owned();
+        let speed = velocity.norm();
+        if step.on_path {
+            let path = live.path();
+            let wanted = path.jet(now.s).pose;
+            let off = (pose.translation.vector - wanted.translation.vector).norm();
+            self.see("distance from the path", off, 1e-9)?;
+            self.see("turn away from the path", pose.rotation.angle_to(&wanted.rotation), 1e-7)?;
+            self.see("feed", speed, tool.feed)?;
+            let acceleration = configuration.jacobian() * now.qdd + configuration.acceleration_bias(&now.qd);
+            let acceleration = acceleration.fixed_rows::<3>(0).into_owned();
+            let direction = path.curve().jet(now.s).d1;
+            let tangential = acceleration.dot(&direction);
+            self.see("tangential acceleration", tangential.abs(), tool.tangential_acceleration)?;
+            self.see("normal acceleration", (acceleration - direction * tangential).norm(), tool.normal_acceleration)?;
+            if self.on_path {
+                let (a, b) = (path.curve().point(before.s), path.curve().point(now.s));
+                let middle = path.curve().point(0.5 * (before.s + now.s));
+                let chord = b - a;
+                let d = middle - a;
+                let f = if chord.norm() > 0.0 { d.dot(&chord) / chord.norm_squared() } else { 0.0 };
+                self.see("chord error", (d - chord * f).norm(), live.chord_tolerance())?;
+            }
+        } else if !self.on_path && before.s != now.s {
+            return Err("the place on the path was lost".to_owned());
+        }
+        (self.before, self.on_path, self.speed) = (now, step.on_path, speed);
+        Ok(())
+    }
+}

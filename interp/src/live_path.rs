@@ -1,0 +1,186 @@
+//! A path made ready for a motion that is changed while it runs.
+
+use arcfeed_feedrate::{LiveCurve, MotionLaw, Segment, SpeedPlan, plan_joined_at_once};
+use arcfeed_geometry::{PosePath, SegmentationMethod};
+use arcfeed_kinematics::{JointLimits, Joints};
+
+use crate::arm::PathArm;
+use crate::constraints::{Bounds, Reaches, Shares, bend_speed, live_speed};
+use crate::error::PlanError;
+use crate::grid;
+use crate::joint_path::{JointPath, joint_jet};
+use crate::limits::ToolLimits;
+use crate::planner::{CORNER, Planner};
+
+/// Part of every limit that the curve uses: what is left is for rounding.
+const USED: f64 = 0.9999;
+/// Parts of the largest tangential acceleration and jerk that are tried; the fastest choice is kept.
+const PARTS: [f64; 4] = [0.15, 0.3, 0.5, 0.7];
+/// Places inside an interval at which its cap is held against the path itself.
+const LOOKS: [f64; 3] = [0.25, 0.5, 0.75];
+
+/// A tool path with joints, and the limit curve under which it may be run whatever an operator does.
+///
+/// Tangential acceleration and jerk are bounded by two constants for the whole path, and at every place the speed by what leaves room for
+/// both in every limit of joints and tool. That is slower than a plan made once ([`Planner::plan`]), which knows what it will do next; the
+/// price buys that anything may happen in the next cycle.
+#[derive(Debug, Clone)]
+pub struct LivePath<const N: usize = 6> {
+    path: PosePath,
+    joint_path: JointPath<N>,
+    curve: LiveCurve,
+    joints: JointLimits<N>,
+    tool: ToolLimits,
+    chord_tolerance: f64,
+    period: f64,
+}
+
+impl<const N: usize> LivePath<N> {
+    /// The tool path.
+    pub fn path(&self) -> &PosePath {
+        &self.path
+    }
+
+    /// Joint values and derivatives on the planning grid.
+    pub fn joint_path(&self) -> &JointPath<N> {
+        &self.joint_path
+    }
+
+    /// The limit curve.
+    pub fn curve(&self) -> &LiveCurve {
+        &self.curve
+    }
+
+    /// Limits of the joints.
+    pub fn joints(&self) -> &JointLimits<N> {
+        &self.joints
+    }
+
+    /// Limits of the tool; `feed` is the highest speed that any override leads to.
+    pub fn tool(&self) -> &ToolLimits {
+        &self.tool
+    }
+
+    /// Largest distance of the path from the straight line between two setpoints, m.
+    pub fn chord_tolerance(&self) -> f64 {
+        self.chord_tolerance
+    }
+
+    /// Control period, s.
+    pub fn period(&self) -> f64 {
+        self.period
+    }
+}
+
+impl<A, const N: usize> Planner<'_, A, N>
+where
+    A: PathArm<N> + ?Sized,
+{
+    /// Makes `path` ready for [`HybridMotion`](crate::HybridMotion), starting from the solution of the inverse nearest to `start`.
+    ///
+    /// # Errors
+    /// [`PlanError::Arm`] or [`PlanError::BranchChange`] where the arm cannot follow, [`PlanError::JointRange`] where a joint leaves its
+    /// range.
+    pub fn live(&self, path: PosePath, start: &Joints<N>) -> Result<LivePath<N>, PlanError> {
+        let segmentation =
+            path.curve().curve().segment(SegmentationMethod::Longest { across_knots: false }, self.chord_tolerance)?;
+        let breaks: Vec<f64> = segmentation.breaks().iter().map(|&u| path.curve().arc_length_at(u)).collect();
+        let knots = path.knots();
+        let grid = grid::build(&path, &knots, &breaks, &self.tool);
+        let (lower, upper) = (self.joints.lower(), self.joints.upper());
+        let joint_path = JointPath::new(self.arm, &path, start, &grid, &knots).map_err(|e| e.within(lower, upper))?;
+        check_range(&joint_path, lower, upper)?;
+        let stops: Vec<usize> =
+            path.corners(CORNER).iter().map(|corner| grid.partition_point(|&s| s < corner.s)).collect();
+        let reaches = Reaches::of(&path, &joint_path, &stops);
+        let bounds = Bounds {
+            tool: &self.tool,
+            joints: &self.joints,
+            chord: self.chord_tolerance,
+            period: self.period,
+            shares: Shares { acceleration: 0.0, jerk: 0.0, speed: 0.0 },
+            scale: USED,
+        };
+        let (acceleration, jerk) = reaches.rest_limits(&bounds);
+        let mut best: Option<(f64, f64, f64)> = None;
+        for a in PARTS.map(|part| part * acceleration) {
+            for j in PARTS.map(|part| part * jerk) {
+                let caps = reaches.live_caps(&bounds, a, j);
+                let time = duration(&grid, &caps, &stops, a, j).unwrap_or(f64::INFINITY);
+                if best.is_none_or(|best| time < best.0) {
+                    best = Some((time, a, j));
+                }
+            }
+        }
+        let (_, acceleration, jerk) = best.unwrap_or((0.0, 0.5 * acceleration, 0.5 * jerk));
+        let mut caps = reaches.live_caps(&bounds, acceleration, jerk);
+        self.look_between(&path, &joint_path, &bounds, (acceleration, jerk), &mut caps)?;
+        let curve = LiveCurve::new(&grid, &caps, &stops, acceleration, jerk)?;
+        Ok(LivePath {
+            path,
+            joint_path,
+            curve,
+            joints: self.joints,
+            tool: self.tool,
+            chord_tolerance: self.chord_tolerance,
+            period: self.period,
+        })
+    }
+
+    /// Lowers caps where the path itself, between two grid points, allows less than its ends foretold.
+    fn look_between(
+        &self,
+        path: &PosePath,
+        joint_path: &JointPath<N>,
+        bounds: &Bounds<'_, N>,
+        (acceleration, jerk): (f64, f64),
+        caps: &mut [f64],
+    ) -> Result<(), PlanError> {
+        for (i, cap) in caps.iter_mut().enumerate() {
+            let (start, end) = joint_path.interval(i);
+            for part in LOOKS {
+                let h = part * (end.s - start.s);
+                let tool = path.jet(start.s + h);
+                let jet = joint_jet(self.arm, start.s + h, &tool, &start.ahead(h))?;
+                *cap = cap.min(bend_speed(tool.d2.fixed_rows::<3>(0).norm(), bounds));
+                for k in 0..N {
+                    let d = [jet.d1[k].abs(), jet.d2[k].abs(), jet.d3[k].abs()];
+                    let limits = bounds.joints;
+                    let most = [limits.velocity()[k], limits.acceleration()[k], limits.jerk()[k]].map(|l| l * USED);
+                    *cap = cap.min(live_speed(d, 0.0, most, acceleration, jerk));
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// How long the path takes under `caps`, or `None` where that is not known at once.
+fn duration(grid: &[f64], caps: &[f64], stops: &[usize], acceleration: f64, jerk: f64) -> Option<f64> {
+    let segments: Vec<Segment> = grid
+        .windows(2)
+        .zip(caps)
+        .map(|(pair, &v)| Segment::new(pair[1] - pair[0], v, acceleration, jerk).ok())
+        .collect::<Option<_>>()?;
+    let starts = std::iter::once(0).chain(stops.iter().copied());
+    let ends = stops.iter().copied().chain(std::iter::once(caps.len()));
+    let parts: Option<Vec<SpeedPlan>> =
+        starts.zip(ends).map(|(from, to)| plan_joined_at_once(&segments[from..to], 0.0, 0.0).ok().flatten()).collect();
+    Some(SpeedPlan::chain(parts?).duration())
+}
+
+fn check_range<const N: usize>(
+    joint_path: &JointPath<N>,
+    lower: &Joints<N>,
+    upper: &Joints<N>,
+) -> Result<(), PlanError> {
+    for jet in joint_path.nodes() {
+        for joint in 0..N {
+            let value = jet.q[joint];
+            if !(lower[joint]..=upper[joint]).contains(&value) {
+                return Err(PlanError::JointRange { s: jet.s, joint, value, lower: lower[joint], upper: upper[joint] });
+            }
+        }
+    }
+    Ok(())
+}
