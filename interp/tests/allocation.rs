@@ -71,3 +71,46 @@ fn sampling_allocates_nothing() {
     black_box(Vec::<f64>::with_capacity(10));
     assert!(COUNT.with(Cell::get) > before);
 }
+
+#[test]
+fn a_step_of_motion_in_both_spaces_allocates_nothing() {
+    use arcfeed_interp::{Command, Excursion, HybridMotion, HybridState, LeaveBy, Planner, best_start};
+    use arcfeed_kinematics::Joints;
+
+    let arm = arm();
+    let limits = common::limits(&arm);
+    let path = tool_down(knotted());
+    let start = best_start(&arm, &path, limits.lower(), limits.upper()).expect("in reach");
+    let live = Planner::new(&arm, limits, common::TOOL).expect("valid").live(path, &start).expect("in reach");
+    let points = [start + Joints::repeat(0.2), start + Joints::repeat(-0.1)];
+    let [braking, at_once] =
+        [LeaveBy::Braking, LeaveBy::AtOnce].map(|leave| Excursion::new(&points, leave).expect("two points"));
+    let before = COUNT.with(Cell::get);
+    let mut motion = HybridMotion::new(&arm, &live, 0.1).expect("a valid feed");
+    let mut refused = 0;
+    for cycle in 0.. {
+        let command = match cycle {
+            300 => Command::Override(1.5),
+            500 => Command::Hold,
+            700 => Command::StepBack(0.01),
+            1500 => Command::Resume,
+            1900 => Command::Leave(at_once),
+            2000 => Command::Leave(braking),
+            2400 => Command::Hold,
+            2700 => Command::Resume,
+            6000 => Command::Return,
+            6100 => Command::StepBack(0.0), // refused
+            9000 => Command::Leave(braking),
+            12_000 => Command::Return,
+            _ => Command::None,
+        };
+        let step = black_box(motion.step(&command));
+        refused += usize::from(step.refused.is_some());
+        if step.state == HybridState::Done {
+            break;
+        }
+        assert!(cycle < 100_000, "no end");
+    }
+    assert_eq!(COUNT.with(Cell::get) - before, 0);
+    assert!(refused >= 1);
+}
