@@ -82,6 +82,18 @@ pub enum PlanError {
     /// The speed along the path cannot be planned.
     #[error("speed along the path: {0}")]
     Feed(#[from] FeedError),
+    /// The arm is close to singular on a stretch of the path, or changes its branch there.
+    #[error("between s = {from:.6} and {to:.6} m: {trouble}; {rule}")]
+    Singular {
+        /// Where the stretch begins, m.
+        from: f64,
+        /// Where it ends, m.
+        to: f64,
+        /// What is wrong there, in words.
+        trouble: String,
+        /// Why that is not gone round, and what to do.
+        rule: &'static str,
+    },
     /// A motion in both spaces cannot be set up.
     #[error(transparent)]
     Hybrid(#[from] crate::hybrid::HybridError),

@@ -29,6 +29,7 @@
 //! | `sampler`, `trajectory` | setpoints at the control period, without allocation |
 //! | `verify` | the independent check |
 //! | `live_path`, `hybrid` | motion that is changed, left and resumed while it runs: [`LivePath`], [`HybridMotion`] |
+//! | `singular` | stretches of a path near singular poses: slowed down, gone round or refused |
 //! | [`parameter`] | Taylor steps, closed-loop steps and the arc-length map behind one trait |
 //!
 //! Units: m, rad, s. Poses: tool in base. The arm is any [`PathArm`]: of six joints, anything with
@@ -49,6 +50,7 @@ mod locked;
 pub mod parameter;
 mod planner;
 mod sampler;
+mod singular;
 mod speed;
 mod trajectory;
 mod verify;
@@ -63,6 +65,7 @@ pub use live_path::LivePath;
 pub use locked::LockedArm;
 pub use planner::{Plan, Planner, Scan, Timings};
 pub use sampler::Sampler;
+pub use singular::{Detour, LiveRoute, SingularityPolicy, Stretch, Trouble};
 pub use speed::{SpeedCursor, SpeedLaw};
 pub use trajectory::Setpoint;
 pub use verify::{Check, Quantity, Requirement, Verification, verify};

@@ -16,6 +16,10 @@ use crate::planner::{CORNER, Planner};
 const USED: f64 = 0.9999;
 /// Parts of the largest tangential acceleration and jerk that are tried; the fastest choice is kept.
 const PARTS: [f64; 4] = [0.15, 0.3, 0.5, 0.7];
+/// Where a cap has to be lowered to less than this part of what was foretold, the interval is halved,
+const FORETOLD: f64 = 0.97;
+/// so often at most.
+const ROUNDS: usize = 7;
 /// Places inside an interval at which its cap is held against the path itself.
 const LOOKS: [f64; 3] = [0.25, 0.5, 0.75];
 
@@ -44,6 +48,11 @@ impl<const N: usize> LivePath<N> {
     /// Joint values and derivatives on the planning grid.
     pub fn joint_path(&self) -> &JointPath<N> {
         &self.joint_path
+    }
+
+    /// Where the part of the path that this is begins, and where it ends, m.
+    pub fn range(&self) -> (f64, f64) {
+        (self.curve.start(), self.curve.end())
     }
 
     /// The limit curve.
@@ -80,19 +89,30 @@ where
     ///
     /// # Errors
     /// [`PlanError::Arm`] or [`PlanError::BranchChange`] where the arm cannot follow, [`PlanError::JointRange`] where a joint leaves its
-    /// range.
+    /// range. [`Planner::route`] goes round such places.
     pub fn live(&self, path: PosePath, start: &Joints<N>) -> Result<LivePath<N>, PlanError> {
+        let to = path.length();
+        self.live_between(path, start, 0.0, to)
+    }
+
+    /// The part of `path` between two arc lengths (m), made ready.
+    pub(crate) fn live_between(
+        &self,
+        path: PosePath,
+        start: &Joints<N>,
+        from: f64,
+        to: f64,
+    ) -> Result<LivePath<N>, PlanError> {
         let segmentation =
             path.curve().curve().segment(SegmentationMethod::Longest { across_knots: false }, self.chord_tolerance)?;
         let breaks: Vec<f64> = segmentation.breaks().iter().map(|&u| path.curve().arc_length_at(u)).collect();
         let knots = path.knots();
-        let grid = grid::build(&path, &knots, &breaks, &self.tool);
+        let mut grid = grid::build(&path, &knots, &breaks, &self.tool);
+        let close = 1e-9 * path.length();
+        grid.retain(|&s| from + close < s && s < to - close);
+        grid.insert(0, from);
+        grid.push(to);
         let (lower, upper) = (self.joints.lower(), self.joints.upper());
-        let joint_path = JointPath::new(self.arm, &path, start, &grid, &knots).map_err(|e| e.within(lower, upper))?;
-        check_range(&joint_path, lower, upper)?;
-        let stops: Vec<usize> =
-            path.corners(CORNER).iter().map(|corner| grid.partition_point(|&s| s < corner.s)).collect();
-        let reaches = Reaches::of(&path, &joint_path, &stops);
         let bounds = Bounds {
             tool: &self.tool,
             joints: &self.joints,
@@ -101,20 +121,27 @@ where
             shares: Shares { acceleration: 0.0, jerk: 0.0, speed: 0.0 },
             scale: USED,
         };
-        let (acceleration, jerk) = reaches.rest_limits(&bounds);
-        let mut best: Option<(f64, f64, f64)> = None;
-        for a in PARTS.map(|part| part * acceleration) {
-            for j in PARTS.map(|part| part * jerk) {
-                let caps = reaches.live_caps(&bounds, a, j);
-                let time = duration(&grid, &caps, &stops, a, j).unwrap_or(f64::INFINITY);
-                if best.is_none_or(|best| time < best.0) {
-                    best = Some((time, a, j));
-                }
+        let mut tangential = None;
+        let mut round = 0;
+        let (joint_path, stops, caps, (acceleration, jerk)) = loop {
+            let joint_path =
+                JointPath::new(self.arm, &path, start, &grid, &knots).map_err(|e| e.within(lower, upper))?;
+            check_range(&joint_path, lower, upper)?;
+            let corners = path.corners(CORNER);
+            let inside = corners.iter().filter(|corner| from + close < corner.s && corner.s < to - close);
+            let stops: Vec<usize> = inside.map(|corner| grid.partition_point(|&s| s < corner.s)).collect();
+            let reaches = Reaches::of(&path, &joint_path, &stops);
+            let tangential = *tangential.get_or_insert_with(|| choose(&reaches, &bounds, &grid, &stops));
+            let mut caps = reaches.live_caps(&bounds, tangential.0, tangential.1);
+            let coarse = self.look_between(&path, &joint_path, &bounds, tangential, &mut caps)?;
+            round += 1;
+            if coarse.is_empty() || round == ROUNDS {
+                break (joint_path, stops, caps, tangential);
             }
-        }
-        let (_, acceleration, jerk) = best.unwrap_or((0.0, 0.5 * acceleration, 0.5 * jerk));
-        let mut caps = reaches.live_caps(&bounds, acceleration, jerk);
-        self.look_between(&path, &joint_path, &bounds, (acceleration, jerk), &mut caps)?;
+            for &i in coarse.iter().rev() {
+                grid.insert(i + 1, 0.5 * (grid[i] + grid[i + 1]));
+            }
+        };
         let curve = LiveCurve::new(&grid, &caps, &stops, acceleration, jerk)?;
         Ok(LivePath {
             path,
@@ -127,7 +154,8 @@ where
         })
     }
 
-    /// Lowers caps where the path itself, between two grid points, allows less than its ends foretold.
+    /// Lowers caps where the path itself, between two grid points, allows less than its ends foretold. Returns the intervals where that is
+    /// much: the grid is too coarse there.
     fn look_between(
         &self,
         path: &PosePath,
@@ -135,9 +163,11 @@ where
         bounds: &Bounds<'_, N>,
         (acceleration, jerk): (f64, f64),
         caps: &mut [f64],
-    ) -> Result<(), PlanError> {
+    ) -> Result<Vec<usize>, PlanError> {
+        let mut coarse = Vec::new();
         for (i, cap) in caps.iter_mut().enumerate() {
             let (start, end) = joint_path.interval(i);
+            let foretold = *cap;
             for part in LOOKS {
                 let h = part * (end.s - start.s);
                 let tool = path.jet(start.s + h);
@@ -150,9 +180,29 @@ where
                     *cap = cap.min(live_speed(d, 0.0, most, acceleration, jerk));
                 }
             }
+            if *cap < FORETOLD * foretold {
+                coarse.push(i);
+            }
         }
-        Ok(())
+        Ok(coarse)
     }
+}
+
+/// Bounds of tangential acceleration and jerk for the whole path: of several choices that with the shortest motion.
+fn choose<const N: usize>(reaches: &Reaches<N>, bounds: &Bounds<'_, N>, grid: &[f64], stops: &[usize]) -> (f64, f64) {
+    let (acceleration, jerk) = reaches.rest_limits(bounds);
+    let mut best = (f64::INFINITY, 0.5 * acceleration, 0.5 * jerk);
+    for a in PARTS.map(|part| part * acceleration) {
+        for j in PARTS.map(|part| part * jerk) {
+            let caps = reaches.live_caps(bounds, a, j);
+            if let Some(time) = duration(grid, &caps, stops, a, j)
+                && time < best.0
+            {
+                best = (time, a, j);
+            }
+        }
+    }
+    (best.1, best.2)
 }
 
 /// How long the path takes under `caps`, or `None` where that is not known at once.

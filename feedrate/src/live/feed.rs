@@ -207,6 +207,13 @@ impl<'a> LiveFeed<'a> {
         self.next = self.stops_passed();
     }
 
+    /// The same feed, override and sections at the start of another curve.
+    pub fn moved_to<'b>(&self, curve: &'b LiveCurve) -> LiveFeed<'b> {
+        let (s, intent) = (curve.start(), self.intent);
+        let (period, feeds, factor) = (self.period, self.feeds, self.factor);
+        LiveFeed { curve, period, feeds, factor, intent, s, v: 0.0, a: 0.0, next: 0, landing: None, braking_for: None }
+    }
+
     /// The curve it runs under.
     pub fn curve(&self) -> &'a LiveCurve {
         self.curve

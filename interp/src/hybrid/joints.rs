@@ -2,7 +2,7 @@
 
 use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, StateToState};
 use arcfeed_kinematics::{JointLimits, Joints};
-use arcfeed_sync::{OnlineGenerator, Synchronisation};
+use arcfeed_sync::{OnlineGenerator, SyncError, Synchronisation};
 
 use super::state::HybridError;
 
@@ -21,16 +21,7 @@ pub(super) struct JointSpace<const N: usize> {
 impl<const N: usize> JointSpace<N> {
     /// At rest at `q`, for a control `period` (s).
     pub fn new(limits: &JointLimits<N>, period: f64, q: &Joints<N>) -> Result<Self, HybridError> {
-        let mut axes = [AxisLimits::symmetric(1.0, 1.0, 1.0); N];
-        for (k, axis) in axes.iter_mut().enumerate() {
-            *axis = AxisLimits::symmetric(limits.velocity()[k], limits.acceleration()[k], limits.jerk()[k]);
-        }
-        let mut all = [AxisLimits::symmetric(1.0, 1.0, 1.0)
-            .map_err(|source| HybridError::Joints(arcfeed_sync::SyncError::State { axis: 0, source }))?;
-            N];
-        for (axis, (out, limit)) in all.iter_mut().zip(axes).enumerate() {
-            *out = limit.map_err(|source| arcfeed_sync::SyncError::State { axis, source })?;
-        }
+        let all = axis_limits(limits)?;
         let start = std::array::from_fn(|k| AxisState::rest(q[k]));
         let generator = OnlineGenerator::new(start, all, period, Synchronisation::Time)?;
         let (lower, upper) = (*limits.lower(), *limits.upper());
@@ -79,7 +70,7 @@ impl<const N: usize> JointSpace<N> {
             let range = (self.lower[axis], self.upper[axis]);
             let stop = StateToState::stop_within(place, limits, range)
                 .or_else(|_| StateToState::stop(place, limits))
-                .map_err(|source| arcfeed_sync::SyncError::State { axis, source })?;
+                .map_err(|source| SyncError::State { axis, source })?;
             *place = AxisState::rest(stop.at(stop.duration()).p);
         }
         generator.set_target(places)?;
@@ -123,6 +114,16 @@ impl<const N: usize> JointSpace<N> {
         }
         Ok(())
     }
+}
+
+/// Limits of all joints as those of axes.
+pub(crate) fn axis_limits<const N: usize>(limits: &JointLimits<N>) -> Result<[AxisLimits; N], HybridError> {
+    let mut all = [AxisLimits::symmetric(1.0, 1.0, 1.0).map_err(|source| SyncError::State { axis: 0, source })?; N];
+    for (axis, out) in all.iter_mut().enumerate() {
+        let (v, a, j) = (limits.velocity()[axis], limits.acceleration()[axis], limits.jerk()[axis]);
+        *out = AxisLimits::symmetric(v, a, j).map_err(|source| SyncError::State { axis, source })?;
+    }
+    Ok(all)
 }
 
 fn rest<const N: usize>(q: &Joints<N>) -> [AxisState; N] {

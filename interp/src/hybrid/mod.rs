@@ -20,6 +20,8 @@ mod joints;
 mod motion;
 mod state;
 
+pub(crate) use joints::axis_limits;
+
 pub use command::{Command, Excursion, LeaveBy, MAX_POINTS};
 pub use motion::HybridMotion;
 pub use state::{HybridError, HybridState, HybridStep};

@@ -10,6 +10,7 @@ use crate::arm::PathArm;
 use crate::error::PlanError;
 use crate::joint_path::joint_jet;
 use crate::live_path::LivePath;
+use crate::singular::LiveRoute;
 use crate::trajectory::Setpoint;
 
 /// A motion along a tool path that can be slowed down, held, stepped back, left for joint space, resumed and stopped in any cycle.
@@ -58,6 +59,8 @@ use crate::trajectory::Setpoint;
 pub struct HybridMotion<'a, A: ?Sized, const N: usize = 6> {
     arm: &'a A,
     live: &'a LivePath<N>,
+    /// Parts of the path after this one, each reached through joint space.
+    ahead: &'a [LivePath<N>],
     feed: LiveFeed<'a>,
     sections: [FeedSection; MAX_SECTIONS],
     section_count: usize,
@@ -83,15 +86,31 @@ where
     /// # Errors
     /// [`PlanError::Feed`] for a feed that is not a finite number above 0; [`PlanError::Arm`].
     pub fn new(arm: &'a A, live: &'a LivePath<N>, feed: f64) -> Result<Self, PlanError> {
+        Self::over(arm, live, &[], feed)
+    }
+
+    /// At rest at the start of a route, with a programmed `feed` (m/s): each detour is a joint move in the state
+    /// [`HybridState::GoingRound`].
+    ///
+    /// # Errors
+    /// As [`HybridMotion::new`]; [`PlanError::Limit`] for a route without parts, which no planner makes.
+    pub fn along(arm: &'a A, route: &'a LiveRoute<N>, feed: f64) -> Result<Self, PlanError> {
+        let Some((first, ahead)) = route.parts().split_first() else {
+            return Err(PlanError::Limit { what: "number of parts of the route", value: 0.0 });
+        };
+        Self::over(arm, first, ahead, feed)
+    }
+
+    fn over(arm: &'a A, live: &'a LivePath<N>, ahead: &'a [LivePath<N>], feed: f64) -> Result<Self, PlanError> {
         let feed = LiveFeed::new(live.curve(), live.period(), feed)?;
         let start = live.joint_path().nodes()[0];
         let joints = JointSpace::new(live.joints(), live.period(), &start.q)?;
         let none = FeedSection { from: 0.0, to: 0.0, feed: 0.0 };
         let still = Joints::zeros();
-        let pose = live.path().jet(0.0).pose;
+        let pose = live.path().jet(start.s).pose;
         let last = Setpoint {
             t: 0.0,
-            s: 0.0,
+            s: start.s,
             feed: 0.0,
             acceleration: 0.0,
             q: start.q,
@@ -103,6 +122,7 @@ where
         Ok(Self {
             arm,
             live,
+            ahead,
             feed,
             sections: [none; MAX_SECTIONS],
             section_count: 0,
@@ -294,7 +314,7 @@ where
                 self.held = false;
                 Ok(())
             }
-            HybridState::Returning => Ok(()),
+            HybridState::Returning | HybridState::GoingRound => Ok(()),
             _ => Err(self.not_now(command, "the path has to have been left before")),
         }
     }
@@ -320,7 +340,19 @@ where
         let step = self.feed.step();
         self.last = self.on_path_at(step.state);
         match self.state {
-            HybridState::TaskPath if step.status == LiveStatus::Finished => self.state = HybridState::Done,
+            HybridState::TaskPath if step.status == LiveStatus::Finished => match self.ahead.split_first() {
+                Some((next, ahead)) => {
+                    (self.live, self.ahead) = (next, ahead);
+                    self.feed = self.feed.moved_to(next.curve());
+                    self.feed.stand();
+                    let still = Joints::zeros();
+                    self.joints.start(&self.last.q, &still, &still, &next.joint_path().nodes()[0].q)?;
+                    self.passed_count = 0;
+                    self.on_path = false;
+                    self.state = HybridState::GoingRound;
+                }
+                None => self.state = HybridState::Done,
+            },
             HybridState::Stopping if self.feed.is_at_rest() => self.state = HybridState::Stopped,
             HybridState::Leaving if self.feed.is_at_rest() => {
                 if let Some(excursion) = self.excursion {
@@ -360,7 +392,7 @@ where
                 let next = self.way_back(self.passed_count);
                 self.joints.retarget(&next)
             }
-            HybridState::Returning => {
+            HybridState::Returning | HybridState::GoingRound => {
                 self.on_path = true;
                 self.excursion = None;
                 self.state = HybridState::TaskPath;

@@ -20,6 +20,8 @@ pub enum HybridState {
     Waiting,
     /// On the way back to where the path was left.
     Returning,
+    /// On the way round a stretch of the path that the arm cannot follow.
+    GoingRound,
     /// At the end of the path.
     Done,
     /// Told to stop, and braking.
@@ -37,6 +39,7 @@ impl HybridState {
             Self::JointMove(_) => "joint move",
             Self::Waiting => "waiting",
             Self::Returning => "returning",
+            Self::GoingRound => "going round",
             Self::Done => "done",
             Self::Stopping => "stopping",
             Self::Stopped => "stopped",
