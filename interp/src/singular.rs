@@ -114,10 +114,7 @@ where
         let slowest = stall * self.tool.feed;
         let mut found: Vec<Stretch<N>> = Vec::new();
         let mut last = joint_jet(self.arm, 0.0, &path.jet(0.0), start)?;
-        let mut open: Option<Trouble> = match self.stall(&last, slowest) {
-            None => None,
-            some => some,
-        };
+        let mut open: Option<Trouble> = self.stall(&last, slowest);
         // Looks since the path was taken up again.
         let mut since = LEAST;
         let at = |i: usize| path.length() * i as f64 / LOOKS as f64;
