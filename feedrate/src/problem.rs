@@ -321,6 +321,14 @@ impl FeedProblem {
     }
 }
 
+impl FeedProblem {
+    /// Whether a cap of another origin than axis speeds, and known at places alone, is the least in the middle of interval `k`.
+    pub(crate) fn is_capped_within(&self, k: usize) -> bool {
+        let largest = self.speed_bounds[k].coefficients.iter().copied().fold(0.0, f64::max);
+        self.middle_x_max(k) * largest < 0.999
+    }
+}
+
 /// Rows by quadratic interpolation through an interval.
 impl FeedProblem {
     /// The problem with some intervals split at fractions (increasing, inside 0..1) of their length.

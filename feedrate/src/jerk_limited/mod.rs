@@ -27,6 +27,8 @@
 #![allow(clippy::needless_range_loop)]
 mod band;
 mod between;
+#[cfg(feature = "clarabel")]
+pub(crate) mod conic;
 mod interior_point;
 mod refine;
 mod spline;
@@ -97,11 +99,15 @@ impl JerkLimited {
         solver: &mut Solver,
         fastest: &[f64],
         part: &Part,
-        attempt: Attempt,
+        attempt: Attempt<'_>,
     ) -> Result<Solution, FeedError> {
         let mut stretch = Stretch::new(problem, [part.grid.start, part.grid.end], part.speeds, fastest);
         if attempt.factor < 1.0 {
             stretch.tighten(attempt.factor);
+        }
+        if let Some(before) = attempt.before {
+            stretch.knots.evaluate(&before.c, &mut solver.values);
+            stretch.demand_margins(problem, &solver.values);
         }
         let start = start::start(problem, &mut stretch, fastest);
         let outcome = solver.minimise(problem, &mut stretch, start, self.tolerance, attempt.drop_distant);
@@ -127,10 +133,12 @@ struct Part {
 
 /// How a stretch is solved.
 #[derive(Debug, Clone, Copy)]
-struct Attempt {
+struct Attempt<'a> {
     drop_distant: bool,
     /// By which all bounds are lowered.
     factor: f64,
+    /// What came out too fast between the grid points: margins follow it from the start.
+    before: Option<&'a Solution>,
 }
 
 #[derive(Debug)]
@@ -228,6 +236,42 @@ fn fits(problem: &FeedProblem) -> Result<(), FeedError> {
     if got <= MOST_ROWS { Ok(()) } else { Err(FeedError::TooMany { what, got, most: MOST_ROWS }) }
 }
 
+/// A problem made ready.
+#[derive(Debug)]
+struct Prepared {
+    /// With the intervals next to rest split.
+    problem: FeedProblem,
+    /// Squared speeds of a second-order planner.
+    fastest: Vec<f64>,
+    parts: Vec<Part>,
+}
+
+fn prepare(problem: &FeedProblem) -> Result<Prepared, FeedError> {
+    if !problem.is_between_points() {
+        return Err(FeedError::Empty { what: "rows between the grid points (FeedProblem::between_points)" });
+    }
+    if !problem.has_jerk() {
+        return Err(FeedError::Empty { what: "limits on jerk" });
+    }
+    fits(problem)?;
+    let problem = refined(problem);
+    let fastest = squared_speeds(&problem).or_else(|error| match error {
+        // Reachability passes points at which standing still is impossible.
+        FeedError::StaticallyInfeasible { .. } => Reachability.squared_speeds(&problem),
+        error => Err(error),
+    })?;
+    moves(&problem, &fastest)?;
+    let parts = parts(&problem)?;
+    for part in &parts {
+        for (i, speed) in [part.grid.start, part.grid.end].into_iter().zip(part.speeds) {
+            if speed == 0.0 {
+                stands(&problem, i)?;
+            }
+        }
+    }
+    Ok(Prepared { problem, fastest, parts })
+}
+
 /// Where more than this has to be taken off the speed at the end, something was left out.
 const TAKEN_OFF: f64 = 1e-3;
 
@@ -236,33 +280,12 @@ const EXCEEDED: f64 = 1e-7;
 
 impl FeedPlanner for JerkLimited {
     fn plan(&self, problem: &FeedProblem) -> Result<GridPlan, FeedError> {
-        if !problem.is_between_points() {
-            return Err(FeedError::Empty { what: "rows between the grid points (FeedProblem::between_points)" });
-        }
-        if !problem.has_jerk() {
-            return Err(FeedError::Empty { what: "limits on jerk" });
-        }
-        fits(problem)?;
-        let problem = &refined(problem);
-        let fastest = squared_speeds(problem).or_else(|error| match error {
-            // Reachability passes points at which standing still is impossible.
-            FeedError::StaticallyInfeasible { .. } => Reachability.squared_speeds(problem),
-            error => Err(error),
-        })?;
-        moves(problem, &fastest)?;
-        let parts = parts(problem)?;
-        for part in &parts {
-            for (i, speed) in [part.grid.start, part.grid.end].into_iter().zip(part.speeds) {
-                if speed == 0.0 {
-                    stands(problem, i)?;
-                }
-            }
-        }
+        let Prepared { problem, fastest, parts } = &prepare(problem)?;
         let mut solver = Solver::default();
         let mut solutions = Vec::with_capacity(parts.len());
-        for part in &parts {
-            let attempt = Attempt { drop_distant: part.grid.len() <= DROP_UP_TO, factor: 1.0 };
-            solutions.push(self.solve(problem, &mut solver, &fastest, part, attempt)?);
+        for part in parts {
+            let attempt = Attempt { drop_distant: part.grid.len() <= DROP_UP_TO, factor: 1.0, before: None };
+            solutions.push(self.solve(problem, &mut solver, fastest, part, attempt)?);
         }
         let mut plan = assemble(problem, &solutions)?;
         let mut factors = vec![1.0; parts.len()];
@@ -271,14 +294,14 @@ impl FeedPlanner for JerkLimited {
             for ((part, solution), factor) in parts.iter().zip(&mut solutions).zip(&mut factors) {
                 let scale = largest_scale(problem, &plan, part.grid.clone());
                 if scale < 1.0 - TAKEN_OFF && attempt == 0 {
-                    let careful = Attempt { drop_distant: false, factor: 1.0 };
-                    *solution = self.solve(problem, &mut solver, &fastest, part, careful)?;
+                    let careful = Attempt { drop_distant: false, factor: 1.0, before: Some(solution) };
+                    *solution = self.solve(problem, &mut solver, fastest, part, careful)?;
                 } else if solution.rests() && scale < 1.0 {
                     solution.scale(scale);
                 } else if scale < 1.0 - EXCEEDED {
                     *factor *= 1.0 - 2.0 * (1.0 - scale);
-                    let lower = Attempt { drop_distant: false, factor: *factor };
-                    *solution = self.solve(problem, &mut solver, &fastest, part, lower)?;
+                    let lower = Attempt { drop_distant: false, factor: *factor, before: None };
+                    *solution = self.solve(problem, &mut solver, fastest, part, lower)?;
                 } else {
                     continue;
                 }
