@@ -57,7 +57,7 @@ use stretch::Stretch;
 /// path on the grid.
 ///
 /// Time and memory grow with the number of rows, the iterations slowly with the number of intervals (about 12 for 1000, 20 for
-/// 10 000, 25 to 45 for 100 000). More than ten million rows, some 300 000 intervals of a six-axis arm, are refused.
+/// 10 000, 25 to 45 for 100 000). More than five million rows, some 160 000 intervals of a six-axis arm, are refused.
 ///
 /// ```
 /// use arcfeed_feedrate::constraint::{Feed, TangentialAcceleration, TangentialJerk};
@@ -222,8 +222,8 @@ fn stands(problem: &FeedProblem, i: usize) -> Result<(), FeedError> {
 /// intervals, whose rows all are distant at one time or another, and dropping them means solving twice.
 const DROP_UP_TO: usize = 2500;
 
-/// As many rows are taken on: some gigabytes.
-const MOST_ROWS: usize = 10_000_000;
+/// As many rows are taken on: with all that belongs to them, some two gigabytes.
+const MOST_ROWS: usize = 5_000_000;
 
 /// Refuses what would not fit into the memory of an ordinary machine.
 fn fits(problem: &FeedProblem) -> Result<(), FeedError> {
