@@ -10,13 +10,16 @@ use arcfeed_feedrate::{
 };
 use proptest::prelude::*;
 
-fn planners() -> [Box<dyn FeedPlanner>; 5] {
-    [
+/// Every planner there is.
+fn planners() -> Vec<Box<dyn FeedPlanner>> {
+    vec![
         Box::new(BothEndsScan),
         Box::new(PublishedScan),
         Box::new(Reachability),
         Box::new(CertifiedReachability),
         Box::new(JerkLimited::default()),
+        #[cfg(feature = "clarabel")]
+        Box::new(arcfeed_feedrate::ClarabelBaseline),
     ]
 }
 
@@ -89,7 +92,8 @@ proptest! {
         let all: Vec<&dyn PathConstraint> = all.iter().map(|limit| &**limit).collect();
         let Ok(problem) = FeedProblem::between_points(&grid, &all) else { return Ok(()) };
         let problem = if moving { problem.with_end_speeds(ends[0], ends[1]).unwrap() } else { problem };
-        for (which, planner) in planners().into_iter().enumerate() {
+        // The conic solver is too slow for thousands of cases, and exact to its own tolerance.
+        for (which, planner) in planners().into_iter().enumerate().take(5) {
             if let Ok(plan) = planner.plan(&problem) {
                 assert_sound(&plan, &grid);
                 // The published scan keeps nothing.
