@@ -18,7 +18,7 @@ use std::hint::black_box;
 
 use arcfeed_feedrate::constraint::{JointAcceleration, JointJerk, JointVelocity};
 use arcfeed_feedrate::{BothEndsScan, CertifiedReachability, FeedPlanner, FeedProblem, JerkLimited, Reachability};
-use criterion::{Criterion, criterion_group, criterion_main};
+use criterion::{BenchmarkId, Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
 
 #[path = "../tests/common/spline_paths.rs"]
 mod spline_paths;
@@ -45,6 +45,12 @@ fn problem(grid: &[f64], samples: &Samples, jerk: &[f64; JOINTS], rows: Rows) ->
     .expect("a valid grid")
 }
 
+/// Rows and plan together.
+fn plan(planner: &dyn FeedPlanner, grid: &[f64], samples: &Samples, rows: Rows) -> f64 {
+    let jerk = A_MAX.map(|a| 10.0 * a);
+    planner.plan(&problem(grid, samples, &jerk, rows)).expect("a feasible problem").duration()
+}
+
 fn planners(c: &mut Criterion) {
     let path = &paths()[0].spline;
     let jerk = A_MAX.map(|a| 10.0 * a);
@@ -55,24 +61,33 @@ fn planners(c: &mut Criterion) {
         ("certified", Rows::Between, &CertifiedReachability),
         ("jerk-limited", Rows::Jerk, &jerk_limited),
     ];
-    for n in [100, 500, 1000, 10_000, 100_000] {
+    for n in [100, 500, 1000] {
         let grid = Spline::uniform(n);
         let samples = path.samples(&grid);
-        c.bench_function(&format!("rows, {n}"), |b| {
-            b.iter(|| problem(black_box(&grid), &samples, &jerk, Rows::Points))
+        c.bench_function(&format!("rows/{n}"), |b| {
+            b.iter(|| problem(black_box(&grid), &samples, &jerk, Rows::Points));
         });
         for (name, rows, planner) in all {
-            if n > 10_000 && rows == Rows::Jerk {
-                continue;
-            }
             let mut group = c.benchmark_group(name);
-            group.sample_size(if n > 1000 || rows == Rows::Jerk { 10 } else { 60 });
-            group.bench_function(n.to_string(), |b| {
-                b.iter(|| planner.plan(&problem(black_box(&grid), &samples, &jerk, rows)).map(|plan| plan.duration()))
-            });
+            group.sample_size(if rows == Rows::Jerk { 10 } else { 60 });
+            group.bench_function(n.to_string(), |b| b.iter(|| plan(planner, black_box(&grid), &samples, rows)));
             group.finish();
         }
     }
+    // Cost by the number of intervals.
+    let mut group = c.benchmark_group("growth");
+    group.sample_size(10).sampling_mode(SamplingMode::Flat);
+    for n in [100, 1000, 10_000, 100_000] {
+        let grid = Spline::uniform(n);
+        let samples = path.samples(&grid);
+        group.throughput(Throughput::Elements(n as u64));
+        for (name, rows, planner) in all {
+            group.bench_function(BenchmarkId::new(name, n), |b| {
+                b.iter(|| plan(planner, black_box(&grid), &samples, rows));
+            });
+        }
+    }
+    group.finish();
 }
 
 criterion_group!(benches, planners);

@@ -143,6 +143,16 @@ pub enum FeedError {
         /// Highest start speed from which the path can be run (m/s).
         highest_start: f64,
     },
+    /// A problem too large for the memory it would take.
+    #[error("{got} {what}, more than {most}; use a coarser grid, or plan the path in parts")]
+    TooMany {
+        /// What there is too much of.
+        what: &'static str,
+        /// How many.
+        got: usize,
+        /// How many are taken.
+        most: usize,
+    },
     /// The grid of a path does not increase.
     #[error(
         "grid point {index} lies at {s}, which is not after the one before it at {previous}; drop duplicate points"

@@ -68,9 +68,18 @@ pub(crate) enum NoOptimum {
 /// Room that counts as none: differences of this size are round-off.
 const TOLERANCE: f64 = 1e-13;
 
+/// Where `x` is greatest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Greatest {
+    pub x: f64,
+    /// The upper and the lower band that meet there; `None` where `most` was taken, or `least` by round-off.
+    pub meeting: Option<[usize; 2]>,
+}
+
 /// The greatest `x` in `[least, most]` at which the bands leave room for some `u`; `most` may be infinite.
-pub(crate) fn greatest_x(bands: &[Band], least: f64, most: f64) -> Result<f64, NoOptimum> {
+pub(crate) fn greatest_x(bands: &[Band], least: f64, most: f64) -> Result<Greatest, NoOptimum> {
     let mut x = if most < f64::INFINITY { most } else { outermost(bands)? };
+    let mut meeting = None;
     if !(least <= x) {
         return Err(NoOptimum::Infeasible(least));
     }
@@ -78,7 +87,7 @@ pub(crate) fn greatest_x(bands: &[Band], least: f64, most: f64) -> Result<f64, N
     for _ in 0..4 * bands.len() + 8 {
         let now = gap(bands, x);
         if now.room >= -TOLERANCE * now.scale {
-            return Ok(x);
+            break;
         }
         let next = now.meet;
         if !(now.slope < 0.0) || !(next >= least) {
@@ -86,14 +95,14 @@ pub(crate) fn greatest_x(bands: &[Band], least: f64, most: f64) -> Result<f64, N
             let worst = if now.slope < 0.0 { least } else { x };
             let last = gap(bands, worst);
             let opens = last.room >= -TOLERANCE * last.scale;
-            return if opens { Ok(worst) } else { Err(NoOptimum::Infeasible(worst)) };
+            return if opens { Ok(Greatest { x: worst, meeting: None }) } else { Err(NoOptimum::Infeasible(worst)) };
         }
         if next >= x {
-            return Ok(x);
+            break;
         }
-        x = next;
+        (x, meeting) = (next, Some([now.upper, now.lower]));
     }
-    Ok(x)
+    Ok(Greatest { x, meeting })
 }
 
 /// The least `x` in `[least, most]` at which the bands leave room for some `u`.
@@ -162,7 +171,9 @@ mod tests {
                 })
                 .collect();
             match (greatest_x(&bands, 0.0, 2.0), brute(&bands, 2.0)) {
-                (Ok(x), Some(y)) => assert!((x - y).abs() < 1e-6, "case {case}: {x} instead of {y} for {bands:?}"),
+                (Ok(Greatest { x, .. }), Some(y)) => {
+                    assert!((x - y).abs() < 1e-6, "case {case}: {x} instead of {y} for {bands:?}")
+                }
                 (Err(_), None) => infeasible += 1,
                 // Decided by round-off only.
                 (got, expected) => {

@@ -22,18 +22,22 @@ impl RowTable {
     }
 
     /// Collects the rows of the next place; tells which one is not sound.
+    #[inline(always)]
     fn collect(&mut self, place: Place, constraints: &[&dyn PathConstraint]) -> Result<(), RowSource> {
         let start = self.rows.len();
-        let mut sink = RowSink { rows: &mut self.rows, x_max: f64::INFINITY, source: RowSource::path(Quantity::Other) };
+        let source = RowSource::path(Quantity::Other);
+        let mut sink = RowSink { rows: &mut self.rows, sound: true, x_max: f64::INFINITY, source };
         for constraint in constraints {
             constraint.rows(place, &mut sink);
         }
         let (x_max, source) = (sink.x_max, sink.source);
+        if !sink.sound
+            && let Some(row) = self.rows[start..].iter().find(|row| !row.is_sound())
+        {
+            return Err(row.source);
+        }
         if !(x_max >= 0.0) {
             return Err(source);
-        }
-        if let Some(row) = self.rows[start..].iter().find(|row| !row.is_sound()) {
-            return Err(row.source);
         }
         self.x_max.push(x_max);
         self.source.push(source);
@@ -317,6 +321,14 @@ impl FeedProblem {
     }
 }
 
+impl FeedProblem {
+    /// Whether a cap of another origin than axis speeds, and known at places alone, is the least in the middle of interval `k`.
+    pub(crate) fn is_capped_within(&self, k: usize) -> bool {
+        let largest = self.speed_bounds[k].coefficients.iter().copied().fold(0.0, f64::max);
+        self.middle_x_max(k) * largest < 0.999
+    }
+}
+
 /// Rows by quadratic interpolation through an interval.
 impl FeedProblem {
     /// The problem with some intervals split at fractions (increasing, inside 0..1) of their length.
@@ -405,16 +417,20 @@ fn speed_bound(constraints: &[&dyn PathConstraint], k: usize, h: f64) -> Result<
         constraint.axis_speeds(k, h, &mut |[b0, b1, b2], limit, source| {
             // The square of a quadratic in Bernstein form.
             let square = [b0 * b0, b0 * b1, (b0 * b2 + 2.0 * b1 * b1) / 3.0, b1 * b2, b2 * b2];
+            let inverse = 1.0 / (limit * limit);
+            let (mut most, mut lost) = (0.0, false);
             for (sum, value) in bound.coefficients.iter_mut().zip(square) {
                 // A limit of 0 makes this infinite, or NaN for an axis that stands still.
-                let scaled = if value == 0.0 { 0.0 } else { value / (limit * limit) };
-                if scaled.is_nan() {
-                    bad = Some(source);
-                }
-                if scaled > worst {
-                    (worst, bound.source) = (scaled, source);
-                }
-                *sum = scaled.max(*sum);
+                let scaled = if value == 0.0 { 0.0 } else { value * inverse };
+                lost |= scaled.is_nan();
+                most = if scaled > most { scaled } else { most };
+                *sum = if scaled > *sum { scaled } else { *sum };
+            }
+            if lost {
+                bad = Some(source);
+            }
+            if most > worst {
+                (worst, bound.source) = (most, source);
             }
         });
     }

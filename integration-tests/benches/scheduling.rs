@@ -15,7 +15,9 @@
 use std::hint::black_box;
 
 use arcfeed_feedrate::constraint::{JointAcceleration, JointJerk, JointVelocity};
-use arcfeed_feedrate::{BothEndsScan, CertifiedReachability, FeedPlanner, FeedProblem, JerkLimited, Reachability};
+use arcfeed_feedrate::{
+    BothEndsScan, CertifiedReachability, ClarabelBaseline, FeedPlanner, FeedProblem, JerkLimited, Reachability,
+};
 use copp::path::{Jet3, Path, sin};
 use copp::robot::Robot;
 use copp::solver::topp2_ra::{ReachSet2OptionsBuilder, Topp2ProblemBuilder, s_to_t_topp2, topp2_ra};
@@ -142,6 +144,11 @@ fn scheduling(c: &mut Criterion) {
             ours(&grid, &samples, &CertifiedReachability, false, true),
             ours(&grid, &samples, &jerk_limited, true, true),
         );
+        println!(
+            "{n}: clarabel {:.5} s, with jerk {:.5} s",
+            ours(&grid, &samples, &ClarabelBaseline, false, false),
+            ours(&grid, &samples, &ClarabelBaseline, true, true),
+        );
         let mut group = c.benchmark_group(n.to_string());
         group.bench_function("both ends", |b| b.iter(|| ours(black_box(&grid), &samples, &BothEndsScan, false, false)));
         group.bench_function("reachability", |b| {
@@ -155,6 +162,12 @@ fn scheduling(c: &mut Criterion) {
         group
             .bench_function("jerk-limited", |b| b.iter(|| ours(black_box(&grid), &samples, &jerk_limited, true, true)));
         group.bench_function("COPP third order, one program", |b| b.iter(|| copp_third(black_box(&grid), &path, 1)));
+        group.bench_function("clarabel", |b| {
+            b.iter(|| ours(black_box(&grid), &samples, &ClarabelBaseline, false, false));
+        });
+        group.bench_function("clarabel with jerk", |b| {
+            b.iter(|| ours(black_box(&grid), &samples, &ClarabelBaseline, true, true));
+        });
         group.finish();
     }
 }

@@ -36,14 +36,21 @@ impl<'a> JointVelocity<'a> {
     }
 
     /// The joint that is fastest in units of its limit decides.
-    fn cap(&self, slopes: impl Iterator<Item = f64>, out: &mut RowSink<'_>) {
-        let (mut most, mut joint) = (0.0, 0);
-        for (j, (slope, inverse)) in slopes.zip(&self.inverses).enumerate() {
+    #[inline]
+    fn cap(&self, slopes: impl Iterator<Item = f64> + Clone, out: &mut RowSink<'_>) {
+        let (mut most, mut joint, mut sum) = (0.0, 0, 0.0);
+        for (j, (slope, inverse)) in slopes.clone().zip(&self.inverses).enumerate() {
             let ratio = slope.abs() * inverse;
-            // A joint that stands still may have a limit of 0; any other NaN must not get lost.
-            if ratio > most || ratio.is_nan() && slope != 0.0 {
-                (most, joint) = (ratio, j);
-            }
+            // Which joint is fastest changes along the path: choices, not branches.
+            let more = ratio > most;
+            most = if more { ratio } else { most };
+            joint = if more { j } else { joint };
+            sum += ratio;
+        }
+        // A joint that stands still may have a limit of 0; any other NaN must not get lost.
+        if sum.is_nan() && slopes.zip(&self.inverses).any(|(slope, inverse)| slope != 0.0 && (slope * inverse).is_nan())
+        {
+            most = f64::NAN;
         }
         if most != 0.0 {
             out.cap(1.0 / (most * most), RowSource::joint(Quantity::JointVelocity, joint));
@@ -78,11 +85,13 @@ impl PathConstraint for JointVelocity<'_> {
 }
 
 /// `|q' u + q'' x| <= a` for every joint (Electronics 2025, 14, 3869, eq. 5).
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct JointAcceleration<'a> {
     path: PathDerivatives<'a>,
     limits: &'a [f64],
-    all_finite: bool,
+    /// The row of every joint but for its factors, which are all that changes along the path; empty if any number of the path
+    /// or any limit is not finite.
+    rows: Vec<Row>,
 }
 
 impl<'a> JointAcceleration<'a> {
@@ -92,7 +101,10 @@ impl<'a> JointAcceleration<'a> {
     /// [`FeedError::LengthMismatch`], [`FeedError::Negative`].
     pub fn new(path: PathDerivatives<'a>, limits: &'a [f64]) -> Result<Self, FeedError> {
         per_axis("joint acceleration limits", &path, limits)?;
-        Ok(Self { path, limits, all_finite: limits.iter().all(|limit| limit.is_finite()) })
+        let row = |(j, &limit)| Row::symmetric(0.0, 0.0, limit, RowSource::joint(Quantity::JointAcceleration, j));
+        let all_finite = limits.iter().all(|limit| limit.is_finite()) && path.is_finite();
+        let rows = if all_finite { limits.iter().enumerate().map(row).collect() } else { Vec::new() };
+        Ok(Self { path, limits, rows })
     }
 
     fn row(&self, j: usize, a: f64, b: f64, out: &mut RowSink<'_>) {
@@ -109,14 +121,11 @@ impl PathConstraint for JointAcceleration<'_> {
         match place {
             Place::Point(i) => {
                 let (first, second) = (self.path.first(i), self.path.second(i));
-                if self.all_finite {
-                    let rows = first.iter().zip(second).zip(self.limits).zip(0..);
-                    out.rows.extend(rows.map(|(((&a, &b), &limit), joint)| {
-                        let source = RowSource { quantity: Quantity::JointAcceleration, joint: Some(joint) };
-                        Row::symmetric(a, b, limit, source)
-                    }));
-                } else {
+                if self.rows.is_empty() {
                     first.iter().zip(second).enumerate().for_each(|(j, (&a, &b))| self.row(j, a, b, out));
+                } else {
+                    let all = self.rows.iter().zip(first.iter().zip(second));
+                    out.sound_rows(all.map(|(row, (&a, &b))| Row { a, b, ..*row }));
                 }
                 let (first_before, second_before) = (self.path.first_before(i), self.path.second_before(i));
                 let jumps = first_before.is_some_and(|before| {

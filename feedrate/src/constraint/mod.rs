@@ -61,6 +61,8 @@ pub trait PathConstraint {
 #[derive(Debug)]
 pub struct RowSink<'a> {
     pub(crate) rows: &'a mut Vec<Row>,
+    /// Whether all rows are finite, with bounds that leave something.
+    pub(crate) sound: bool,
     pub(crate) x_max: f64,
     pub(crate) source: RowSource,
 }
@@ -78,7 +80,13 @@ impl RowSink<'_> {
     /// Demands a row. One that can never bind (both bounds infinite) is dropped.
     pub fn row(&mut self, row: Row) {
         if !(row.lo == f64::NEG_INFINITY && row.hi == f64::INFINITY) {
+            self.sound &= row.is_sound();
             self.rows.push(row);
         }
+    }
+
+    /// The same for rows that are known to be sound and to bind.
+    pub(crate) fn sound_rows(&mut self, rows: impl Iterator<Item = Row>) {
+        self.rows.extend(rows);
     }
 }

@@ -110,6 +110,18 @@ impl<'a> PathDerivatives<'a> {
         !self.after[2].is_empty()
     }
 
+    /// Whether first and second derivatives just after the points are small enough for sums of two of them.
+    pub(super) fn is_finite(&self) -> bool {
+        // All that overflow or NaN could hide in is one sum, eight numbers at a time.
+        let small = |values: &[f64]| {
+            let mut sums = [0.0_f64; 8];
+            let (eights, rest) = values.as_chunks::<8>();
+            eights.iter().for_each(|eight| sums.iter_mut().zip(eight).for_each(|(sum, value)| *sum += value.abs()));
+            sums.iter().chain(rest).map(|value| value.abs()).sum::<f64>() < 0.5 * f64::MAX
+        };
+        small(self.after[0]) && small(self.after[1])
+    }
+
     /// First derivatives of all axes just after point `i`.
     pub(super) fn first(&self, i: usize) -> &'a [f64] {
         &self.after[0][i * self.axes..(i + 1) * self.axes]

@@ -79,6 +79,9 @@ fn along([p, m, q]: [&Row; 3], [near, far]: [Edge; 2], h: f64) -> ([f64; 2], [f6
 /// How much of its slack a row keeps at least when a new margin is set, so that the iterate stays strictly inside.
 const KEPT: f64 = 0.3;
 
+/// The least part of a limit that margins leave.
+const LEAST_PART: f64 = 0.5;
+
 impl Stretch {
     /// Sets margins on jerk at the ends of every interval so that the current `x(s)` keeps inside it what it keeps there.
     /// None grows past what leaves the iterate strictly inside.
@@ -86,11 +89,19 @@ impl Stretch {
         // Not while the bounds are widened: the iterate is outside the true ones.
         let intervals = if self.jerk_wider == 0.0 { self.knots.intervals() } else { 0 };
         for k in 0..intervals {
-            self.set_jerk_parts(problem, k, values);
+            self.set_jerk_parts(problem, k, values, |here, part| here + KEPT * (part - here));
         }
     }
 
-    fn set_jerk_parts(&mut self, problem: &FeedProblem, k: usize, values: &Values) {
+    /// Sets margins such that jerk along the given values would keep inside them; those values need not be inside.
+    pub fn demand_margins(&mut self, problem: &FeedProblem, values: &Values) {
+        for k in 0..self.knots.intervals() {
+            self.set_jerk_parts(problem, k, values, |_, part| LEAST_PART * part);
+        }
+    }
+
+    /// The least part of a limit to be used follows from the part that the jerk is and the part it may use so far.
+    fn set_jerk_parts(&mut self, problem: &FeedProblem, k: usize, values: &Values, least: impl Fn(f64, f64) -> f64) {
         let Values { x, u, w, middle } = values;
         let w = w[k];
         let states = [(u[k], x[k]), (0.5 * (u[k] + u[k + 1]), middle[k]), (u[k + 1], x[k + 1])];
@@ -103,7 +114,7 @@ impl Stretch {
                 };
                 let [low, high] = parabola_overshoot(value(0), value(1), value(2));
                 let here = value(end).abs();
-                let part = (self.most - low.max(high)).max(here + KEPT * (row.part - here)).min(self.most);
+                let part = (self.most - low.max(high)).max(least(here, row.part)).min(self.most);
                 let factor = row.part / part;
                 row.alpha *= factor;
                 row.beta *= factor;
@@ -167,7 +178,15 @@ pub(super) fn largest_scale(problem: &FeedProblem, plan: &GridPlan, intervals: R
             part(edges[1].x, problem.middle_x_max(k)),
             part(edges[2].x, problem.x_max(k + 1)),
         ];
-        scale.keep(start.max(end) + parabola_overshoot(start, mid, end)[1], 1.0);
+        scale.keep(start.max(mid).max(end), 1.0);
+        if rests || problem.is_capped_within(k) {
+            scale.keep(start.max(end) + parabola_overshoot(start, mid, end)[1], 1.0);
+        } else {
+            let x = [edges[0].x, edges[0].x + h * edges[0].u, edges[2].x];
+            for weights in problem.speed_rows(k) {
+                scale.keep(weights.iter().zip(x).map(|(weight, x)| weight * x).sum(), 1.0);
+            }
+        }
         keep_jerk(problem, plan, k, &mut scale);
     }
     scale.0

@@ -238,8 +238,12 @@ impl Solver {
             }
             self.solve(stretch);
             let [slack, multiplier] = self.predict(stretch);
-            let left = 1.0 - slack.min(multiplier);
+            let far = slack.min(multiplier);
+            let left = 1.0 - far;
             mu *= (left * left * left).max(1e-3);
+            // Second-order terms of a step that cannot be taken mislead.
+            let part = lesser(2.0 * far, 1.0);
+            self.barrier.iter_mut().flatten().for_each(|side| side.change *= part);
         }
         self.pull_of_time(stretch);
         self.pull_of_rows(stretch, mu);

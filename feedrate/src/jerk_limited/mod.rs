@@ -27,6 +27,8 @@
 #![allow(clippy::needless_range_loop)]
 mod band;
 mod between;
+#[cfg(feature = "clarabel")]
+pub(crate) mod conic;
 mod interior_point;
 mod refine;
 mod spline;
@@ -35,6 +37,7 @@ mod stretch;
 
 use std::ops::Range;
 
+use crate::constraint::Within;
 use crate::error::{FeedError, positive};
 use crate::grid_plan::{Builder, GridPlan};
 use crate::problem::{FeedPlanner, FeedProblem};
@@ -52,6 +55,9 @@ use stretch::Stretch;
 /// Needs [`FeedProblem::between_points`] with at least one jerk row, and four intervals between two stops. Where the
 /// path starts or ends in motion the acceleration there is 0. It stops at grid points whose cap is 0. Put the knots of a spline
 /// path on the grid.
+///
+/// Time and memory grow with the number of rows, the iterations slowly with the number of intervals (about 12 for 1000, 20 for
+/// 10 000, 25 to 45 for 100 000). More than five million rows, some 160 000 intervals of a six-axis arm, are refused.
 ///
 /// ```
 /// use arcfeed_feedrate::constraint::{Feed, TangentialAcceleration, TangentialJerk};
@@ -93,11 +99,15 @@ impl JerkLimited {
         solver: &mut Solver,
         fastest: &[f64],
         part: &Part,
-        attempt: Attempt,
+        attempt: Attempt<'_>,
     ) -> Result<Solution, FeedError> {
         let mut stretch = Stretch::new(problem, [part.grid.start, part.grid.end], part.speeds, fastest);
         if attempt.factor < 1.0 {
             stretch.tighten(attempt.factor);
+        }
+        if let Some(before) = attempt.before {
+            stretch.knots.evaluate(&before.c, &mut solver.values);
+            stretch.demand_margins(problem, &solver.values);
         }
         let start = start::start(problem, &mut stretch, fastest);
         let outcome = solver.minimise(problem, &mut stretch, start, self.tolerance, attempt.drop_distant);
@@ -123,10 +133,12 @@ struct Part {
 
 /// How a stretch is solved.
 #[derive(Debug, Clone, Copy)]
-struct Attempt {
+struct Attempt<'a> {
     drop_distant: bool,
     /// By which all bounds are lowered.
     factor: f64,
+    /// What came out too fast between the grid points: margins follow it from the start.
+    before: Option<&'a Solution>,
 }
 
 #[derive(Debug)]
@@ -206,6 +218,60 @@ fn stands(problem: &FeedProblem, i: usize) -> Result<(), FeedError> {
     }
 }
 
+/// Rows far from their bounds are dropped on stretches of as many intervals. On finer ones acceleration builds up over many
+/// intervals, whose rows all are distant at one time or another, and dropping them means solving twice.
+const DROP_UP_TO: usize = 2500;
+
+/// As many rows are taken on: with all that belongs to them, some two gigabytes.
+const MOST_ROWS: usize = 5_000_000;
+
+/// Refuses what would not fit into the memory of an ordinary machine.
+fn fits(problem: &FeedProblem) -> Result<(), FeedError> {
+    // Points and both ends of every interval, as many again that bound the speed inside.
+    let of = |k: usize| {
+        problem.rows(k).len() + 2 * (problem.middle_rows(k).len() + problem.jerk_rows(k, Within::Start).len())
+    };
+    let got = (0..problem.intervals()).map(of).sum();
+    let what = "rows of all intervals of the jerk-limited planner";
+    if got <= MOST_ROWS { Ok(()) } else { Err(FeedError::TooMany { what, got, most: MOST_ROWS }) }
+}
+
+/// A problem made ready.
+#[derive(Debug)]
+struct Prepared {
+    /// With the intervals next to rest split.
+    problem: FeedProblem,
+    /// Squared speeds of a second-order planner.
+    fastest: Vec<f64>,
+    parts: Vec<Part>,
+}
+
+fn prepare(problem: &FeedProblem) -> Result<Prepared, FeedError> {
+    if !problem.is_between_points() {
+        return Err(FeedError::Empty { what: "rows between the grid points (FeedProblem::between_points)" });
+    }
+    if !problem.has_jerk() {
+        return Err(FeedError::Empty { what: "limits on jerk" });
+    }
+    fits(problem)?;
+    let problem = refined(problem);
+    let fastest = squared_speeds(&problem).or_else(|error| match error {
+        // Reachability passes points at which standing still is impossible.
+        FeedError::StaticallyInfeasible { .. } => Reachability.squared_speeds(&problem),
+        error => Err(error),
+    })?;
+    moves(&problem, &fastest)?;
+    let parts = parts(&problem)?;
+    for part in &parts {
+        for (i, speed) in [part.grid.start, part.grid.end].into_iter().zip(part.speeds) {
+            if speed == 0.0 {
+                stands(&problem, i)?;
+            }
+        }
+    }
+    Ok(Prepared { problem, fastest, parts })
+}
+
 /// Where more than this has to be taken off the speed at the end, something was left out.
 const TAKEN_OFF: f64 = 1e-3;
 
@@ -214,32 +280,12 @@ const EXCEEDED: f64 = 1e-7;
 
 impl FeedPlanner for JerkLimited {
     fn plan(&self, problem: &FeedProblem) -> Result<GridPlan, FeedError> {
-        if !problem.is_between_points() {
-            return Err(FeedError::Empty { what: "rows between the grid points (FeedProblem::between_points)" });
-        }
-        if !problem.has_jerk() {
-            return Err(FeedError::Empty { what: "limits on jerk" });
-        }
-        let problem = &refined(problem);
-        let fastest = squared_speeds(problem).or_else(|error| match error {
-            // Reachability passes points at which standing still is impossible.
-            FeedError::StaticallyInfeasible { .. } => Reachability.squared_speeds(problem),
-            error => Err(error),
-        })?;
-        moves(problem, &fastest)?;
-        let parts = parts(problem)?;
-        for part in &parts {
-            for (i, speed) in [part.grid.start, part.grid.end].into_iter().zip(part.speeds) {
-                if speed == 0.0 {
-                    stands(problem, i)?;
-                }
-            }
-        }
+        let Prepared { problem, fastest, parts } = &prepare(problem)?;
         let mut solver = Solver::default();
         let mut solutions = Vec::with_capacity(parts.len());
-        let attempt = Attempt { drop_distant: true, factor: 1.0 };
-        for part in &parts {
-            solutions.push(self.solve(problem, &mut solver, &fastest, part, attempt)?);
+        for part in parts {
+            let attempt = Attempt { drop_distant: part.grid.len() <= DROP_UP_TO, factor: 1.0, before: None };
+            solutions.push(self.solve(problem, &mut solver, fastest, part, attempt)?);
         }
         let mut plan = assemble(problem, &solutions)?;
         let mut factors = vec![1.0; parts.len()];
@@ -248,14 +294,14 @@ impl FeedPlanner for JerkLimited {
             for ((part, solution), factor) in parts.iter().zip(&mut solutions).zip(&mut factors) {
                 let scale = largest_scale(problem, &plan, part.grid.clone());
                 if scale < 1.0 - TAKEN_OFF && attempt == 0 {
-                    let careful = Attempt { drop_distant: false, factor: 1.0 };
-                    *solution = self.solve(problem, &mut solver, &fastest, part, careful)?;
+                    let careful = Attempt { drop_distant: false, factor: 1.0, before: Some(solution) };
+                    *solution = self.solve(problem, &mut solver, fastest, part, careful)?;
                 } else if solution.rests() && scale < 1.0 {
                     solution.scale(scale);
                 } else if scale < 1.0 - EXCEEDED {
                     *factor *= 1.0 - 2.0 * (1.0 - scale);
-                    let lower = Attempt { drop_distant: false, factor: *factor };
-                    *solution = self.solve(problem, &mut solver, &fastest, part, lower)?;
+                    let lower = Attempt { drop_distant: false, factor: *factor, before: None };
+                    *solution = self.solve(problem, &mut solver, fastest, part, lower)?;
                 } else {
                     continue;
                 }

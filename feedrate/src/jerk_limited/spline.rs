@@ -76,7 +76,7 @@ impl Knots {
     }
 
     /// `w` and the value in the middle of interval `k` as combinations of `c[k]`, `c[k + 1]`, `c[k + 2]`.
-    fn on_interval(&self, k: usize) -> ([f64; 3], [f64; 3]) {
+    pub fn on_interval(&self, k: usize) -> ([f64; 3], [f64; 3]) {
         let ([pa, pb, q0], [na, nb, q1]) = (self.weights[k], self.weights[k + 1]);
         let inverse = 1.0 / self.h[k];
         let w = [q0 * inverse, -(q0 + q1) * inverse, q1 * inverse];

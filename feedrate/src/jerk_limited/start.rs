@@ -1,5 +1,7 @@
 //! Where the iterations start: a smooth `x(s)` below the second-order solution.
 
+use std::collections::VecDeque;
+
 use super::spline::{End, Values};
 use super::stretch::Stretch;
 use crate::problem::FeedProblem;
@@ -7,6 +9,9 @@ use crate::row::Row;
 
 /// The part of the way to the nearest limit that the start takes.
 const INSIDE: f64 = 0.9;
+
+/// Intervals for which the windows are chosen; more of them make the windows wider.
+const POINTS: usize = 1000;
 
 /// Coefficients to start from; where need be the bounds of the stretch are widened so that these are strictly inside.
 ///
@@ -32,17 +37,17 @@ pub(super) fn start(problem: &FeedProblem, stretch: &mut Stretch, limit: &[f64])
     }
     let mut values = Values::default();
     let mut best = (f64::NEG_INFINITY, Vec::new());
-    let (mut low, mut x) = (vec![0.0; m + 1], vec![0.0; m + 1]);
-    for width in [1, 4, 16, 64] {
+    let (mut low, mut x) = (Vec::with_capacity(m + 1), Vec::with_capacity(m + 1));
+    // Windows are parts of the path, not numbers of points, or a fine grid would be followed too closely.
+    for width in [1, 4, 16, 64].map(|width| width * ((m + POINTS / 2) / POINTS).max(1)) {
         let reach = |k: usize| width.min((k + 1) / 4).min((m - k + 1) / 4);
-        for k in 0..=m {
-            let window = &limit[a + k - reach(k)..=a + k + reach(k)];
-            low[k] = window.iter().copied().fold(f64::INFINITY, f64::min);
-        }
-        for k in 0..=m {
-            let window = &low[k - reach(k)..=k + reach(k)];
-            x[k] = (window.iter().sum::<f64>() / window.len() as f64).min(departure[k]);
-        }
+        least_within(&limit[a..=a + m], reach, &mut low);
+        // The mean of steps has kinks, where the acceleration would jump; the mean of that has none.
+        mean_within(&low, |k| reach(k).div_ceil(2), &mut x);
+        mean_within(&x, |k| reach(k) / 2, &mut low);
+        std::mem::swap(&mut low, &mut x);
+        // Below both, without a kink.
+        x.iter_mut().zip(&departure).for_each(|(x, most)| *x /= (1.0 + (*x / most).powi(2)).sqrt());
         let mut c: Vec<f64> = (0..m + 2).map(|i| 0.5 * (x[i.saturating_sub(1).min(m)] + x[i.min(m)])).collect();
         for (i, (outer, inner)) in [(0, 1), (m + 1, m)].into_iter().enumerate() {
             if let End::Moving { x } = stretch.ends[i] {
@@ -66,6 +71,45 @@ pub(super) fn start(problem: &FeedProblem, stretch: &mut Stretch, limit: &[f64])
         widen(stretch, &values, jerk_ratio);
     }
     best.1
+}
+
+/// The least value within `reach(k)` of every `k`, with ends that never go back.
+fn least_within(values: &[f64], reach: impl Fn(usize) -> usize, out: &mut Vec<f64>) {
+    out.clear();
+    // Indices whose values increase: the first is the least of the window, the others may become so.
+    let mut rising = VecDeque::new();
+    let mut next = 0;
+    for k in 0..values.len() {
+        while next <= k + reach(k) {
+            while rising.back().is_some_and(|&last: &usize| values[last] >= values[next]) {
+                rising.pop_back();
+            }
+            rising.push_back(next);
+            next += 1;
+        }
+        while rising.front().is_some_and(|&first| first < k - reach(k)) {
+            rising.pop_front();
+        }
+        out.push(rising.front().map_or(values[k], |&first| values[first]));
+    }
+}
+
+/// The mean of the values within `reach(k)` of every `k`.
+fn mean_within(values: &[f64], reach: impl Fn(usize) -> usize, out: &mut Vec<f64>) {
+    out.clear();
+    // Sums of blocks, so that neither many small windows nor few large ones cost much, and nothing cancels.
+    let block = (values.len() as f64).sqrt() as usize + 1;
+    let sums: Vec<f64> = values.chunks(block).map(|block| block.iter().sum()).collect();
+    for k in 0..values.len() {
+        let (from, to) = (k - reach(k), k + reach(k) + 1);
+        let (first, last) = (from.div_ceil(block), to / block);
+        let sum: f64 = if first < last {
+            values[from..first * block].iter().chain(&sums[first..last]).chain(&values[last * block..to]).sum()
+        } else {
+            values[from..to].iter().sum()
+        };
+        out.push(sum / (to - from) as f64);
+    }
 }
 
 /// Whether every row holds at rest with room on both sides.

@@ -181,7 +181,7 @@ impl Stretch {
         }
         // A cap from elsewhere.
         let middle = problem.middle_x_max(k);
-        if middle < most && middle * largest < 0.999 {
+        if middle < most && problem.is_capped_within(k) {
             push([0.25, 0.5, 0.25], middle);
         }
     }

@@ -97,6 +97,14 @@ fn leaves(p: f64, c: f64, lo: f64, hi: f64, from: f64) -> f64 {
     first_crossing(p, c, hi, from).min(first_crossing(p, c, lo, from))
 }
 
+/// How far of `from..to` the row `p x + c sqrt(x)` holds. Most rows hold all the way, which takes no division.
+#[inline(always)]
+fn held(p: f64, c: f64, lo: f64, hi: f64, from: f64, to: f64) -> f64 {
+    let value = p * to;
+    // Not so for NaN, of an infinite `to`.
+    if (c == 0.0) & (lo <= value) & (value <= hi) { to } else { lesser(to, leaves(p, c, lo, hi, from)) }
+}
+
 /// The lesser, which is the first if the second is NaN.
 #[inline(always)]
 fn lesser(x: f64, y: f64) -> f64 {
@@ -109,12 +117,12 @@ fn static_limits(problem: &FeedProblem) -> Result<Vec<f64>, FeedError> {
     for i in 0..problem.grid().len() {
         let mut x_max = problem.x_max(i);
         for row in problem.rows(i) {
-            if !(row.lo <= row.d && row.d <= row.hi) {
+            if !((row.lo <= row.d) & (row.d <= row.hi)) {
                 let limit = if row.d > row.hi { row.hi } else { row.lo };
                 let (s, row, value) = (problem.grid()[i], row.source, row.d);
                 return Err(FeedError::StaticallyInfeasible { index: i, s, row, value, limit });
             }
-            x_max = lesser(x_max, leaves(row.b, row.c, row.lo - row.d, row.hi - row.d, 0.0));
+            x_max = held(row.b, row.c, row.lo - row.d, row.hi - row.d, 0.0, x_max);
         }
         limits.push(x_max);
     }
@@ -128,20 +136,27 @@ fn step(x: f64, limit: f64, h: f64, sign: f64, near: &[Row], far: &[Row], both_e
     let per_u = sign * 0.5 / h;
     let mut y = limit;
     if both_ends {
-        let mut u = f64::INFINITY;
+        // What the limit asks for; most rows allow it, or what another row has left of it, without a division.
+        let most = per_u * (limit - x);
+        let mut u = most;
         for row in near {
             let friction = if row.c == 0.0 { 0.0 } else { row.c * x.sqrt() };
             let rest = row.b * x + friction + row.d;
-            // At u = 0 the row holds, so the room is not negative but for round-off.
-            let room = if sign * row.a > 0.0 { row.hi - rest } else { rest - row.lo };
-            u = lesser(u, room / row.a.abs());
+            let value = row.a * u + rest;
+            if !((row.lo <= value) & (value <= row.hi)) {
+                // At u = 0 the row holds, so the room is not negative but for round-off.
+                let room = if sign * row.a > 0.0 { row.hi - rest } else { rest - row.lo };
+                u = sign * lesser(sign * u, room / row.a.abs());
+            }
         }
-        y = lesser(y, x + 2.0 * h * u);
+        if u != most {
+            y = lesser(y, x + 2.0 * h * (sign * u));
+        }
     }
     for row in far {
         let a = row.a * per_u;
         let shift = a * x - row.d;
-        y = lesser(y, leaves(a + row.b, row.c, row.lo + shift, row.hi + shift, x));
+        y = held(a + row.b, row.c, row.lo + shift, row.hi + shift, x, y);
     }
     // At y = x every row holds.
     y.max(x)

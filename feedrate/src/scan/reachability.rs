@@ -16,7 +16,7 @@ use super::both_ends::{moves, squared_speeds};
 use crate::constraint::Within;
 use crate::error::FeedError;
 use crate::grid_plan::{Builder, GridPlan};
-use crate::lp2::{Band, NoOptimum, gap, greatest_x, least_x};
+use crate::lp2::{Band, Greatest, NoOptimum, gap, greatest_x, least_x};
 use crate::problem::{FeedPlanner, FeedProblem};
 use crate::row::{Quantity, Row, RowSource};
 
@@ -72,11 +72,14 @@ impl Reachability {
     }
 }
 
+fn has_friction(problem: &FeedProblem) -> bool {
+    (0..=problem.intervals()).any(|i| problem.rows(i).iter().any(|row| row.c != 0.0))
+}
+
 fn solve(problem: &FeedProblem, between: bool) -> Result<Vec<f64>, FeedError> {
-    let n = problem.intervals();
-    let friction = (0..=n).any(|i| problem.rows(i).iter().any(|row| row.c != 0.0));
-    if !friction {
-        return Solver::new(problem, between, &[], &[]).solve();
+    let mut solver = Solver::new(problem, between, &[], &[]);
+    if solver.straight {
+        return solver.solve();
     }
     let near = squared_speeds(problem).unwrap_or_default();
     let first = Solver::new(problem, between, &near, &[]).solve()?;
@@ -123,6 +126,8 @@ struct Line {
 struct Solver<'a> {
     problem: &'a FeedProblem,
     between: bool,
+    /// There is no friction.
+    straight: bool,
     /// Squared speeds around which friction is made straight; empty if not known.
     near: &'a [f64],
     /// Slope `w = du/ds` on every interval; empty if 0.
@@ -131,6 +136,8 @@ struct Solver<'a> {
     sets: Vec<[f64; 2]>,
     lines: Vec<Line>,
     bands: Vec<Band>,
+    /// The lines that bounded the last set: from above and from below in `u`.
+    meeting: Option<[usize; 2]>,
 }
 
 impl<'a> Solver<'a> {
@@ -138,11 +145,13 @@ impl<'a> Solver<'a> {
         Self {
             problem,
             between,
+            straight: !has_friction(problem),
             near,
             slopes,
             sets: Vec::new(),
             lines: Vec::with_capacity(64),
             bands: Vec::with_capacity(64),
+            meeting: None,
         }
     }
 
@@ -154,12 +163,17 @@ impl<'a> Solver<'a> {
             return Err(self.out_of_reach("end speed", n, [0.0, problem.x_max(n)]));
         }
         self.sets = vec![[x_end; 2]; n + 1];
+        // Only the rows at the points are few enough that looking ahead pays.
+        let plain = self.straight && !self.between && self.slopes.is_empty();
+        let mut rests = [false, self.rests(n)];
         for k in (0..n).rev() {
-            self.collect(k);
-            let (least, most) = self.divide(problem.x_max(k), 2.0 * problem.h(k));
-            let greatest = greatest_x(&self.bands, least, most).map_err(|why| self.explain(k, why))?;
-            let least = least_x(&self.bands, least, greatest).unwrap_or(greatest);
-            self.sets[k] = [least, greatest];
+            rests[0] = self.rests(k);
+            let quick = if plain && rests == [true; 2] { self.quick(k) } else { None };
+            rests[1] = rests[0];
+            self.sets[k] = match quick {
+                Some(greatest) => [0.0, greatest],
+                None => self.set(k)?,
+            };
         }
         let [lowest, highest] = self.sets[0];
         if x_start > highest * (1.0 + 1e-12) || x_start < lowest * (1.0 - 1e-12) {
@@ -168,21 +182,113 @@ impl<'a> Solver<'a> {
         let mut x = Vec::with_capacity(n + 1);
         x.push(x_start);
         for k in 0..n {
-            self.collect(k);
-            let h2 = 2.0 * problem.h(k);
             let here = x[k];
+            let u = if plain { self.greatest_u_plain(k, here) } else { self.greatest_u(k, here) };
             let [low, high] = self.sets[k + 1];
-            let mut u = f64::INFINITY;
-            for line in &self.lines {
-                // The least bound wins; a vanishing factor bounds nothing.
-                let bound = if line.a > 0.0 { line.hi } else { line.lo };
-                if line.a != 0.0 {
-                    u = u.min((bound - line.b * here) / line.a);
-                }
-            }
-            x.push((here + h2 * u).max(low).min(high));
+            x.push((here + 2.0 * problem.h(k) * u).max(low).min(high));
         }
         Ok(x)
+    }
+
+    /// The squared speeds at point `k` from which the set of the next point can be reached.
+    fn set(&mut self, k: usize) -> Result<[f64; 2], FeedError> {
+        self.collect(k);
+        let (least, most) = self.divide(self.problem.x_max(k), 2.0 * self.problem.h(k));
+        let Greatest { x: greatest, meeting } =
+            greatest_x(&self.bands, least, most).map_err(|why| self.explain(k, why))?;
+        self.meeting = meeting.map(|bands| bands.map(|band| self.bands[band].id));
+        Ok([least_x(&self.bands, least, greatest).unwrap_or(greatest), greatest])
+    }
+
+    /// Whether standing still at point `i` keeps all rows.
+    fn rests(&self, i: usize) -> bool {
+        self.problem.rows(i).iter().fold(true, |rests, row| rests & (row.lo <= row.d) & (row.d <= row.hi))
+    }
+
+    /// The greatest squared speed at point `k` by a guess that proves right, of rows at the points alone, where standing still
+    /// keeps them: the cap, or where the same two lines meet as at the next point.
+    fn quick(&self, k: usize) -> Option<f64> {
+        let problem = self.problem;
+        let [low, high] = self.sets[k + 1];
+        // Then x = 0 is in the set of this point too.
+        if low != 0.0 {
+            return None;
+        }
+        let (cap, h2) = (problem.x_max(k), 2.0 * problem.h(k));
+        if cap < f64::INFINITY && self.holds(k, h2, ((high - cap) / h2).min(0.0), cap, [usize::MAX; 2]) {
+            return Some(cap);
+        }
+        let meeting = self.meeting?;
+        let [upper, lower] = meeting.map(|id| self.line(k, h2, id));
+        let (upper, lower) = (upper?, lower?);
+        let bound = |line: &Line, above: bool| if (line.a > 0.0) == above { line.hi } else { line.lo } / line.a;
+        let (p, q) = (-upper.b / upper.a, -lower.b / lower.a);
+        let (hi, lo) = (bound(&upper, true), bound(&lower, false));
+        let x = (hi - lo) / (q - p);
+        // Beyond it these two exclude each other, so a greater x is none; NaN ends here too.
+        let proves = p < q && (0.0..=cap).contains(&x) && p.abs().max(q.abs()) * h2 < 1e6;
+        (proves && self.holds(k, h2, p * x + hi, x, meeting)).then_some(x)
+    }
+
+    /// Whether the lines of interval `k`, but for two, hold at `(u, x)`.
+    fn holds(&self, k: usize, h2: f64, u: f64, x: f64, except: [usize; 2]) -> bool {
+        let (near, far) = (self.problem.rows(k), self.problem.rows(k + 1));
+        let next = x + h2 * u;
+        let inside = |id: usize, row: &Row, x: f64| {
+            let value = row.a * u + row.b * x + row.d;
+            (row.lo <= value) & (value <= row.hi) | (id == except[0]) | (id == except[1])
+        };
+        let ahead = near.len() + far.len();
+        let [low, high] = self.sets[k + 1];
+        // In the order of the rows; the first that does not hold ends it.
+        ((low <= next && next <= high) || except.contains(&ahead))
+            && near.iter().enumerate().all(|(j, row)| inside(j, row, x))
+            && far.iter().enumerate().all(|(j, row)| inside(near.len() + j, row, next))
+    }
+
+    /// The line of interval `k` that `collect` would put at this place.
+    fn line(&self, k: usize, h2: f64, id: usize) -> Option<Line> {
+        let (near, far) = (self.problem.rows(k), self.problem.rows(k + 1));
+        if let Some(Row { a, b, d, lo, hi, source, .. }) = near.get(id).copied() {
+            return Some(Line { a, b, lo: lo - d, hi: hi - d, source });
+        }
+        if let Some(Row { a, b, d, lo, hi, source, .. }) = far.get(id - near.len()).copied() {
+            return Some(Line { a: a + h2 * b, b, lo: lo - d, hi: hi - d, source });
+        }
+        let [lo, hi] = self.sets[k + 1];
+        let ahead = Line { a: h2, b: 1.0, lo, hi, source: RowSource::path(Quantity::Ahead) };
+        (id == near.len() + far.len()).then_some(ahead)
+    }
+
+    /// The greatest `u` on interval `k` from squared speed `x`.
+    fn greatest_u(&mut self, k: usize, x: f64) -> f64 {
+        self.collect(k);
+        let mut u = f64::INFINITY;
+        for line in &self.lines {
+            // The least bound wins; a vanishing factor bounds nothing.
+            let bound = if line.a > 0.0 { line.hi } else { line.lo };
+            if line.a != 0.0 {
+                u = u.min((bound - line.b * x) / line.a);
+            }
+        }
+        u
+    }
+
+    /// The same for rows at the points alone: most allow what others have left, which takes no division.
+    fn greatest_u_plain(&self, k: usize, x: f64) -> f64 {
+        let h2 = 2.0 * self.problem.h(k);
+        let mut u = (self.sets[k + 1][1] - x) / h2;
+        let mut lower = |row: &Row, a: f64| {
+            let rest = row.b * x + row.d;
+            let value = a * u + rest;
+            if !((row.lo <= value) & (value <= row.hi)) && a != 0.0 {
+                let bound = if a > 0.0 { row.hi } else { row.lo };
+                u = u.min((bound - rest) / a);
+            }
+        };
+        self.problem.rows(k).iter().for_each(|row| lower(row, row.a));
+        self.problem.rows(k + 1).iter().for_each(|row| lower(row, row.a + h2 * row.b));
+        u
     }
 
     /// The rows of interval `k`, the set of its end included.

@@ -1,0 +1,182 @@
+//! The same problem as a sequence of conic programs, solved by a general solver: a yardstick for the method of this module.
+//!
+//! Knots, rows and the rest intervals are those of [`Stretch`]; the time is summed over half intervals, on which
+//! `2 h / (sqrt(x_0) + sqrt(x_1))` stands for the integral.
+
+use super::spline::{End, Knots, Values};
+use super::stretch::Stretch;
+use super::{Part, Prepared, Solution, assemble, prepare, start};
+use crate::baseline::program::{Optimum, Program};
+use crate::baseline::straight;
+use crate::constraint::Within;
+use crate::error::FeedError;
+use crate::grid_plan::GridPlan;
+use crate::problem::FeedProblem;
+
+/// More programs than are needed.
+const MOST_PROGRAMS: usize = 8;
+
+/// Relative gain of a program below which it is the last.
+const GAIN: f64 = 1e-5;
+
+/// The best plan of the sequence, and whether the solver was accurate in every program.
+pub(crate) fn solve(problem: &FeedProblem) -> Result<(GridPlan, bool), FeedError> {
+    straight(problem)?;
+    let Prepared { problem, fastest, parts } = &prepare(problem)?;
+    let mut solutions = Vec::with_capacity(parts.len());
+    let mut accurate = true;
+    for part in parts {
+        let (solution, solved) = sequence(problem, fastest, part)?;
+        solutions.push(solution);
+        accurate &= solved;
+    }
+    Ok((assemble(problem, &solutions)?, accurate))
+}
+
+fn sequence(problem: &FeedProblem, fastest: &[f64], part: &Part) -> Result<(Solution, bool), FeedError> {
+    let mut stretch = Stretch::new(problem, [part.grid.start, part.grid.end], part.speeds, fastest);
+    let mut c = start::start(problem, &mut stretch, fastest);
+    // The true bounds at once: a tangent may touch anywhere.
+    stretch.narrow(1.0);
+    let grid = problem.grid();
+    let length = grid[part.grid.end] - grid[part.grid.start];
+    let time: f64 = part.grid.clone().map(|k| 2.0 * problem.h(k) / (fastest[k].sqrt() + fastest[k + 1].sqrt())).sum();
+    let units = Units { length, x: (length / time).powi(2) };
+    let (mut cost, mut accurate) = (f64::INFINITY, true);
+    for _ in 0..MOST_PROGRAMS {
+        let program = program(problem, &stretch, &c, units);
+        // What has been found stays when a later program fails.
+        let Optimum { variables, dual, accurate: solved } = match program.solve() {
+            Ok(optimum) => optimum,
+            Err(_) if cost < f64::INFINITY => {
+                accurate = false;
+                break;
+            }
+            Err(error) => return Err(error),
+        };
+        accurate &= solved;
+        let m = stretch.knots.coefficients();
+        c = variables[..m].iter().map(|c| c * units.x).collect();
+        let ratios = stretch.ratios();
+        for (i, (outer, inner)) in [(0, 1), (m - 1, m - 2)].into_iter().enumerate() {
+            if let End::Moving { x } = stretch.ends[i] {
+                c[outer] = x;
+            }
+            c[inner] = c[outer] * ratios[i];
+        }
+        let gain = 1.0 - dual / cost;
+        cost = dual;
+        if gain.abs() < GAIN {
+            break;
+        }
+    }
+    Ok((Solution { stretch, c }, accurate))
+}
+
+/// In these all numbers are near 1.
+#[derive(Debug, Clone, Copy)]
+struct Units {
+    length: f64,
+    x: f64,
+}
+
+/// Combinations of `c[k]`, `c[k + 1]`, `c[k + 2]`.
+type Terms = [(usize, f64); 3];
+
+/// `alpha w + beta u + gamma x` at one end of interval `k`, or in its middle.
+fn terms(knots: &Knots, k: usize, within: Within, [alpha, beta, gamma]: [f64; 3]) -> Terms {
+    let ([pa, pb, p], [na, nb, n]) = (knots.weights[k], knots.weights[k + 1]);
+    let (w, middle) = knots.on_interval(k);
+    let (x, u) = match within {
+        Within::Start => ([pa, pb, 0.0], [-p, p, 0.0]),
+        Within::Middle => (middle, [-0.5 * p, 0.5 * (p - n), 0.5 * n]),
+        Within::End => ([0.0, na, nb], [0.0, -n, n]),
+    };
+    std::array::from_fn(|i| (k + i, alpha * w[i] + beta * u[i] + gamma * x[i]))
+}
+
+/// The program with the tangents at the motion of coefficients `c`.
+fn program(problem: &FeedProblem, stretch: &Stretch, c: &[f64], units: Units) -> Program {
+    let knots = &stretch.knots;
+    let m = knots.intervals();
+    let mut values = Values::default();
+    knots.evaluate(c, &mut values);
+    // Coefficients, roots at the knots and in the middles in turn, inverses on the half intervals and in both rest intervals.
+    let root = |i: usize| knots.coefficients() + i;
+    let inverse = |i: usize| root(2 * m + 1) + i;
+    let mut program = Program::new(inverse(2 * m + 2));
+    // At knot k, as the start of its interval or the end of the last.
+    let at = |k: usize, factors: [f64; 3]| {
+        if k < m { terms(knots, k, Within::Start, factors) } else { terms(knots, m - 1, Within::End, factors) }
+    };
+    let both = |program: &mut Program, terms: Terms, lo: f64, hi: f64| {
+        for (sign, bound) in [(1.0, hi), (-1.0, -lo)] {
+            if bound < f64::INFINITY {
+                let unit = if bound == 0.0 { 1.0 } else { 1.0 / bound.abs() };
+                let scaled = terms.map(|(column, value)| (column, sign * value * unit * units.x));
+                program.at_most(bound * unit, &scaled);
+            }
+        }
+    };
+    for k in 0..=m {
+        for row in &stretch.points[stretch.first[k]..stretch.first[k + 1]] {
+            both(&mut program, at(k, [0.0, row.a, row.b]), row.lo, row.hi);
+        }
+        both(&mut program, at(k, [0.0, 0.0, 1.0]), f64::NEG_INFINITY, stretch.caps[k][0]);
+    }
+    // |value| <= y (1.5 - x / 2 x0) with y = x0^(-1/2).
+    let jerk = |program: &mut Program, k: usize, within: Within, factors: [f64; 3], x0: f64| {
+        let y = 1.0 / x0.sqrt();
+        for sign in [1.0, -1.0] {
+            let [alpha, beta, gamma] = factors.map(|factor| sign * factor / y);
+            let row = terms(knots, k, within, [alpha, beta, gamma + 0.5 / x0]);
+            program.at_most(1.5, &row.map(|(column, value)| (column, value * units.x)));
+        }
+    };
+    for (k, end, inner, thirds) in stretch.places() {
+        let within = if end == k { Within::Start } else { Within::End };
+        for row in &stretch.inner[inner] {
+            both(&mut program, terms(knots, k, within, [row.alpha, row.beta, row.gamma]), row.lo, row.hi);
+        }
+        for row in &stretch.thirds[thirds] {
+            jerk(&mut program, k, within, [row.alpha, row.beta, row.gamma], values.x[end]);
+        }
+    }
+    for k in 0..m {
+        for row in problem.jerk_rows(stretch.from + k, Within::Middle) {
+            let factors = [row.alpha, row.beta, row.gamma].map(|factor| factor / row.limit);
+            jerk(&mut program, k, Within::Middle, factors, values.middle[k]);
+        }
+    }
+    let ratios = stretch.ratios();
+    let last = m + 1;
+    for (i, (outer, inner, knot)) in [(0, 1, 0), (last, last - 1, m)].into_iter().enumerate() {
+        program.equal(0.0, &[(inner, 1.0), (outer, -ratios[i])]);
+        match stretch.ends[i] {
+            End::Moving { x } => {
+                program.equal(x / units.x, &[(outer, 1.0)]);
+                program.equal(0.0, &[(inverse(2 * m + i), 1.0)]);
+            }
+            End::Rest { h } => {
+                // Constant jerk: r x <= x^(-1/2).
+                if stretch.rest[i] > 0.0 {
+                    both(&mut program, at(knot, [0.0, 0.0, 1.0]), f64::NEG_INFINITY, stretch.rest[i].powf(-2.0 / 3.0));
+                }
+                // It takes 3 h / sqrt(x).
+                program.inverse(inverse(2 * m + i), [root(2 * knot); 2]);
+                program.cost(inverse(2 * m + i), 6.0 * h / units.length);
+            }
+        }
+    }
+    for k in 0..=m {
+        program.root(root(2 * k), at(k, [0.0, 0.0, 1.0]));
+    }
+    for (k, h) in knots.h.iter().enumerate() {
+        program.root(root(2 * k + 1), terms(knots, k, Within::Middle, [0.0, 0.0, 1.0]));
+        for half in [2 * k, 2 * k + 1] {
+            program.inverse(inverse(half), [root(half), root(half + 1)]);
+            program.cost(inverse(half), h / units.length);
+        }
+    }
+    program
+}
