@@ -338,6 +338,11 @@ impl<const N: usize> ForwardKinematics<N> for Arm<N> {
         self.chain.configuration(q)
     }
 
+    #[inline]
+    fn forward(&self, q: &Joints<N>) -> Isometry3<f64> {
+        self.chain.forward(q)
+    }
+
     fn nearest_singularity(&self, q: &Joints<N>) -> Option<SingularityKind> {
         Some(self.singularity_distances(q)?.nearest)
     }

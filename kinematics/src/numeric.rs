@@ -352,6 +352,11 @@ impl<const N: usize> ForwardKinematics<N> for NumericArm<N> {
     fn configuration(&self, q: &Joints<N>) -> Configuration<N> {
         self.chain.configuration(q)
     }
+
+    #[inline]
+    fn forward(&self, q: &Joints<N>) -> Isometry3<f64> {
+        self.chain.forward(q)
+    }
 }
 
 impl<const N: usize> InverseKinematics<N> for NumericArm<N> {

@@ -193,6 +193,28 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
     #[test]
+    fn the_pose_is_the_product_of_the_frames(
+        numbers in prop::collection::vec(-1.0..1.0, 54), quarters in prop::array::uniform5(0_u8..4),
+        kinds in prop::array::uniform5(any::<bool>()), plain_base in any::<bool>(), q in prop::array::uniform5(-3.0..3.0),
+    ) {
+        // Axes at odd angles and at multiples of a right angle, which are worked out in other ways.
+        let n = |k: usize| Vector3::new(numbers[k], numbers[k + 1], numbers[k + 2]);
+        let joints: [Joint; 5] = std::array::from_fn(|i| {
+            let turn = if numbers[6 * i] > 0.0 { n(6 * i) } else { Vector3::x() * (f64::from(quarters[i]) * std::f64::consts::FRAC_PI_2) };
+            let origin = Isometry3::new(n(6 * i + 3), turn);
+            if kinds[i] { Joint::revolute(origin, Vector3::z()) } else { Joint::prismatic(origin, n(3 * i + 36)) }.unwrap()
+        });
+        let base = if plain_base { Isometry3::identity() } else { Isometry3::new(n(30), n(33)) };
+        let (flange, tool) = (Isometry3::new(n(36), n(39)), Isometry3::new(n(42), n(45)));
+        let chain = Chain::new(joints).unwrap().with_base(base).unwrap().with_flange(flange).unwrap().with_tool(tool).unwrap();
+        let moved = joints.iter().zip(q).fold(base, |at, (joint, q)| at * joint.origin() * joint.motion(q));
+        let (expected, q) = (moved * flange * tool, Joints::from(q));
+        prop_assert!(pose_distance(&chain.forward(&q), &expected) < 1e-14);
+        prop_assert!(pose_distance(&chain.configuration(&q).pose(), &expected) < 1e-14);
+        prop_assert!((chain.forward(&q).rotation.norm() - 1.0).abs() < 1e-14);
+    }
+
+    #[test]
     fn any_chain_has_a_table(numbers in prop::collection::vec(-1.0..1.0, 36), kinds in prop::array::uniform4(any::<bool>()), q in prop::array::uniform4(-3.0..3.0)) {
         let n = |k: usize| Vector3::new(numbers[k], numbers[k + 1], numbers[k + 2]);
         let joints = std::array::from_fn(|i| {
