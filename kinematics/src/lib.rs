@@ -26,7 +26,7 @@
 //! | the solution near known joints | [`InverseKinematics`], [`BranchTracker`] |
 //! | the inverse of any geometry, redundant joints | [`NumericArm`], [`Arm::locked`] |
 //! | q', q'', q''' along a tool path | [`joint_derivatives`], [`least_norm_derivatives`] |
-//! | the distance from singular poses | [`SingularityDistances`], [`smallest_singular_value`], [`condition_number`], [`manipulability`] |
+//! | the distance from singular poses | [`SingularityDistances`], [`Arm::nearest_singular_pose`], [`weakest_motion`], [`smallest_singular_value`], [`condition_number`], [`manipulability`] |
 //! | torques, masses, what torque limits need along a path | [`Dynamics`], [`ArmDynamics`], [`PathTorque`] |
 //!
 //! Nothing allocates once an arm is made, except [`AnyArm`], whose results are vectors.
@@ -63,6 +63,7 @@ mod lu;
 pub mod models;
 mod normalised;
 mod numeric;
+mod singular_pose;
 mod singularity;
 mod traits;
 mod trig;
@@ -88,6 +89,7 @@ pub use error::{KinematicsError, Part, ReachSide};
 pub use jacobian::{Configuration, Jacobian, Twist};
 pub use joint::{Joint, JointKind, JointLimits, JointRange, Joints};
 pub use numeric::{NullSpace, NumericArm, NumericSettings, NumericSolution};
+pub use singular_pose::{SingularPose, WeakestMotion, weakest_motion};
 pub use singularity::{
     SingularityDistances, SingularityKind, condition_number, manipulability, singular_values, smallest_singular_value,
 };
