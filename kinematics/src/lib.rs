@@ -74,7 +74,7 @@ mod urdf_export;
 pub use nalgebra;
 
 pub use analytic::{ClosedForm, Solutions};
-pub use any_arm::{AnyArm, Dexterity};
+pub use any_arm::{AnyArm, AnySingularPose, Dexterity};
 pub use arm::{Arm, DriveLimits, InverseMethod};
 pub use branch::{BranchTracker, Candidate, LimitExcess, largest_step, nearest_solution, nearest_turns};
 pub use chain::Chain;

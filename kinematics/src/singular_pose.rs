@@ -22,6 +22,8 @@ const SINGULAR: f64 = 1e-9;
 const STEPS: usize = 40;
 /// Of these, the first ones look for the nearest pose; the others only for a singular one.
 const NEAREST_STEPS: usize = 30;
+/// Conditions that are kept: enough for arms of up to 13 joints.
+const MOST_CONDITIONS: usize = 8;
 /// Largest change of a joint in a step, rad (m).
 const LARGEST_STEP: f64 = 0.5;
 /// How far and in how many steps each way searches look along each joint for a place to start from.
@@ -48,7 +50,10 @@ pub struct SingularPose<const N: usize> {
     pub distance: f64,
     /// The direction in which the tool cannot move there.
     pub lost: Twist,
-    /// What it is, where geometry tells; none for arms of fewer than six joints and where several things meet.
+    /// What it is, where geometry tells. Wrist: the last three axes are parallel to one plane. Of the others with six
+    /// joints, those whose cancelling motions have a part of joint 1 are at the shoulder, the rest at the elbow. With more
+    /// joints, shoulder: the first three axes are parallel to one plane; elbow: what is lost is the motion along the line
+    /// from shoulder to wrist. None for fewer than six joints, sliding joints and what is nothing of these.
     pub kind: Option<SingularityKind>,
 }
 
@@ -62,43 +67,33 @@ pub struct SingularPose<const N: usize> {
 /// assert!((jacobian * weakest.joints - weakest.tool * weakest.sigma).norm() < 1e-14);
 /// ```
 pub fn weakest_motion<const N: usize>(jacobian: &Jacobian<N>) -> WeakestMotion<N> {
-    let Weak { sigma, short, long, .. } = Weak::new(jacobian);
-    match long {
-        Long::Tool(tools, _) => {
-            WeakestMotion { sigma, joints: Joints::from_fn(|i, _| short[i]), tool: tools[0].into() }
-        }
-        Long::Joints(joints, _) => {
-            WeakestMotion { sigma, joints: joints[0].into(), tool: Twist::from_fn(|i, _| short[i]) }
-        }
-    }
+    let Weak { sigma, pairs, .. } = Weak::new(jacobian);
+    let (tool, joints) = pairs[0];
+    WeakestMotion { sigma, joints, tool }
 }
 
-/// The weakest singular vectors.
+/// The weakest singular vectors: of the tool and of the joints. On the shorter side of J there is one, the same in all
+/// pairs, on the longer one those that the other singular values leave over, the weakest first.
 struct Weak<const N: usize> {
     sigma: f64,
     largest: f64,
-    /// Of joints if there are at most six, else of the tool.
-    short: [f64; 6],
-    long: Long<N>,
-}
-
-/// The directions on the longer side of J that the other singular values leave over, weakest first, and how many.
-enum Long<const N: usize> {
-    Tool([[f64; 6]; 6], usize),
-    Joints([[f64; N]; N], usize),
+    pairs: [(Twist, Joints<N>); MOST_CONDITIONS],
+    count: usize,
 }
 
 impl<const N: usize> Weak<N> {
     fn new(jacobian: &Jacobian<N>) -> Self {
+        let mut pairs = [(Twist::zeros(), Joints::zeros()); MOST_CONDITIONS];
         if N <= 6 {
             let mut columns: [[f64; 6]; N] = std::array::from_fn(|c| std::array::from_fn(|r| jacobian[(r, c)]));
-            let (sigma, largest, short, tools, count) = split(&mut columns);
-            let padded = std::array::from_fn(|i| short.get(i).copied().unwrap_or(0.0));
-            Self { sigma, largest, short: padded, long: Long::Tool(tools, count) }
+            let (sigma, largest, joints, tools, count) = split(&mut columns);
+            pairs.iter_mut().zip(tools).for_each(|(pair, tool)| *pair = (tool.into(), joints.into()));
+            Self { sigma, largest, pairs, count }
         } else {
             let mut rows: [[f64; N]; 6] = std::array::from_fn(|r| std::array::from_fn(|c| jacobian[(r, c)]));
-            let (sigma, largest, short, joints, count) = split(&mut rows);
-            Self { sigma, largest, short, long: Long::Joints(joints, count) }
+            let (sigma, largest, tool, joints, count) = split(&mut rows);
+            pairs.iter_mut().zip(joints).for_each(|(pair, joints)| *pair = (tool.into(), joints.into()));
+            Self { sigma, largest, pairs, count: count.min(MOST_CONDITIONS) }
         }
     }
 }
@@ -236,24 +231,15 @@ impl<const N: usize> Search<'_, N> {
             // Normal equations of G, and of G (p - centre) - c.
             let (mut square, mut right) = ([[0.0; N]; N], [0.0; N]);
             let from = if step < NEAREST_STEPS { centre } else { p };
-            let mut condition = |tool: &[f64; 6], joints: &Joints<N>| {
-                let weight = Twist::from_fn(|i, _| tool[i] * if i < 3 { 1.0 } else { self.size });
+            for (tool, joints) in &weak.pairs[..weak.count] {
+                let mut weight = *tool;
+                weight.fixed_rows_mut::<3>(3).scale_mut(self.size);
                 let mut g = gradient(&at, &weight, joints);
                 (0..N).filter(|i| held[*i]).for_each(|i| g[i] = 0.0);
-                let c = weight.dot(&(at.jacobian() * joints));
-                let wanted = g.dot(&(p - from)) - c;
+                let wanted = g.dot(&(p - from)) - weight.dot(&(at.jacobian() * joints));
                 for r in 0..N {
                     right[r] += g[r] * wanted;
                     (0..N).for_each(|c| square[r][c] += g[r] * g[c]);
-                }
-            };
-            match &weak.long {
-                Long::Tool(tools, count) => {
-                    let joints = Joints::from_fn(|i, _| weak.short[i]);
-                    tools[..*count].iter().for_each(|tool| condition(tool, &joints));
-                }
-                Long::Joints(joints, count) => {
-                    joints[..*count].iter().for_each(|joints| condition(&weak.short, &Joints::from(*joints)));
                 }
             }
             let trace: f64 = (0..N).map(|i| square[i][i]).sum();
@@ -295,13 +281,17 @@ fn kind<const N: usize>(at: &Configuration<N>, weakest: &WeakestMotion<N>) -> Op
     if N < 6 || at.kinds.contains(&JointKind::Prismatic) {
         return None;
     }
-    if z[N - 3].dot(&z[N - 2].cross(&z[N - 1])).abs() < SMALL {
+    let flat = |first: usize| z[first].dot(&z[first + 1].cross(&z[first + 2])).abs() < SMALL;
+    if flat(N - 3) {
         return Some(SingularityKind::Wrist);
     }
     if N == 6 {
         // The joints whose motions cancel: does the first one take part?
         let first = weakest.joints[0].abs() > SMALL;
         return Some(if first { SingularityKind::Shoulder } else { SingularityKind::Elbow });
+    }
+    if flat(0) {
+        return Some(SingularityKind::Shoulder);
     }
     // From the foot of axis 2 at axis 1 to that of the last but one at the one before.
     let foot = |on: usize, to: usize| {
@@ -312,4 +302,36 @@ fn kind<const N: usize>(at: &Configuration<N>, weakest: &WeakestMotion<N>) -> Op
     let arm = foot(N - 2, N - 3) - foot(1, 0);
     let lost = Vector3::new(weakest.tool[0], weakest.tool[1], weakest.tool[2]);
     (lost.cross(&arm).norm() < SMALL * arm.norm()).then_some(SingularityKind::Elbow)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Joint;
+    use nalgebra::Isometry3;
+
+    #[test]
+    fn gradients_are_difference_quotients() {
+        let joint = |i: usize| {
+            let k = i as f64;
+            let origin = Isometry3::new(Vector3::new(0.2, 0.1 * k, 0.3), Vector3::new(0.4 * k, 0.3, -0.2 * k));
+            let kind = if i % 3 == 1 { JointKind::Prismatic } else { JointKind::Revolute };
+            Joint::new(origin, Vector3::new(0.1, 0.2 * k, 1.0), kind)
+        };
+        let joints = [0, 1, 2, 3, 4, 5].map(|i| joint(i).expect("an axis"));
+        let arm = Chain::new(joints).expect("finite");
+        let q = Joints::<6>::from([0.3, 0.1, -0.4, 0.8, -0.2, 0.5]);
+        let (tool, motion) =
+            (Twist::from([0.3, -0.2, 0.5, 0.7, -0.4, 0.1]), Joints::from([0.2, 0.5, -0.6, 0.3, 0.4, -0.1]));
+        let slope = gradient(&arm.configuration(&q), &tool, &motion);
+        for i in 0..6 {
+            let at = |step: f64| {
+                let mut moved = q;
+                moved[i] += step;
+                tool.dot(&(arm.jacobian(&moved) * motion))
+            };
+            let quotient = (at(1e-5) - at(-1e-5)) / 2e-5;
+            assert!((slope[i] - quotient).abs() < 1e-9, "{i}: {} {quotient}", slope[i]);
+        }
+    }
 }

@@ -2,8 +2,9 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panic")]
 
 use arcfeed_kinematics::{
-    Arm, Chain, ClosedForm, ClosedFormArm, DhRow, ForwardKinematics, Joint, JointRange, Joints, SingularityKind,
-    WeakestMotion, condition_number, models, smallest_singular_value, weakest_motion,
+    Arm, Chain, ClosedForm, ClosedFormArm, DhRow, ForwardKinematics, Joint, JointRange, Joints, KinematicsError,
+    SingularityKind, ToolDerivatives, Twist, WeakestMotion, condition_number, least_norm_derivatives, models,
+    smallest_singular_value, weakest_motion,
 };
 use nalgebra::{Isometry3, Vector3};
 use proptest::prelude::*;
@@ -179,6 +180,25 @@ fn three_parallel_axes_are_singular_when_in_line() {
     assert_eq!(search(0.5, 3.0), None);
     let two = Arm::new(models::planar_2r(), JointRange::new(Joints::repeat(-PI), Joints::repeat(PI)).unwrap());
     assert_eq!(two.nearest_singular_pose(&Joints::<2>::new(0.4, 0.7)), None);
+}
+
+#[test]
+fn an_arm_of_any_number_of_joints_tells_the_same() {
+    let described = models::description("panda").unwrap();
+    let (any, arm) = (described.build_any().unwrap(), described.build::<7>().unwrap());
+    let q = Joints::<7>::from([0.1, -0.05, 0.2, -2.0, 0.1, 1.6, 0.7]);
+    let (a, b) = (any.nearest_singular_pose(q.as_slice()).unwrap().unwrap(), arm.nearest_singular_pose(&q).unwrap());
+    assert_eq!((a.q.as_slice(), a.distance, a.kind), (b.q.as_slice(), b.distance, b.kind));
+    // Axes 1 and 3 line up where joint 2 is 0, and the forearm stands across.
+    assert_eq!(b.kind, Some(SingularityKind::Shoulder));
+    assert!(b.q[1].abs() < 1e-6 && any.nearest_singular_pose(&[0.0; 6]).is_err());
+    let dexterity = any.dexterity(q.as_slice()).unwrap();
+    let slow = arm.jacobian(&q).transpose() * Twist::from(dexterity.weakest);
+    assert!((slow.norm() - dexterity.sigma_min).abs() < 1e-14);
+    // An arm that is stopped by a singular pose says which.
+    let tool = ToolDerivatives { first: Twist::x(), second: Twist::zeros(), third: Twist::zeros() };
+    let error = least_norm_derivatives(&arm, &b.q, &tool, 1e-6).unwrap_err();
+    assert!(matches!(error, KinematicsError::Singular { kind: Some(SingularityKind::Shoulder), .. }), "{error}");
 }
 
 #[test]
