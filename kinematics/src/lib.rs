@@ -20,7 +20,7 @@
 //! | your own arm | [`Chain::new`], [`Chain::from_dh`], [`Chain::from_modified_dh`]; [`Arm::new`] |
 //! | an arm from a file | `ArmDescription::from_urdf` (feature `urdf`), `ArmDescription::from_json` (feature `json`) |
 //! | an arm whose number of joints the file decides | [`ArmDescription::build_any`], [`AnyArm`] |
-//! | its tables and files | [`Chain::to_dh`], [`ArmDescription::to_urdf`] |
+//! | its tables and files | [`Chain::to_dh`], [`Chain::to_modified_dh`], [`ArmDescription::to_urdf`], `ArmDescription::to_json` (feature `json`) |
 //! | pose, Jacobian, J' qd | [`ForwardKinematics`] |
 //! | all inverse solutions | [`AnalyticInverse`]: [`ParallelAxisArm`], [`SphericalWristArm`], [`Arm`] |
 //! | the solution near known joints | [`InverseKinematics`], [`BranchTracker`] |

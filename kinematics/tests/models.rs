@@ -162,11 +162,14 @@ fn descriptions_are_checked_by_name() {
     assert!(arm.forward(&Joints::repeat(0.3)).translation.vector.norm() < 1e-15);
 }
 
-/// The table, as a chain again.
-fn from_table<const N: usize>(chain: &Chain<N>) -> Chain<N> {
-    let table = chain.to_dh().unwrap();
-    let again = Chain::from_dh(&table.rows).unwrap().with_base(table.base).unwrap();
-    again.with_flange(again.flange() * table.flange).unwrap()
+/// The standard and the modified table, each as a chain again.
+fn from_tables<const N: usize>(chain: &Chain<N>) -> [Chain<N>; 2] {
+    let (standard, modified) = (chain.to_dh().unwrap(), chain.to_modified_dh().unwrap());
+    [
+        (Chain::from_dh(&standard.rows).unwrap(), standard.base, standard.flange),
+        (Chain::from_modified_dh(&modified.rows).unwrap(), modified.base, modified.flange),
+    ]
+    .map(|(again, base, flange)| again.with_base(base).unwrap().with_flange(again.flange() * flange).unwrap())
 }
 
 #[test]
@@ -174,12 +177,22 @@ fn denavit_hartenberg_tables_give_the_arms_back() {
     let q = Joints::from([0.3, -1.2, 1.1, 0.4, 0.9, -0.3]);
     for name in ["cr7", "ur5e", "kr6_r700_2", "kr6_r700_sixx", "puma560"] {
         let chain = chain::<6>(name);
-        let distance = pose_distance(&from_table(&chain).forward(&q), &chain.forward(&q));
-        assert!(distance < 1e-13, "{name}: {distance:e}");
+        for again in from_tables(&chain) {
+            let distance = pose_distance(&again.forward(&q), &chain.forward(&q));
+            assert!(distance < 1e-13, "{name}: {distance:e}");
+        }
     }
     let panda = chain::<7>("panda");
     let q = Joints::from([0.3, -1.2, 1.1, -0.4, 0.9, -0.3, 0.2]);
-    assert!(pose_distance(&from_table(&panda).forward(&q), &panda.forward(&q)) < 1e-13);
+    for again in from_tables(&panda) {
+        assert!(pose_distance(&again.forward(&q), &panda.forward(&q)) < 1e-13);
+    }
+    // The maker's table is a modified one; ours is the same up to signs that mean the same.
+    let table = models::panda().chain().to_modified_dh().unwrap();
+    let lengths = |f: fn(&arcfeed_kinematics::DhRow) -> f64| table.rows.map(|row| (f(&row).abs() * 1e9).round() / 1e9);
+    assert_eq!(lengths(|row| row.d), [0.333, 0.0, 0.316, 0.0, 0.384, 0.0, 0.107]);
+    assert_eq!(lengths(|row| row.a), [0.0, 0.0, 0.0, 0.0825, 0.0825, 0.0, 0.088]);
+    assert_eq!(lengths(|row| row.alpha / std::f64::consts::FRAC_PI_2), [0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]);
     // The makers' tables come out as they went in, up to signs that mean the same.
     let table = models::cr7().chain().to_dh().unwrap();
     let lengths = |f: fn(&arcfeed_kinematics::DhRow) -> f64| table.rows.map(|row| (f(&row) * 1e9).round() / 1e9);
@@ -225,7 +238,11 @@ proptest! {
         let chain = Chain::<4>::new(joints).unwrap().with_base(Isometry3::new(n(5), n(7))).unwrap().with_flange(Isometry3::new(n(1), n(2))).unwrap();
         let q = Joints::<4>::from(q);
         match chain.to_dh() {
-            Ok(_) => prop_assert!(pose_distance(&from_table(&chain).forward(&q), &chain.forward(&q)) < 1e-8),
+            Ok(_) => {
+                for again in from_tables(&chain) {
+                    prop_assert!(pose_distance(&again.forward(&q), &chain.forward(&q)) < 1e-8);
+                }
+            }
             Err(error) => {
                 let refused = matches!(error, KinematicsError::NoDhForm { .. });
                 prop_assert!(refused, "{error}");
