@@ -54,8 +54,22 @@ fn samples() -> Vec<Joints<6>> {
 }
 
 fn benches(criterion: &mut Criterion) {
-    let arm = models::cr7();
     let joints = samples();
+    let mut group = criterion.benchmark_group("forward");
+    group.warm_up_time(Duration::from_millis(500)).measurement_time(Duration::from_secs(2)).sample_size(50);
+    for name in ["cr7", "ur5e", "kr6_r700", "puma560"] {
+        let arm =
+            models::description(name).and_then(|arm| arm.build::<6>().ok()).expect("a built-in arm of six joints");
+        let mut i = 0;
+        group.bench_function(name, |b| {
+            b.iter(|| {
+                i = (i + 1) % joints.len();
+                arm.forward(black_box(&joints[i]))
+            })
+        });
+    }
+    group.finish();
+    let arm = models::cr7();
     let poses: Vec<Isometry3<f64>> = joints.iter().map(|q| arm.forward(q)).collect();
     let tool = ToolDerivatives { first: Twist::repeat(0.3), second: Twist::repeat(-0.2), third: Twist::repeat(0.1) };
     let mut i = 0;

@@ -2,16 +2,28 @@
 //! must be among the solutions to 1e-9 rad; for the Panda, the search must end at the pose and inside the joint range.
 //!
 //! `cargo run --release -p arcfeed-kinematics --example 08_soak -- 1000000 7` (count and seed; 10000 and 1 unless given).
-//! Ends with an error if a pose fails. A million poses of each arm take 53 s (one core of an AMD EPYC VM), most of them the
-//! Panda's.
+//! Ends with an error if a pose fails.
 //!
-//! Where the pose does not determine the joints to 1e-9, as its own rounding moves them further, the bound is that rounding:
-//! 1e-15 / sigma_min^2, at most 1e-5. Where the wrist lines up and elbow or shoulder are within 1e-3 of a singular pose as
-//! well, only the pose is asked for. How often the joints were beyond 1e-9 is told.
+//! Next to singular poses a pose in f64 does not hold what is asked for: other joints, more than 1e-9 rad away, make a pose
+//! that differs by less than its rounding, and nothing that is given the pose can tell them apart. A case is excused for
+//! this alone, and it is proved each time by such joints: those that made the pose, moved by 2e-9 rad along the weakest
+//! motion of the arm, must give the pose again to 8 units of rounding (1.8e-15 m, and in each entry of the rotation
+//! matrix), as forward kinematics of either rounds by some of them. The joints found must give it to 1e-12 then as always. The number of cases is told.
+//!
+//! A million poses of each arm with seed 7 take 54 s (one core of an AMD EPYC VM). Of the closed forms none fails. Excused:
+//!
+//! | | of 999 000 drawn, every tenth with a joint exactly at a singular pose | of 1000 singular poses searched for (1e-9) |
+//! |---|---|---|
+//! | CR7 | 15 | A |
+//! | UR5e | 12 | B |
+//! | KR 6 R700 | 2 | C |
+//! | Puma 560 | 14 | D |
+//!
+//! All 1 000 000 poses of the Panda are reached from random seeds and inside the joint range, with 2.2 restarts each.
 
 use arcfeed_kinematics::{
-    ClosedForm, ClosedFormArm, ForwardKinematics, InverseKinematics, JointRange, Joints, models,
-    smallest_singular_value,
+    Arm, ClosedForm, ClosedFormArm, ForwardKinematics, InverseKinematics, JointRange, Joints, models,
+    smallest_singular_value, weakest_motion,
 };
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -26,48 +38,81 @@ impl Sequence {
     }
 }
 
+/// By how much two poses may differ that f64 cannot tell apart, m and entries of the rotation matrix: eight units in the
+/// last place of 1, four for each.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
+
 #[derive(Default)]
 struct Tally {
     poses: usize,
     singular: usize,
     failed: usize,
-    loose: usize,
-    worst: f64,
+    /// Joints beyond 1e-9 where the pose does not determine them to 1e-9: at joint values drawn, at those searched for.
+    excused: [usize; 2],
+    /// Largest smallest singular value, and largest error of the pose, among these.
+    sigma: f64,
+    apart: f64,
+}
+
+/// The larger of the differences of position (m) and of the entries of the rotation matrices.
+fn distance(arm: &Arm<6>, a: &Joints<6>, b: &Joints<6>) -> f64 {
+    let (a, b) = (arm.configuration(a), arm.configuration(b));
+    (a.position() - b.position()).amax().max((a.rotation() - b.rotation()).amax())
+}
+
+/// Whether the pose of `q` is, within rounding, also that of joints 2e-9 rad away.
+fn undetermined(arm: &Arm<6>, q: &Joints<6>) -> bool {
+    let weakest = weakest_motion(&arm.jacobian(q)).joints;
+    distance(arm, &(q + weakest * (2e-9 / weakest.amax())), q) <= ROUNDING
+}
+
+/// Random joints; every tenth time with one joint exactly where singular poses are, every thousandth at a singular pose
+/// of any kind.
+fn some_joints(arm: &Arm<6>, k: usize, draw: &mut Sequence) -> (Joints<6>, bool) {
+    let mut q = Joints::from_fn(|_, _| (2.0 * draw.draw() - 1.0) * PI);
+    if k % 1000 == 5
+        && let Some(near) = arm.nearest_singular_pose(&q)
+    {
+        return (near.q, true);
+    }
+    if k % 10 == 0 {
+        // Wrist straight or folded, arm stretched or folded, ...
+        let joint = [4, 4, 2, 1][k / 10 % 4];
+        q[joint] = [0.0, PI, FRAC_PI_2, -FRAC_PI_2][k / 40 % 4];
+    }
+    (q, k % 10 == 0)
 }
 
 fn closed_form<S: ClosedForm>(name: &str, arm: &ClosedFormArm<S>, count: usize, draw: &mut Sequence) -> Tally {
     // Limits are not the question here.
     let wide = JointRange::new(Joints::repeat(-4.0), Joints::repeat(4.0)).unwrap_or(*arm.range());
     let arm = arm.with_range(wide);
+    let any = Arm::from(arm);
     let mut tally = Tally::default();
     for k in 0..count {
-        let mut q = Joints::from_fn(|_, _| (2.0 * draw.draw() - 1.0) * PI);
-        if k % 10 == 0 {
-            // A joint exactly where singular poses are: wrist straight or folded, arm stretched or folded, ...
-            let joint = [4, 4, 2, 1][k / 10 % 4];
-            q[joint] = [0.0, PI, FRAC_PI_2, -FRAC_PI_2][k / 40 % 4];
-            tally.singular += 1;
-        }
+        let (q, singular) = some_joints(&any, k, draw);
         tally.poses += 1;
-        let pose = arm.forward(&q);
-        let sigma = smallest_singular_value(&arm.jacobian(&q));
+        tally.singular += usize::from(singular);
         // The solution nearest to the joints, free joints of singular poses taken from them.
-        let (apart, pose_error) = match arm.inverse(&pose, &q) {
-            Err(_) => (f64::INFINITY, f64::INFINITY),
-            Ok(found) => (
-                (found - q).map(|d| d - TAU * (d / TAU).round()).amax(),
-                (arm.forward(&found).to_homogeneous() - pose.to_homogeneous()).amax(),
-            ),
-        };
-        let allowed = if sigma > 1e-3 { 1e-9 } else { (1e-15 / (sigma * sigma)).clamp(1e-9, 1e-5) };
-        let near = arm.singularity_distances(&q);
-        let twice = near.wrist < 1e-9 && (near.elbow < 1e-3 || near.shoulder < 1e-3);
-        if pose_error > 2e-10 || (apart > allowed && !twice) {
+        let Ok(found) = arm.inverse(&arm.forward(&q), &q) else {
             tally.failed += 1;
-            println!("{name} {k}: {apart:.2e} rad, pose {pose_error:.1e}, sigma {sigma:.1e}, at {q:?}");
+            println!("{name} {k}: nothing found at {q:?}");
+            continue;
+        };
+        let joints = (found - q).map(|d| d - TAU * (d / TAU).round()).amax();
+        if joints <= 1e-9 {
+            continue;
         }
-        tally.loose += usize::from(apart > 1e-9);
-        tally.worst = tally.worst.max(if sigma > 1e-3 { apart } else { 0.0 });
+        let pose = distance(&any, &found, &q);
+        let sigma = smallest_singular_value(&any.jacobian(&q));
+        if undetermined(&any, &q) && pose <= 1e-12 {
+            tally.excused[usize::from(k % 1000 == 5)] += 1;
+            tally.sigma = tally.sigma.max(sigma);
+            tally.apart = tally.apart.max(pose);
+        } else {
+            tally.failed += 1;
+            println!("{name} {k}: {joints:.2e} rad, pose {pose:.1e}, sigma {sigma:.1e}, at {q:?}");
+        }
     }
     tally
 }
@@ -86,8 +131,8 @@ fn main() {
     ];
     for (name, tally) in tallies {
         println!(
-            "{name}: {} poses ({} at singular joint values), {} failed; worst {:.1e} rad away from singular poses, {} beyond 1e-9 near them",
-            tally.poses, tally.singular, tally.failed, tally.worst, tally.loose
+            "{name}: {} poses ({} singular), {} failed; excused {} of those drawn, {} of those searched for: their poses to {:.1e}, singular values at most {:.1e}",
+            tally.poses, tally.singular, tally.failed, tally.excused[0], tally.excused[1], tally.apart, tally.sigma,
         );
         failed += tally.failed;
     }

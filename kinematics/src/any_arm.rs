@@ -6,7 +6,8 @@ use crate::{
     dynamics::Dynamics,
     error::KinematicsError,
     joint::Joints,
-    singularity::{SingularityDistances, condition_number, manipulability, smallest_singular_value},
+    singular_pose::{SingularPose, weakest_motion},
+    singularity::{SingularityDistances, SingularityKind, condition_number, manipulability, smallest_singular_value},
     traits::{AnalyticInverse, ForwardKinematics, InverseKinematics},
 };
 use nalgebra::Isometry3;
@@ -40,12 +41,27 @@ pub struct Dexterity {
     pub jacobian: Vec<[f64; 6]>,
     /// Smallest singular value.
     pub sigma_min: f64,
+    /// The direction in which the tool moves that little: linear x y z, angular x y z, of norm 1.
+    pub weakest: [f64; 6],
     /// Largest over smallest singular value.
     pub condition: f64,
     /// Yoshikawa's manipulability.
     pub manipulability: f64,
     /// Distances to the singular poses, for arms with a closed form.
     pub singularities: Option<SingularityDistances>,
+}
+
+/// [`SingularPose`] of an [`AnyArm`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct AnySingularPose {
+    /// Its joint values, inside the joint range.
+    pub q: Vec<f64>,
+    /// Its distance from the given joint values, rad (sliding joints: m): no less than that of the nearest of all.
+    pub distance: f64,
+    /// The direction in which the tool cannot move there: linear x y z, angular x y z.
+    pub lost: [f64; 6],
+    /// What it is, where geometry tells: see [`SingularPose::kind`].
+    pub kind: Option<SingularityKind>,
 }
 
 impl AnyArm {
@@ -124,6 +140,14 @@ impl AnyArm {
         self.arm.dexterity(q)
     }
 
+    /// The nearest singular pose that a search around `q` finds, see [`Arm::nearest_singular_pose`].
+    ///
+    /// # Errors
+    /// [`KinematicsError::JointCount`].
+    pub fn nearest_singular_pose(&self, q: &[f64]) -> Result<Option<AnySingularPose>, KinematicsError> {
+        self.arm.nearest_singular_pose(q)
+    }
+
     /// Joint values near `seed` that put the tool at `target`, see [`InverseKinematics::inverse`].
     ///
     /// # Errors
@@ -158,6 +182,7 @@ trait Erased: std::fmt::Debug + Send + Sync {
     fn with_tool(&self, tool: Isometry3<f64>) -> Result<Box<dyn Erased>, KinematicsError>;
     fn forward(&self, q: &[f64]) -> Result<Isometry3<f64>, KinematicsError>;
     fn dexterity(&self, q: &[f64]) -> Result<Dexterity, KinematicsError>;
+    fn nearest_singular_pose(&self, q: &[f64]) -> Result<Option<AnySingularPose>, KinematicsError>;
     fn inverse(&self, target: &Isometry3<f64>, seed: &[f64]) -> Result<Vec<f64>, KinematicsError>;
     fn inverse_all(&self, target: &Isometry3<f64>) -> Result<(Vec<Vec<f64>>, bool), KinematicsError>;
     fn torque(&self, q: &[f64], qd: &[f64], qdd: &[f64]) -> Result<Vec<f64>, KinematicsError>;
@@ -204,11 +229,22 @@ impl<const N: usize> Erased for Arm<N> {
         let jacobian = self.jacobian(&q);
         Ok(Dexterity {
             sigma_min: smallest_singular_value(&jacobian),
+            weakest: weakest_motion(&jacobian).tool.into(),
             condition: condition_number(&jacobian),
             manipulability: manipulability(&jacobian),
             singularities: self.singularity_distances(&q),
             jacobian: jacobian.column_iter().map(|column| column.into_owned().into()).collect(),
         })
+    }
+
+    fn nearest_singular_pose(&self, q: &[f64]) -> Result<Option<AnySingularPose>, KinematicsError> {
+        let any = |SingularPose { q, distance, lost, kind }: SingularPose<N>| AnySingularPose {
+            q: q.as_slice().to_vec(),
+            distance,
+            lost: lost.into(),
+            kind,
+        };
+        Ok(self.nearest_singular_pose(&joints(q)?).map(any))
     }
 
     fn inverse(&self, target: &Isometry3<f64>, seed: &[f64]) -> Result<Vec<f64>, KinematicsError> {

@@ -9,7 +9,8 @@ use crate::{
     error::KinematicsError,
     jacobian::Configuration,
     joint::{JointLimits, JointRange, Joints},
-    numeric::{NumericArm, NumericSettings},
+    numeric::{NumericArm, NumericSettings, size},
+    singular_pose::{Search, SingularPose},
     singularity::{SingularityDistances, SingularityKind},
     traits::{AnalyticInverse, ForwardKinematics, InverseKinematics},
 };
@@ -295,6 +296,27 @@ impl<const N: usize> Arm<N> {
         }
     }
 
+    /// The nearest singular pose that a search around `q` finds inside the joint range; none if it finds none. For arms of
+    /// any geometry; takes a few milliseconds at most.
+    ///
+    /// Its distance is an upper bound: some other singular pose may be nearer.
+    ///
+    /// ```
+    /// use arcfeed_kinematics::{Arm, Joints, SingularityKind, models};
+    /// // Joint 5 is 0.2 rad from where axes 4 and 6 line up.
+    /// let arm = Arm::from(models::kr6_r700());
+    /// let near = arm.nearest_singular_pose(&Joints::<6>::from([0.3, -1.2, 1.1, 0.4, 0.2, -0.3])).expect("there is one");
+    /// assert!((near.distance - 0.2).abs() < 1e-7);
+    /// assert_eq!(near.kind, Some(SingularityKind::Wrist));
+    /// ```
+    pub fn nearest_singular_pose(&self, q: &Joints<N>) -> Option<SingularPose<N>> {
+        self.singular_poses().around(q)
+    }
+
+    fn singular_poses(&self) -> Search<'_, N> {
+        Search { chain: &self.chain, range: &self.range, size: size(&self.chain) }
+    }
+
     /// A length that the flange cannot go beyond, m, from the first joint: the sum of the links.
     pub fn reach(&self) -> f64 {
         let joints = self.chain.joints();
@@ -338,8 +360,16 @@ impl<const N: usize> ForwardKinematics<N> for Arm<N> {
         self.chain.configuration(q)
     }
 
+    #[inline]
+    fn forward(&self, q: &Joints<N>) -> Isometry3<f64> {
+        self.chain.forward(q)
+    }
+
     fn nearest_singularity(&self, q: &Joints<N>) -> Option<SingularityKind> {
-        Some(self.singularity_distances(q)?.nearest)
+        match self.singularity_distances(q) {
+            Some(distances) => Some(distances.nearest),
+            None => self.singular_poses().from(q, q)?.kind,
+        }
     }
 }
 

@@ -79,8 +79,8 @@ impl<const N: usize> Chain<N> {
     }
 }
 
-/// A chain in standard Denavit-Hartenberg form: `base * A_1(q_1) * ... * A_N(q_N) * flange`, with
-/// `A_i = Rz(theta_i + q_i) Tz(d_i) Tx(a_i) Rx(alpha_i)`.
+/// A chain in Denavit-Hartenberg form: `base * A_1(q_1) * ... * A_N(q_N) * flange`, with the `A_i` of the convention that
+/// was asked for: see [`Chain::to_dh`] and [`Chain::to_modified_dh`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DhTable<const N: usize> {
     /// From the working frame to frame 0 of the table.
@@ -95,6 +95,30 @@ pub struct DhTable<const N: usize> {
 const DH_ROUNDING: f64 = 1e-9;
 
 impl<const N: usize> Chain<N> {
+    /// The chain in modified (Craig) Denavit-Hartenberg form, tool left out: the inverse of [`Chain::from_modified_dh`], with
+    /// base and flange as in [`Chain::to_dh`]. The first `a` and `alpha` are 0.
+    ///
+    /// ```
+    /// use arcfeed_kinematics::models;
+    /// let table = models::panda().chain().to_modified_dh()?;
+    /// assert!((table.rows[3].a - 0.0825).abs() < 1e-15 && (table.rows[6].d - 0.107).abs() < 1e-15);
+    /// # Ok::<(), arcfeed_kinematics::KinematicsError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Chain::to_dh`].
+    pub fn to_modified_dh(&self) -> Result<DhTable<N>, KinematicsError> {
+        // The same product with other brackets: `Tx(a) Rx(alpha)` goes from the end of a joint to the start of the next.
+        let DhTable { base, mut rows, mut flange } = self.to_dh()?;
+        let (mut a, mut alpha) = (0.0, 0.0);
+        for row in &mut rows {
+            (row.a, a) = (a, row.a);
+            (row.alpha, alpha) = (alpha, row.alpha);
+        }
+        flange = DhRow::revolute(a, alpha, 0.0, 0.0).about_normal() * flange;
+        Ok(DhTable { base, rows, flange })
+    }
+
     /// The chain in standard Denavit-Hartenberg form, tool left out: same zero, same senses of rotation.
     ///
     /// Frame 0 is the base itself if axis 1 is its z, and frame N the flange itself if its z is along axis N; otherwise

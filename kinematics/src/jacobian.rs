@@ -121,25 +121,26 @@ impl<const N: usize> Configuration<N> {
     }
 }
 
-/// The quaternion of a rotation matrix: a row of 4 q q^T, divided by the root of its diagonal entry. All four rows are
-/// there and one is picked, as a branch on a random orientation is mispredicted at more than the price of the rest.
+/// The quaternion of a rotation matrix: a row of 4 q q^T, divided by the root of its diagonal entry, which is at least 1
+/// (Day, "Converting a Rotation Matrix to a Quaternion"). All four rows are there and one is picked bit by bit, as a
+/// branch on a random orientation is mispredicted at more than the price of the rest.
 #[inline]
 pub(crate) fn quaternion(r: &Matrix3<f64>) -> UnitQuaternion<f64> {
     let (xx, yy, zz) = (r[(0, 0)], r[(1, 1)], r[(2, 2)]);
     let (wx, wy, wz) = (r[(2, 1)] - r[(1, 2)], r[(0, 2)] - r[(2, 0)], r[(1, 0)] - r[(0, 1)]);
     let (xy, xz, yz) = (r[(1, 0)] + r[(0, 1)], r[(0, 2)] + r[(2, 0)], r[(2, 1)] + r[(1, 2)]);
-    let rows = [
-        [1.0 + xx + yy + zz, wx, wy, wz],
-        [wx, 1.0 + xx - yy - zz, xy, xz],
-        [wy, xy, 1.0 - xx + yy - zz, yz],
-        [wz, xz, yz, 1.0 - xx - yy + zz],
-    ];
-    let of_y_and_z = if yy > zz { 2 } else { 3 };
-    let largest = if xx > yy && xx > zz { 1 } else { of_y_and_z };
-    let largest: usize = if xx + yy + zz > 0.0 { 0 } else { largest };
-    let [w, x, y, z] = rows[largest];
-    let scale = 0.5 / rows[largest][largest].sqrt();
-    UnitQuaternion::new_unchecked(Quaternion::new(w * scale, x * scale, y * scale, z * scale))
+    let of_w = [1.0 + xx + yy + zz, wx, wy, wz];
+    let of_x = [wx, 1.0 + xx - yy - zz, xy, xz];
+    let of_y = [wy, xy, 1.0 - xx + yy - zz, yz];
+    let of_z = [wz, xz, yz, 1.0 - xx - yy + zz];
+    let mask = |yes: bool| u64::from(yes).wrapping_neg();
+    let (down, x_or_y, z_or_w) = (mask(zz < 0.0), mask(xx > yy), mask(xx < -yy));
+    let pick = |mask: u64, a: f64, b: f64| f64::from_bits((a.to_bits() & mask) | (b.to_bits() & !mask));
+    let picked = |x: f64, y: f64, z: f64, w: f64| pick(down, pick(x_or_y, x, y), pick(z_or_w, z, w));
+    let row: [f64; 4] = std::array::from_fn(|i| picked(of_x[i], of_y[i], of_z[i], of_w[i]));
+    let scale = 0.5 / picked(of_x[1], of_y[2], of_z[3], of_w[0]).sqrt();
+    let [w, x, y, z] = row.map(|v| v * scale);
+    UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z))
 }
 
 fn stack(linear: &Vector3<f64>, angular: &Vector3<f64>) -> Twist {

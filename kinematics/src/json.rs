@@ -1,4 +1,4 @@
-//! Arms from JSON, format "arm-params/1": m, rad, kg, kg m^2, N m.
+//! Arms from JSON and back, format "arm-params/1": m, rad, kg, kg m^2, N m.
 //!
 //! ```json
 //! { "format": "arm-params/1", "name": "pendulum", "source": "made up", "notes": [],
@@ -11,7 +11,7 @@
 //! ```
 //!
 //! `rot` (3 x 3 by rows) in place of `rpy` (fixed axes, R = Rz Ry Rx) is exact where angles are not; it wins if both are
-//! there. A body flagged `"physically_consistent": false` is taken as identified, not checked as a body. Fields that are
+//! there. A joint's `link` is named after the joint if it has no name of its own. A body flagged `"physically_consistent": false` is taken as identified, not checked as a body. Fields that are
 //! not known are passed over.
 
 use crate::{
@@ -22,7 +22,7 @@ use crate::{
 };
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 use serde::Deserialize;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 const FORMAT: &str = "arm-params/1";
 /// How far a rotation matrix in a file may be from one.
@@ -54,6 +54,7 @@ struct Frame {
 #[derive(Deserialize)]
 struct JointRecord {
     name: String,
+    link: Option<String>,
     #[serde(rename = "type")]
     kind: String,
     axis: [f64; 3],
@@ -147,7 +148,7 @@ impl JointRecord {
             }
         });
         Ok(JointDescription {
-            link: format!("{}_link", self.name),
+            link: self.link.unwrap_or_else(|| format!("{}_link", self.name)),
             origin: self.origin.pose()?,
             axis: Vector3::from(self.axis),
             kind,
@@ -204,4 +205,64 @@ impl ArmDescription {
             flange: pose(file.flange)?,
         })
     }
+
+    /// The description in the format "arm-params/1", which [`ArmDescription::from_json`] reads. Numbers that are not finite
+    /// become `null`.
+    ///
+    /// ```
+    /// use arcfeed_kinematics::{ArmDescription, models};
+    /// let panda = models::description("panda").expect("built in");
+    /// let read = ArmDescription::from_json(&panda.to_json())?;
+    /// assert_eq!((read.name, read.missing()), (panda.name.clone(), panda.missing()));
+    /// # Ok::<(), arcfeed_kinematics::KinematicsError>(())
+    /// ```
+    pub fn to_json(&self) -> String {
+        let object = json!({
+            "format": FORMAT,
+            "name": self.name,
+            "source": { "repo": self.source, "licence": self.licence },
+            "notes": self.notes,
+            "base": frame(&self.base),
+            "joints": self.joints.iter().map(joint).collect::<Vec<_>>(),
+            "flange": frame(&self.flange),
+        });
+        format!("{object:#}")
+    }
+}
+
+fn frame(pose: &Isometry3<f64>) -> Value {
+    let r = pose.rotation.to_rotation_matrix().into_inner();
+    let rows = [0, 1, 2].map(|i| [r[(i, 0)], r[(i, 1)], r[(i, 2)]]);
+    json!({ "xyz": <[f64; 3]>::from(pose.translation.vector), "rot": rows })
+}
+
+fn joint(joint: &JointDescription) -> Value {
+    let [lower, upper] = joint.range.map_or([None; 2], |range| range.map(Some));
+    let body = |body: &Inertial| {
+        let t = body.tensor();
+        json!({
+            "mass": body.mass(),
+            "com": <[f64; 3]>::from(*body.centre()),
+            "inertia": {
+                "ixx": t[(0, 0)], "ixy": t[(0, 1)], "ixz": t[(0, 2)], "iyy": t[(1, 1)], "iyz": t[(1, 2)], "izz": t[(2, 2)],
+            },
+            "physically_consistent": body.is_physical(),
+        })
+    };
+    json!({
+        "name": joint.name,
+        "link": joint.link,
+        "type": match joint.kind { JointKind::Revolute => "revolute", JointKind::Prismatic => "prismatic" },
+        "axis": <[f64; 3]>::from(joint.axis),
+        "origin": frame(&joint.origin),
+        "limits": {
+            "lower": lower, "upper": upper, "velocity": joint.velocity, "acceleration": joint.acceleration,
+            "jerk": joint.jerk, "effort": joint.torque,
+        },
+        "inertial": joint.inertial.as_ref().map(body),
+        "rotor": joint.rotor_inertia.map(|inertia| json!({ "reflected_inertia": inertia })),
+        "friction": joint.friction.map(|[viscous, forward, backward]| {
+            json!({ "joint_side": { "viscous": viscous, "coulomb_pos": forward, "coulomb_neg": -backward } })
+        }),
+    })
 }

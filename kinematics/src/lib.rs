@@ -20,13 +20,13 @@
 //! | your own arm | [`Chain::new`], [`Chain::from_dh`], [`Chain::from_modified_dh`]; [`Arm::new`] |
 //! | an arm from a file | `ArmDescription::from_urdf` (feature `urdf`), `ArmDescription::from_json` (feature `json`) |
 //! | an arm whose number of joints the file decides | [`ArmDescription::build_any`], [`AnyArm`] |
-//! | its tables and files | [`Chain::to_dh`], [`ArmDescription::to_urdf`] |
+//! | its tables and files | [`Chain::to_dh`], [`Chain::to_modified_dh`], [`ArmDescription::to_urdf`], `ArmDescription::to_json` (feature `json`) |
 //! | pose, Jacobian, J' qd | [`ForwardKinematics`] |
 //! | all inverse solutions | [`AnalyticInverse`]: [`ParallelAxisArm`], [`SphericalWristArm`], [`Arm`] |
 //! | the solution near known joints | [`InverseKinematics`], [`BranchTracker`] |
 //! | the inverse of any geometry, redundant joints | [`NumericArm`], [`Arm::locked`] |
 //! | q', q'', q''' along a tool path | [`joint_derivatives`], [`least_norm_derivatives`] |
-//! | the distance from singular poses | [`SingularityDistances`], [`smallest_singular_value`], [`condition_number`], [`manipulability`] |
+//! | the distance from singular poses | [`SingularityDistances`], [`Arm::nearest_singular_pose`], [`weakest_motion`], [`smallest_singular_value`], [`condition_number`], [`manipulability`] |
 //! | torques, masses, what torque limits need along a path | [`Dynamics`], [`ArmDynamics`], [`PathTorque`] |
 //!
 //! Nothing allocates once an arm is made, except [`AnyArm`], whose results are vectors.
@@ -63,6 +63,7 @@ mod lu;
 pub mod models;
 mod normalised;
 mod numeric;
+mod singular_pose;
 mod singularity;
 mod traits;
 mod trig;
@@ -73,7 +74,7 @@ mod urdf_export;
 pub use nalgebra;
 
 pub use analytic::{ClosedForm, Solutions};
-pub use any_arm::{AnyArm, Dexterity};
+pub use any_arm::{AnyArm, AnySingularPose, Dexterity};
 pub use arm::{Arm, DriveLimits, InverseMethod};
 pub use branch::{BranchTracker, Candidate, LimitExcess, largest_step, nearest_solution, nearest_turns};
 pub use chain::Chain;
@@ -88,6 +89,7 @@ pub use error::{KinematicsError, Part, ReachSide};
 pub use jacobian::{Configuration, Jacobian, Twist};
 pub use joint::{Joint, JointKind, JointLimits, JointRange, Joints};
 pub use numeric::{NullSpace, NumericArm, NumericSettings, NumericSolution};
+pub use singular_pose::{SingularPose, WeakestMotion, weakest_motion};
 pub use singularity::{
     SingularityDistances, SingularityKind, condition_number, manipulability, singular_values, smallest_singular_value,
 };

@@ -19,6 +19,20 @@ pub(crate) struct Normalised<const N: usize> {
     pub(crate) links: [Link; N],
     pub(crate) end: Frame,
     kinds: [JointKind; N],
+    /// `end` and the two turns of `start.rotation`, as [`Normalised::tool`] takes them.
+    end_rows: Rows,
+    first: Option<Turn>,
+    second: AboutX,
+}
+
+/// A turn about x by a constant angle. Most arms have none but quarter turns, which need no arithmetic.
+#[derive(Debug, Clone, Copy)]
+enum AboutX {
+    None,
+    Quarter,
+    Half,
+    QuarterBack,
+    Any(Turn),
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -33,8 +47,7 @@ pub(crate) struct Link {
     pub(crate) translation: Vector3<f64>,
     pub(crate) cos_alpha: f64,
     pub(crate) sin_alpha: f64,
-    /// alpha = 0, as between the parallel axes of many arms: nothing to turn.
-    parallel: bool,
+    turn: AboutX,
     /// Added to a revolute joint's value, the constant angle of a prismatic one.
     pub(crate) offset: f64,
     pub(crate) kind: JointKind,
@@ -65,12 +78,13 @@ impl<const N: usize> Normalised<N> {
             translation: Vector3::zeros(),
             cos_alpha: 1.0,
             sin_alpha: 0.0,
-            parallel: true,
+            turn: AboutX::None,
             offset: 0.0,
             kind: joint.kind(),
         });
         let mut carried = Frame::new(base);
         let mut frames = [Matrix3::identity(); N];
+        let (mut start_first, mut start_second) = (None, AboutX::None);
         for i in 0..N {
             let to_z = rotation_from_z_to(joints[i].axis());
             let mut step = carried.then(&Frame::new(joints[i].origin()));
@@ -80,19 +94,31 @@ impl<const N: usize> Normalised<N> {
             if i == 0 {
                 start.rotation = first.about_z() * alpha.about_x();
                 start.translation = step.translation;
+                start_first = (first.sin != 0.0 || first.cos < 0.0).then_some(first);
+                start_second = AboutX::new(alpha);
             } else {
                 links[i - 1].offset += first.angle();
                 frames[i - 1] *= first.about_z();
                 links[i].translation = first.about_z().transpose() * step.translation;
                 links[i].cos_alpha = alpha.cos;
                 links[i].sin_alpha = alpha.sin;
-                links[i].parallel = alpha.sin == 0.0 && alpha.cos > 0.0;
+                links[i].turn = AboutX::new(alpha);
             }
             frames[i] = to_z;
             carried = Frame { rotation: to_z.transpose(), translation: Vector3::zeros() };
         }
         let end = carried.then(&Frame::new(end));
-        (Self { start, links, end, kinds: joints.map(|joint| joint.kind()) }, frames)
+        let row = |r: usize| Row { x_y: [end.rotation[(r, 0)], end.rotation[(r, 1)]], position: end.translation[r] };
+        let form = Self {
+            start,
+            links,
+            end,
+            kinds: joints.map(|joint| joint.kind()),
+            end_rows: [row(0), row(1), row(2)],
+            first: start_first,
+            second: start_second,
+        };
+        (form, frames)
     }
 
     /// Sines and cosines of the turns about z.
@@ -104,51 +130,139 @@ impl<const N: usize> Normalised<N> {
         }))
     }
 
-    /// Orientation and position of the tool; `joint` is told the index, axis and a point of every joint on the way.
-    #[inline(always)]
-    fn walk(
-        &self,
-        q: &Joints<N>,
-        mut joint: impl FnMut(usize, Vector3<f64>, Vector3<f64>),
-    ) -> (Matrix3<f64>, Vector3<f64>) {
+    /// The tool alone: a walk from the tool to the base. A turn about z is then the same sum of two rows for orientation
+    /// and position, and the place of the tool in its last frame costs nothing.
+    #[inline]
+    pub(crate) fn tool(&self, q: &Joints<N>) -> (Matrix3<f64>, Vector3<f64>) {
+        let (sines, cosines) = self.turns(q);
+        let mut rows = self.end_rows;
+        for i in (0..N).rev() {
+            let link = &self.links[i];
+            turn_rows(&mut rows, sines[i], cosines[i]);
+            if link.kind == JointKind::Prismatic {
+                rows[2].position += q[i];
+            }
+            if i > 0 {
+                link.turn.rows(&mut rows);
+                rows[0].position += link.translation.x;
+                rows[1].position += link.translation.y;
+                rows[2].position += link.translation.z;
+            }
+        }
+        self.second.rows(&mut rows);
+        if let Some(first) = self.first {
+            turn_rows(&mut rows, first.sin, first.cos);
+        }
+        let [a, b, c] = &rows;
+        let x = Vector3::new(a.x_y[0], b.x_y[0], c.x_y[0]);
+        let y = Vector3::new(a.x_y[1], b.x_y[1], c.x_y[1]);
+        let position = Vector3::new(a.position, b.position, c.position) + self.start.translation;
+        (Matrix3::from_columns(&[x, y, x.cross(&y)]), position)
+    }
+
+    /// The tool, and the axis and a point of every joint: a walk from the base to the tool.
+    #[inline]
+    pub(crate) fn configuration(&self, q: &Joints<N>) -> Configuration<N> {
         let (sines, cosines) = self.turns(q);
         let mut x: Vector3<f64> = self.start.rotation.column(0).into();
         let mut y: Vector3<f64> = self.start.rotation.column(1).into();
         let mut z: Vector3<f64> = self.start.rotation.column(2).into();
         let mut p = self.start.translation;
+        let (mut axes, mut points) = ([Vector3::zeros(); N], [Vector3::zeros(); N]);
         for i in 0..N {
             let link = &self.links[i];
             if i > 0 {
                 let t = &link.translation;
                 p += x * t.x + y * t.y + z * t.z;
-                if !link.parallel {
-                    (y, z) = (y * link.cos_alpha + z * link.sin_alpha, z * link.cos_alpha - y * link.sin_alpha);
+                match link.turn {
+                    AboutX::None => {}
+                    AboutX::Quarter => (y, z) = (z, -y),
+                    AboutX::Half => (y, z) = (-y, -z),
+                    AboutX::QuarterBack => (y, z) = (-z, y),
+                    AboutX::Any(Turn { cos, sin }) => (y, z) = (y * cos + z * sin, z * cos - y * sin),
                 }
             }
-            joint(i, z, p);
+            (axes[i], points[i]) = (z, p);
             if link.kind == JointKind::Prismatic {
                 p += z * q[i];
             }
             (x, y) = (x * cosines[i] + y * sines[i], y * cosines[i] - x * sines[i]);
         }
-        let rotation = Matrix3::from_columns(&[x, y, z]);
-        (rotation * self.end.rotation, p + rotation * self.end.translation)
-    }
-
-    /// The tool alone, nothing of the joints kept.
-    #[inline]
-    pub(crate) fn tool(&self, q: &Joints<N>) -> (Matrix3<f64>, Vector3<f64>) {
-        self.walk(q, |_, _, _| {})
-    }
-
-    #[inline]
-    pub(crate) fn configuration(&self, q: &Joints<N>) -> Configuration<N> {
-        let (mut axes, mut points) = ([Vector3::zeros(); N], [Vector3::zeros(); N]);
-        let (rotation, tool) = self.walk(q, |i, axis, point| {
-            axes[i] = axis;
-            points[i] = point;
-        });
+        let turned = Matrix3::from_columns(&[x, y, z]);
+        let (rotation, tool) = (turned * self.end.rotation, p + turned * self.end.translation);
         Configuration { rotation, tool, axes, points, kinds: self.kinds }
+    }
+}
+
+/// A place by rows, its z left out.
+type Rows = [Row; 3];
+
+/// One coordinate of the x axis, of the y axis and of the position.
+#[derive(Debug, Clone, Copy)]
+struct Row {
+    x_y: [f64; 2],
+    position: f64,
+}
+
+impl Row {
+    /// `a * u + b * v`.
+    #[inline(always)]
+    fn blend(a: f64, u: &Self, b: f64, v: &Self) -> Self {
+        Self {
+            x_y: [a * u.x_y[0] + b * v.x_y[0], a * u.x_y[1] + b * v.x_y[1]],
+            position: a * u.position + b * v.position,
+        }
+    }
+
+    #[inline(always)]
+    fn opposite(&self) -> Self {
+        Self { x_y: [-self.x_y[0], -self.x_y[1]], position: -self.position }
+    }
+}
+
+/// `rows` turned about z.
+#[inline(always)]
+fn turn_rows(rows: &mut Rows, sin: f64, cos: f64) {
+    let [a, b, _] = *rows;
+    (rows[0], rows[1]) = (Row::blend(cos, &a, -sin, &b), Row::blend(sin, &a, cos, &b));
+}
+
+impl AboutX {
+    /// Angles that differ from a quarter turn by rounding are taken as one.
+    fn new(turn: Turn) -> Self {
+        const ROUNDING: f64 = 4.0 * f64::EPSILON;
+        match turn {
+            Turn { cos, sin: 0.0 } => {
+                if cos > 0.0 {
+                    Self::None
+                } else {
+                    Self::Half
+                }
+            }
+            Turn { cos, sin } if cos.abs() <= ROUNDING => {
+                if sin > 0.0 {
+                    Self::Quarter
+                } else {
+                    Self::QuarterBack
+                }
+            }
+            any => Self::Any(any),
+        }
+    }
+
+    /// `rows` turned about x.
+    #[inline(always)]
+    fn rows(self, rows: &mut Rows) {
+        let [_, b, c] = *rows;
+        match self {
+            Self::None => {}
+            Self::Quarter => (rows[1], rows[2]) = (c.opposite(), b),
+            Self::Half => (rows[1], rows[2]) = (b.opposite(), c.opposite()),
+            Self::QuarterBack => (rows[1], rows[2]) = (c, b.opposite()),
+            Self::Any(Turn { cos, sin }) => {
+                (rows[1], rows[2]) = (Row::blend(cos, &b, -sin, &c), Row::blend(sin, &b, cos, &c));
+            }
+        }
     }
 }
 

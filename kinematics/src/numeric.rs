@@ -115,15 +115,7 @@ struct Attempt<const N: usize> {
 impl<const N: usize> NumericArm<N> {
     /// An arm from its chain and joint range, with default settings.
     pub fn new(chain: Chain<N>, range: JointRange<N>) -> Self {
-        let at = chain.configuration(&Joints::zeros());
-        let mut size = 0.0;
-        let mut last = at.points().first().copied();
-        for point in at.points().iter().chain(std::iter::once(at.position())) {
-            size += last.map_or(0.0, |last| (point - last).norm());
-            last = Some(*point);
-        }
-        // An arm of turning joints in one point has no length; any weight will do.
-        let size = if size > 1e-6 { 0.5 * size } else { 1.0 };
+        let size = size(&chain);
         Self { chain, range, settings: NumericSettings::default(), size }
     }
 
@@ -352,6 +344,11 @@ impl<const N: usize> ForwardKinematics<N> for NumericArm<N> {
     fn configuration(&self, q: &Joints<N>) -> Configuration<N> {
         self.chain.configuration(q)
     }
+
+    #[inline]
+    fn forward(&self, q: &Joints<N>) -> Isometry3<f64> {
+        self.chain.forward(q)
+    }
 }
 
 impl<const N: usize> InverseKinematics<N> for NumericArm<N> {
@@ -408,6 +405,19 @@ impl<const N: usize> AnalyticInverse<N> for NumericArm<N> {
         }
         Ok(solutions)
     }
+}
+
+/// A length that weighs angles against lengths: half of the way along the arm from its first joint to the tool, m.
+pub(crate) fn size<const N: usize>(chain: &Chain<N>) -> f64 {
+    let at = chain.configuration(&Joints::zeros());
+    let mut size = 0.0;
+    let mut last = at.points().first().copied();
+    for point in at.points().iter().chain(std::iter::once(at.position())) {
+        size += last.map_or(0.0, |last| (point - last).norm());
+        last = Some(*point);
+    }
+    // An arm of turning joints in one point has no length; any weight will do.
+    if size > 1e-6 { 0.5 * size } else { 1.0 }
 }
 
 /// The digits of `k` in `base`, mirrored at the point: a number in [0, 1).

@@ -77,11 +77,11 @@ pub fn singular_values<const N: usize>(jacobian: &Jacobian<N>) -> [f64; 6] {
     let lengths: &mut [f64] = &mut values;
     if N <= 6 {
         let mut columns: [[f64; 6]; N] = std::array::from_fn(|c| std::array::from_fn(|r| jacobian[(r, c)]));
-        orthogonalise(&mut columns);
+        orthogonalise(&mut columns, &mut [[]; N]);
         columns.iter().zip(lengths).for_each(|(column, value)| *value = dot(column, column).sqrt());
     } else {
         let mut rows: [[f64; N]; 6] = std::array::from_fn(|r| std::array::from_fn(|c| jacobian[(r, c)]));
-        orthogonalise(&mut rows);
+        orthogonalise(&mut rows, &mut [[]; 6]);
         rows.iter().zip(lengths).for_each(|(row, value)| *value = dot(row, row).sqrt());
     }
     values.sort_unstable_by(|a, b| b.total_cmp(a));
@@ -108,12 +108,16 @@ fn last_of(values: &[f64; 6], joints: usize) -> f64 {
     values[joints.clamp(1, 6) - 1]
 }
 
-fn dot<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
+pub(crate) fn dot<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Rotates pairs of vectors until all are orthogonal (Hestenes). Quadratic convergence: a handful of sweeps.
-fn orthogonalise<const D: usize, const K: usize>(vectors: &mut [[f64; D]; K]) {
+/// Rotates pairs of vectors until all are orthogonal (Hestenes), and `with` along. Quadratic convergence: a handful of
+/// sweeps.
+pub(crate) fn orthogonalise<const D: usize, const K: usize, const W: usize>(
+    vectors: &mut [[f64; D]; K],
+    with: &mut [[f64; W]; K],
+) {
     const SWEEPS: usize = 30;
     for _ in 0..SWEEPS {
         let mut turned = false;
@@ -129,14 +133,20 @@ fn orthogonalise<const D: usize, const K: usize>(vectors: &mut [[f64; D]; K]) {
                 let tan = zeta.signum() / (zeta.abs() + (1.0 + zeta * zeta).sqrt());
                 let cos = 1.0 / (1.0 + tan * tan).sqrt();
                 let sin = cos * tan;
-                let (head, tail) = vectors.split_at_mut(j);
-                for (a, b) in head[i].iter_mut().zip(&mut tail[0]) {
-                    (*a, *b) = (cos * *a - sin * *b, sin * *a + cos * *b);
-                }
+                rotate(vectors, i, j, sin, cos);
+                rotate(with, i, j, sin, cos);
             }
         }
         if !turned {
             return;
         }
+    }
+}
+
+#[inline]
+fn rotate<const D: usize>(vectors: &mut [[f64; D]], i: usize, j: usize, sin: f64, cos: f64) {
+    let (head, tail) = vectors.split_at_mut(j);
+    for (a, b) in head[i].iter_mut().zip(&mut tail[0]) {
+        (*a, *b) = (cos * *a - sin * *b, sin * *a + cos * *b);
     }
 }

@@ -3,7 +3,7 @@
 
 use arcfeed_kinematics::{
     AnalyticInverse, Arm, BranchTracker, Dynamics, ForwardKinematics, InverseKinematics, Joints, MIN_SINGULAR_VALUE,
-    ToolDerivatives, Twist, joint_derivatives, least_norm_derivatives, models, smallest_singular_value,
+    ToolDerivatives, Twist, joint_derivatives, least_norm_derivatives, models, smallest_singular_value, weakest_motion,
 };
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -86,6 +86,8 @@ fn other_arms_and_their_dynamics_do_not_allocate() {
         let mut far = pose;
         far.translation.x += 5.0;
         assert!(black_box(panda.inverse(&far, &q)).is_err());
+        black_box(weakest_motion(&panda.jacobian(&q)));
+        assert!(k > 0 || black_box(panda.nearest_singular_pose(&q)).is_some());
         let _ = black_box(least_norm_derivatives(&panda, &q, &tool, 1e-3));
         let six = Joints::from([q[0], q[1], q[3], q[4], q[5], q[6]]);
         assert!(black_box(locked.inverse(&pose, &six)).is_ok());

@@ -3,8 +3,9 @@
 
 mod common;
 
-use arcfeed_kinematics::{ArmDescription, Dynamics, Joints, KinematicsError, models};
+use arcfeed_kinematics::{ArmDescription, Dynamics, JointKind, Joints, KinematicsError, models};
 use common::{chain, pose_distance};
+use nalgebra::{Isometry3, Vector3};
 use proptest::prelude::*;
 
 fn text(name: &str) -> String {
@@ -49,6 +50,49 @@ fn files_and_built_in_arms_are_the_same() {
     let q = Joints::from([0.3, -1.2, 1.1, -0.4, 0.9, -0.3, 0.2]);
     let [a, b] = [&panda, &built_in].map(|arm| arm.dynamics().unwrap().torque(&q, &q, &q));
     assert!((a - b).amax() < 1e-12, "{a} {b}");
+}
+
+#[test]
+fn written_arms_are_read_back() {
+    let close = |a: f64, b: f64| (a - b).abs() <= 4.0 * f64::EPSILON * a.abs().max(1.0);
+    let same = |a: Option<f64>, b: Option<f64>| a.zip(b).map_or(a == b, |(a, b)| close(a, b));
+    let mut arms: Vec<ArmDescription> = models::NAMES.iter().map(|name| models::description(name).unwrap()).collect();
+    // A slide, an axis askew, a base, names of their own, and gaps.
+    let odd = &mut arms.last_mut().unwrap();
+    odd.base = Isometry3::new(Vector3::new(0.1, 0.2, 0.3), Vector3::new(0.4, 0.5, 0.6));
+    odd.joints[0].kind = JointKind::Prismatic;
+    odd.joints[0].axis = Vector3::new(0.6, 0.0, 0.8);
+    odd.joints[0].link = "carriage \"1\"".to_owned();
+    odd.joints[1].range = None;
+    odd.joints[1].friction = Some([0.1, 0.2, 0.3]);
+    for arm in &arms {
+        let read = ArmDescription::from_json(&arm.to_json()).unwrap();
+        assert_eq!(
+            (&read.name, &read.source, &read.licence, &read.notes),
+            (&arm.name, &arm.source, &arm.licence, &arm.notes)
+        );
+        assert!(pose_distance(&read.base, &arm.base) < 1e-15 && pose_distance(&read.flange, &arm.flange) < 1e-15);
+        assert_eq!(read.joints.len(), arm.joints.len());
+        for (a, b) in read.joints.iter().zip(&arm.joints) {
+            assert_eq!((&a.name, &a.link, a.kind), (&b.name, &b.link, b.kind));
+            assert!(pose_distance(&a.origin, &b.origin) < 1e-15 && (a.axis - b.axis).amax() < 1e-15, "{}", a.name);
+            for k in 0..2 {
+                assert!(same(a.range.map(|range| range[k]), b.range.map(|range| range[k])), "{}", a.name);
+            }
+            let rates =
+                [(a.velocity, b.velocity), (a.acceleration, b.acceleration), (a.jerk, b.jerk), (a.torque, b.torque)];
+            assert!(rates.iter().all(|(a, b)| same(*a, *b)) && same(a.rotor_inertia, b.rotor_inertia), "{}", a.name);
+            for k in 0..3 {
+                assert!(same(a.friction.map(|f| f[k]), b.friction.map(|f| f[k])), "{}", a.name);
+            }
+            let Some((a, b)) = a.inertial.zip(b.inertial) else {
+                assert_eq!(a.inertial.is_some(), b.inertial.is_some());
+                continue;
+            };
+            assert!(close(a.mass(), b.mass()) && (a.centre() - b.centre()).amax() < 1e-15);
+            assert!((a.tensor() - b.tensor()).amax() < 1e-14);
+        }
+    }
 }
 
 #[test]

@@ -162,11 +162,14 @@ fn descriptions_are_checked_by_name() {
     assert!(arm.forward(&Joints::repeat(0.3)).translation.vector.norm() < 1e-15);
 }
 
-/// The table, as a chain again.
-fn from_table<const N: usize>(chain: &Chain<N>) -> Chain<N> {
-    let table = chain.to_dh().unwrap();
-    let again = Chain::from_dh(&table.rows).unwrap().with_base(table.base).unwrap();
-    again.with_flange(again.flange() * table.flange).unwrap()
+/// The standard and the modified table, each as a chain again.
+fn from_tables<const N: usize>(chain: &Chain<N>) -> [Chain<N>; 2] {
+    let (standard, modified) = (chain.to_dh().unwrap(), chain.to_modified_dh().unwrap());
+    [
+        (Chain::from_dh(&standard.rows).unwrap(), standard.base, standard.flange),
+        (Chain::from_modified_dh(&modified.rows).unwrap(), modified.base, modified.flange),
+    ]
+    .map(|(again, base, flange)| again.with_base(base).unwrap().with_flange(again.flange() * flange).unwrap())
 }
 
 #[test]
@@ -174,12 +177,22 @@ fn denavit_hartenberg_tables_give_the_arms_back() {
     let q = Joints::from([0.3, -1.2, 1.1, 0.4, 0.9, -0.3]);
     for name in ["cr7", "ur5e", "kr6_r700_2", "kr6_r700_sixx", "puma560"] {
         let chain = chain::<6>(name);
-        let distance = pose_distance(&from_table(&chain).forward(&q), &chain.forward(&q));
-        assert!(distance < 1e-13, "{name}: {distance:e}");
+        for again in from_tables(&chain) {
+            let distance = pose_distance(&again.forward(&q), &chain.forward(&q));
+            assert!(distance < 1e-13, "{name}: {distance:e}");
+        }
     }
     let panda = chain::<7>("panda");
     let q = Joints::from([0.3, -1.2, 1.1, -0.4, 0.9, -0.3, 0.2]);
-    assert!(pose_distance(&from_table(&panda).forward(&q), &panda.forward(&q)) < 1e-13);
+    for again in from_tables(&panda) {
+        assert!(pose_distance(&again.forward(&q), &panda.forward(&q)) < 1e-13);
+    }
+    // The maker's table is a modified one; ours is the same up to signs that mean the same.
+    let table = models::panda().chain().to_modified_dh().unwrap();
+    let lengths = |f: fn(&arcfeed_kinematics::DhRow) -> f64| table.rows.map(|row| (f(&row).abs() * 1e9).round() / 1e9);
+    assert_eq!(lengths(|row| row.d), [0.333, 0.0, 0.316, 0.0, 0.384, 0.0, 0.107]);
+    assert_eq!(lengths(|row| row.a), [0.0, 0.0, 0.0, 0.0825, 0.0825, 0.0, 0.088]);
+    assert_eq!(lengths(|row| row.alpha / std::f64::consts::FRAC_PI_2), [0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]);
     // The makers' tables come out as they went in, up to signs that mean the same.
     let table = models::cr7().chain().to_dh().unwrap();
     let lengths = |f: fn(&arcfeed_kinematics::DhRow) -> f64| table.rows.map(|row| (f(&row) * 1e9).round() / 1e9);
@@ -193,6 +206,28 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
     #[test]
+    fn the_pose_is_the_product_of_the_frames(
+        numbers in prop::collection::vec(-1.0..1.0, 54), quarters in prop::array::uniform5(0_u8..4),
+        kinds in prop::array::uniform5(any::<bool>()), plain_base in any::<bool>(), q in prop::array::uniform5(-3.0..3.0),
+    ) {
+        // Axes at odd angles and at multiples of a right angle, which are worked out in other ways.
+        let n = |k: usize| Vector3::new(numbers[k], numbers[k + 1], numbers[k + 2]);
+        let joints: [Joint; 5] = std::array::from_fn(|i| {
+            let turn = if numbers[6 * i] > 0.0 { n(6 * i) } else { Vector3::x() * (f64::from(quarters[i]) * std::f64::consts::FRAC_PI_2) };
+            let origin = Isometry3::new(n(6 * i + 3), turn);
+            if kinds[i] { Joint::revolute(origin, Vector3::z()) } else { Joint::prismatic(origin, n(3 * i + 36)) }.unwrap()
+        });
+        let base = if plain_base { Isometry3::identity() } else { Isometry3::new(n(30), n(33)) };
+        let (flange, tool) = (Isometry3::new(n(36), n(39)), Isometry3::new(n(42), n(45)));
+        let chain = Chain::new(joints).unwrap().with_base(base).unwrap().with_flange(flange).unwrap().with_tool(tool).unwrap();
+        let moved = joints.iter().zip(q).fold(base, |at, (joint, q)| at * joint.origin() * joint.motion(q));
+        let (expected, q) = (moved * flange * tool, Joints::from(q));
+        prop_assert!(pose_distance(&chain.forward(&q), &expected) < 1e-14);
+        prop_assert!(pose_distance(&chain.configuration(&q).pose(), &expected) < 1e-14);
+        prop_assert!((chain.forward(&q).rotation.norm() - 1.0).abs() < 1e-14);
+    }
+
+    #[test]
     fn any_chain_has_a_table(numbers in prop::collection::vec(-1.0..1.0, 36), kinds in prop::array::uniform4(any::<bool>()), q in prop::array::uniform4(-3.0..3.0)) {
         let n = |k: usize| Vector3::new(numbers[k], numbers[k + 1], numbers[k + 2]);
         let joints = std::array::from_fn(|i| {
@@ -203,7 +238,11 @@ proptest! {
         let chain = Chain::<4>::new(joints).unwrap().with_base(Isometry3::new(n(5), n(7))).unwrap().with_flange(Isometry3::new(n(1), n(2))).unwrap();
         let q = Joints::<4>::from(q);
         match chain.to_dh() {
-            Ok(_) => prop_assert!(pose_distance(&from_table(&chain).forward(&q), &chain.forward(&q)) < 1e-8),
+            Ok(_) => {
+                for again in from_tables(&chain) {
+                    prop_assert!(pose_distance(&again.forward(&q), &chain.forward(&q)) < 1e-8);
+                }
+            }
             Err(error) => {
                 let refused = matches!(error, KinematicsError::NoDhForm { .. });
                 prop_assert!(refused, "{error}");

@@ -1,0 +1,337 @@
+//! Singular poses near given joint values, for arms of any geometry.
+//!
+//! J is singular where its smallest singular value is 0. With J = U S V^T, s the weakest singular vector on the shorter
+//! side of J (joints for up to six joints, tool for more) and l_i those on the longer side that the other singular values
+//! leave over, that is where all c_i = s^T J l_i vanish: |N - 6| + 1 conditions. The nearest such pose solves
+//! min |x - q|^2 subject to c(x) = 0, step by step with c replaced by its tangent at the step before,
+//! `x = q + G^+ (G (p - q) - c)` (Hasofer, Lind, Rackwitz, Fiessler; G the gradients of c at p).
+
+use crate::{
+    chain::Chain,
+    jacobian::{Configuration, Jacobian, Twist},
+    joint::{JointKind, JointRange, Joints},
+    lu::solve_positive,
+    singularity::{SingularityKind, dot, orthogonalise},
+    traits::ForwardKinematics,
+};
+use nalgebra::Vector3;
+
+/// Smallest singular value, relative to the largest, that counts as 0.
+const SINGULAR: f64 = 1e-9;
+/// Steps of one search.
+const STEPS: usize = 40;
+/// Of these, the first ones look for the nearest pose; the others only for a singular one.
+const NEAREST_STEPS: usize = 30;
+/// Conditions that are kept: enough for arms of up to 13 joints.
+const MOST_CONDITIONS: usize = 8;
+/// Largest change of a joint in a step, rad (m).
+const LARGEST_STEP: f64 = 0.5;
+/// How far and in how many steps each way searches look along each joint for a place to start from.
+const LOOK: f64 = std::f64::consts::PI;
+const LOOKS: i32 = 12;
+
+/// The motion at which the tool moves least: J `joints` = `sigma` `tool`, both of unit length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WeakestMotion<const N: usize> {
+    /// Smallest singular value of the Jacobian.
+    pub sigma: f64,
+    /// Joint rates of norm 1; of redundant joints those without self-motion.
+    pub joints: Joints<N>,
+    /// The direction in which the tool then moves: at a singular pose, the one it has lost.
+    pub tool: Twist,
+}
+
+/// A singular pose near given joint values.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SingularPose<const N: usize> {
+    /// Its joint values, inside the joint range.
+    pub q: Joints<N>,
+    /// |q - given q|, rad (sliding joints: m): no less than the distance from the nearest singular pose of all.
+    pub distance: f64,
+    /// The direction in which the tool cannot move there.
+    pub lost: Twist,
+    /// What it is, where geometry tells. Wrist: the last three axes are parallel to one plane. Of the others with six
+    /// joints, those whose cancelling motions have a part of joint 1 are at the shoulder, the rest at the elbow. With more
+    /// joints, shoulder: the first three axes are parallel to one plane; elbow: what is lost is the motion along the line
+    /// from shoulder to wrist. None for fewer than six joints, sliding joints and what is nothing of these.
+    pub kind: Option<SingularityKind>,
+}
+
+/// The weakest motion of an arm at one place: smallest singular value with its two directions.
+///
+/// ```
+/// use arcfeed_kinematics::{ForwardKinematics, Joints, models, weakest_motion};
+/// let arm = models::panda();
+/// let jacobian = arm.jacobian(&Joints::<7>::from([0.1, -0.4, 0.2, -2.0, 0.1, 1.6, 0.7]));
+/// let weakest = weakest_motion(&jacobian);
+/// assert!((jacobian * weakest.joints - weakest.tool * weakest.sigma).norm() < 1e-14);
+/// ```
+pub fn weakest_motion<const N: usize>(jacobian: &Jacobian<N>) -> WeakestMotion<N> {
+    let Weak { sigma, pairs, .. } = Weak::new(jacobian);
+    let (tool, joints) = pairs[0];
+    WeakestMotion { sigma, joints, tool }
+}
+
+/// The weakest singular vectors: of the tool and of the joints. On the shorter side of J there is one, the same in all
+/// pairs, on the longer one those that the other singular values leave over, the weakest first.
+struct Weak<const N: usize> {
+    sigma: f64,
+    largest: f64,
+    pairs: [(Twist, Joints<N>); MOST_CONDITIONS],
+    count: usize,
+}
+
+impl<const N: usize> Weak<N> {
+    fn new(jacobian: &Jacobian<N>) -> Self {
+        let mut pairs = [(Twist::zeros(), Joints::zeros()); MOST_CONDITIONS];
+        if N <= 6 {
+            let mut columns: [[f64; 6]; N] = std::array::from_fn(|c| std::array::from_fn(|r| jacobian[(r, c)]));
+            let (sigma, largest, joints, tools, count) = split(&mut columns);
+            pairs.iter_mut().zip(tools).for_each(|(pair, tool)| *pair = (tool.into(), joints.into()));
+            Self { sigma, largest, pairs, count }
+        } else {
+            let mut rows: [[f64; N]; 6] = std::array::from_fn(|r| std::array::from_fn(|c| jacobian[(r, c)]));
+            let (sigma, largest, tool, joints, count) = split(&mut rows);
+            pairs.iter_mut().zip(joints).for_each(|(pair, joints)| *pair = (tool.into(), joints.into()));
+            Self { sigma, largest, pairs, count: count.min(MOST_CONDITIONS) }
+        }
+    }
+}
+
+/// Least and largest singular value of `K` vectors of length `D`, the combination of the vectors that is least, and what
+/// the other `K` - 1 combinations leave over of the space.
+fn split<const D: usize, const K: usize>(vectors: &mut [[f64; D]; K]) -> (f64, f64, [f64; K], [[f64; D]; D], usize) {
+    let mut basis: [[f64; K]; K] = std::array::from_fn(|i| std::array::from_fn(|k| f64::from(u8::from(i == k))));
+    orthogonalise(vectors, &mut basis);
+    let lengths = vectors.map(|vector| dot(&vector, &vector).sqrt());
+    let weakest = (0..K).fold(0, |least, i| if lengths[i] < lengths[least] { i } else { least });
+    let largest = lengths.iter().fold(0.0_f64, |most, length| most.max(*length));
+    // An orthonormal basis: the others first, then the weakest unless it is noise, then what is missing.
+    let mut all = [[0.0; D]; D];
+    let mut known = 0;
+    let mut add = |vector: &[f64; D]| {
+        let mut rest = *vector;
+        for _ in 0..2 {
+            for one in &all[..known] {
+                let along = dot(&rest, one);
+                rest.iter_mut().zip(one).for_each(|(r, o)| *r -= along * o);
+            }
+        }
+        let length = dot(&rest, &rest).sqrt();
+        if length > 0.3 * dot(vector, vector).sqrt() && known < D {
+            all[known] = rest.map(|v| v / length);
+            known += 1;
+        }
+        known
+    };
+    let mut others = 0;
+    for i in (0..K).filter(|i| *i != weakest && lengths[*i] > 1e-12 * largest) {
+        others = add(&vectors[i]);
+    }
+    if K > 0 && lengths[weakest] > 1e-9 * largest {
+        add(&vectors[weakest]);
+    }
+    // Of D unit vectors, one at least is at more than 1 / sqrt(D) from any subspace.
+    for k in (0..D).chain(0..D) {
+        add(&std::array::from_fn(|i| f64::from(u8::from(i == k))));
+    }
+    let mut left = [[0.0; D]; D];
+    let count = (D + 1).saturating_sub(K).min(known.saturating_sub(others));
+    left[..count].copy_from_slice(&all[others..others + count]);
+    let (sigma, short) = if K > 0 { (lengths[weakest], basis[weakest]) } else { (0.0, [0.0; K]) };
+    (sigma, largest, short, left, count)
+}
+
+/// The derivatives of `tool`^T J `joints` by the joints, the two held fixed.
+fn gradient<const N: usize>(at: &Configuration<N>, tool: &Twist, joints: &Joints<N>) -> Joints<N> {
+    let (force, moment) = (Vector3::new(tool[0], tool[1], tool[2]), Vector3::new(tool[3], tool[4], tool[5]));
+    let arm = |i: usize| at.axes()[i].cross(&(at.position() - at.points()[i]));
+    Joints::from_fn(|k, _| {
+        let mut sum = 0.0;
+        for j in 0..N {
+            let (zk, zj) = (&at.axes()[k], &at.axes()[j]);
+            sum += joints[j]
+                * match (at.kinds[k], at.kinds[j]) {
+                    (JointKind::Revolute, JointKind::Revolute) if k < j => {
+                        force.dot(&zk.cross(&arm(j))) + moment.dot(&zk.cross(zj))
+                    }
+                    (JointKind::Revolute, JointKind::Revolute) => force.dot(&zj.cross(&arm(k))),
+                    (JointKind::Revolute, JointKind::Prismatic) if k < j => force.dot(&zk.cross(zj)),
+                    (JointKind::Prismatic, JointKind::Revolute) if k > j => force.dot(&zj.cross(zk)),
+                    _ => 0.0,
+                };
+        }
+        sum
+    })
+}
+
+/// The search for singular poses of one arm.
+pub(crate) struct Search<'a, const N: usize> {
+    pub(crate) chain: &'a Chain<N>,
+    pub(crate) range: &'a JointRange<N>,
+    /// Weighs angles against lengths, m/rad.
+    pub(crate) size: f64,
+}
+
+impl<const N: usize> Search<'_, N> {
+    /// The nearest of the singular poses found from `q` and from the places along each joint's motion where the smallest
+    /// singular value is least.
+    pub(crate) fn around(&self, q: &Joints<N>) -> Option<SingularPose<N>> {
+        let mut best = self.from(q, q);
+        let inside = q.zip_zip_map(self.range.lower(), self.range.upper(), f64::clamp);
+        for joint in 0..N {
+            let place = |step: i32| {
+                let mut place = inside;
+                place[joint] += LOOK * f64::from(step) / f64::from(LOOKS);
+                (self.range.lower()[joint] <= place[joint] && place[joint] <= self.range.upper()[joint])
+                    .then_some(place)
+            };
+            let sigma = |step: i32| {
+                place(step).map_or(f64::INFINITY, |place| self.weak(&self.chain.configuration(&place)).sigma)
+            };
+            let mut values = (sigma(-LOOKS - 1), sigma(-LOOKS));
+            for step in -LOOKS..=LOOKS {
+                let next = sigma(step + 1);
+                let least = values.1 <= values.0 && values.1 <= next;
+                if let Some(start) = place(step).filter(|_| least && step != 0) {
+                    let found = self.from(&start, q);
+                    if found.is_some_and(|found| best.is_none_or(|best| found.distance < best.distance)) {
+                        best = found;
+                    }
+                }
+                values = (values.1, next);
+            }
+        }
+        best
+    }
+
+    fn weak(&self, at: &Configuration<N>) -> Weak<N> {
+        let mut jacobian = at.jacobian();
+        jacobian.fixed_rows_mut::<3>(3).scale_mut(self.size);
+        Weak::new(&jacobian)
+    }
+
+    /// The singular pose near `q` that a search from `start` ends at, if it ends at one inside the joint range.
+    pub(crate) fn from(&self, start: &Joints<N>, q: &Joints<N>) -> Option<SingularPose<N>> {
+        if N == 0 || !start.iter().chain(q.iter()).all(|v| v.is_finite()) {
+            return None;
+        }
+        let (lower, upper) = (self.range.lower(), self.range.upper());
+        // What the distance is measured from; joints that the search drives out of their range are held at its end.
+        let mut centre = q.zip_zip_map(lower, upper, f64::clamp);
+        let mut held = [false; N];
+        let mut p = start.zip_zip_map(lower, upper, f64::clamp);
+        for step in 0..STEPS {
+            let at = self.chain.configuration(&p);
+            let weak = self.weak(&at);
+            let singular = weak.sigma <= SINGULAR * weak.largest;
+            if singular && step >= NEAREST_STEPS {
+                return Some(self.found(&p, q));
+            }
+            // Normal equations of G, and of G (p - centre) - c.
+            let (mut square, mut right) = ([[0.0; N]; N], [0.0; N]);
+            let from = if step < NEAREST_STEPS { centre } else { p };
+            for (tool, joints) in &weak.pairs[..weak.count] {
+                let mut weight = *tool;
+                weight.fixed_rows_mut::<3>(3).scale_mut(self.size);
+                let mut g = gradient(&at, &weight, joints);
+                (0..N).filter(|i| held[*i]).for_each(|i| g[i] = 0.0);
+                let wanted = g.dot(&(p - from)) - weight.dot(&(at.jacobian() * joints));
+                for r in 0..N {
+                    right[r] += g[r] * wanted;
+                    (0..N).for_each(|c| square[r][c] += g[r] * g[c]);
+                }
+            }
+            let trace: f64 = (0..N).map(|i| square[i][i]).sum();
+            if trace <= 1e-20 * weak.largest * weak.largest {
+                // Singular here and all around, or nowhere to go from here.
+                return singular.then(|| self.found(&p, q));
+            }
+            (0..N).for_each(|i| square[i][i] += 1e-9 * trace);
+            let mut next = from + Joints::from(solve_positive::<N>(square, right)?);
+            let longest = (next - p).amax();
+            if longest > LARGEST_STEP {
+                next = p + (next - p) * (LARGEST_STEP / longest);
+            }
+            for i in 0..N {
+                if !(lower[i] <= next[i] && next[i] <= upper[i]) {
+                    next[i] = next[i].clamp(lower[i], upper[i]);
+                    (centre[i], held[i]) = (next[i], true);
+                }
+            }
+            if singular && (next - p).amax() < 1e-7 {
+                return Some(self.found(&p, q));
+            }
+            p = next;
+        }
+        None
+    }
+
+    fn found(&self, singular: &Joints<N>, q: &Joints<N>) -> SingularPose<N> {
+        let at = self.chain.configuration(singular);
+        let weakest = weakest_motion(&at.jacobian());
+        SingularPose { q: *singular, distance: (singular - q).norm(), lost: weakest.tool, kind: kind(&at, &weakest) }
+    }
+}
+
+/// What makes the arm singular at this singular place.
+fn kind<const N: usize>(at: &Configuration<N>, weakest: &WeakestMotion<N>) -> Option<SingularityKind> {
+    const SMALL: f64 = 1e-6;
+    let (z, o) = (at.axes(), at.points());
+    if N < 6 || at.kinds.contains(&JointKind::Prismatic) {
+        return None;
+    }
+    let flat = |first: usize| z[first].dot(&z[first + 1].cross(&z[first + 2])).abs() < SMALL;
+    if flat(N - 3) {
+        return Some(SingularityKind::Wrist);
+    }
+    if N == 6 {
+        // The joints whose motions cancel: does the first one take part?
+        let first = weakest.joints[0].abs() > SMALL;
+        return Some(if first { SingularityKind::Shoulder } else { SingularityKind::Elbow });
+    }
+    if flat(0) {
+        return Some(SingularityKind::Shoulder);
+    }
+    // From the foot of axis 2 at axis 1 to that of the last but one at the one before.
+    let foot = |on: usize, to: usize| {
+        let across = z[on].cross(&z[to]);
+        let along = (o[to] - o[on]).cross(&z[to]).dot(&across) / across.norm_squared().max(SMALL * SMALL);
+        o[on] + z[on] * along
+    };
+    let arm = foot(N - 2, N - 3) - foot(1, 0);
+    let lost = Vector3::new(weakest.tool[0], weakest.tool[1], weakest.tool[2]);
+    (lost.cross(&arm).norm() < SMALL * arm.norm()).then_some(SingularityKind::Elbow)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Joint;
+    use nalgebra::Isometry3;
+
+    #[test]
+    fn gradients_are_difference_quotients() {
+        let joint = |i: usize| {
+            let k = i as f64;
+            let origin = Isometry3::new(Vector3::new(0.2, 0.1 * k, 0.3), Vector3::new(0.4 * k, 0.3, -0.2 * k));
+            let kind = if i % 3 == 1 { JointKind::Prismatic } else { JointKind::Revolute };
+            Joint::new(origin, Vector3::new(0.1, 0.2 * k, 1.0), kind)
+        };
+        let joints = [0, 1, 2, 3, 4, 5].map(|i| joint(i).expect("an axis"));
+        let arm = Chain::new(joints).expect("finite");
+        let q = Joints::<6>::from([0.3, 0.1, -0.4, 0.8, -0.2, 0.5]);
+        let (tool, motion) =
+            (Twist::from([0.3, -0.2, 0.5, 0.7, -0.4, 0.1]), Joints::from([0.2, 0.5, -0.6, 0.3, 0.4, -0.1]));
+        let slope = gradient(&arm.configuration(&q), &tool, &motion);
+        for i in 0..6 {
+            let at = |step: f64| {
+                let mut moved = q;
+                moved[i] += step;
+                tool.dot(&(arm.jacobian(&moved) * motion))
+            };
+            let quotient = (at(1e-5) - at(-1e-5)) / 2e-5;
+            assert!((slope[i] - quotient).abs() < 1e-9, "{i}: {} {quotient}", slope[i]);
+        }
+    }
+}
