@@ -26,6 +26,7 @@
 //! | `jerk_limited` | those bounds as rows, for the jerk-limited planner |
 //! | `planner` | the way from path to verified plan |
 //! | `speed` | the motion law of a plan, whichever planner made it: [`SpeedLaw`] |
+//! | `schedule` | from pose to pose and through joint way-points, torque included: [`Scheduler`] |
 //! | `sampler`, `trajectory` | setpoints at the control period, without allocation |
 //! | `verify` | the independent check |
 //! | [`parameter`] | Taylor steps, closed-loop steps and the arc-length map behind one trait |
@@ -46,6 +47,7 @@ mod locked;
 pub mod parameter;
 mod planner;
 mod sampler;
+mod schedule;
 mod speed;
 mod trajectory;
 mod verify;
@@ -58,6 +60,10 @@ pub use limits::ToolLimits;
 pub use locked::LockedArm;
 pub use planner::{Plan, Planner, Scan, Timings};
 pub use sampler::Sampler;
+pub use schedule::{
+    ArmMotion, Binding, JointSpline, LimitPoint, LimitUse, RowsNeeded, Schedule, ScheduleCheck, ScheduleLimits,
+    ScheduleParameter, SchedulePath, ScheduleSampler, Scheduler, SpeedPlanner,
+};
 pub use speed::{SpeedCursor, SpeedLaw};
 pub use trajectory::Setpoint;
 pub use verify::{Check, Quantity, Requirement, Verification, verify};
