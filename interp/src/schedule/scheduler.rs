@@ -19,6 +19,9 @@ const INTERVALS: usize = 500;
 /// The most intervals that are taken: a million points of six joints fill a gigabyte.
 const MOST_INTERVALS: usize = 1_000_000;
 
+/// A second attempt does not take a finer grid than this.
+const MOST_FINER: usize = 8000;
+
 /// Which planner finds the speed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
@@ -152,7 +155,8 @@ impl<'a, const N: usize> Scheduler<'a, N> {
         &self.limits
     }
 
-    /// The fastest motion along `path` that `planner` finds.
+    /// The fastest motion along `path` that `planner` finds. Where the jerk-limited planner does not converge, it gets two
+    /// and then four times the intervals.
     ///
     /// # Errors
     /// [`PlanError::OnPath`] where the arm cannot follow, [`PlanError::Feed`] naming place, joint and row where no motion
@@ -162,7 +166,18 @@ impl<'a, const N: usize> Scheduler<'a, N> {
         'a: 'p,
         P: SchedulePath<N>,
     {
-        self.plan_with(path, &planner, planner.needs())
+        let outcome = self.plan_with(path, &planner, planner.needs());
+        if planner != SpeedPlanner::JerkLimited {
+            return outcome;
+        }
+        // What it cannot finish on a coarse grid it can on a finer one.
+        let finer = [2, 4].map(|times| self.intervals * times).into_iter().filter(|n| *n <= MOST_FINER);
+        finer.fold(outcome, |outcome, intervals| match outcome {
+            Err(PlanError::Feed(FeedError::NotConverged { .. })) => {
+                Self { intervals, ..*self }.plan_with(path, &planner, planner.needs())
+            }
+            other => other,
+        })
     }
 
     /// As [`Scheduler::plan`], with a planner of the caller's own and the rows it needs.

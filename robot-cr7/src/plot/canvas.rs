@@ -159,6 +159,12 @@ impl Canvas<'_> {
         self.styled(text, at, 12.0, SOFT_INK, anchor, (false, false))
     }
 
+    /// The title of the page at the height `y`, where a long legend takes the top line.
+    pub fn title(&self, title: &str, y: f64) -> Result<(), io::Error> {
+        let title = clip(title, ((self.width - 40.0) / (1.15 * 0.55 * 17.0)) as usize);
+        self.styled(&title, (20.0, y), 17.0, INK, Anchor::Left, (true, false))
+    }
+
     /// Like [`Canvas::text`], in the colour of limits, for what breaks one.
     pub fn alarm(&self, text: &str, at: (f64, f64), anchor: Anchor) -> Result<(), io::Error> {
         self.styled(text, at, 12.0, LIMIT, anchor, (true, false))
@@ -225,6 +231,19 @@ impl Panel {
             canvas.styled(label, (0.5 * (l + r), b + 34.0), 12.5, INK, Anchor::Middle, (false, false))?;
         }
         canvas.styled(y_label, (l - 58.0, 0.5 * (t + b)), 12.5, INK, Anchor::Middle, (false, true))
+    }
+
+    /// Grid over x, frame, tick labels and label of x alone, for panels whose rows have names.
+    pub fn bare_axes(&self, canvas: &Canvas<'_>, x_label: &str) -> Result<(), io::Error> {
+        let (xs, x_step) = ticks(self.x, ((self.right - self.left) / 110.0) as usize);
+        for &x in &xs {
+            let (px, _) = self.place((x, self.y.0));
+            canvas.line(&[(px, self.top), (px, self.bottom)], Pen::solid(GRID, 1.0))?;
+            canvas.text(&tick_text(x, x_step), (px, self.bottom + 14.0), Anchor::Middle)?;
+        }
+        let (l, r, t, b) = (self.left, self.right, self.top, self.bottom);
+        canvas.line(&[(l, t), (r, t), (r, b), (l, b), (l, t)], Pen::solid(FRAME, 1.0))?;
+        canvas.styled(x_label, (0.5 * (l + r), b + 34.0), 12.5, INK, Anchor::Middle, (false, false))
     }
 
     /// A series over x, thinned to the panel's pixels; it breaks where a value is not finite.
