@@ -21,7 +21,8 @@ fn to(c: &mut Criterion) {
         for planner in [SpeedPlanner::BothEnds, SpeedPlanner::Reachability, SpeedPlanner::Certified] {
             group.bench_function(BenchmarkId::new(planner.name(), intervals), |b| {
                 b.iter(|| {
-                    let motion = arcfeed_geometry::PoseMotion::new(black_box(&from), black_box(&to)).expect("two poses");
+                    let motion =
+                        arcfeed_geometry::PoseMotion::new(black_box(&from), black_box(&to)).expect("two poses");
                     let path = ArmMotion::new(&arm, motion, &near).expect("in reach");
                     let scheduler = Scheduler::new(&arm, limits).expect("limits").with_dynamics(dynamics);
                     let scheduler = scheduler.with_intervals(intervals).expect("a grid");

@@ -2,7 +2,6 @@
 
 use std::fmt::{self, Display, Formatter};
 use std::path::PathBuf;
-use std::time::Instant;
 
 use arcfeed_feedrate::{Quantity, RowSource};
 use arcfeed_geometry::PoseMotion;
@@ -248,9 +247,7 @@ impl<'a, const N: usize> Setting<'a, N> {
             let longest = 2e7 * self.file.period;
             return Err(failed(PlanError::TooLong { duration: schedule.duration(), longest }));
         }
-        let begin = Instant::now();
         let setpoints = sampler.collect::<Result<Vec<_>, _>>().map_err(failed)?;
-        let sampling = begin.elapsed().as_secs_f64();
         let [following, planning] = schedule.timings().map(|t| t.as_secs_f64());
         let mut warnings = self.warnings.clone();
         if check.worst_ratio() > 1.0 + 1e-3 {
@@ -260,7 +257,6 @@ impl<'a, const N: usize> Setting<'a, N> {
                 number((check.worst_ratio() - 1.0) * 100.0)
             ));
         }
-        let _ = sampling;
         let report = ScheduleReport {
             name: self.file.file.display().to_string(),
             robot: self.robot.clone(),
@@ -456,12 +452,12 @@ impl Display for ScheduleReport {
             duration(self.planning_time_s)
         )?;
         limit_table(f, &self.limits)?;
-        writeln!(f, "\n  {} samples checked; a limit binds where it is used to 99.9 %", self.checked_samples)?;
+        writeln!(f, "\n  {:<26}{}", "binds at 99.9 %", format_args!("{} s [{unit}]", self.parameter))?;
         for line in &self.binding {
             let places =
                 line.intervals.iter().map(|[from, to]| format!("{} .. {}", number(from * factor), number(to * factor)));
             let places = places.collect::<Vec<_>>().join(", ");
-            writeln!(f, "  {:<26}{}", line.limit, clip(&format!("{places} {unit}"), WIDTH - 28))?;
+            writeln!(f, "  {:<26}{}", line.limit, clip(&places, WIDTH - 28))?;
         }
         if !(self.warnings.is_empty() && self.files.is_empty()) {
             writeln!(f)?;

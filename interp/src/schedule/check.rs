@@ -148,6 +148,14 @@ impl<P: SchedulePath<N> + ?Sized, const N: usize> Schedule<'_, P, N> {
                 let twist = if tool { self.arm().jacobian(&at.q) * at.qd } else { Default::default() };
                 // At a stop friction is that of the motion: the limit of what comes before or after it.
                 let qd = if state.v > 0.0 { at.qd } else { jet.d1 * f64::MIN_POSITIVE.sqrt() };
+                // Not the place a hair beside an end, but the end.
+                let s = if i == 0 && k == 0 {
+                    s0
+                } else if i == per_interval && k + 1 == knots.len() {
+                    s1
+                } else {
+                    state.p
+                };
                 let values = Values {
                     at: &at,
                     torque: torques.map_or(Joints::zeros(), |d| d.torque(&at.q, &qd, &at.qdd)),
@@ -157,7 +165,7 @@ impl<P: SchedulePath<N> + ?Sized, const N: usize> Schedule<'_, P, N> {
                 samples += 1;
                 for one in &mut watched {
                     // Gaps of an interval or two are the grid's, not the limit's.
-                    one.see(values.of(one.used.source), (state.p, t), at_point, 1.6 * (s1 - s0));
+                    one.see(values.of(one.used.source), (s, t), at_point, 1.6 * (s1 - s0));
                 }
             }
         }

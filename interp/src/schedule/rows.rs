@@ -86,7 +86,10 @@ impl<const N: usize> PathSamples<N> {
                 let torque = |rates: &Joints<N>| {
                     let torque = dynamics.along_path(&jet.q, rates, &jet.d2);
                     // A direction is no speed.
-                    PathTorque { viscous: torque.viscous.zip_map(&jet.d1, |c, d| if d == 0.0 { 0.0 } else { c }), ..torque }
+                    PathTorque {
+                        viscous: torque.viscous.zip_map(&jet.d1, |c, d| if d == 0.0 { 0.0 } else { c }),
+                        ..torque
+                    }
                 };
                 this.torques[0].push(torque(&rates));
                 if rates != rates_before {
@@ -141,10 +144,7 @@ where
 const NEAR: f64 = 0.25;
 
 /// Puts a grid point at every place where a joint turns back; returns these places with the joints, in order.
-fn insert_turns<P, const N: usize>(
-    path: &P,
-    points: &mut Vec<JointJet<N>>,
-) -> Result<Vec<(f64, usize)>, PlanError>
+fn insert_turns<P, const N: usize>(path: &P, points: &mut Vec<JointJet<N>>) -> Result<Vec<(f64, usize)>, PlanError>
 where
     P: SchedulePath<N> + ?Sized,
 {
@@ -196,7 +196,11 @@ where
         if rate == 0.0 || high - low <= 1e-14 * high {
             break;
         }
-        if (rate > 0.0) == (from.d1[joint] > 0.0) { low = s } else { high = s }
+        if (rate > 0.0) == (from.d1[joint] > 0.0) {
+            low = s
+        } else {
+            high = s
+        }
         let newton = s - rate / jet.d2[joint];
         let next = if low < newton && newton < high { newton } else { 0.5 * (low + high) };
         if (next - s).abs() <= 1e-15 * s.abs() {

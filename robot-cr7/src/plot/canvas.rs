@@ -14,6 +14,8 @@ use crate::report::clip;
 
 /// Drawing units a pixel: the backend draws at whole units only, and whole pixels make curves look jagged.
 const UNITS: f64 = 10.0;
+/// The backend measures no text; this many em a letter is a little more than a sans-serif needs on average.
+const LETTER: f64 = 0.55;
 /// The SVG backend divides font sizes by this.
 const FONT_FACTOR: f64 = 1.24;
 
@@ -159,12 +161,6 @@ impl Canvas<'_> {
         self.styled(text, at, 12.0, SOFT_INK, anchor, (false, false))
     }
 
-    /// The title of the page at the height `y`, where a long legend takes the top line.
-    pub fn title(&self, title: &str, y: f64) -> Result<(), io::Error> {
-        let title = clip(title, ((self.width - 40.0) / (1.15 * 0.55 * 17.0)) as usize);
-        self.styled(&title, (20.0, y), 17.0, INK, Anchor::Left, (true, false))
-    }
-
     /// Like [`Canvas::text`], in the colour of limits, for what breaks one.
     pub fn alarm(&self, text: &str, at: (f64, f64), anchor: Anchor) -> Result<(), io::Error> {
         self.styled(text, at, 12.0, LIMIT, anchor, (true, false))
@@ -172,19 +168,33 @@ impl Canvas<'_> {
 
     /// Title, a line of key numbers and a legend, at the top of the page, where they cover no data.
     pub fn header(&self, title: &str, facts: &str, legend: &[(&str, Pen)]) -> Result<(), io::Error> {
-        // The backend measures no text; 0.55 em a letter is a little more than a sans-serif needs on average.
-        let letter = |size: f64| 0.55 * size;
+        let right = self.legend(legend, 24.0)?;
+        self.title(title, facts, right)
+    }
+
+    /// Like [`Canvas::header`], with a legend too long for the line of the title on a line of its own.
+    pub fn tall_header(&self, title: &str, facts: &str, legend: &[(&str, Pen)]) -> Result<(), io::Error> {
+        self.legend(legend, 72.0)?;
+        self.title(title, facts, self.width - 20.0)
+    }
+
+    /// Names beside strokes, up to the right edge; returns where they begin.
+    fn legend(&self, legend: &[(&str, Pen)], y: f64) -> Result<f64, io::Error> {
         let mut right = self.width - 24.0;
         for (name, pen) in legend.iter().rev() {
-            let left = right - letter(12.0) * name.chars().count() as f64;
-            self.styled(name, (left, 24.0), 12.0, INK, Anchor::Left, (false, false))?;
-            let swatch = [(left - 30.0, 24.0), (left - 6.0, 24.0)];
+            let left = right - LETTER * 12.0 * name.chars().count() as f64;
+            self.styled(name, (left, y), 12.0, INK, Anchor::Left, (false, false))?;
+            let swatch = [(left - 30.0, y), (left - 6.0, y)];
             self.line(&swatch, Pen { width: pen.width.max(2.0), ..*pen })?;
             right = left - 48.0;
         }
-        let title = clip(title, ((right - 20.0) / (1.15 * letter(17.0))).max(10.0) as usize);
+        Ok(right)
+    }
+
+    fn title(&self, title: &str, facts: &str, right: f64) -> Result<(), io::Error> {
+        let title = clip(title, ((right - 20.0) / (1.15 * LETTER * 17.0)).max(10.0) as usize);
         self.styled(&title, (20.0, 24.0), 17.0, INK, Anchor::Left, (true, false))?;
-        let facts = clip(facts, ((self.width - 40.0) / letter(12.5)) as usize);
+        let facts = clip(facts, ((self.width - 40.0) / (LETTER * 12.5)) as usize);
         self.styled(&facts, (20.0, 47.0), 12.5, SOFT_INK, Anchor::Left, (false, false))
     }
 }

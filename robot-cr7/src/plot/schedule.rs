@@ -34,8 +34,7 @@ pub fn speed_picture(figure: &SpeedFigure) -> Result<String, io::Error> {
             figure.speeds.iter().enumerate().map(|(i, (name, _))| (name.as_str(), pen(i))).collect();
         legend.push(("limit at constant speed", constant));
         legend.push(("maximum velocity curve", over));
-        canvas.header("", &figure.facts, &legend)?;
-        canvas.title(&figure.title, 74.0)?;
+        canvas.tall_header(&figure.title, &figure.facts, &legend)?;
         let panel = Panel { left, right: RIGHT, top: 92.0, bottom: 374.0, x, y: (0.0, top) };
         panel.shade_above(canvas, &ceiling, LIMIT)?;
         panel.axes(canvas, None, &figure.y_label)?;
@@ -74,8 +73,7 @@ pub fn shares_picture(figure: &ShareFigure) -> Result<String, io::Error> {
         let names: Vec<String> = (1..=joints).map(|j| format!("J{j}")).collect();
         let pen = |j: usize| Pen::solid(PALETTE[j % 6], 1.5);
         let legend: Vec<_> = names.iter().enumerate().map(|(j, name)| (name.as_str(), pen(j))).collect();
-        canvas.header("", &figure.facts, &legend)?;
-        canvas.title(&figure.title, 74.0)?;
+        canvas.tall_header(&figure.title, &figure.facts, &legend)?;
         for (i, panel) in figure.panels.iter().enumerate() {
             let at = top + pitch * i as f64;
             let most = range(panel.joints.iter().flatten().map(|p| p.1.abs())).1.max(1.0);
@@ -118,8 +116,7 @@ pub fn joint_panels_picture(figure: &JointFigure) -> Result<String, io::Error> {
         let pen = |i: usize| Pen::solid(colours[i % 3], if i == 0 { 1.6 } else { 1.3 });
         let mut legend: Vec<_> = figure.names.iter().enumerate().map(|(i, n)| (n.as_str(), pen(i))).collect();
         legend.push(("limit", Pen::dashed(LIMIT, 1.4)));
-        canvas.header("", &figure.facts, &legend)?;
-        canvas.title(&figure.title, 74.0)?;
+        canvas.tall_header(&figure.title, &figure.facts, &legend)?;
         let half = 0.5 * (RIGHT - LEFT - 74.0);
         for (j, (limit, lines)) in figure.joints.iter().enumerate() {
             let at = top + pitch * (j / 2) as f64;
