@@ -3,7 +3,7 @@
 use arcfeed_feedrate::{Quantity, RowSource};
 use arcfeed_kinematics::Joints;
 
-use super::plan::{Schedule, setpoint};
+use super::plan::{Schedule, creeping, setpoint};
 use super::{ScheduleLimits, SchedulePath};
 use crate::error::PlanError;
 use crate::limits::positive;
@@ -147,7 +147,7 @@ impl<P: SchedulePath<N> + ?Sized, const N: usize> Schedule<'_, P, N> {
                 let at = setpoint(t, &state, &jet, self.arm());
                 let twist = if tool { self.arm().jacobian(&at.q) * at.qd } else { Default::default() };
                 // At a stop friction is that of the motion: the limit of what comes before or after it.
-                let qd = if state.v > 0.0 { at.qd } else { jet.d1 * f64::MIN_POSITIVE.sqrt() };
+                let qd = if state.v > 0.0 { at.qd } else { creeping(&jet.d1) };
                 // Not the place a hair beside an end, but the end.
                 let s = if i == 0 && k == 0 {
                     s0

@@ -141,9 +141,15 @@ impl<'p, P: SchedulePath<N> + ?Sized, const N: usize> Schedule<'p, P, N> {
         })
     }
 
-    /// Torques of the drives at a setpoint, N m; none without dynamics.
+    /// Torques of the drives at a setpoint, N m; none without dynamics. At a stop friction is taken in the direction of the
+    /// motion before or after it, where in truth it may be anything between that and its opposite.
     pub fn torque(&self, at: &Setpoint<N>) -> Option<Joints<N>> {
-        Some(self.dynamics()?.torque(&at.q, &at.qd, &at.qdd))
+        let dynamics = self.dynamics()?;
+        if at.feed > 0.0 {
+            return Some(dynamics.torque(&at.q, &at.qd, &at.qdd));
+        }
+        let i = self.nodes.partition_point(|jet| jet.s < at.s).min(self.nodes.len() - 1);
+        Some(dynamics.torque(&at.q, &creeping(&self.nodes[i].d1), &at.qdd))
     }
 
     pub(super) fn dynamics(&self) -> Option<&'p dyn Dynamics<N>> {
@@ -153,6 +159,11 @@ impl<'p, P: SchedulePath<N> + ?Sized, const N: usize> Schedule<'p, P, N> {
     pub(super) fn arm(&self) -> &'p dyn ForwardKinematics<N> {
         self.scheduler.arm
     }
+}
+
+/// Joint velocities that have a direction and no size.
+pub(super) fn creeping<const N: usize>(d1: &Joints<N>) -> Joints<N> {
+    d1 * f64::MIN_POSITIVE.sqrt()
 }
 
 /// The greatest speed up to which a row holds at constant speed; 0 where it does not hold at rest.

@@ -108,7 +108,7 @@ pub fn shares_picture(figure: &ShareFigure) -> Result<String, io::Error> {
 /// # Errors
 /// When the drawing library fails.
 pub fn joint_panels_picture(figure: &JointFigure) -> Result<String, io::Error> {
-    let (top, pitch, height) = (98.0, 168.0, 118.0);
+    let (top, pitch, height) = (104.0, 182.0, 124.0);
     let x = range(figure.joints.iter().flat_map(|(_, lines)| lines.iter().flatten()).map(|p| p.0));
     let rows = figure.joints.len().div_ceil(2);
     page(WIDTH, (top + pitch * rows as f64 + 18.0) as u32, |canvas| {

@@ -16,14 +16,14 @@ use crate::schedule_run::binding_bars;
 use crate::toml_check::rotation;
 
 /// The grid of the plans whose places are compared: fine enough for three digits.
-const FINE: usize = 1000;
+const FINE: usize = 500;
 /// The grid of the plans whose violations and cost are shown; the paper does not state its own.
 const COARSE: usize = 100;
 /// Dense samples in every interval.
 const SAMPLES: usize = 20;
 /// Round-off at the grid points, relative.
 const ROUNDING: f64 = 1e-9;
-/// What may be left between the grid points of a certified plan at 1000 intervals: the inverse kinematics is no
+/// What may be left between the grid points of a certified plan at 500 intervals: the inverse kinematics is no
 /// polynomial, and the error of its interpolation falls with the third power of the interval.
 const BETWEEN: f64 = 1e-5;
 /// Jerk limit of the motion that the paper does not have, rad/s^3.
@@ -149,7 +149,7 @@ fn table_1(r: &mut Reproduction, limits: &ScheduleLimits<6>) {
     for (what, ours, paper) in rows {
         let ours = ours.as_ref().map_or(String::new(), list);
         let same = ours == paper;
-        r.add(PLACE, format!("{what}: {paper}"), "", if same { "the same" } else { "another" }).guaranteed(same);
+        r.add(PLACE, what, "as below", if same { "the same" } else { "other" }).guaranteed(same).note(ours);
     }
 }
 
@@ -309,7 +309,7 @@ fn clamps(schedule: &Planned<'_>) -> Vec<(f64, f64)> {
 /// By how much the published scan breaks the limits, and that the others do not.
 fn violations(r: &mut Reproduction, place: &str, case: &Case<'_>) -> Result<(), Broken> {
     let at_points = |check: &ScheduleCheck| check.uses.iter().map(|u| u.ratio_at_points).fold(0.0, f64::max);
-    let percent = |ratio: f64| format!("{:+.3} %", (ratio - 1.0) * 100.0);
+    let percent = |ratio: f64| format!("{:+.4} %", (ratio - 1.0) * 100.0);
     let (_, check) = case.plan(SpeedPlanner::Published, COARSE)?;
     let worst = check.worst().map_or(String::new(), |w| w.source.to_string());
     r.add(place, format!("published scan, N = {COARSE}: worst excess"), "none", percent(check.worst_ratio()))
@@ -380,7 +380,7 @@ fn draw(figures: &mut ScheduleFigures, case: &Case<'_>, name: &str, files: [&str
         figures.joints.push(JointFigure {
             file: format!("{file}_{}.svg", what.replace(' ', "_")),
             title: format!("Figure {}: {what}, {name}", file.trim_start_matches("figure_")),
-            facts: "setpoints every millisecond; beside each panel the peak of the certified plan and the limit"
+            facts: "setpoints every millisecond; above each panel the peak of the certified plan and the limit"
                 .to_owned(),
             unit,
             names: vec!["certified".to_owned(), "published scan".to_owned()],
