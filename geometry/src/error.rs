@@ -300,4 +300,26 @@ pub enum GeometryError {
         /// Angle of the corner, rad.
         angle: f64,
     },
+    /// A pose is not one.
+    #[error(
+        "the {what} pose has a sum of coordinates of {place} and a quaternion of norm {norm}: coordinates have to be finite and quaternions of unit length"
+    )]
+    PoseNotFinite {
+        /// Which pose.
+        what: &'static str,
+        /// Sum of its coordinates, m.
+        place: f64,
+        /// Norm of its quaternion.
+        norm: f64,
+    },
+    /// A motion goes nowhere.
+    #[error(
+        "start and goal are the same pose (they differ by {distance:e} m and {angle:e} rad, at least 1e-9 of one is needed): drop the motion, or move the goal"
+    )]
+    SamePose {
+        /// Distance of the tool points, m.
+        distance: f64,
+        /// Angle between the orientations, rad.
+        angle: f64,
+    },
 }

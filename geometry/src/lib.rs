@@ -22,6 +22,7 @@
 //! | point and derivatives by arc length | [`ArcLengthCurve`] |
 //! | the tool's orientation | [`OrientationPath`]: constant, from pose to pose, through keys, along the tangent |
 //! | the tool's pose and derivatives by arc length | [`PosePath`] |
+//! | the tool's way from pose to pose, turning on the spot included | [`PoseMotion`] |
 //!
 //! # Units and conventions
 //!
@@ -70,6 +71,7 @@ mod knots;
 mod nurbs;
 mod nurbs_edit;
 mod orientation;
+mod pose_motion;
 mod pose_path;
 mod quadrature;
 mod segmentation;
@@ -87,6 +89,7 @@ pub use fit::{Fit, Spacing};
 pub use knots::KnotVector;
 pub use nurbs::NurbsCurve;
 pub use orientation::{Heading, OrientationJet, OrientationPath, Through};
+pub use pose_motion::{MotionType, PathParameter, PoseMotion};
 pub use pose_path::{PoseJet, PosePath};
 pub use quadrature::{adaptive_gauss_legendre, gauss_legendre};
 pub use segmentation::{MAX_SEGMENTS, Segmentation, SegmentationMethod};

@@ -5,6 +5,8 @@ use arcfeed_geometry::GeometryError;
 use arcfeed_kinematics::{Joints, KinematicsError};
 use thiserror::Error;
 
+use crate::schedule::ScheduleParameter;
+
 /// Everything that can go wrong between a tool path and a joint trajectory.
 ///
 /// Errors of the lower crates are wrapped with the place on the path where they happened. Joints count from 0 in the
@@ -75,6 +77,67 @@ pub enum PlanError {
         duration: f64,
         /// Longest duration that is verified at the control period, s.
         longest: f64,
+    },
+    /// The arm cannot stand at a place of a scheduled motion, or would have to jump there.
+    #[error("at s = {s:.6} {} ({parameter}): {source}", parameter.unit())]
+    OnPath {
+        /// Value of the parameter.
+        s: f64,
+        /// What the parameter measures.
+        parameter: ScheduleParameter,
+        /// What the arm says.
+        source: KinematicsError,
+    },
+    /// A limit of a joint is unusable.
+    #[error("limits: {0}")]
+    JointLimit(KinematicsError),
+    /// Something that a schedule needs is not given.
+    #[error("{needed} is needed for {purpose}: {remedy}")]
+    Missing {
+        /// What is missing.
+        needed: &'static str,
+        /// For what.
+        purpose: &'static str,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// The grid of a schedule is too coarse or too fine.
+    #[error("{intervals} intervals: a schedule takes 4 to {most}; 200 to 2000 are usual")]
+    Intervals {
+        /// Intervals asked for.
+        intervals: usize,
+        /// The most that are taken.
+        most: usize,
+    },
+    /// A path through joint way-points needs two of them.
+    #[error("{count} way-points: a path needs two at least")]
+    TooFewWaypoints {
+        /// How many there are.
+        count: usize,
+    },
+    /// A joint way-point cannot be used.
+    #[error("way-point {} {problem}", index + 1)]
+    Waypoint {
+        /// Index of the way-point, from 0.
+        index: usize,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// The spline through joint way-points leaves the range of a joint.
+    #[error("at s = {s:.6} rad, between way-points {} and {}, joint {} goes to {value:.4} rad, outside its range [{lower:.4}, {upper:.4}]: add a way-point there, or move the way-points", after + 1, after + 2, joint + 1)]
+    SplineRange {
+        /// Value of the parameter.
+        s: f64,
+        /// Index of the way-point before that place, from 0.
+        after: usize,
+        /// The joint, from 0.
+        joint: usize,
+        /// Where it would go, rad.
+        value: f64,
+        /// Lower end of its range, rad.
+        lower: f64,
+        /// Upper end of its range, rad.
+        upper: f64,
     },
     /// The shape of the path cannot be used.
     #[error(transparent)]

@@ -26,6 +26,7 @@
 //! | `jerk_limited` | those bounds as rows, for the jerk-limited planner |
 //! | `planner` | the way from path to verified plan |
 //! | `speed` | the motion law of a plan, whichever planner made it: [`SpeedLaw`] |
+//! | `schedule` | from pose to pose and through joint way-points, torque included: [`Scheduler`] |
 //! | `sampler`, `trajectory` | setpoints at the control period, without allocation |
 //! | `verify` | the independent check |
 //! | `live_path`, `hybrid` | motion that is changed, left and resumed while it runs: [`LivePath`], [`HybridMotion`] |
@@ -50,6 +51,7 @@ mod locked;
 pub mod parameter;
 mod planner;
 mod sampler;
+mod schedule;
 mod singular;
 mod speed;
 mod trajectory;
@@ -65,6 +67,10 @@ pub use live_path::LivePath;
 pub use locked::LockedArm;
 pub use planner::{Plan, Planner, Scan, Timings};
 pub use sampler::Sampler;
+pub use schedule::{
+    ArmMotion, Binding, JointSpline, LimitPoint, LimitUse, RowsNeeded, Schedule, ScheduleCheck, ScheduleLimits,
+    ScheduleParameter, SchedulePath, ScheduleSampler, Scheduler, SpeedPlanner,
+};
 pub use singular::{Detour, LiveRoute, SingularityPolicy, Stretch, Trouble};
 pub use speed::{SpeedCursor, SpeedLaw};
 pub use trajectory::Setpoint;

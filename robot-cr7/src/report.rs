@@ -320,7 +320,7 @@ pub(crate) fn percent(ratio: f64) -> String {
 }
 
 /// A time in the unit that suits it.
-fn duration(seconds: f64) -> String {
+pub(crate) fn duration(seconds: f64) -> String {
     match seconds {
         s if s < 1e-3 => format!("{} us", number((s * 1e7).round() / 10.0)),
         s if s < 1.0 => format!("{} ms", number((s * 1e5).round() / 100.0)),

@@ -1,8 +1,10 @@
 //! A paper's claims beside what this library measures, with the guarantees that must hold.
 
 mod hs;
+mod qb;
 
 pub use hs::liu_2024;
+pub use qb::{ScheduleFigures, huang_2025};
 
 use std::fmt;
 use std::time::Instant;

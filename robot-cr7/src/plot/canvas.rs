@@ -14,6 +14,8 @@ use crate::report::clip;
 
 /// Drawing units a pixel: the backend draws at whole units only, and whole pixels make curves look jagged.
 const UNITS: f64 = 10.0;
+/// The backend measures no text; this many em a letter is a little more than a sans-serif needs on average.
+const LETTER: f64 = 0.55;
 /// The SVG backend divides font sizes by this.
 const FONT_FACTOR: f64 = 1.24;
 
@@ -166,19 +168,33 @@ impl Canvas<'_> {
 
     /// Title, a line of key numbers and a legend, at the top of the page, where they cover no data.
     pub fn header(&self, title: &str, facts: &str, legend: &[(&str, Pen)]) -> Result<(), io::Error> {
-        // The backend measures no text; 0.55 em a letter is a little more than a sans-serif needs on average.
-        let letter = |size: f64| 0.55 * size;
+        let right = self.legend(legend, 24.0)?;
+        self.title(title, facts, right)
+    }
+
+    /// Like [`Canvas::header`], with a legend too long for the line of the title on a line of its own.
+    pub fn tall_header(&self, title: &str, facts: &str, legend: &[(&str, Pen)]) -> Result<(), io::Error> {
+        self.legend(legend, 72.0)?;
+        self.title(title, facts, self.width - 20.0)
+    }
+
+    /// Names beside strokes, up to the right edge; returns where they begin.
+    fn legend(&self, legend: &[(&str, Pen)], y: f64) -> Result<f64, io::Error> {
         let mut right = self.width - 24.0;
         for (name, pen) in legend.iter().rev() {
-            let left = right - letter(12.0) * name.chars().count() as f64;
-            self.styled(name, (left, 24.0), 12.0, INK, Anchor::Left, (false, false))?;
-            let swatch = [(left - 30.0, 24.0), (left - 6.0, 24.0)];
+            let left = right - LETTER * 12.0 * name.chars().count() as f64;
+            self.styled(name, (left, y), 12.0, INK, Anchor::Left, (false, false))?;
+            let swatch = [(left - 30.0, y), (left - 6.0, y)];
             self.line(&swatch, Pen { width: pen.width.max(2.0), ..*pen })?;
             right = left - 48.0;
         }
-        let title = clip(title, ((right - 20.0) / (1.15 * letter(17.0))).max(10.0) as usize);
+        Ok(right)
+    }
+
+    fn title(&self, title: &str, facts: &str, right: f64) -> Result<(), io::Error> {
+        let title = clip(title, ((right - 20.0) / (1.15 * LETTER * 17.0)).max(10.0) as usize);
         self.styled(&title, (20.0, 24.0), 17.0, INK, Anchor::Left, (true, false))?;
-        let facts = clip(facts, ((self.width - 40.0) / letter(12.5)) as usize);
+        let facts = clip(facts, ((self.width - 40.0) / (LETTER * 12.5)) as usize);
         self.styled(&facts, (20.0, 47.0), 12.5, SOFT_INK, Anchor::Left, (false, false))
     }
 }
@@ -225,6 +241,19 @@ impl Panel {
             canvas.styled(label, (0.5 * (l + r), b + 34.0), 12.5, INK, Anchor::Middle, (false, false))?;
         }
         canvas.styled(y_label, (l - 58.0, 0.5 * (t + b)), 12.5, INK, Anchor::Middle, (false, true))
+    }
+
+    /// Grid over x, frame, tick labels and label of x alone, for panels whose rows have names.
+    pub fn bare_axes(&self, canvas: &Canvas<'_>, x_label: &str) -> Result<(), io::Error> {
+        let (xs, x_step) = ticks(self.x, ((self.right - self.left) / 110.0) as usize);
+        for &x in &xs {
+            let (px, _) = self.place((x, self.y.0));
+            canvas.line(&[(px, self.top), (px, self.bottom)], Pen::solid(GRID, 1.0))?;
+            canvas.text(&tick_text(x, x_step), (px, self.bottom + 14.0), Anchor::Middle)?;
+        }
+        let (l, r, t, b) = (self.left, self.right, self.top, self.bottom);
+        canvas.line(&[(l, t), (r, t), (r, b), (l, b), (l, t)], Pen::solid(FRAME, 1.0))?;
+        canvas.styled(x_label, (0.5 * (l + r), b + 34.0), 12.5, INK, Anchor::Middle, (false, false))
     }
 
     /// A series over x, thinned to the panel's pixels; it breaks where a value is not finite.

@@ -5,12 +5,15 @@
 
 mod canvas;
 mod decimate;
+mod schedule;
 
 use std::io;
 use std::path::Path;
 
 use crate::error::InputError;
 use crate::report::{number, percent};
+pub use schedule::{joint_panels_picture, shares_picture, speed_picture};
+
 use canvas::{Anchor, LIMIT, PALETTE, Panel, Pen, page, range, widened};
 
 const WIDTH: u32 = 1080;

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use robot_cr7::InputError;
-use robot_cr7::plot::{Line, lines_picture, save_picture};
-use robot_cr7::reproduce::{Figure, Reproduction, liu_2023, liu_2024};
+use robot_cr7::plot::{Line, joint_panels_picture, lines_picture, save_picture, speed_picture};
+use robot_cr7::reproduce::{Figure, Reproduction, ScheduleFigures, huang_2025, liu_2023, liu_2024};
 
 use crate::Failure;
 use crate::output::{say, say_as_is};
@@ -16,11 +16,12 @@ use crate::plan::spinner;
 #[command(after_help = "Examples:
   cr7 reproduce pn                         tables 1 and 2 and the segment counts, beside ours
   cr7 reproduce hs --out figures           tables 3, 4, 5 and 7, and figures 5, 7, 9 and 13 drawn anew
+  cr7 reproduce qb --out figures           tables 1 to 3, and figures 2 to 9 drawn anew
   cr7 reproduce pn --json")]
 pub struct Args {
     /// Which paper
     paper: Paper,
-    /// Draw the figures into this folder (hs has some, pn has none)
+    /// Draw the figures into this folder (hs and qb have some, pn has none)
     #[arg(long)]
     out: Option<PathBuf>,
     /// Print one JSON object
@@ -34,16 +35,32 @@ enum Paper {
     Pn,
     /// Liu et al. 2024, online trajectories in task and joint space (Actuators 13, 108)
     Hs,
+    /// Huang, Wong, Cheng 2025, velocity scheduling between poses (Electronics 14, 3869)
+    Qb,
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
     let bar = spinner("reproducing");
-    let (reproduction, figures): (Reproduction, Vec<Figure>) = match args.paper {
-        Paper::Pn => (liu_2023()?, Vec::new()),
-        Paper::Hs => liu_2024(),
+    let (mut figures, mut schedules) = (Vec::new(), ScheduleFigures::default());
+    let reproduction: Reproduction = match args.paper {
+        Paper::Pn => liu_2023()?,
+        Paper::Hs => {
+            let (reproduction, drawn) = liu_2024();
+            figures = drawn;
+            reproduction
+        }
+        Paper::Qb => {
+            let (reproduction, drawn) = huang_2025();
+            schedules = drawn;
+            reproduction
+        }
     };
     let files = match &args.out {
-        Some(out) => draw(out, &figures)?,
+        Some(out) => {
+            let mut files = draw(out, &figures)?;
+            files.extend(draw_schedules(out, &schedules)?);
+            files
+        }
         None => Vec::new(),
     };
     bar.finish_and_clear();
@@ -70,6 +87,19 @@ fn draw(out: &Path, figures: &[Figure]) -> Result<Vec<PathBuf>, Failure> {
             figure.lines.iter().map(|line| Line { name: &line.name, points: &line.points }).collect();
         let svg = lines_picture(figure.title, &figure.facts, ("time t [s]", figure.label), &lines, &[])
             .map_err(|source| InputError::Write { file: file.clone(), source })?;
+        save_picture(&file, &svg)?;
+        files.push(file);
+    }
+    Ok(files)
+}
+
+fn draw_schedules(out: &Path, figures: &ScheduleFigures) -> Result<Vec<PathBuf>, Failure> {
+    let speeds = figures.speeds.iter().map(|figure| (&figure.file, speed_picture(figure)));
+    let joints = figures.joints.iter().map(|figure| (&figure.file, joint_panels_picture(figure)));
+    let mut files = Vec::new();
+    for (name, svg) in speeds.chain(joints) {
+        let file = out.join(name);
+        let svg = svg.map_err(|source| InputError::Write { file: file.clone(), source })?;
         save_picture(&file, &svg)?;
         files.push(file);
     }

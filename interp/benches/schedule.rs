@@ -1,0 +1,51 @@
+//! What scheduling between poses costs, from two poses to a plan: the composite motion of Table 3 of Electronics 2025, 14,
+//! 3869 under velocity, acceleration and torque limits (the paper: 5.63 ms, grid not stated).
+#![allow(missing_docs)]
+use std::hint::black_box;
+
+use arcfeed_interp::{ArmMotion, ScheduleLimits, Scheduler, SpeedPlanner};
+use arcfeed_kinematics::Joints;
+use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+
+#[path = "../tests/common/qb.rs"]
+mod qb;
+
+fn to(c: &mut Criterion) {
+    let arm = qb::arm();
+    let dynamics = arm.dynamics().expect("its links are known");
+    let near = Joints::from(qb::TO_NEAR);
+    let limits = qb::with_torque();
+    let (from, to) = (*qb::to().start(), *qb::to().goal());
+    let mut group = c.benchmark_group("TO");
+    for intervals in [100, 200, 500, 1000] {
+        for planner in [SpeedPlanner::BothEnds, SpeedPlanner::Reachability, SpeedPlanner::Certified] {
+            group.bench_function(BenchmarkId::new(planner.name(), intervals), |b| {
+                b.iter(|| {
+                    let motion =
+                        arcfeed_geometry::PoseMotion::new(black_box(&from), black_box(&to)).expect("two poses");
+                    let path = ArmMotion::new(&arm, motion, &near).expect("in reach");
+                    let scheduler = Scheduler::new(&arm, limits).expect("limits").with_dynamics(dynamics);
+                    let scheduler = scheduler.with_intervals(intervals).expect("a grid");
+                    scheduler.plan(&path, planner).expect("a plan").duration()
+                });
+            });
+        }
+    }
+    group.finish();
+}
+
+/// The jerk-limited planner on the same motion.
+fn to_with_jerk(c: &mut Criterion) {
+    let arm = qb::arm();
+    let dynamics = arm.dynamics().expect("its links are known");
+    let path = ArmMotion::new(&arm, qb::to(), &Joints::from(qb::TO_NEAR)).expect("in reach");
+    let limits = ScheduleLimits { jerk: Some(Joints::repeat(40.0)), ..qb::with_torque() };
+    let scheduler = Scheduler::new(&arm, limits).expect("limits").with_dynamics(dynamics);
+    let scheduler = scheduler.with_intervals(1000).expect("a grid");
+    c.bench_function("TO/jerk-limited/1000", |b| {
+        b.iter(|| scheduler.plan(&path, SpeedPlanner::JerkLimited).expect("a plan").duration());
+    });
+}
+
+criterion_group!(benches, to, to_with_jerk);
+criterion_main!(benches);

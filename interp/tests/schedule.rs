@@ -1,0 +1,346 @@
+//! Schedules against closed forms, difference quotients and numbers of independent origin.
+
+#[path = "common/qb.rs"]
+mod qb;
+
+use arcfeed_feedrate::{MotionLaw, Quantity, RowSource};
+use arcfeed_geometry::PoseMotion;
+use arcfeed_interp::{
+    ArmMotion, JointSpline, ScheduleLimits, ScheduleParameter, SchedulePath, Scheduler, Setpoint, SpeedPlanner,
+};
+use arcfeed_kinematics::{
+    Arm, ArmDynamics, Chain, ForwardKinematics, Friction, Inertial, Joint, JointRange, Joints, models,
+};
+use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
+
+/// A turn of the tool about the axis of its last joint moves that joint alone, at unit rate.
+fn wrist_turn(arm: &Arm<6>, angle: f64) -> ArmMotion<'_, Arm<6>> {
+    let q = Joints::from([0.2, -1.1, 1.7, 0.3, 0.8, -0.5]);
+    let start = arm.forward(&q);
+    let axis = start.rotation * Vector3::z();
+    let goal = Isometry3::from_parts(start.translation, UnitQuaternion::new(axis * angle) * start.rotation);
+    ArmMotion::new(arm, PoseMotion::new(&start, &goal).expect("a motion"), &q).expect("in reach")
+}
+
+fn six(v: f64) -> Option<Joints<6>> {
+    Some(Joints::repeat(v))
+}
+
+#[test]
+fn a_turn_about_the_wrist_is_a_trapezium() {
+    let arm = qb::arm();
+    let (angle, v, a, j) = (1.5, 1.2, 4.0, 30.0);
+    let path = wrist_turn(&arm, angle);
+    assert_eq!(path.parameter(), ScheduleParameter::RotationAngle);
+    let jet = path.jet(0.6, &path.start()).expect("in reach");
+    for k in 0..6 {
+        let rate = if k == 5 { 1.0 } else { 0.0 };
+        assert!((jet.d1[k].abs() - rate).abs() < 1e-12 && jet.d2[k].abs() < 1e-10 && jet.d3[k].abs() < 1e-9);
+    }
+    let limits = ScheduleLimits { velocity: six(v), acceleration: six(a), jerk: six(j), ..Default::default() };
+    let scheduler = Scheduler::new(&arm, limits).expect("limits");
+    let exact = angle / v + v / a;
+    for planner in [SpeedPlanner::BothEnds, SpeedPlanner::Reachability, SpeedPlanner::Certified] {
+        let t = scheduler.plan(&path, planner).expect("a plan").duration();
+        assert!(t >= exact - 1e-9 && t < exact * (1.0 + 1e-3), "{}: {t}, exact {exact}", planner.name());
+    }
+    let t = scheduler.plan(&path, SpeedPlanner::JerkLimited).expect("a plan").duration();
+    let exact = exact + a / j;
+    assert!(t >= exact - 1e-9 && t < exact * 1.005, "{t}, exact {exact}");
+}
+
+/// One wheel about a vertical axis: torque = (I + rotor) qdd + friction.
+fn wheel(forward: f64, backward: f64) -> (Chain<1>, ArmDynamics<1>) {
+    let joint = Joint::revolute(Isometry3::identity(), Vector3::z()).expect("an axis");
+    let chain = Chain::new([joint]).expect("finite");
+    let body = Inertial::new(3.0, Vector3::zeros(), Matrix3::from_diagonal(&Vector3::new(0.3, 0.3, 0.5)));
+    let friction = Friction::new(Joints::zeros(), Joints::repeat(forward), Joints::repeat(backward)).expect("friction");
+    let dynamics = ArmDynamics::new(&chain, [body.expect("a body")]).expect("a chain");
+    let dynamics = dynamics.with_rotor_inertia(Joints::repeat(0.25)).expect("a rotor").with_friction(friction);
+    (chain, dynamics)
+}
+
+#[test]
+fn coulomb_friction_slows_the_start_and_helps_the_stop() {
+    let (way, torque, inertia) = (2.0, 6.0, 0.75);
+    for (from, to, friction) in [(0.0, way, 1.5), (way, 0.0, 0.5)] {
+        let (chain, dynamics) = wheel(1.5, 0.5);
+        let path = JointSpline::through(&[Joints::<1>::new(from), Joints::<1>::new(to)]).expect("two points");
+        let limits = ScheduleLimits {
+            torque: Some(Joints::repeat(torque)),
+            velocity: Some(Joints::repeat(100.0)),
+            ..Default::default()
+        };
+        let scheduler = Scheduler::new(&chain, limits).expect("limits").with_dynamics(&dynamics);
+        // Bang-bang: up with (torque - friction), down with (torque + friction).
+        let (up, down) = ((torque - friction) / inertia, (torque + friction) / inertia);
+        let peak = (2.0 * way / (1.0 / up + 1.0 / down)).sqrt();
+        let exact = peak / up + peak / down;
+        for planner in [SpeedPlanner::BothEnds, SpeedPlanner::Certified] {
+            let schedule = scheduler.plan(&path, planner).expect("a plan");
+            let t = schedule.duration();
+            assert!(t >= exact - 1e-9 && t < exact * (1.0 + 2e-3), "{}: {t}, exact {exact}", planner.name());
+            let check = schedule.check(20).expect("it can be followed");
+            assert!(check.worst_ratio() <= 1.0 + 1e-9, "{}", check.worst_ratio());
+            let binding = check.binding(RowSource::joint(Quantity::JointTorque, 0));
+            let whole: f64 = binding.iter().map(|(a, b)| b - a).sum();
+            assert!(whole > 0.99 * way, "{binding:?}");
+        }
+    }
+}
+
+#[test]
+fn friction_changes_sign_where_a_joint_turns_back() {
+    let arm = models::planar_2r();
+    let rod = |m: f64, l: f64| {
+        let i = m * l * l / 12.0;
+        Inertial::new(m, Vector3::new(0.5 * l, 0.0, 0.0), Matrix3::from_diagonal(&Vector3::new(1e-4, i, i)))
+    };
+    let friction = Friction::new(Joints::zeros(), Joints::repeat(2.0), Joints::repeat(2.0)).expect("friction");
+    let dynamics = ArmDynamics::new(&arm, [rod(2.0, 0.4).expect("a rod"), rod(1.0, 0.3).expect("a rod")])
+        .expect("two links")
+        .with_gravity(Vector3::new(0.0, -9.81, 0.0))
+        .expect("down")
+        .with_friction(friction);
+    let path = JointSpline::through(&[
+        Joints::<2>::new(-1.6, 0.2),
+        Joints::<2>::new(-1.0, 0.6),
+        Joints::<2>::new(-0.9, -0.2),
+        Joints::<2>::new(-1.5, 0.3),
+    ])
+    .expect("a path");
+    let limits = ScheduleLimits {
+        velocity: Some(Joints::repeat(3.0)),
+        acceleration: Some(Joints::repeat(20.0)),
+        torque: Some(Joints::from([11.0, 5.0])),
+        jerk: Some(Joints::repeat(200.0)),
+        ..Default::default()
+    };
+    let scheduler = Scheduler::new(&arm, limits).expect("limits").with_dynamics(&dynamics);
+    for planner in [SpeedPlanner::Certified, SpeedPlanner::JerkLimited] {
+        let schedule = scheduler.plan(&path, planner).expect("a plan");
+        // Every turning point is a grid point.
+        for pair in schedule.nodes().windows(2) {
+            assert!((0..2).all(|j| pair[0].d1[j] * pair[1].d1[j] >= 0.0), "between {} and {}", pair[0].s, pair[1].s);
+        }
+        let turns = schedule.nodes().iter().filter(|jet| jet.d1.iter().any(|d| *d == 0.0)).count();
+        assert!(turns >= 3, "{turns}");
+        let check = schedule.check(20).expect("it can be followed");
+        assert!(check.worst_ratio() <= 1.0 + 1e-5, "{}: {:?}", planner.name(), check.worst());
+        let most = check.of(RowSource::joint(Quantity::JointTorque, 0)).expect("it is limited");
+        assert!(most.ratio > 0.99, "{most:?}");
+    }
+}
+
+/// Radius vector of a two-link arm at full symmetry: the tool runs along a straight line through the shoulder.
+struct Radial;
+
+impl SchedulePath<2> for Radial {
+    fn parameter(&self) -> ScheduleParameter {
+        ScheduleParameter::ArcLength
+    }
+
+    fn end(&self) -> f64 {
+        0.3
+    }
+
+    fn start(&self) -> Joints<2> {
+        let r: f64 = 0.2;
+        Joints::<2>::new(-(r / 0.8).acos(), 2.0 * (r / 0.8).acos())
+    }
+
+    /// Both links are 0.4 m long: r = 0.8 cos(b), q = (-b, 2 b).
+    fn jet(&self, s: f64, _near: &Joints<2>) -> Result<arcfeed_interp::JointJet<2>, arcfeed_interp::PlanError> {
+        let c = (0.2 + s) / 0.8;
+        let root = (1.0 - c * c).sqrt();
+        let (b, b1) = (c.acos(), -1.0 / (0.8 * root));
+        let b2 = -c / (0.64 * root.powi(3));
+        let b3 = -(1.0 + 2.0 * c * c) / (0.512 * root.powi(5));
+        let both = Joints::<2>::new(-1.0, 2.0);
+        Ok(arcfeed_interp::JointJet { s, q: both * b, d1: both * b1, d2: both * b2, d3: both * b3 })
+    }
+}
+
+#[test]
+fn a_straight_line_of_a_planar_arm_keeps_tool_and_joint_speeds() {
+    let joint = |x| Joint::revolute(Isometry3::translation(x, 0.0, 0.0), Vector3::z()).expect("an axis");
+    let arm = Chain::new([joint(0.0), joint(0.4)]).expect("finite");
+    let arm = arm.with_tool(Isometry3::translation(0.4, 0.0, 0.0)).expect("a tool");
+    for s in [0.0, 0.1, 0.3] {
+        let jet = Radial.jet(s, &Joints::zeros()).expect("closed form");
+        assert!((arm.forward(&jet.q).translation.vector - Vector3::new(0.2 + s, 0.0, 0.0)).norm() < 1e-15);
+    }
+    // With nothing but a tool speed: both end intervals at half the speed, the rest at full speed.
+    let limits = ScheduleLimits { linear_speed: Some(0.5), ..Default::default() };
+    let schedule = Scheduler::new(&arm, limits).expect("limits").plan(&Radial, SpeedPlanner::BothEnds);
+    let schedule = schedule.expect("a plan");
+    let h = 0.3 / 500.0;
+    assert!((schedule.duration() - (0.3 + 2.0 * h) / 0.5).abs() < 1e-9, "{}", schedule.duration());
+    // Joint 2 turns by 2 |b'| ds: its velocity limit is a speed of the tool that the closed form gives.
+    let limits = ScheduleLimits { velocity: Some(Joints::<2>::new(9.0, 1.0)), ..limits };
+    let limits = ScheduleLimits { acceleration: Some(Joints::<2>::repeat(8.0)), angular_speed: Some(0.45), ..limits };
+    let schedule = Scheduler::new(&arm, limits).expect("limits").plan(&Radial, SpeedPlanner::Certified);
+    let schedule = schedule.expect("a plan");
+    let law = schedule.law().at_position(0.15);
+    let rate = 1.0 / (0.8 * (1.0 - (0.35f64 / 0.8).powi(2)).sqrt());
+    // The tool turns by b' ds, slower than joint 2 by two: 0.45 rad/s is the tighter limit.
+    assert!((law.v - 0.45 / rate).abs() < 1e-6 * law.v, "{} {}", law.v, 0.45 / rate);
+    let check = schedule.check(20).expect("it can be followed");
+    assert!(check.worst_ratio() <= 1.0 + 1e-6, "{:?}", check.worst());
+    assert!(!check.binding(RowSource::path(Quantity::AngularSpeed)).is_empty());
+}
+
+/// Velocity, acceleration and jerk of the samples are the difference quotients of the joint values.
+#[test]
+fn samples_are_derivatives_of_one_another() {
+    let arm = qb::arm();
+    let dynamics = arm.dynamics().expect("known");
+    for (motion, near) in [(qb::po(), qb::PO_NEAR), (qb::to(), qb::TO_NEAR)] {
+        let path = ArmMotion::new(&arm, motion, &Joints::from(near)).expect("in reach");
+        let limits = ScheduleLimits { jerk: six(40.0), ..qb::with_torque() };
+        let scheduler = Scheduler::new(&arm, limits).expect("limits").with_dynamics(dynamics);
+        let schedule = scheduler.plan(&path, SpeedPlanner::JerkLimited).expect("a plan");
+        let samples: Vec<Setpoint> =
+            schedule.sampler(1e-3).expect("a period").collect::<Result<_, _>>().expect("in reach");
+        let last = samples[samples.len() - 1];
+        assert_eq!((samples[0].t, samples[0].feed), (0.0, 0.0));
+        assert_eq!((last.t, last.s, last.feed), (schedule.duration(), motion.end(), 0.0));
+        assert!((last.pose.translation.vector - motion.goal().translation.vector).norm() < 1e-12);
+        for three in samples[..samples.len() - 1].windows(3) {
+            let [a, b, c] = [three[0], three[1], three[2]];
+            let h = b.t - a.t;
+            // The jerk is bounded by 40: central differences are good to J h^2 / 6, one-sided ones to J h / 2.
+            assert!(((c.q - a.q) / (2.0 * h) - b.qd).amax() < 40.0 * h * h / 6.0 + 1e-11, "qd at {}", b.t);
+            assert!(((c.qd - a.qd) / (2.0 * h) - b.qdd).amax() < 40.0 * h / 2.0 + 1e-9, "qdd at {}", b.t);
+            assert!(((c.qdd - b.qdd) / h).amax() < 40.0 * (1.0 + 1e-5) + 1e-9, "jerk at {}", b.t);
+        }
+        let check = schedule.check(20).expect("in reach");
+        assert!(check.worst_ratio() <= 1.0 + 1e-5, "{:?}", check.worst());
+    }
+}
+
+/// Durations and joint values of another implementation, a prototype on a grid of its own: 0.1 % is agreement.
+#[test]
+fn durations_agree_with_an_implementation_of_independent_origin() {
+    let arm = qb::arm();
+    let dynamics = arm.dynamics().expect("known");
+    let cases = [
+        (qb::po(), qb::PO_NEAR, qb::kinematic(), 1.2483732975101707, 0.7009318930302387 * 2.0),
+        (qb::po(), qb::PO_NEAR, qb::with_torque(), 1.2483732975101707, 0.7009318930302387 * 2.0),
+        (qb::to(), qb::TO_NEAR, qb::kinematic(), 2.811010586280337, 0.8645808232895291),
+        (qb::to(), qb::TO_NEAR, qb::with_torque(), 5.066169319437537, 0.8645808232895291),
+    ];
+    for (motion, near, limits, duration, end) in cases {
+        assert!((motion.end() - end).abs() < 1e-12);
+        let path = ArmMotion::new(&arm, motion, &Joints::from(near)).expect("in reach");
+        let scheduler = Scheduler::new(&arm, limits).expect("limits").with_dynamics(dynamics);
+        let t = scheduler.with_intervals(1000).expect("a grid").plan(&path, SpeedPlanner::Published).expect("a plan");
+        assert!((t.duration() / duration - 1.0).abs() < 1.1e-3, "{} {duration}", t.duration());
+        let last = t.nodes()[t.nodes().len() - 1].q;
+        let there: [f64; 6] = if motion.length() == 0.0 {
+            [
+                -0.9812152323659745,
+                -0.585238843321664,
+                1.389255679577565,
+                0.3163165782512358,
+                1.8454312037526641,
+                2.9613017235572627,
+            ]
+        } else {
+            [0.6610431688506868, -0.48980983152031227, 1.3786369264989806, 0.0, 0.681969231816228, 4.2389681354390625]
+        };
+        assert!((last - Joints::from(there)).amax() < 1e-9, "{last}");
+    }
+}
+
+/// What the paper prints: PO is bound by joint 5, TO by the acceleration of joint 3 and the torques of joints 1 and 3.
+#[test]
+fn the_limits_that_bind_are_those_of_the_paper() {
+    let arm = qb::arm();
+    let dynamics = arm.dynamics().expect("known");
+    let path = ArmMotion::new(&arm, qb::po(), &Joints::from(qb::PO_NEAR)).expect("in reach");
+    let schedule = Scheduler::new(&arm, qb::kinematic()).expect("limits").plan(&path, SpeedPlanner::Certified);
+    let check = schedule.expect("a plan").check(20).expect("in reach");
+    let [(from, to)] = check.binding(RowSource::joint(Quantity::JointVelocity, 4)) else {
+        panic!("{:?}", check.bindings)
+    };
+    // Half angles in print: 0.11 and 0.54.
+    assert!((0.5 * from - 0.11).abs() < 2e-3 && (0.5 * to - 0.543).abs() < 2e-3, "{from} {to}");
+    assert!(check.bindings.iter().all(|b| b.source.joint == Some(4)), "{:?}", check.bindings);
+
+    let path = ArmMotion::new(&arm, qb::to(), &Joints::from(qb::TO_NEAR)).expect("in reach");
+    let scheduler = Scheduler::new(&arm, qb::with_torque()).expect("limits").with_dynamics(dynamics);
+    for planner in SpeedPlanner::ALL.into_iter().filter(|p| *p != SpeedPlanner::JerkLimited) {
+        let check = scheduler.plan(&path, planner).expect("a plan").check(20).expect("in reach");
+        for source in [
+            RowSource::joint(Quantity::JointAcceleration, 2),
+            RowSource::joint(Quantity::JointTorque, 0),
+            RowSource::joint(Quantity::JointTorque, 2),
+        ] {
+            assert!(!check.binding(source).is_empty(), "{}: {source}", planner.name());
+        }
+        let at_points = check.uses.iter().map(|u| u.ratio_at_points).fold(0.0, f64::max);
+        match planner {
+            SpeedPlanner::Published => assert!(at_points > 1.01, "{at_points}"),
+            SpeedPlanner::Certified => assert!(check.worst_ratio() < 1.0 + 1e-5, "{:?}", check.worst()),
+            _ => assert!(at_points < 1.0 + 1e-8 && check.worst_ratio() < 1.0 + 1e-4, "{:?}", check.worst()),
+        }
+    }
+}
+
+#[test]
+fn motions_start_and_end_at_the_speeds_asked_for() {
+    let arm = qb::arm();
+    let path = ArmMotion::new(&arm, qb::to(), &Joints::from(qb::TO_NEAR)).expect("in reach");
+    let scheduler = Scheduler::new(&arm, qb::kinematic()).expect("limits").with_end_speeds(0.1, 0.05).expect("speeds");
+    for planner in [SpeedPlanner::BothEnds, SpeedPlanner::Reachability, SpeedPlanner::Certified] {
+        let schedule = scheduler.plan(&path, planner).expect("a plan");
+        assert!((schedule.law().at(0.0).v - 0.1).abs() < 1e-12 && (schedule.law().end().v - 0.05).abs() < 1e-12);
+    }
+    let spline = JointSpline::through(&[Joints::<6>::zeros(), Joints::repeat(0.5)]).expect("two points");
+    let limits = ScheduleLimits { jerk: six(50.0), ..qb::kinematic() };
+    let scheduler = Scheduler::new(&arm, limits).expect("limits").with_end_speeds(0.2, 0.3).expect("speeds");
+    let schedule = scheduler.plan(&spline, SpeedPlanner::JerkLimited).expect("a plan");
+    assert!((schedule.law().at(0.0).v - 0.2).abs() < 1e-9 && (schedule.law().end().v - 0.3).abs() < 1e-9);
+}
+
+#[test]
+fn a_spline_goes_through_its_points_twice_differentiably() {
+    let points = [[0.0, 0.3], [0.5, -0.2], [0.4, 0.8], [1.5, 0.9], [1.2, 0.0]].map(Joints::<2>::from);
+    let spline = JointSpline::through(&points).expect("a path");
+    let mut knots = vec![0.0];
+    knots.extend(spline.knots());
+    knots.push(spline.end());
+    for (knot, point) in knots.iter().zip(&points) {
+        let jet = spline.jet(*knot, &Joints::zeros()).expect("always");
+        assert!((jet.q - point).amax() < 1e-14);
+    }
+    for pair in knots.windows(2) {
+        let chord = spline.jet(pair[1], &Joints::zeros()).expect("always").q
+            - spline.jet(pair[0], &Joints::zeros()).expect("always").q;
+        assert!((chord.norm() - (pair[1] - pair[0])).abs() < 1e-14);
+    }
+    // Both sides of a knot agree up to the second derivative; the third before it is that of the piece before.
+    for &knot in spline.knots() {
+        let (h, near) = (1e-6, Joints::zeros());
+        let [before, at, after] = [knot - h, knot, knot + h].map(|s| spline.jet(s, &near).expect("always"));
+        assert!((at.d1 - before.d1 - before.d2 * h).amax() < 1e-9 && (at.d2 - before.d2 - before.d3 * h).amax() < 1e-9);
+        assert!((spline.third_before(&at) - before.d3).amax() < 1e-12);
+        assert!((after.d3 - at.d3).amax() < 1e-12);
+    }
+    for s in [0.1, 0.7, 1.9, spline.end()] {
+        let (h, near) = (1e-4, Joints::zeros());
+        let jet = spline.jet(s - h, &near).expect("always");
+        let [a, b] = [s - 2.0 * h, s].map(|s| spline.jet(s, &near).expect("always"));
+        assert!(((b.q - a.q) / (2.0 * h) - jet.d1).amax() < 1e-6, "{s}");
+    }
+    // The spline overshoots its way-points: its true extreme counts, not the points.
+    let most =
+        (0..=4000).map(|i| spline.jet(spline.end() * f64::from(i) / 4000.0, &Joints::zeros()).expect("always").q[0]);
+    let most = most.fold(f64::NEG_INFINITY, f64::max);
+    assert!(most > 1.5);
+    let range = |upper: f64| JointRange::new(Joints::repeat(-2.0), Joints::<2>::new(upper, 2.0)).expect("a range");
+    assert!(spline.within(&range(most + 1e-6)).is_ok());
+    let error = spline.within(&range(most - 1e-4)).expect_err("it goes beyond").to_string();
+    assert!(error.contains("joint 1 goes to") && error.contains("between way-points 4 and 5"), "{error}");
+}

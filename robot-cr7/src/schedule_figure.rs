@@ -1,0 +1,74 @@
+//! What is drawn of a scheduled motion, as plain numbers in the units of the labels.
+
+/// Speed along a motion, under the curves that limit it, with what binds below.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SpeedFigure {
+    /// Name of its file.
+    pub file: String,
+    /// What it shows.
+    pub title: String,
+    /// Conditions and results in words.
+    pub facts: String,
+    /// The parameter and its unit.
+    pub x_label: String,
+    /// The speed and its unit.
+    pub y_label: String,
+    /// Planned speeds with their names, the first of them the one that binds.
+    pub speeds: Vec<(String, Vec<(f64, f64)>)>,
+    /// The initial velocity limit: what could be kept at constant speed.
+    pub initial: Vec<(f64, f64)>,
+    /// The maximum velocity curve: above it nothing can be kept.
+    pub ceiling: Vec<(f64, f64)>,
+    /// Which limit binds where.
+    pub bindings: Vec<BindingBar>,
+}
+
+/// Where one limit binds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BindingBar {
+    /// Name of the limit.
+    pub name: String,
+    /// Its joint, from 0.
+    pub joint: Option<usize>,
+    /// From where to where.
+    pub intervals: Vec<(f64, f64)>,
+}
+
+/// Joint curves over time in units of their limits, quantity by quantity.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ShareFigure {
+    /// Name of its file.
+    pub file: String,
+    /// What it shows.
+    pub title: String,
+    /// Conditions and results in words.
+    pub facts: String,
+    /// One panel a quantity.
+    pub panels: Vec<SharePanel>,
+}
+
+/// One quantity of all joints.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SharePanel {
+    /// The quantity.
+    pub label: String,
+    /// For every joint: time in s, value over limit.
+    pub joints: Vec<Vec<(f64, f64)>>,
+}
+
+/// One quantity, a panel for every joint with its limit on both sides.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointFigure {
+    /// Name of its file.
+    pub file: String,
+    /// What it shows.
+    pub title: String,
+    /// Conditions and results in words.
+    pub facts: String,
+    /// Unit of the values.
+    pub unit: &'static str,
+    /// Names of the lines that every panel has.
+    pub names: Vec<String>,
+    /// Limit, and the points of each line (time in s, value), joint by joint.
+    pub joints: Vec<(f64, Vec<Vec<(f64, f64)>>)>,
+}
