@@ -99,6 +99,7 @@ fn cases() -> impl Strategy<Value = Case> {
                     tangential_jerk: tool.2,
                     normal_acceleration: tool.3,
                     normal_jerk: tool.4,
+                    angular_speed: None,
                 },
                 velocity: joints.0,
                 acceleration: joints.1,

@@ -151,6 +151,7 @@ where
         tangential_jerk: job.feed.tangential_jerk,
         normal_acceleration: job.feed.normal_acceleration,
         normal_jerk: job.feed.normal_jerk,
+        angular_speed: None,
     };
     let plan_error = |source: PlanError| {
         let hint = unit_hint(&source);
