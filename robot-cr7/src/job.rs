@@ -315,7 +315,9 @@ impl JobCheck<'_> {
             let rule = "a section needs a feed of its own";
             return Err(self.0.wrong(&key("feed_mm_s"), "missing", rule, "add the key, or remove the section"));
         };
-        for (name, value) in [("from_mm", raw.from_mm), ("to_mm", raw.to_mm), ("from_u", raw.from_u), ("to_u", raw.to_u)] {
+        for (name, value) in
+            [("from_mm", raw.from_mm), ("to_mm", raw.to_mm), ("from_u", raw.from_u), ("to_u", raw.to_u)]
+        {
             if let Some(value) = value.filter(|v| !v.is_finite()) {
                 return Err(self.0.wrong(&key(name), value, "it has to be a finite number", "write a plain number"));
             }
@@ -354,9 +356,15 @@ impl JobCheck<'_> {
                 Extent::Segments { first, last }
             }
             _ => {
-                let rule = "a section is given by from_mm and to_mm, or from_u and to_u, or from_segment and to_segment";
+                let rule =
+                    "a section is given by from_mm and to_mm, or from_u and to_u, or from_segment and to_segment";
                 let given = "not one such pair";
-                return Err(self.0.wrong(&format!("sections[{index}]"), given, rule, "give exactly one of the three pairs"));
+                return Err(self.0.wrong(
+                    &format!("sections[{index}]"),
+                    given,
+                    rule,
+                    "give exactly one of the three pairs",
+                ));
             }
         };
         Ok(FeedSection { extent, feed })
