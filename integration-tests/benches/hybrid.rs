@@ -40,6 +40,7 @@ fn tool(job: &Job) -> ToolLimits {
         tangential_jerk: job.feed.tangential_jerk,
         normal_acceleration: job.feed.normal_acceleration,
         normal_jerk: job.feed.normal_jerk,
+        angular_speed: None,
     }
 }
 

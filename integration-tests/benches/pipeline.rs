@@ -45,6 +45,7 @@ fn pipeline(c: &mut Criterion) {
         tangential_jerk: job.feed.tangential_jerk,
         normal_acceleration: job.feed.normal_acceleration,
         normal_jerk: job.feed.normal_jerk,
+        angular_speed: None,
     };
     let planner = Planner::new(cr7.arm(), limits, tool).expect("valid limits");
     let start = best_start(cr7.arm(), &path, limits.lower(), limits.upper()).expect("in reach");

@@ -91,7 +91,8 @@ impl Stage {
             tangential_acceleration: r.log(0.5, 5.0),
             tangential_jerk: r.log(10.0, 200.0),
             normal_acceleration: r.log(0.5, 5.0),
-            normal_jerk: None,
+            normal_jerk: if r.below(3) == 0 { Some(r.log(10.0, 200.0)) } else { None },
+            angular_speed: if r.below(3) == 0 { Some(r.log(0.3, 3.0)) } else { None },
         };
         let rates = [r.log(1.0, 4.0), r.log(3.0, 30.0), r.log(30.0, 1000.0)].map(Joints::repeat);
         let limits = arm.range().with_rates(rates[0], rates[1], rates[2]).ok()?;
@@ -263,12 +264,18 @@ impl<'a> Watch<'a> {
             self.see("distance from the path", off, 1e-9)?;
             self.see("turn away from the path", pose.rotation.angle_to(&wanted.rotation), 1e-7)?;
             self.see("feed", speed, tool.feed)?;
+            let angular = (configuration.jacobian() * now.qd).fixed_rows::<3>(3).norm();
+            self.see("angular speed", angular, tool.angular_speed.unwrap_or(f64::INFINITY))?;
             let acceleration = configuration.jacobian() * now.qdd + configuration.acceleration_bias(&now.qd);
             let acceleration = acceleration.fixed_rows::<3>(0).into_owned();
             let direction = path.curve().jet(now.s).d1;
             let tangential = acceleration.dot(&direction);
             self.see("tangential acceleration", tangential.abs(), tool.tangential_acceleration)?;
-            self.see("normal acceleration", (acceleration - direction * tangential).norm(), tool.normal_acceleration)?;
+            let normal = (acceleration - direction * tangential).norm();
+            self.see("normal acceleration", normal, tool.normal_acceleration)?;
+            if let (Some(limit), true) = (tool.normal_jerk, speed > 1e-3 * tool.feed) {
+                self.see("normal jerk", normal * normal / speed, limit)?;
+            }
             if self.on_path {
                 let (a, b) = (path.curve().point(before.s), path.curve().point(now.s));
                 let middle = path.curve().point(0.5 * (before.s + now.s));

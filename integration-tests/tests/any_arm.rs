@@ -11,6 +11,7 @@ const TOOL: ToolLimits = ToolLimits {
     tangential_jerk: 30.0,
     normal_acceleration: 1.0,
     normal_jerk: None,
+    angular_speed: None,
 };
 
 /// A smooth curve in front of the arm, tool down.

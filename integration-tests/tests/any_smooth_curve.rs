@@ -99,6 +99,7 @@ fn cases() -> impl Strategy<Value = Case> {
                     tangential_jerk: tool.2,
                     normal_acceleration: tool.3,
                     normal_jerk: tool.4,
+                    angular_speed: None,
                 },
                 velocity: joints.0,
                 acceleration: joints.1,
@@ -272,8 +273,7 @@ fn check(arm: &impl Arm, range: &JointRange<6>, case: &Case, planned: &Cell<usiz
 
     // The same judge at another period: other moments, and cycles that do not divide the first ones.
     let period = case.period * 0.377;
-    let requirement =
-        Requirement { path: plan.path(), tool: &case.tool, joints: &limits, chord_tolerance: case.chord, period };
+    let requirement = Requirement::new(plan.path(), &case.tool, &limits, case.chord, period);
     let mut sampler = plan.sampler(arm, period).expect("a valid period");
     let again = verify(arm, &requirement, plan.duration(), |t| sampler.at(t)).expect("on the path");
     for check in again.checks() {

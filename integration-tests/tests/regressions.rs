@@ -35,6 +35,7 @@ fn plan(curve: ArcLengthCurve<3>) -> Result<Plan, PlanError> {
         tangential_jerk: 13.53,
         normal_acceleration: 1.959,
         normal_jerk: None,
+        angular_speed: None,
     };
     let start = best_start(&arm, &path, limits.lower(), limits.upper())?;
     let planner = Planner::new(&arm, limits, tool)?.with_chord_tolerance(1.143e-5)?.with_period(7.602e-3)?;
@@ -105,6 +106,7 @@ fn an_endless_motion_is_not_verified() {
         tangential_jerk: 100.0,
         normal_acceleration: 10.0,
         normal_jerk: None,
+        angular_speed: None,
     };
     let requirement =
         Requirement { path: plan.path(), tool: &tool, joints: &limits, chord_tolerance: 1e-5, period: plan.period() };
@@ -177,6 +179,7 @@ fn a_peak_between_the_samples_is_not_missed() {
         tangential_jerk: 153.59805801344237,
         normal_acceleration: 1.1559040291987546,
         normal_jerk: Some(55.61613716602325),
+        angular_speed: None,
     };
     let start = best_start(&arm, &path, limits.lower(), limits.upper()).expect("in reach");
     let (chord_tolerance, period) = (8.757132687754506e-6, 0.004731580506084866);

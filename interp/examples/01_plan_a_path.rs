@@ -26,6 +26,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         tangential_jerk: 30.0,
         normal_acceleration: 1.5,
         normal_jerk: None,
+        angular_speed: None,
     };
     let start = best_start(&arm, &path, limits.lower(), limits.upper())?;
     let plan = Planner::new(&arm, limits, tool)?.plan(path, &start)?;

@@ -28,6 +28,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         tangential_jerk: 40.0,
         normal_acceleration: 2.0,
         normal_jerk: None,
+        angular_speed: None,
     };
     let start = best_start(&arm, &path, limits.lower(), limits.upper())?;
     let plan = Planner::new(&arm, limits, tool)?.plan(path, &start)?;

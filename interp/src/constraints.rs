@@ -13,14 +13,14 @@
 //! each joint has its own bound here and the least counts.) For a scan with S-profiles the admissible set is narrowed to
 //! a box `v <= V, |a| <= A, |j| <= J` on every interval that satisfies all rows with every sign.
 
-use arcfeed_feedrate::{Segment, caps};
+use arcfeed_feedrate::{FeedError, Quantity, RowSource, Segment, caps};
 use arcfeed_geometry::{PoseJet, PosePath};
 use arcfeed_kinematics::{JointLimits, Joints, Twist};
 use nalgebra::Vector3;
 
-use crate::error::PlanError;
 use crate::joint_path::{JointJet, JointPath};
 use crate::limits::ToolLimits;
+use crate::torque::{TorquePath, TorqueReach};
 
 /// How the rows that couple speed, acceleration and jerk are shared out between them, as fractions of each joint's
 /// limit. What one of them leaves unused goes to the others.
@@ -46,6 +46,19 @@ pub(crate) struct Bounds<'a, const N: usize> {
     pub shares: Shares,
     /// Fraction of every limit that is used (1, or a little less when a check asks for it).
     pub scale: f64,
+    /// Programmed feed on every interval, m/s.
+    pub feeds: &'a [f64],
+    pub torque: Option<&'a TorquePath<N>>,
+    /// Speeds at both ends of the path, m/s.
+    pub ends: [f64; 2],
+}
+
+impl<const N: usize> Bounds<'_, N> {
+    /// Highest programmed feed on either side of grid point `i`.
+    fn feed_around(&self, i: usize) -> f64 {
+        let at = |k: Option<usize>| k.and_then(|k| self.feeds.get(k)).copied().unwrap_or(0.0);
+        at(i.checked_sub(1)).max(at(Some(i)))
+    }
 }
 
 /// Bounds of the path's derivatives on every interval: what the boxes are made from, once for a path.
@@ -75,12 +88,21 @@ impl<const N: usize> Reaches<N> {
     /// The highest speed that chord error, normal acceleration and normal jerk allow at each grid point, so that between two
     /// points the square of the speed may lie on the straight line through both.
     pub fn tool_speeds(&self, bounds: &Bounds<'_, N>) -> Vec<f64> {
+        self.point_speeds(bounds, |reach| reach.bends.map(|kappa| bend_speed(kappa, bounds)))
+    }
+
+    /// The same for the angular speed of the tool, where that is limited.
+    pub fn turn_speeds(&self, bounds: &Bounds<'_, N>) -> Option<Vec<f64>> {
+        let limit = bounds.tool.angular_speed? * bounds.scale;
+        Some(self.point_speeds(bounds, |reach| reach.turns.map(|rate| limit / rate)))
+    }
+
+    /// Speeds at the grid points from those at three places of every interval.
+    fn point_speeds(&self, bounds: &Bounds<'_, N>, at: impl Fn(&Reach<N>) -> [f64; 3]) -> Vec<f64> {
         let mut squares = vec![f64::INFINITY; self.intervals.len() + 1];
         for (k, reach) in self.intervals.iter().enumerate() {
-            let [start, middle, end] = reach.bends.map(|kappa| {
-                let v = bend_speed(kappa, bounds).min(bounds.tool.feed);
-                v * v
-            });
+            let feed = bounds.feed_around(k).max(bounds.feed_around(k + 1));
+            let [start, middle, end] = at(reach).map(|v| v.min(feed).powi(2));
             let sag = (middle / (0.5 * (start + end))).min(1.0);
             squares[k] = squares[k].min(sag * start);
             squares[k + 1] = squares[k + 1].min(sag * end);
@@ -88,46 +110,83 @@ impl<const N: usize> Reaches<N> {
         squares.into_iter().map(f64::sqrt).collect()
     }
 
-    /// Whether the joints' accelerations have to step somewhere the tool does not stand.
-    pub fn have_steps(&self) -> bool {
-        self.steps.iter().any(|step| step.amax() > 0.0)
+    /// The first grid point at which the joints' accelerations have to step while the tool does not stand.
+    pub fn first_step(&self) -> Option<usize> {
+        self.steps.iter().position(|step| step.amax() > 0.0)
     }
 
     /// Largest tangential acceleration and jerk that no joint limit and no limit of the tool forbids at a standstill, anywhere.
-    pub fn rest_limits(&self, bounds: &Bounds<'_, N>) -> (f64, f64) {
+    ///
+    /// # Errors
+    /// [`FeedError::StaticallyInfeasible`] where a drive cannot hold the arm still.
+    pub fn rest_limits(&self, bounds: &Bounds<'_, N>) -> Result<(f64, f64), FeedError> {
         let (tool, joints, scale) = (bounds.tool, bounds.joints, bounds.scale);
-        let start = (tool.tangential_acceleration * scale, tool.tangential_jerk * scale);
-        self.intervals.iter().fold(start, |most, reach| {
-            (0..N).fold(most, |(a, j), k| match reach.d1[k] {
-                d1 if d1 > 0.0 => (a.min(joints.acceleration()[k] * scale / d1), j.min(joints.jerk()[k] * scale / d1)),
-                _ => (a, j),
-            })
-        })
+        let (mut a, mut j) = (tool.tangential_acceleration * scale, tool.tangential_jerk * scale);
+        for (i, reach) in self.intervals.iter().enumerate() {
+            for (k, &d1) in reach.d1.iter().enumerate().filter(|(_, d1)| **d1 > 0.0) {
+                a = a.min(joints.acceleration()[k] * scale / d1);
+                j = j.min(joints.jerk()[k] * scale / d1);
+            }
+            if let Some(held) = self.held(i, bounds)? {
+                for k in (0..N).filter(|&k| held.inertia[k] > 0.0) {
+                    a = a.min((held.limits[k] - held.constant[k]) * scale / held.inertia[k]);
+                }
+            }
+        }
+        Ok((a, j))
+    }
+
+    /// The torque on interval `i`, where it is limited.
+    fn held(&self, i: usize, bounds: &Bounds<'_, N>) -> Result<Option<TorqueReach<N>>, FeedError> {
+        let Some(torque) = bounds.torque else { return Ok(None) };
+        let held = torque.reach(i);
+        match (0..N).find(|&joint| held.constant[joint] >= held.limits[joint]) {
+            Some(joint) => {
+                let row = RowSource::joint(Quantity::JointTorque, joint);
+                let (value, limit) = (held.constant[joint], held.limits[joint]);
+                Err(FeedError::StaticallyInfeasible { index: i, s: self.intervals[i].start, row, value, limit })
+            }
+            None => Ok(Some(held)),
+        }
     }
 
     /// The highest speed on every interval at which all limits hold whatever the motion does within `|a| <= acceleration` and
     /// `|j| <= jerk`, both below [`Reaches::rest_limits`].
-    pub fn live_caps(&self, bounds: &Bounds<'_, N>, acceleration: f64, jerk: f64) -> Vec<f64> {
+    ///
+    /// # Errors
+    /// As [`Reaches::rest_limits`].
+    pub fn live_caps(&self, bounds: &Bounds<'_, N>, acceleration: f64, jerk: f64) -> Result<Vec<f64>, FeedError> {
         let (joints, scale) = (bounds.joints, bounds.scale);
-        let caps = self.intervals.iter().zip(self.steps.windows(2)).map(|(reach, steps)| {
+        let caps = self.intervals.iter().zip(self.steps.windows(2)).enumerate().map(|(i, (reach, steps))| {
             let step = steps[0].zip_map(&steps[1], f64::max);
-            let v = bend_speed(reach.curvature, bounds).min(bounds.tool.feed * scale);
-            (0..N).fold(v, |v, k| {
+            let mut v = bend_speed(reach.curvature, bounds).min(bounds.feeds[i] * scale);
+            if let Some(limit) = bounds.tool.angular_speed {
+                v = v.min(limit * scale / reach.turning);
+            }
+            for k in 0..N {
                 let d = [reach.d1[k], reach.d2[k], reach.d3[k]];
                 let most =
                     [joints.velocity()[k], joints.acceleration()[k], joints.jerk()[k]].map(|limit| limit * scale);
-                v.min(live_speed(d, step[k] / bounds.period, most, acceleration, jerk))
+                v = v.min(live_speed(d, step[k] / bounds.period, most, acceleration, jerk));
+            }
+            Ok(match self.held(i, bounds)? {
+                Some(held) => torque_speed(&held, v, acceleration, bounds),
+                None => v,
             })
         });
         caps.collect()
     }
 
     /// One box per interval, safe anywhere inside it.
-    pub fn boxes(&self, bounds: &Bounds<'_, N>) -> Result<Vec<Segment>, PlanError> {
-        let boxes = self.intervals.iter().zip(self.steps.windows(2)).map(|(reach, steps)| {
+    pub fn boxes(&self, bounds: &Bounds<'_, N>) -> Result<Vec<Segment>, FeedError> {
+        let boxes = self.intervals.iter().zip(self.steps.windows(2)).enumerate().map(|(k, (reach, steps))| {
             let step = steps[0].zip_map(&steps[1], f64::max);
-            let (v, a, j) = one_box(reach, &step, bounds);
-            Ok(Segment::new(reach.length, v, a, j)?)
+            let (v, a, j) = one_box(reach, &step, bounds.feeds[k], bounds);
+            let (v, a) = match self.held(k, bounds)? {
+                Some(held) => within_torque(&held, v, a, bounds),
+                None => (v, a),
+            };
+            Segment::new(reach.length, v, a, j)
         });
         boxes.collect()
     }
@@ -180,6 +239,8 @@ fn acceleration_steps<const N: usize>(joints: &JointPath<N>) -> Vec<Joints<N>> {
 /// Bounds of the path's derivatives on one interval.
 #[derive(Debug, Clone)]
 struct Reach<const N: usize> {
+    /// Arc length where it begins.
+    start: f64,
     length: f64,
     d1: Joints<N>,
     d2: Joints<N>,
@@ -187,6 +248,9 @@ struct Reach<const N: usize> {
     curvature: f64,
     /// Curvature at the start, in the middle and at the end.
     bends: [f64; 3],
+    /// Angle that the tool turns by per length, rad/m: the most, and at the start, in the middle and at the end.
+    turning: f64,
+    turns: [f64; 3],
 }
 
 impl<const N: usize> Reach<N> {
@@ -212,7 +276,14 @@ impl<const N: usize> Reach<N> {
         let [c0, _, c1] = tool.map(|jet| (linear(&jet.d2), linear(&jet.d3)));
         let curvature = c0.0.norm().max((c0.0 + c0.1 * (h / 3.0)).norm()).max((c1.0 - c1.1 * (h / 3.0)).norm());
         let curvature = curvature.max(c1.0.norm()) * (1.0 + misfit.second);
-        Self { length: h, d1, d2, d3, curvature, bends }
+        let turns = tool.map(|jet| angular(&jet.d1).norm());
+        let [first, _, last] = tool.map(|jet| (angular(&jet.d1), angular(&jet.d2)));
+        // As for the joints: a cubic through values and slopes at both ends.
+        let inner = [first.0 + first.1 * (h / 3.0), last.0 - last.1 * (h / 3.0)];
+        let turning = inner
+            .iter()
+            .fold(turns.iter().fold(0.0, |most: f64, turn| most.max(*turn)), |most, turn| most.max(turn.norm()));
+        Self { start: start.s, length: h, d1, d2, d3, curvature, bends, turning, turns }
     }
 }
 
@@ -262,9 +333,35 @@ pub(crate) fn bend_speed<const N: usize>(kappa: f64, bounds: &Bounds<'_, N>) -> 
     }
 }
 
-fn one_box<const N: usize>(reach: &Reach<N>, step: &Joints<N>, bounds: &Bounds<'_, N>) -> (f64, f64, f64) {
+/// Speed and acceleration narrowed so far that the torque keeps its limits with every sign of its terms.
+fn within_torque<const N: usize>(reach: &TorqueReach<N>, v: f64, a: f64, bounds: &Bounds<'_, N>) -> (f64, f64) {
+    let room = (reach.limits - reach.constant) * bounds.scale;
+    let a = (0..N)
+        .filter(|&k| reach.inertia[k] > 0.0)
+        .fold(a, |a, k| a.min(bounds.shares.acceleration * room[k] / reach.inertia[k]));
+    (torque_speed(reach, v, a, bounds), a)
+}
+
+/// The highest speed up to `v` that the torque allows beside the acceleration `a` of either sign.
+fn torque_speed<const N: usize>(reach: &TorqueReach<N>, v: f64, a: f64, bounds: &Bounds<'_, N>) -> f64 {
+    let mut v = v;
+    let room = (reach.limits - reach.constant) * bounds.scale;
+    for k in 0..N {
+        // velocity v^2 + viscous v <= rest, solved without cancellation.
+        let (p, c, rest) = (reach.velocity[k], reach.viscous[k], room[k] - reach.inertia[k] * a);
+        if rest.is_finite() && (p > 0.0 || c > 0.0) {
+            v = v.min(2.0 * rest / (c + (c * c + 4.0 * p * rest.max(0.0)).sqrt()));
+        }
+    }
+    v
+}
+
+fn one_box<const N: usize>(reach: &Reach<N>, step: &Joints<N>, feed: f64, bounds: &Bounds<'_, N>) -> (f64, f64, f64) {
     let (tool, joints, scale) = (bounds.tool, bounds.joints, bounds.scale);
-    let mut v = bend_speed(reach.curvature, bounds).min(tool.feed * scale);
+    let mut v = bend_speed(reach.curvature, bounds).min(feed * scale);
+    if let Some(limit) = tool.angular_speed {
+        v = v.min(limit * scale / reach.turning);
+    }
     let mut a = tool.tangential_acceleration * scale;
     let mut j = tool.tangential_jerk * scale;
     // First what acceleration and jerk may use at most, then the speed from what is left, then both again.

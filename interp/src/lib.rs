@@ -8,7 +8,9 @@
 //! joint velocity      q' v                              v = ds/dt
 //! joint acceleration  q' a + q'' v^2                    a = dv/dt
 //! joint jerk          q' j + 3 q'' v a + q''' v^3       j = da/dt
+//! joint torque        M q' a + (M q'' + C(q, q') q') v^2 + friction + gravity
 //! normal acceleration kappa v^2
+//! angular speed       omega v
 //! chord error         of the curve between two control cycles, v T apart
 //! ```
 //!
@@ -23,8 +25,10 @@
 //! | `locked` | arms of seven joints: [`LockedArm`] |
 //! | `joint_path` | joint values and derivatives along the path, branch by continuity, best start |
 //! | `grid`, `constraints` | where and how limits become bounds |
-//! | `jerk_limited` | those bounds as rows, for the jerk-limited planner |
-//! | `planner` | the way from path to verified plan |
+//! | `sections` | programmed feed per section of the path: [`FeedSection`] |
+//! | `torque` | torque limits along the path: [`TorqueLimits`] |
+//! | `rows` | all of those as rows, for the planners of the feedrate crate |
+//! | `planner`, `plan` | the way from path to verified plan, and what came out |
 //! | `speed` | the motion law of a plan, whichever planner made it: [`SpeedLaw`] |
 //! | `schedule` | from pose to pose and through joint way-points, torque included: [`Scheduler`] |
 //! | `sampler`, `trajectory` | setpoints at the control period, without allocation |
@@ -43,35 +47,41 @@ mod constraints;
 mod error;
 mod grid;
 mod hybrid;
-mod jerk_limited;
 mod joint_path;
 mod limits;
 mod live_path;
 mod locked;
 pub mod parameter;
+mod plan;
 mod planner;
+mod rows;
 mod sampler;
 mod schedule;
+mod sections;
 mod singular;
 mod speed;
+mod torque;
 mod trajectory;
 mod verify;
 
 pub use arm::{MIN_SINGULAR_VALUE, PathArm};
 pub use constraints::Shares;
-pub use error::PlanError;
+pub use error::{Infeasibility, PlanError};
 pub use hybrid::{Command, Excursion, HybridError, HybridMotion, HybridState, HybridStep, LeaveBy, MAX_POINTS};
 pub use joint_path::{JointJet, JointPath, best_start, joint_jet};
 pub use limits::ToolLimits;
 pub use live_path::LivePath;
 pub use locked::LockedArm;
-pub use planner::{Plan, Planner, Scan, Timings};
+pub use plan::{Fallback, MadeBy, Method, Plan, Timings};
+pub use planner::{Planner, Scan};
 pub use sampler::Sampler;
 pub use schedule::{
     ArmMotion, Binding, JointSpline, LimitPoint, LimitUse, RowsNeeded, Schedule, ScheduleCheck, ScheduleLimits,
     ScheduleParameter, SchedulePath, ScheduleSampler, Scheduler, SpeedPlanner,
 };
+pub use sections::{Extent, FeedSection, Section};
 pub use singular::{Detour, LiveRoute, SingularityPolicy, Stretch, Trouble};
 pub use speed::{SpeedCursor, SpeedLaw};
+pub use torque::TorqueLimits;
 pub use trajectory::Setpoint;
 pub use verify::{Check, Quantity, Requirement, Verification, verify};

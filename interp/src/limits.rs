@@ -15,6 +15,8 @@ pub struct ToolLimits {
     pub normal_acceleration: f64,
     /// Highest jerk that the curvature causes at constant speed, kappa^2 v^3, m/s^3; `None` leaves it to the joints.
     pub normal_jerk: Option<f64>,
+    /// Highest angular speed of the tool, rad/s; `None` leaves it to the joints.
+    pub angular_speed: Option<f64>,
 }
 
 impl ToolLimits {
@@ -29,10 +31,18 @@ impl ToolLimits {
             ("tangential jerk", self.tangential_jerk),
             ("normal acceleration", self.normal_acceleration),
             ("normal jerk", self.normal_jerk.unwrap_or(1.0)),
+            ("angular speed", self.angular_speed.unwrap_or(1.0)),
         ] {
             positive(what, value)?;
         }
         Ok(())
+    }
+}
+
+impl ToolLimits {
+    /// The same limits at another feed.
+    pub(crate) fn at_feed(self, feed: f64) -> Self {
+        Self { feed, ..self }
     }
 }
 

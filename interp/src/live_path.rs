@@ -1,6 +1,6 @@
 //! A path made ready for a motion that is changed while it runs.
 
-use arcfeed_feedrate::{LiveCurve, MotionLaw, Segment, SpeedPlan, plan_joined_at_once};
+use arcfeed_feedrate::{FeedError, LiveCurve, MotionLaw, Segment, SpeedPlan, plan_joined_at_once};
 use arcfeed_geometry::{PosePath, SegmentationMethod};
 use arcfeed_kinematics::{JointLimits, Joints};
 
@@ -11,6 +11,8 @@ use crate::grid;
 use crate::joint_path::{JointPath, joint_jet};
 use crate::limits::ToolLimits;
 use crate::planner::{CORNER, Planner};
+use crate::sections::{self, Feeds};
+use crate::torque::TorquePath;
 
 /// Part of every limit that the curve uses: what is left is for rounding.
 const USED: f64 = 0.9999;
@@ -85,7 +87,7 @@ impl<A, const N: usize> Planner<'_, A, N>
 where
     A: PathArm<N> + ?Sized,
 {
-    /// Makes `path` ready for [`HybridMotion`](crate::HybridMotion), starting from the solution of the inverse nearest to `start`.
+    /// Makes `path` ready for [`HybridMotion`](crate::HybridMotion), from rest to rest, starting from the solution of the inverse nearest to `start`.
     ///
     /// # Errors
     /// [`PlanError::Arm`] or [`PlanError::BranchChange`] where the arm cannot follow, [`PlanError::JointRange`] where a joint leaves its
@@ -105,23 +107,18 @@ where
     ) -> Result<LivePath<N>, PlanError> {
         let segmentation =
             path.curve().curve().segment(SegmentationMethod::Longest { across_knots: false }, self.chord_tolerance)?;
-        let breaks: Vec<f64> = segmentation.breaks().iter().map(|&u| path.curve().arc_length_at(u)).collect();
+        let mut breaks: Vec<f64> = segmentation.breaks().iter().map(|&u| path.curve().arc_length_at(u)).collect();
+        let sections = sections::resolve(&self.sections, &path, &breaks)?;
+        let feeds = Feeds { elsewhere: self.tool.feed, sections: &sections };
+        breaks.extend(sections.iter().flat_map(|section| [section.from, section.to]));
         let knots = path.knots();
-        let mut grid = grid::build(&path, &knots, &breaks, &self.tool);
+        let mut grid = grid::build(&path, &knots, &breaks, &self.tool.at_feed(feeds.highest()));
         let close = 1e-9 * path.length();
         grid.retain(|&s| from + close < s && s < to - close);
         grid.insert(0, from);
         grid.push(to);
         let (lower, upper) = (self.joints.lower(), self.joints.upper());
-        let bounds = Bounds {
-            tool: &self.tool,
-            joints: &self.joints,
-            chord: self.chord_tolerance,
-            period: self.period,
-            shares: Shares { acceleration: 0.0, jerk: 0.0, speed: 0.0 },
-            scale: USED,
-        };
-        let mut tangential = None;
+        let mut chosen = None;
         let mut round = 0;
         let (joint_path, stops, caps, (acceleration, jerk)) = loop {
             let joint_path =
@@ -131,8 +128,28 @@ where
             let inside = corners.iter().filter(|corner| from + close < corner.s && corner.s < to - close);
             let stops: Vec<usize> = inside.map(|corner| grid.partition_point(|&s| s < corner.s)).collect();
             let reaches = Reaches::of(&path, &joint_path, &stops);
-            let tangential = *tangential.get_or_insert_with(|| choose(&reaches, &bounds, &grid, &stops));
-            let mut caps = reaches.live_caps(&bounds, tangential.0, tangential.1);
+            let torque = self.torque.map(|torque| TorquePath::of(&joint_path, &torque));
+            // At a border the lower feed counts, as borders may stand beside a grid point.
+            let feed = |pair: &[f64]| feeds.at(pair[0]).min(feeds.at(pair[1])).min(feeds.at(0.5 * (pair[0] + pair[1])));
+            let programmed: Vec<f64> = grid.windows(2).map(feed).collect();
+            let bounds = Bounds {
+                tool: &self.tool,
+                joints: &self.joints,
+                chord: self.chord_tolerance,
+                period: self.period,
+                shares: Shares { acceleration: 0.0, jerk: 0.0, speed: 0.0 },
+                scale: USED,
+                feeds: &programmed,
+                torque: torque.as_ref(),
+                ends: [0.0; 2],
+            };
+            let explain = |error| PlanError::explained(error, &path, |i| grid.get(i).copied().unwrap_or(to));
+            let tangential = match chosen {
+                Some(known) => known,
+                None => choose(&reaches, &bounds, &grid, &stops).map_err(explain)?,
+            };
+            chosen = Some(tangential);
+            let mut caps = reaches.live_caps(&bounds, tangential.0, tangential.1).map_err(explain)?;
             let coarse = self.look_between(&path, &joint_path, &bounds, tangential, &mut caps)?;
             round += 1;
             if coarse.is_empty() || round == ROUNDS {
@@ -189,12 +206,17 @@ where
 }
 
 /// Bounds of tangential acceleration and jerk for the whole path: of several choices that with the shortest motion.
-fn choose<const N: usize>(reaches: &Reaches<N>, bounds: &Bounds<'_, N>, grid: &[f64], stops: &[usize]) -> (f64, f64) {
-    let (acceleration, jerk) = reaches.rest_limits(bounds);
+fn choose<const N: usize>(
+    reaches: &Reaches<N>,
+    bounds: &Bounds<'_, N>,
+    grid: &[f64],
+    stops: &[usize],
+) -> Result<(f64, f64), FeedError> {
+    let (acceleration, jerk) = reaches.rest_limits(bounds)?;
     let mut best = (f64::INFINITY, 0.5 * acceleration, 0.5 * jerk);
     for a in PARTS.map(|part| part * acceleration) {
         for j in PARTS.map(|part| part * jerk) {
-            let caps = reaches.live_caps(bounds, a, j);
+            let caps = reaches.live_caps(bounds, a, j)?;
             if let Some(time) = duration(grid, &caps, stops, a, j)
                 && time < best.0
             {
@@ -202,7 +224,7 @@ fn choose<const N: usize>(reaches: &Reaches<N>, bounds: &Bounds<'_, N>, grid: &[
             }
         }
     }
-    (best.1, best.2)
+    Ok((best.1, best.2))
 }
 
 /// How long the path takes under `caps`, or `None` where that is not known at once.

@@ -6,7 +6,7 @@ use arcfeed_kinematics::Joints;
 use crate::arm::PathArm;
 use crate::error::PlanError;
 use crate::joint_path::joint_jet;
-use crate::planner::Plan;
+use crate::plan::Plan;
 use crate::speed::SpeedCursor;
 use crate::trajectory::Setpoint;
 

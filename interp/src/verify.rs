@@ -13,6 +13,8 @@ use nalgebra::Vector3;
 
 use crate::error::PlanError;
 use crate::limits::ToolLimits;
+use crate::sections::{Feeds, Section};
+use crate::torque::TorqueLimits;
 use crate::trajectory::Setpoint;
 
 /// Samples per control period, at least.
@@ -30,6 +32,9 @@ const ORIENTATION_TOLERANCE: f64 = 1e-6;
 /// What counts as zero, relative to a limit or to the length of the path: speed at the ends, and the difference between
 /// what a setpoint says of the tool and what its joints do.
 const ZERO: f64 = 1e-6;
+
+/// Relative rounding of a speed: where a motion ends at one, its law and that speed need not agree in every digit.
+const SPEED: f64 = 1e-10;
 
 /// What is held against a limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -59,13 +64,18 @@ pub enum Quantity {
     OrientationDeviation,
     /// Misfit of position, velocity and acceleration from one sample to the next, against what the jerk limit allows.
     Continuity,
-    /// Start and end: at the ends of the path and at rest, in units of what counts as zero.
+    /// Start and end: at the ends of the path and at rest, or at the speeds asked for without tangential acceleration, in units of
+    /// what counts as zero.
     Ends,
     /// What the setpoint itself says of pose, feed and tangential acceleration against what its joints do, in units of
     /// what counts as zero.
     SetpointAgreement,
     /// Jerk that the curvature causes at constant speed, kappa^2 v^3, m/s^3; only where it is limited.
     NormalJerk,
+    /// Angular speed of the tool, rad/s; only where it is limited.
+    AngularSpeed,
+    /// Joint torque, N m; only where it is limited.
+    JointTorque,
 }
 
 impl Quantity {
@@ -84,9 +94,11 @@ impl Quantity {
             Self::PathDeviation => "deviation from the path",
             Self::OrientationDeviation => "turn away from the path",
             Self::Continuity => "continuity",
-            Self::Ends => "rest at both ends",
+            Self::Ends => "state at both ends",
             Self::SetpointAgreement => "setpoint agreement",
             Self::NormalJerk => "normal jerk",
+            Self::AngularSpeed => "angular speed",
+            Self::JointTorque => "joint torque",
         }
     }
 
@@ -94,7 +106,8 @@ impl Quantity {
     pub fn unit(self) -> &'static str {
         match self {
             Self::JointPosition | Self::OrientationDeviation => "rad",
-            Self::JointVelocity => "rad/s",
+            Self::JointVelocity | Self::AngularSpeed => "rad/s",
+            Self::JointTorque => "N m",
             Self::JointAcceleration => "rad/s^2",
             Self::JointJerk => "rad/s^3",
             Self::Feed => "m/s",
@@ -138,6 +151,29 @@ pub struct Requirement<'a, const N: usize = 6> {
     pub chord_tolerance: f64,
     /// Control period, s.
     pub period: f64,
+    /// Parts of the path with a feed of their own, in their order on it, without overlap.
+    pub sections: &'a [Section],
+    /// Speeds at the start and at the end of the path, m/s.
+    pub end_speeds: [f64; 2],
+    /// What the drives can do, where that is to be looked at.
+    pub torque: Option<TorqueLimits<'a, N>>,
+}
+
+impl<'a, const N: usize> Requirement<'a, N> {
+    /// From rest to rest with one feed for the whole path, whatever the torque; the fields can be set afterwards.
+    pub fn new(
+        path: &'a PosePath,
+        tool: &'a ToolLimits,
+        joints: &'a JointLimits<N>,
+        chord_tolerance: f64,
+        period: f64,
+    ) -> Self {
+        Self { path, tool, joints, chord_tolerance, period, sections: &[], end_speeds: [0.0; 2], torque: None }
+    }
+
+    fn feeds(&self) -> Feeds<'a> {
+        Feeds { elsewhere: self.tool.feed, sections: self.sections }
+    }
 }
 
 /// The result of [`verify`]: for every limit the place where the trajectory comes closest to it.
@@ -188,14 +224,23 @@ struct Worst {
 }
 
 impl Worst {
+    fn new(quantity: Quantity, joint: Option<usize>, limit: f64) -> Self {
+        Self { check: Check { quantity, joint, value: 0.0, limit, ratio: 0.0, s: 0.0, t: 0.0 } }
+    }
+
     fn see<const N: usize>(&mut self, value: f64, at: &Setpoint<N>) {
-        let ratio = value / self.check.limit;
+        self.see_against(value, self.check.limit, at);
+    }
+
+    /// Where the limit is not the same everywhere.
+    fn see_against<const N: usize>(&mut self, value: f64, limit: f64, at: &Setpoint<N>) {
+        let ratio = value / limit;
         // A NaN, once seen, stays.
         if self.check.ratio.is_nan() {
             return;
         }
         if ratio > self.check.ratio || ratio.is_nan() {
-            self.check = Check { value, ratio, s: at.s, t: at.t, ..self.check };
+            self.check = Check { value, limit, ratio, s: at.s, t: at.t, ..self.check };
         }
     }
 }
@@ -233,12 +278,12 @@ where
     for i in 0..=steps + 1 {
         let t = if i > steps { duration } else { i as f64 * dt };
         let sample = Sample::new(arm, requirement.path, setpoint(t)?);
-        tally.look(&sample);
+        tally.look(&sample, requirement);
         if i == 0 {
-            tally.end(&sample, 0.0, requirement);
+            tally.end(&sample, 0.0, requirement.end_speeds[0], requirement);
         }
         if i > steps {
-            tally.end(&sample, requirement.path.length(), requirement);
+            tally.end(&sample, requirement.path.length(), requirement.end_speeds[1], requirement);
         }
         if let (Some(first), Some(before)) = (ring.front(), ring.back()) {
             tally.compare(first, before, &sample, requirement);
@@ -263,6 +308,8 @@ struct Sample<const N: usize> {
     at: Setpoint<N>,
     position: Vector3<f64>,
     velocity: Vector3<f64>,
+    /// Angular speed.
+    turning: f64,
     /// Along the motion and across it.
     tangential: f64,
     normal: f64,
@@ -280,7 +327,8 @@ impl<const N: usize> Sample<N> {
         let linear = |v: arcfeed_kinematics::Twist| Vector3::new(v[0], v[1], v[2]);
         let pose = configuration.pose();
         let position = pose.translation.vector;
-        let velocity = linear(jacobian * at.qd);
+        let twist = jacobian * at.qd;
+        let velocity = linear(twist);
         let acceleration = linear(jacobian * at.qdd + configuration.acceleration_bias(&at.qd));
         // At a standstill the motion has no direction of its own; the path has one.
         let direction = velocity.try_normalize(1e-9).unwrap_or_else(|| path.curve().jet(at.s).d1);
@@ -292,6 +340,7 @@ impl<const N: usize> Sample<N> {
             misstated: stated,
             position,
             velocity,
+            turning: Vector3::new(twist[3], twist[4], twist[5]).norm(),
             tangential,
             normal: (acceleration - direction * tangential).norm(),
             off_path: (position - path.curve().point(at.s)).norm(),
@@ -306,6 +355,10 @@ struct Tally<const N: usize> {
     upper: Joints<N>,
     /// Arc lengths where the curvature of the path jumps.
     jumps: Vec<f64>,
+    /// Positions in `worst` of what is not always limited; of the torques the first joint's.
+    normal_jerk: Option<usize>,
+    angular: Option<usize>,
+    torque: Option<usize>,
 }
 
 impl<const N: usize> Tally<N> {
@@ -324,12 +377,11 @@ impl<const N: usize> Tally<N> {
     const CONTINUITY: usize = Self::TOOL + 7;
     const ENDS: usize = Self::TOOL + 8;
     const AGREEMENT: usize = Self::TOOL + 9;
-    const NORMAL_JERK: usize = Self::TOOL + 10;
 
     fn new(r: &Requirement<'_, N>) -> Self {
         let mut worst = Vec::new();
         let mut add = |quantity, joint, limit| {
-            worst.push(Worst { check: Check { quantity, joint, value: 0.0, limit, ratio: 0.0, s: 0.0, t: 0.0 } });
+            worst.push(Worst::new(quantity, joint, limit));
         };
         let (lower, upper) = (*r.joints.lower(), *r.joints.upper());
         for (quantity, limits) in [
@@ -356,9 +408,18 @@ impl<const N: usize> Tally<N> {
         ] {
             add(quantity, None, limit);
         }
-        if let Some(jerk) = r.tool.normal_jerk {
-            add(Quantity::NormalJerk, None, jerk);
-        }
+        let mut optional = |quantity, limit: Option<f64>| {
+            let limit = limit?;
+            worst.push(Worst::new(quantity, None, limit));
+            Some(worst.len() - 1)
+        };
+        let normal_jerk = optional(Quantity::NormalJerk, r.tool.normal_jerk);
+        let angular = optional(Quantity::AngularSpeed, r.tool.angular_speed);
+        let torque = r.torque.map(|torque| {
+            let limits = torque.limits();
+            worst.extend((0..N).map(|joint| Worst::new(Quantity::JointTorque, Some(joint), limits[joint])));
+            worst.len() - N
+        });
         let jumps = r
             .path
             .knots()
@@ -368,7 +429,7 @@ impl<const N: usize> Tally<N> {
                 (a.d2 - b.d2).norm() > 1e-7 * (1.0 + a.d2.norm())
             })
             .collect();
-        Self { worst, lower, upper, jumps }
+        Self { worst, lower, upper, jumps, normal_jerk, angular, torque }
     }
 
     fn see(&mut self, index: usize, value: f64, at: &Setpoint<N>) {
@@ -376,7 +437,7 @@ impl<const N: usize> Tally<N> {
     }
 
     /// Limits on what happens at one moment.
-    fn look(&mut self, sample: &Sample<N>) {
+    fn look(&mut self, sample: &Sample<N>, r: &Requirement<'_, N>) {
         let at = &sample.at;
         for k in 0..N {
             let middle = 0.5 * (self.lower[k] + self.upper[k]);
@@ -385,27 +446,42 @@ impl<const N: usize> Tally<N> {
             self.see(Self::ACCELERATION + k, at.qdd[k].abs(), at);
         }
         let speed = sample.velocity.norm();
-        self.see(Self::TOOL, speed, at);
+        let feed = r.feeds().at(at.s);
+        self.worst[Self::TOOL].see_against(speed, feed, at);
         self.see(Self::TANGENTIAL, sample.tangential.abs(), at);
         self.see(Self::NORMAL, sample.normal, at);
         self.see(Self::OFF_PATH, sample.off_path, at);
         self.see(Self::TURNED, sample.turned, at);
-        let (feed, tangential) = (self.worst[Self::TOOL].check.limit, self.worst[Self::TANGENTIAL].check.limit);
         let misfit = ((at.feed - speed).abs() / feed)
-            + ((at.acceleration - sample.tangential).abs() / tangential)
+            + ((at.acceleration - sample.tangential).abs() / r.tool.tangential_acceleration)
             + sample.misstated / ORIENTATION_TOLERANCE * ZERO;
         self.see(Self::AGREEMENT, misfit / ZERO, at);
         // normal = kappa v^2, so that kappa^2 v^3 = normal^2 / v.
-        if self.worst.len() > Self::NORMAL_JERK && speed > ZERO * feed {
-            self.see(Self::NORMAL_JERK, sample.normal * sample.normal / speed, at);
+        if let Some(index) = self.normal_jerk.filter(|_| speed > ZERO * feed) {
+            self.see(index, sample.normal * sample.normal / speed, at);
+        }
+        if let Some(index) = self.angular {
+            self.see(index, sample.turning, at);
+        }
+        if let (Some(index), Some(limits)) = (self.torque, &r.torque) {
+            let torque = limits.torque(&at.q, &at.qd, &at.qdd);
+            for k in 0..N {
+                self.see(index + k, torque[k].abs(), at);
+            }
         }
     }
 
-    /// The first and the last sample: at `s` on the path and at rest.
-    fn end(&mut self, sample: &Sample<N>, s: f64, r: &Requirement<'_, N>) {
+    /// The first and the last sample: at `s` on the path and at rest, or at `speed`.
+    fn end(&mut self, sample: &Sample<N>, s: f64, speed: f64, r: &Requirement<'_, N>) {
         let at = &sample.at;
-        let speed = at.qd.component_div(r.joints.velocity()).amax();
-        let acceleration = at.qdd.component_div(r.joints.acceleration()).amax();
+        let (speed, acceleration) = if speed == 0.0 {
+            (at.qd.component_div(r.joints.velocity()).amax(), at.qdd.component_div(r.joints.acceleration()).amax())
+        } else {
+            (
+                (sample.velocity.norm() - speed).abs() / r.feeds().highest(),
+                sample.tangential.abs() / r.tool.tangential_acceleration,
+            )
+        };
         let place = (at.s - s).abs() / r.path.length();
         // Not `max`: a NaN has to show.
         self.see(Self::ENDS, (speed + acceleration + place) / ZERO, at);
@@ -440,7 +516,7 @@ impl<const N: usize> Tally<N> {
             let v = b.qd[k] - a.qd[k] - 0.5 * dt * (a.qdd[k] + b.qdd[k]);
             // Rounding of q and of v, which are sums of terms larger than themselves.
             let noise_q = 1e-13;
-            let noise_v = 1e-12;
+            let noise_v = 1e-12 + SPEED * b.qd[k].abs();
             let ratio_q = q.abs() / (limit * (dt / 12.0 + step / 8.0) * dt * dt + noise_q);
             let ratio_v = v.abs() / (limit * (dt / 4.0 + step / 2.0) * dt + noise_v);
             self.see(Self::CONTINUITY, ratio_q.max(ratio_v), b);

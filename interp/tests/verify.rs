@@ -33,13 +33,8 @@ impl Good {
     }
 
     fn requirement(&self) -> Requirement<'_> {
-        Requirement {
-            path: self.plan.path(),
-            tool: &self.tool,
-            joints: &self.limits,
-            chord_tolerance: self.plan.chord_tolerance(),
-            period: self.plan.period(),
-        }
+        let (chord_tolerance, period) = (self.plan.chord_tolerance(), self.plan.period());
+        Requirement::new(self.plan.path(), &self.tool, &self.limits, chord_tolerance, period)
     }
 
     /// Verification of the motion after `spoil`; `duration` of it.

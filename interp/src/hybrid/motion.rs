@@ -35,6 +35,7 @@ use crate::trajectory::Setpoint;
 ///     tangential_jerk: 20.0,
 ///     normal_acceleration: 1.0,
 ///     normal_jerk: None,
+///     angular_speed: None,
 /// };
 /// let start = best_start(&arm, &path, limits.lower(), limits.upper())?;
 /// let live = Planner::new(&arm, limits, tool)?.live(path, &start)?;

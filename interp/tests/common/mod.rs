@@ -14,6 +14,7 @@ pub const TOOL: ToolLimits = ToolLimits {
     tangential_jerk: 30.0,
     normal_acceleration: 1.0,
     normal_jerk: None,
+    angular_speed: None,
 };
 
 pub fn arm() -> ParallelAxisArm {

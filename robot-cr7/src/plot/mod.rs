@@ -4,6 +4,7 @@
 //! keeps its least and largest value: no peak is lost. Values that are not finite leave a gap.
 
 mod canvas;
+mod compare;
 mod decimate;
 mod schedule;
 
@@ -15,6 +16,8 @@ use crate::report::{number, percent};
 pub use schedule::{joint_panels_picture, shares_picture, speed_picture};
 
 use canvas::{Anchor, LIMIT, PALETTE, Panel, Pen, page, range, widened};
+
+pub use compare::compare_picture;
 
 const WIDTH: u32 = 1080;
 const LEFT: f64 = 88.0;

@@ -1,10 +1,10 @@
-//! The speed by the jerk-limited planner: limits of tool and joints as rows on the grid of the joint path.
+//! Limits of tool and joints as rows on the grid of the joint path: what the planners of the feedrate crate take.
 
 use arcfeed_feedrate::constraint::{
     Feed, JointAcceleration, JointJerk, JointVelocity, PathConstraint, PathDerivatives, SpeedCap, Stop,
     TangentialAcceleration, TangentialJerk,
 };
-use arcfeed_feedrate::{FeedError, FeedPlanner, FeedProblem, GridPlan, JerkLimited, Quantity};
+use arcfeed_feedrate::{FeedError, FeedProblem, Quantity};
 
 use crate::constraints::{Bounds, Reaches};
 use crate::joint_path::JointPath;
@@ -35,15 +35,18 @@ impl Derivatives {
     }
 }
 
-/// The fastest speed within `bounds`, jerk included; at the grid points `stops` the tool stands.
+/// The limits of `bounds` as rows on the grid of the joint path; at the grid points `stops` the tool stands.
 ///
-/// Returns the plan and the cap on the speed at every grid point (m/s).
-pub(crate) fn plan<const N: usize>(
+/// Without `jerk` there are no limits on jerk, and a jump of a joint's acceleration is no matter. With squared speeds `near` no row
+/// has a term in the speed itself: see [`crate::torque::TorquePath::rows`].
+pub(crate) fn problem<const N: usize>(
     joints: &JointPath<N>,
     reaches: &Reaches<N>,
     stops: &[usize],
     bounds: &Bounds<'_, N>,
-) -> Result<(GridPlan, Vec<f64>), FeedError> {
+    jerk: bool,
+    near: Option<&[f64]>,
+) -> Result<FeedProblem, FeedError> {
     let grid: Vec<f64> = joints.nodes().iter().map(|jet| jet.s).collect();
     let d = Derivatives::of(joints, stops);
     let path = PathDerivatives::new(N, &d.after[0], &d.after[1])?.with_third(&d.after[2])?.with_values_before(
@@ -51,25 +54,35 @@ pub(crate) fn plan<const N: usize>(
         &d.before[1],
         &d.before[2],
     )?;
-    let (velocity, acceleration, jerk) = (
+    let (velocity, acceleration, joint_jerk) = (
         bounds.joints.velocity() * bounds.scale,
         bounds.joints.acceleration() * bounds.scale,
         bounds.joints.jerk() * bounds.scale,
     );
-    let feed = vec![bounds.tool.feed * bounds.scale; joints.intervals()];
+    let feed: Vec<f64> = bounds.feeds.iter().map(|feed| feed * bounds.scale).collect();
     let feed = Feed::new(&feed)?;
     let bends = reaches.tool_speeds(bounds);
     let bends = SpeedCap::new(&bends, Quantity::NormalAcceleration)?;
+    let turns = reaches.turn_speeds(bounds);
+    let turns = turns.as_deref().map(|turns| SpeedCap::new(turns, Quantity::AngularSpeed)).transpose()?;
     let tangential = TangentialAcceleration::new(bounds.tool.tangential_acceleration * bounds.scale)?;
     let tangential_jerk = TangentialJerk::new(bounds.tool.tangential_jerk * bounds.scale)?;
     let velocity = JointVelocity::new(path, velocity.as_slice())?;
     let acceleration = JointAcceleration::new(path, acceleration.as_slice())?;
-    let jerk = JointJerk::new(path, jerk.as_slice())?;
+    let joint_jerk = JointJerk::new(path, joint_jerk.as_slice())?;
+    let torque = bounds.torque.map(|torque| torque.rows(bounds.scale, bounds.feeds, near));
     let stops: Vec<Stop> = stops.iter().map(|&at| Stop { at }).collect();
-    let mut constraints: Vec<&dyn PathConstraint> =
-        vec![&feed, &bends, &tangential, &tangential_jerk, &velocity, &acceleration, &jerk];
+    let mut constraints: Vec<&dyn PathConstraint> = vec![&feed, &bends, &tangential, &velocity, &acceleration];
+    if jerk {
+        constraints.extend([&tangential_jerk as &dyn PathConstraint, &joint_jerk]);
+    }
+    constraints.extend(turns.iter().map(|turns| turns as &dyn PathConstraint));
+    constraints.extend(torque.iter().map(|torque| torque as &dyn PathConstraint));
     constraints.extend(stops.iter().map(|stop| stop as &dyn PathConstraint));
-    let problem = FeedProblem::between_points(&grid, &constraints)?;
-    let caps = (0..grid.len()).map(|i| problem.cap(i).0.sqrt()).collect();
-    Ok((JerkLimited::default().plan(&problem)?, caps))
+    FeedProblem::between_points(&grid, &constraints)?.with_end_speeds(bounds.ends[0], bounds.ends[1])
+}
+
+/// The greatest speed at every grid point by its caps alone (m/s).
+pub(crate) fn caps(problem: &FeedProblem) -> Vec<f64> {
+    (0..problem.grid().len()).map(|i| problem.cap(i).0.sqrt()).collect()
 }

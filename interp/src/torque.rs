@@ -1,0 +1,278 @@
+//! Torque limits of the joints along a path.
+//!
+//! At a place with joint derivatives `q', q''` the torque of a motion is (Electronics 2025, 14, 3869, eq. 8)
+//!
+//! ```text
+//! inertia a + velocity v^2 + viscous v + constant
+//! ```
+//!
+//! where the constant part is gravity and Coulomb friction. The latter jumps where a joint turns back; near such a place both of its
+//! values are allowed for.
+
+use std::fmt;
+
+use arcfeed_feedrate::constraint::{PathConstraint, Place, RowSink};
+use arcfeed_feedrate::{Quantity, Row, RowSource};
+use arcfeed_kinematics::{Dynamics, Joints, PathTorque};
+
+use crate::error::PlanError;
+use crate::joint_path::{JointJet, JointPath};
+
+/// What the drives can do, and what they have to move: dynamics of the arm with its payload, and greatest torques.
+#[derive(Clone, Copy)]
+pub struct TorqueLimits<'a, const N: usize = 6> {
+    dynamics: &'a dyn Dynamics<N>,
+    limits: Joints<N>,
+}
+
+impl<const N: usize> fmt::Debug for TorqueLimits<'_, N> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("TorqueLimits").field("limits", &self.limits).finish_non_exhaustive()
+    }
+}
+
+impl<'a, const N: usize> TorqueLimits<'a, N> {
+    /// The greatest torques `limits` (N m, either sign; infinite means none) of an arm with `dynamics`.
+    ///
+    /// # Errors
+    /// [`PlanError::Limit`] for a torque that is not above 0.
+    pub fn new(dynamics: &'a dyn Dynamics<N>, limits: Joints<N>) -> Result<Self, PlanError> {
+        match limits.iter().find(|limit| limit.is_nan() || **limit <= 0.0) {
+            Some(&value) => Err(PlanError::Limit { what: "torque limit", value }),
+            None => Ok(Self { dynamics, limits }),
+        }
+    }
+
+    /// Greatest torques, N m.
+    pub fn limits(&self) -> &Joints<N> {
+        &self.limits
+    }
+
+    /// The torque of a motion, N m.
+    pub fn torque(&self, q: &Joints<N>, qd: &Joints<N>, qdd: &Joints<N>) -> Joints<N> {
+        self.dynamics.torque(q, qd, qdd)
+    }
+}
+
+/// A joint whose part in the motion is below this counts as one that may turn either way.
+const STILL: f64 = 1e-9;
+
+/// The torque at one place: factors of `a`, `v^2` and `v`, gravity, and between what Coulomb friction lies.
+#[derive(Debug, Clone, Copy)]
+struct Terms<const N: usize> {
+    inertia: Joints<N>,
+    velocity: Joints<N>,
+    viscous: Joints<N>,
+    gravity: Joints<N>,
+    low: Joints<N>,
+    high: Joints<N>,
+}
+
+impl<const N: usize> Terms<N> {
+    /// For the joints of `turns` either direction of the Coulomb friction is possible.
+    fn at(dynamics: &dyn Dynamics<N>, jet: &JointJet<N>, turns: &[bool; N]) -> Self {
+        let forward = dynamics.along_path(&jet.q, &jet.d1, &jet.d2);
+        let gravity = dynamics.gravity_torque(&jet.q);
+        let (mut low, mut high) = (forward.constant - gravity, forward.constant - gravity);
+        if turns.contains(&true) {
+            for way in [Joints::repeat(1.0), Joints::repeat(-1.0)] {
+                let coulomb = dynamics.along_path(&jet.q, &way, &jet.d2).constant - gravity;
+                for j in (0..N).filter(|&j| turns[j]) {
+                    low[j] = low[j].min(coulomb[j]);
+                    high[j] = high[j].max(coulomb[j]);
+                }
+            }
+        }
+        let PathTorque { inertia, velocity, viscous, .. } = forward;
+        Self { inertia, velocity, viscous, gravity, low, high }
+    }
+}
+
+/// The torque along a whole path, at the points of its grid and in the middle between them.
+#[derive(Debug, Clone)]
+pub(crate) struct TorquePath<const N: usize> {
+    limits: Joints<N>,
+    points: Vec<Terms<N>>,
+    /// Just before a grid point, where that differs.
+    before: Vec<Option<Terms<N>>>,
+    middles: Vec<Terms<N>>,
+}
+
+impl<const N: usize> TorquePath<N> {
+    pub fn of(joints: &JointPath<N>, torque: &TorqueLimits<'_, N>) -> Self {
+        let dynamics = torque.dynamics;
+        let n = joints.intervals();
+        let middles: Vec<JointJet<N>> = (0..n).map(|k| middle(joints, k)).collect();
+        let turning: Vec<[bool; N]> = (0..n)
+            .map(|k| {
+                let (start, end) = joints.interval(k);
+                let rates = [&start.d1, &middles[k].d1, &end.d1];
+                let least = STILL * rates.iter().fold(0.0, |most: f64, d| most.max(d.amax()));
+                std::array::from_fn(|j| !(rates.iter().all(|d| d[j] > least) || rates.iter().all(|d| d[j] < -least)))
+            })
+            .collect();
+        let turns = |i: usize| {
+            let (left, right) = (i.checked_sub(1).and_then(|k| turning.get(k)), turning.get(i));
+            std::array::from_fn(|j| [left, right].into_iter().flatten().any(|turns| turns[j]))
+        };
+        let points = (0..=n).map(|i| Terms::at(dynamics, joints.sides(i).1, &turns(i))).collect();
+        let before = (0..=n)
+            .map(|i| {
+                let (left, right) = joints.sides(i);
+                // At a smooth knot both sides are the same but for rounding.
+                let apart = |a: &Joints<N>, b: &Joints<N>| (a - b).amax() > 1e-7 * (1.0 + a.amax());
+                let differ = apart(&left.d1, &right.d1) || apart(&left.d2, &right.d2);
+                differ.then(|| Terms::at(dynamics, left, &turns(i)))
+            })
+            .collect();
+        let middles = middles.iter().zip(&turning).map(|(jet, turns)| Terms::at(dynamics, jet, turns)).collect();
+        Self { limits: *torque.limits(), points, before, middles }
+    }
+
+    /// Rows that use the fraction `scale` of what the constant part leaves of every limit.
+    ///
+    /// With squared speeds `near` (one per grid point) viscous friction is made straight: a tangent there above the root and,
+    /// up to the square of the `feeds` per interval, a chord below it. Such rows are inside the true ones, and convex.
+    pub fn rows<'a>(&'a self, scale: f64, feeds: &'a [f64], near: Option<&'a [f64]>) -> TorqueRows<'a, N> {
+        TorqueRows { path: self, scale, feeds, near }
+    }
+
+    /// Whether any torque grows with the speed itself.
+    pub fn is_viscous(&self) -> bool {
+        self.points.iter().any(|terms| (0..N).any(|j| self.limits[j].is_finite() && terms.viscous[j] != 0.0))
+    }
+
+    /// Bounds on interval `k` for a box.
+    pub fn reach(&self, k: usize) -> TorqueReach<N> {
+        let near = &self.points[k];
+        let far = self.before[k + 1].as_ref().unwrap_or(&self.points[k + 1]);
+        let three = [near, &self.middles[k], far];
+        // The parabola through three values lies between its Bernstein coefficients.
+        let enclose = |of: &dyn Fn(&Terms<N>) -> f64| {
+            let [p, m, q] = three.map(of);
+            p.abs().max(q.abs()).max((2.0 * m - 0.5 * (p + q)).abs())
+        };
+        let each = |of: &dyn Fn(&Terms<N>, usize) -> f64| Joints::from_fn(|j, _| enclose(&|terms| of(terms, j)));
+        TorqueReach {
+            limits: self.limits,
+            inertia: each(&|terms, j| terms.inertia[j]),
+            velocity: each(&|terms, j| terms.velocity[j]),
+            viscous: each(&|terms, j| terms.viscous[j]),
+            constant: Joints::from_fn(|j, _| {
+                let [p, m, q] = three.map(|terms| terms.gravity[j]);
+                let inner = 2.0 * m - 0.5 * (p + q);
+                let most = |of: fn(&Terms<N>) -> &Joints<N>| three.map(|terms| of(terms)[j]);
+                let high = most(|terms| &terms.high).into_iter().fold(f64::NEG_INFINITY, f64::max);
+                let low = most(|terms| &terms.low).into_iter().fold(f64::INFINITY, f64::min);
+                (p.max(q).max(inner) + high).max(-(p.min(q).min(inner) + low))
+            }),
+        }
+    }
+}
+
+/// Largest magnitudes of the terms on one interval.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct TorqueReach<const N: usize> {
+    pub limits: Joints<N>,
+    pub inertia: Joints<N>,
+    pub velocity: Joints<N>,
+    pub viscous: Joints<N>,
+    pub constant: Joints<N>,
+}
+
+/// Joint values and derivatives in the middle of an interval, from both its ends.
+fn middle<const N: usize>(joints: &JointPath<N>, k: usize) -> JointJet<N> {
+    let (a, b) = joints.interval(k);
+    let h = 0.5 * (b.s - a.s);
+    let first = |jet: &JointJet<N>, h: f64| jet.d1 + (jet.d2 + jet.d3 * (h / 2.0)) * h;
+    JointJet {
+        s: a.s + h,
+        q: (a.ahead(h) + b.ahead(-h)) / 2.0,
+        d1: (first(a, h) + first(b, -h)) / 2.0,
+        d2: (a.d2 + a.d3 * h + b.d2 - b.d3 * h) / 2.0,
+        d3: (a.d3 + b.d3) / 2.0,
+    }
+}
+
+/// `|inertia u + velocity x + viscous sqrt(x) + constant| <= limit` of every joint.
+#[derive(Debug)]
+pub(crate) struct TorqueRows<'a, const N: usize> {
+    path: &'a TorquePath<N>,
+    scale: f64,
+    feeds: &'a [f64],
+    near: Option<&'a [f64]>,
+}
+
+/// `sqrt(x)` by straight lines: slope and value at 0 of one above it, slope of one below.
+#[derive(Debug, Clone, Copy)]
+struct Root {
+    above: [f64; 2],
+    below: f64,
+}
+
+impl Root {
+    /// Up to the squared speed `most`, as close as can be at `near`.
+    fn new(most: f64, near: f64) -> Self {
+        // At rest the tangent is vertical.
+        let root = near.max(1e-4 * most).min(most).sqrt();
+        Self { above: [0.5 / root, 0.5 * root], below: 1.0 / most.sqrt() }
+    }
+}
+
+impl<const N: usize> TorqueRows<'_, N> {
+    fn push(&self, terms: &Terms<N>, root: Option<Root>, out: &mut RowSink<'_>) {
+        for j in (0..N).filter(|&j| self.path.limits[j].is_finite()) {
+            let (limit, rest) = (self.path.limits[j], terms.gravity[j]);
+            // What is taken off is taken from the motion, not from what holds the arm.
+            let lower = |room: f64| if room > 0.0 { room * self.scale } else { room };
+            let hi = rest + lower(limit - terms.high[j] - rest);
+            let lo = rest - lower(limit + terms.low[j] + rest);
+            // Friction beyond the limit leaves nothing.
+            let lo = lo.min(hi);
+            let (a, b, c) = (terms.inertia[j], terms.velocity[j], terms.viscous[j]);
+            let source = RowSource::joint(Quantity::JointTorque, j);
+            let Some(root) = root else {
+                out.row(Row { a, b, c, d: rest, lo, hi, source });
+                continue;
+            };
+            let ([slope, base], below) = (root.above, root.below);
+            let (upper, under) = if c > 0.0 { ((slope, base), (below, 0.0)) } else { ((below, 0.0), (slope, base)) };
+            // At rest there is no friction, whatever the tangent says.
+            let (hi, lo) = ((hi - c * upper.1).max(rest), (lo - c * under.1).min(rest));
+            out.row(Row { a, b: b + c * upper.0, c: 0.0, d: rest, lo: f64::NEG_INFINITY, hi, source });
+            out.row(Row { a, b: b + c * under.0, c: 0.0, d: rest, lo, hi: f64::INFINITY, source });
+        }
+    }
+
+    /// Lines for the root at grid point `i`, or in the middle behind it.
+    fn root(&self, i: usize, middle: bool) -> Option<Root> {
+        let near = self.near?;
+        let at = |i: usize| near.get(i).copied().unwrap_or(0.0);
+        let feed = |k: Option<usize>| k.and_then(|k| self.feeds.get(k)).copied().unwrap_or(0.0);
+        let behind = feed(Some(i));
+        Some(if middle {
+            Root::new(behind * behind, 0.5 * (at(i) + at(i + 1)))
+        } else {
+            Root::new(behind.max(feed(i.checked_sub(1))).powi(2), at(i))
+        })
+    }
+}
+
+impl<const N: usize> PathConstraint for TorqueRows<'_, N> {
+    fn points(&self) -> Option<usize> {
+        Some(self.path.points.len())
+    }
+
+    fn rows(&self, place: Place, out: &mut RowSink<'_>) {
+        match place {
+            Place::Point(i) => {
+                let root = self.root(i, false);
+                self.push(&self.path.points[i], root, out);
+                if let Some(before) = &self.path.before[i] {
+                    self.push(before, root, out);
+                }
+            }
+            Place::Middle { k, .. } => self.push(&self.path.middles[k], self.root(k, true), out),
+        }
+    }
+}
