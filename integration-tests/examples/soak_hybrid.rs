@@ -1,4 +1,4 @@
-//! Random scenarios of motion in both spaces, as many as you like: `soak_hybrid [SCENARIOS] [FIRST SEED]`.
+//! Random scenarios of motion in both spaces, as many as you like: `soak_hybrid [SCENARIOS, else 40] [FIRST SEED]`.
 //!
 //! Five scenarios share a stage (arm, path, limits). A failing one is printed with its seeds; `cargo run --release -p integration-tests
 //! --example soak_hybrid -- 1 SEED` plays it again.
@@ -9,7 +9,7 @@ use integration_tests::hybrid_scenario::Stage;
 
 fn main() {
     let mut arguments = std::env::args().skip(1).map(|text| text.parse::<u64>());
-    let count = arguments.next().and_then(Result::ok).unwrap_or(1000);
+    let count = arguments.next().and_then(Result::ok).unwrap_or(40);
     let first = arguments.next().and_then(Result::ok).unwrap_or(0);
     let begin = Instant::now();
     let (mut played, mut refused, mut failed, mut cycles, mut left, mut worst) =
