@@ -1,30 +1,27 @@
 //! Speed of what a planner and a control cycle call, on the CR7, the KR 6 R700 and the Panda at random joint values.
 //!
-//! Measured on a 2-core AMD EPYC VM at about 2.3 GHz, medians: (a) timed in a loop over 512 joint vectors in a quiet
-//! moment, (b) this file while other programs kept both cores busy three times over.
+//! Measured on a 2-core AMD EPYC VM at about 2.3 GHz, medians: (a) of 2000 loops over 512 joint vectors, (b) this file with
+//! little else to do, (c) this file while other programs kept both cores busy three times over.
 //!
-//! | | (a) | (b) |
-//! |---|---|---|
-//! | forward | 99 ns | 211 ns |
-//! | forward_jacobian | 123 ns | 290 ns |
-//! | jacobian_dot_qd | 136 ns | 255 ns |
-//! | inverse_all (up to 8 solutions) | 0.64 us | 1.16 us |
-//! | inverse (nearest, limits, turns) | 0.85 us | 1.21 us |
-//! | joint_derivatives (to third order) | 0.66 us | 0.98 us |
-//! | smallest_singular_value | 3.2 us | 4.7 us |
+//! | CR7 | (a) | (b) | (c) |
+//! |---|---|---|---|
+//! | forward (UR5e, KR 6 R700 and Puma 560 the same) | 67 ns | 72 to 79 ns | 111 to 155 ns |
+//! | forward_jacobian | 105 ns | | 175 ns |
+//! | jacobian_dot_qd | 136 ns | | 255 ns |
+//! | inverse_all (up to 8 solutions) | 0.53 us | | 1.16 us |
+//! | inverse (nearest, limits, turns) | 0.85 us | | 1.21 us |
+//! | joint_derivatives (to third order) | 0.66 us | | 0.98 us |
+//! | smallest_singular_value | 3.2 us | | 4.7 us |
 //!
-//! Of the KR 6 R700, (c) least of 1000 loops over 512 joint vectors, both cores busy:
-//!
-//! | | (c) |
+//! | KR 6 R700 | (a) |
 //! |---|---|
-//! | forward | 98.7 ns |
-//! | forward_jacobian | 122 ns |
-//! | inverse_all (8 solutions) | 0.68 us |
-//! | torque (Newton-Euler) | 219 ns |
-//! | mass_matrix | 260 ns |
+//! | forward_jacobian | 105 ns |
+//! | inverse_all (8 solutions) | 0.69 us |
+//! | torque (Newton-Euler) | 200 ns |
+//! | mass_matrix | 243 ns |
 //! | along_path (all torque coefficients) | 585 ns |
 //!
-//! For comparison, in (a) six calls of the C library's `sincos` take 77 ns.
+//! For comparison, in (a) six calls of the C library's `sincos` take 71 ns.
 
 use arcfeed_kinematics::{
     AnalyticInverse, Dynamics, ForwardKinematics, InverseKinematics, Joints, MIN_SINGULAR_VALUE, ToolDerivatives,

@@ -4,7 +4,7 @@ use crate::{
     arm::{Arm, InverseMethod},
     description::ArmDescription,
     dynamics::Dynamics,
-    error::KinematicsError,
+    error::{KinematicsError, Part},
     joint::Joints,
     singular_pose::{SingularPose, weakest_motion},
     singularity::{SingularityDistances, SingularityKind, condition_number, manipulability, smallest_singular_value},
@@ -124,35 +124,54 @@ impl AnyArm {
         Ok(Self { arm: self.arm.with_tool(tool)?, ..self.clone() })
     }
 
+    /// One ordinary number per joint, or the name of the joint for which it is none.
+    fn check(&self, values: &[f64]) -> Result<(), KinematicsError> {
+        if values.len() != self.joints() {
+            return Err(KinematicsError::JointCount { given: values.len(), expected: self.joints() });
+        }
+        match values.iter().zip(&self.joint_names).find(|(value, _)| !value.is_finite()) {
+            Some((value, name)) => {
+                let rule = "an ordinary number";
+                let source = KinematicsError::InvalidSetting { what: "its value", value: *value, rule };
+                Err(source.in_part(Part::Joint, name))
+            }
+            None => Ok(()),
+        }
+    }
+
     /// Pose of the tool in the base.
     ///
     /// # Errors
-    /// [`KinematicsError::JointCount`].
+    /// [`KinematicsError::JointCount`]; [`KinematicsError::InPart`] names a joint whose value is not finite.
     pub fn forward(&self, q: &[f64]) -> Result<Isometry3<f64>, KinematicsError> {
+        self.check(q)?;
         self.arm.forward(q)
     }
 
     /// Jacobian and what follows from it.
     ///
     /// # Errors
-    /// [`KinematicsError::JointCount`].
+    /// As [`AnyArm::forward`].
     pub fn dexterity(&self, q: &[f64]) -> Result<Dexterity, KinematicsError> {
+        self.check(q)?;
         self.arm.dexterity(q)
     }
 
     /// The nearest singular pose that a search around `q` finds, see [`Arm::nearest_singular_pose`].
     ///
     /// # Errors
-    /// [`KinematicsError::JointCount`].
+    /// As [`AnyArm::forward`].
     pub fn nearest_singular_pose(&self, q: &[f64]) -> Result<Option<AnySingularPose>, KinematicsError> {
+        self.check(q)?;
         self.arm.nearest_singular_pose(q)
     }
 
     /// Joint values near `seed` that put the tool at `target`, see [`InverseKinematics::inverse`].
     ///
     /// # Errors
-    /// [`KinematicsError::JointCount`]; those of [`InverseKinematics::inverse`].
+    /// As [`AnyArm::forward`] for the seed; those of [`InverseKinematics::inverse`].
     pub fn inverse(&self, target: &Isometry3<f64>, seed: &[f64]) -> Result<Vec<f64>, KinematicsError> {
+        self.check(seed)?;
         self.arm.inverse(target, seed)
     }
 
@@ -167,8 +186,9 @@ impl AnyArm {
     /// The torques of a motion, if the arm's links are known.
     ///
     /// # Errors
-    /// [`KinematicsError::JointCount`]; [`KinematicsError::Missing`] if a link's inertia is unknown.
+    /// As [`AnyArm::forward`]; [`KinematicsError::Missing`] if a link's inertia is unknown.
     pub fn torque(&self, q: &[f64], qd: &[f64], qdd: &[f64]) -> Result<Vec<f64>, KinematicsError> {
+        [q, qd, qdd].into_iter().try_for_each(|values| self.check(values))?;
         self.arm.torque(q, qd, qdd)
     }
 }

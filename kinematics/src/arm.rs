@@ -8,7 +8,7 @@ use crate::{
     dynamics::ArmDynamics,
     error::KinematicsError,
     jacobian::Configuration,
-    joint::{JointLimits, JointRange, Joints},
+    joint::{JointLimits, JointRange, Joints, check_finite},
     numeric::{NumericArm, NumericSettings, size},
     singular_pose::{Search, SingularPose},
     singularity::{SingularityDistances, SingularityKind},
@@ -262,7 +262,7 @@ impl<const N: usize> Arm<N> {
     /// outside by how much. A numeric inverse finds only solutions inside, and not all.
     ///
     /// # Errors
-    /// As [`AnalyticInverse::inverse_all`]; [`KinematicsError::NotFinite`] also for the seed.
+    /// As [`AnalyticInverse::inverse_all`]; [`KinematicsError::JointNotFinite`] for the seed.
     pub fn candidates(
         &self,
         target: &Isometry3<f64>,
@@ -273,9 +273,7 @@ impl<const N: usize> Arm<N> {
             Solver::SphericalWrist(arm) => arm.solve(target, &renamed(seed))?.for_joints(),
             Solver::Numeric(arm) => arm.inverse_all(target)?,
         };
-        if !seed.iter().all(|v| v.is_finite()) {
-            return Err(KinematicsError::NotFinite { what: "the seed" });
-        }
+        check_finite("the seed", seed)?;
         let (arm, seed) = (*self, *seed);
         Ok((0..solutions.len()).map(move |i| match &arm.solver {
             Solver::Numeric(numeric) => {

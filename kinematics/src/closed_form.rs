@@ -6,7 +6,7 @@ use crate::{
     chain::Chain,
     error::KinematicsError,
     jacobian::{Configuration, pose_error},
-    joint::{JointRange, Joints},
+    joint::{JointRange, Joints, check_finite},
     lu::Lu6,
     singularity::{SingularityDistances, SingularityKind},
     traits::{AnalyticInverse, ForwardKinematics, InverseKinematics},
@@ -97,7 +97,7 @@ impl<S: ClosedForm> ClosedFormArm<S> {
     /// outside by how much. The long form of [`KinematicsError::OutsideLimits`].
     ///
     /// # Errors
-    /// As [`AnalyticInverse::inverse_all`]; [`KinematicsError::NotFinite`] also for the seed.
+    /// As [`AnalyticInverse::inverse_all`]; [`KinematicsError::JointNotFinite`] for the seed.
     pub fn candidates(
         &self,
         target: &Isometry3<f64>,
@@ -109,9 +109,7 @@ impl<S: ClosedForm> ClosedFormArm<S> {
     }
 
     pub(crate) fn solve(&self, target: &Isometry3<f64>, seed: &Joints<6>) -> Result<Solutions<6>, KinematicsError> {
-        if !seed.iter().all(|v| v.is_finite()) {
-            return Err(KinematicsError::NotFinite { what: "the seed" });
-        }
+        check_finite("the seed", seed)?;
         let mut solutions = self.solver.solve(target, seed)?;
         if !self.solver.is_exact() {
             solutions.retain_map(|q| self.polish(target, q));

@@ -2,7 +2,7 @@
 
 use crate::{
     chain::Chain,
-    error::KinematicsError,
+    error::{KinematicsError, Part},
     joint::{Joint, JointKind, Joints},
     traits::ForwardKinematics,
 };
@@ -57,7 +57,7 @@ impl<const N: usize> Chain<N> {
     /// The flange is frame N of the table; its last `a` and `alpha` are kept in [`Chain::flange`].
     ///
     /// # Errors
-    /// [`KinematicsError::NotFinite`].
+    /// [`KinematicsError::NotFinite`], with the number of the joint.
     pub fn from_dh(rows: &[DhRow; N]) -> Result<Self, KinematicsError> {
         let mut before = Isometry3::identity();
         let joints = try_map(rows, |row| {
@@ -72,7 +72,7 @@ impl<const N: usize> Chain<N> {
     /// `A_i = Rx(alpha_(i-1)) Tx(a_(i-1)) Rz(theta_i + q_i) Tz(d_i)`; a row holds the `a` and `alpha` before its joint.
     ///
     /// # Errors
-    /// [`KinematicsError::NotFinite`].
+    /// [`KinematicsError::NotFinite`], with the number of the joint.
     pub fn from_modified_dh(rows: &[DhRow; N]) -> Result<Self, KinematicsError> {
         let joints = try_map(rows, |row| Joint::new(row.about_normal() * row.about_axis(), Vector3::z(), row.kind))?;
         Self::new(joints)
@@ -208,14 +208,14 @@ fn frame_on(origin: &Vector3<f64>, z: &Vector3<f64>, x: &Vector3<f64>) -> Isomet
     Isometry3::from_parts((*origin).into(), UnitQuaternion::from_rotation_matrix(&turn))
 }
 
-/// `map` over an array, stopping at the first error.
+/// `map` over an array, stopping at the first error, which gets the number of its row.
 fn try_map<const N: usize>(
     rows: &[DhRow; N],
     mut make: impl FnMut(&DhRow) -> Result<Joint, KinematicsError>,
 ) -> Result<[Joint; N], KinematicsError> {
     let mut joints = [Joint::revolute(Isometry3::identity(), Vector3::z())?; N];
-    for (joint, row) in joints.iter_mut().zip(rows) {
-        *joint = make(row)?;
+    for (i, (joint, row)) in joints.iter_mut().zip(rows).enumerate() {
+        *joint = make(row).map_err(|error| error.in_part(Part::Joint, &(i + 1).to_string()))?;
     }
     Ok(joints)
 }

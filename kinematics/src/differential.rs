@@ -15,7 +15,7 @@
 use crate::{
     error::KinematicsError,
     jacobian::Twist,
-    joint::Joints,
+    joint::{Joints, check_finite},
     lu::Lu6,
     singularity::{condition_number, smallest_singular_value},
     traits::ForwardKinematics,
@@ -64,7 +64,7 @@ pub const MIN_SINGULAR_VALUE: f64 = 1e-6;
 ///
 /// # Errors
 /// [`KinematicsError::Singular`] with the smallest singular value, the condition and, if the arm knows, the kind of
-/// singular pose; [`KinematicsError::NotFinite`] if `q` or `tool` is not finite.
+/// singular pose; [`KinematicsError::JointNotFinite`] for `q`; [`KinematicsError::NotFinite`] if `tool` is not finite.
 pub fn joint_derivatives<A: ForwardKinematics<6> + ?Sized>(
     arm: &A,
     q: &Joints<6>,
@@ -75,8 +75,8 @@ pub fn joint_derivatives<A: ForwardKinematics<6> + ?Sized>(
     let jacobian = at.jacobian();
     // Checks of the input wait until something has gone wrong: NaN runs through to the end.
     let refused = || {
-        if !jacobian.iter().chain(q.iter()).all(|v| v.is_finite()) {
-            return KinematicsError::NotFinite { what: "the joint vector" };
+        if let Err(error) = check_finite("its value", q) {
+            return error;
         }
         KinematicsError::Singular {
             kind: arm.nearest_singularity(q),
@@ -121,9 +121,7 @@ pub fn least_norm_derivatives<const N: usize, A: ForwardKinematics<N> + ?Sized>(
 ) -> Result<JointDerivatives<N>, KinematicsError> {
     let at = arm.configuration(q);
     let jacobian = at.jacobian();
-    if !jacobian.iter().chain(q.iter()).all(|v| v.is_finite()) {
-        return Err(KinematicsError::NotFinite { what: "the joint vector" });
-    }
+    check_finite("its value", q)?;
     let sigma_min = if N < 6 { 0.0 } else { smallest_singular_value(&jacobian) };
     let singular = || KinematicsError::Singular {
         kind: arm.nearest_singularity(q),

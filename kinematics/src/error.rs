@@ -67,6 +67,17 @@ pub enum KinematicsError {
         norm: f64,
     },
 
+    /// A joint value is NaN or infinite.
+    #[error("joint {}: {what} is {value}: it must be an ordinary number", .joint + 1)]
+    JointNotFinite {
+        /// Which joint, from 0.
+        joint: usize,
+        /// What the value is.
+        what: &'static str,
+        /// The value.
+        value: f64,
+    },
+
     /// A joint axis has no direction.
     #[error("the axis of a joint has length {length}: it must be finite and greater than 0")]
     ZeroAxis {

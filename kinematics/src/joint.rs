@@ -94,6 +94,14 @@ pub(crate) fn checked_pose(what: &'static str, pose: &Isometry3<f64>) -> Result<
     Ok(Isometry3::from_parts(pose.translation, rotation))
 }
 
+/// The first of the joint values that is NaN or infinite, as an error.
+pub(crate) fn check_finite<const N: usize>(what: &'static str, q: &Joints<N>) -> Result<(), KinematicsError> {
+    match (0..N).find(|i| !q[*i].is_finite()) {
+        Some(joint) => Err(KinematicsError::JointNotFinite { joint, what, value: q[joint] }),
+        None => Ok(()),
+    }
+}
+
 /// The range in which each joint may stand, rad (m for prismatic joints): finite, lower < upper.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointRange<const N: usize> {

@@ -213,7 +213,7 @@ impl ArmDescription {
     /// use arcfeed_kinematics::{ArmDescription, models};
     /// let panda = models::description("panda").expect("built in");
     /// let read = ArmDescription::from_json(&panda.to_json())?;
-    /// assert_eq!((read.name, read.missing()), (panda.name.clone(), panda.missing()));
+    /// assert_eq!((&read.name, read.missing()), (&panda.name, panda.missing()));
     /// # Ok::<(), arcfeed_kinematics::KinematicsError>(())
     /// ```
     pub fn to_json(&self) -> String {

@@ -11,7 +11,7 @@ use crate::{
     chain::Chain,
     error::KinematicsError,
     jacobian::{Configuration, Jacobian, Twist, pose_error},
-    joint::{JointKind, JointRange, Joints, checked_pose},
+    joint::{JointKind, JointRange, Joints, check_finite, checked_pose},
     lu::solve_positive,
     traits::{AnalyticInverse, ForwardKinematics, InverseKinematics},
     trig::principal,
@@ -183,12 +183,11 @@ impl<const N: usize> NumericArm<N> {
     /// evenly over the range, until the tool stands at `target`; the best that was found if it never does.
     ///
     /// # Errors
-    /// [`KinematicsError::NotFinite`] or [`KinematicsError::NotUnit`] for a target or seed that is none.
+    /// [`KinematicsError::NotFinite`] or [`KinematicsError::NotUnit`] for a target that is none,
+    /// [`KinematicsError::JointNotFinite`] for such a seed.
     pub fn search(&self, target: &Isometry3<f64>, seed: &Joints<N>) -> Result<NumericSolution<N>, KinematicsError> {
         let target = checked_pose("target", target)?;
-        if !seed.iter().all(|v| v.is_finite()) {
-            return Err(KinematicsError::NotFinite { what: "the seed" });
-        }
+        check_finite("the seed", seed)?;
         let mut best = self.attempt(&target, seed);
         let (mut steps, mut restarts) = (best.steps, 0);
         while !best.converged && restarts < self.settings.restarts {

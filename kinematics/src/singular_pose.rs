@@ -219,18 +219,17 @@ impl<const N: usize> Search<'_, N> {
         let (lower, upper) = (self.range.lower(), self.range.upper());
         // What the distance is measured from; joints that the search drives out of their range are held at its end.
         let mut centre = q.zip_zip_map(lower, upper, f64::clamp);
-        let mut held = [false; N];
+        let (mut held, mut landing) = ([false; N], false);
         let mut p = start.zip_zip_map(lower, upper, f64::clamp);
         for step in 0..STEPS {
             let at = self.chain.configuration(&p);
             let weak = self.weak(&at);
             let singular = weak.sigma <= SINGULAR * weak.largest;
-            if singular && step >= NEAREST_STEPS {
-                return Some(self.found(&p, q));
-            }
+            // At last onto the singular pose, without a pull towards the centre.
+            landing |= step >= NEAREST_STEPS;
             // Normal equations of G, and of G (p - centre) - c.
             let (mut square, mut right) = ([[0.0; N]; N], [0.0; N]);
-            let from = if step < NEAREST_STEPS { centre } else { p };
+            let from = if landing { p } else { centre };
             for (tool, joints) in &weak.pairs[..weak.count] {
                 let mut weight = *tool;
                 weight.fixed_rows_mut::<3>(3).scale_mut(self.size);
@@ -260,7 +259,10 @@ impl<const N: usize> Search<'_, N> {
                 }
             }
             if singular && (next - p).amax() < 1e-7 {
-                return Some(self.found(&p, q));
+                if landing {
+                    return Some(self.found(&next, q));
+                }
+                landing = true;
             }
             p = next;
         }

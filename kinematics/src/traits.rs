@@ -57,7 +57,7 @@ pub trait InverseKinematics<const N: usize> {
     ///
     /// # Errors
     /// [`KinematicsError::Unreachable`], [`KinematicsError::OutsideLimits`]; [`KinematicsError::NotFinite`] and
-    /// [`KinematicsError::NotUnit`] for a target or seed that is none.
+    /// [`KinematicsError::NotUnit`] for a target that is none, [`KinematicsError::JointNotFinite`] for such a seed.
     fn inverse(&self, target: &Isometry3<f64>, seed: &Joints<N>) -> Result<Joints<N>, KinematicsError>;
 }
 

@@ -2,8 +2,9 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panic")]
 
 use arcfeed_kinematics::{
-    AnalyticInverse, Chain, DhRow, ForwardKinematics, InverseKinematics, Joint, JointLimits, JointRange, Joints,
-    KinematicsError, MIN_SINGULAR_VALUE, ToolDerivatives, Twist, joint_derivatives, models, singular_values,
+    AnalyticInverse, Arm, Chain, DhRow, ForwardKinematics, InverseKinematics, Joint, JointLimits, JointRange, Joints,
+    KinematicsError, MIN_SINGULAR_VALUE, ParallelAxisArm, SphericalWristArm, ToolDerivatives, Twist, joint_derivatives,
+    least_norm_derivatives, models, singular_values,
 };
 use nalgebra::{Isometry3, Quaternion, Translation3, Unit, UnitQuaternion, Vector3};
 use proptest::prelude::*;
@@ -134,8 +135,6 @@ fn wrong_targets_are_named() {
     let seed = Joints::zeros();
     let error = arm.inverse(&Isometry3::translation(f64::NAN, 0.0, 0.0), &seed).unwrap_err();
     assert_eq!(error.to_string(), "target is not finite: every number in it must be an ordinary number");
-    let error = arm.inverse(&Isometry3::translation(0.3, 0.1, 0.4), &Joints::repeat(f64::NAN)).unwrap_err();
-    assert_eq!(error.to_string(), "the seed is not finite: every number in it must be an ordinary number");
     // Millimetres taken for metres.
     let error = arm.inverse(&Isometry3::translation(300.0, 100.0, 400.0), &seed).unwrap_err();
     assert!(matches!(error, KinematicsError::Unreachable { distance, .. } if distance > 400.0));
@@ -143,4 +142,67 @@ fn wrong_targets_are_named() {
     let tool = ToolDerivatives { first: Twist::repeat(f64::NAN), second: Twist::zeros(), third: Twist::zeros() };
     let q = Joints::from([0.3, -0.2, 1.4, 0.3, -1.5, 0.1]);
     assert!(matches!(joint_derivatives(&arm, &q, &tool, MIN_SINGULAR_VALUE), Err(KinematicsError::NotFinite { .. })));
+}
+
+#[test]
+fn joint_values_that_are_none_are_named() {
+    let arm = models::cr7();
+    let mut q = Joints::from([0.3, -0.2, 1.4, 0.3, -1.5, 0.1]);
+    let target = arm.forward(&q);
+    q[2] = f64::NAN;
+    let seeded = "joint 3: the seed is NaN: it must be an ordinary number";
+    assert_eq!(arm.inverse(&target, &q).unwrap_err().to_string(), seeded);
+    assert_eq!(arm.candidates(&target, &q).map(|_| ()).unwrap_err().to_string(), seeded);
+    assert_eq!(Arm::from(arm).candidates(&target, &q).map(|_| ()).unwrap_err().to_string(), seeded);
+    let mut seven = Joints::<7>::zeros();
+    seven[6] = f64::INFINITY;
+    let error = models::panda().inverse(&target, &seven).unwrap_err().to_string();
+    assert_eq!(error, "joint 7: the seed is inf: it must be an ordinary number");
+    let tool = ToolDerivatives { first: Twist::x(), second: Twist::zeros(), third: Twist::zeros() };
+    let error = joint_derivatives(&arm, &q, &tool, MIN_SINGULAR_VALUE).unwrap_err().to_string();
+    assert_eq!(error, "joint 3: its value is NaN: it must be an ordinary number");
+    let error = least_norm_derivatives(&models::panda(), &seven, &tool, MIN_SINGULAR_VALUE).unwrap_err().to_string();
+    assert_eq!(error, "joint 7: its value is inf: it must be an ordinary number");
+    // Without errors to return, NaN goes through and nothing panics.
+    assert!(arm.forward(&q).translation.vector.iter().any(|v| v.is_nan()));
+    assert!(arm.configuration(&q).jacobian().iter().any(|v| v.is_nan()));
+    // An arm from a file knows the names.
+    let any = models::description("ur5e").unwrap().build_any().unwrap();
+    let elbow = "joint 'elbow_joint': its value is NaN: it must be an ordinary number";
+    let (fine, target) = ([0.1; 6], any.forward(&[0.1; 6]).unwrap());
+    assert_eq!(any.forward(q.as_slice()).unwrap_err().to_string(), elbow);
+    assert_eq!(any.dexterity(q.as_slice()).unwrap_err().to_string(), elbow);
+    assert_eq!(any.nearest_singular_pose(q.as_slice()).unwrap_err().to_string(), elbow);
+    assert_eq!(any.inverse(&target, q.as_slice()).unwrap_err().to_string(), elbow);
+    assert_eq!(any.torque(&fine, &fine, q.as_slice()).unwrap_err().to_string(), elbow);
+    // A row of a table.
+    let rows = [DhRow::revolute(0.1, 0.0, 0.0, 0.0), DhRow::revolute(0.1, f64::NAN, 0.0, 0.0)];
+    for error in [Chain::from_dh(&rows.map(|row| DhRow { d: row.alpha, ..row })), Chain::from_modified_dh(&rows)] {
+        let error = error.unwrap_err().to_string();
+        assert_eq!(error, "joint '2': joint origin is not finite: every number in it must be an ordinary number");
+    }
+}
+
+#[test]
+fn links_without_length_are_an_arm_without_reach() {
+    let joint = |axis: Vector3<f64>| Joint::revolute(Isometry3::identity(), axis).unwrap();
+    let axes = [Vector3::z(), Vector3::y(), Vector3::x(), Vector3::z(), Vector3::y(), Vector3::x()];
+    let chain = Chain::new(axes.map(joint)).unwrap();
+    let range = JointRange::new(Joints::repeat(-3.0), Joints::repeat(3.0)).unwrap();
+    // No closed form, and the rule of each that is broken.
+    for error in [ParallelAxisArm::new(chain, range).unwrap_err(), SphericalWristArm::new(chain, range).unwrap_err()] {
+        assert!(error.to_string().starts_with("no closed-form inverse for this arm: axes"), "{error}");
+    }
+    let arm = Arm::new(chain, range);
+    let q = Joints::from([0.3, -0.2, 1.4, 0.3, -1.5, 0.1]);
+    assert_eq!(arm.forward(&q).translation.vector, Vector3::zeros());
+    let found = arm.inverse(&arm.forward(&q), &Joints::zeros()).unwrap();
+    assert!(arm.forward(&found).rotation.angle_to(&arm.forward(&q).rotation) < 1e-7);
+    let error = arm.inverse(&Isometry3::translation(0.1, 0.0, 0.0), &q).unwrap_err();
+    assert!(
+        matches!(error, KinematicsError::NotConverged { position, .. } if (position - 0.1).abs() < 1e-9),
+        "{error}"
+    );
+    let there = arm.nearest_singular_pose(&q).unwrap();
+    assert!(there.distance == 0.0 && arm.reach() == 0.0, "{there:?}");
 }

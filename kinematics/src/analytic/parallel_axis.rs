@@ -16,10 +16,10 @@
 
 use super::{
     ClosedForm, Solutions,
-    planar::{FirstJoint, FirstJoints, Miss, TwoLink, plane_of_arm},
+    planar::{FirstJoint, Miss, TwoLink, for_first_joints, plane_of_arm},
 };
 use crate::{
-    error::{KinematicsError, ReachSide},
+    error::KinematicsError,
     jacobian::Configuration,
     joint::{JointKind, Joints, checked_pose},
     singularity::SingularityDistances,
@@ -250,32 +250,9 @@ impl ClosedForm for ParallelAxes {
         let wrist = self.to_frame * (target.translation.vector - self.origin) + turned * self.wrist_in_tool;
         let orientation = turned * self.tool_to_wrist;
 
-        let mut solutions = Solutions::new();
-        let mut miss = Miss::none();
-        let mut each = |first: &FirstJoint, solutions: &mut Solutions<6>| {
-            self.wrist_branches(&undo_first(first, &orientation, &wrist), seed, solutions, &mut miss);
-        };
-        match FirstJoints::new(&wrist, self.shoulder_offset, self.size) {
-            FirstJoints::Free => {
-                solutions.mark_shoulder_singular();
-                each(&FirstJoint::at(seed[0], self.size), &mut solutions);
-            }
-            FirstJoints::TooNear(distance) => miss.note(distance, ReachSide::TooNear),
-            FirstJoints::Two(two) => two.iter().for_each(|first| each(first, &mut solutions)),
-            FirstJoints::Double(one, split) => {
-                each(&one, &mut solutions);
-                if solutions.is_empty() {
-                    split.iter().flatten().for_each(|first| each(first, &mut solutions));
-                }
-            }
-        }
-        if !solutions.is_empty() {
-            return Ok(solutions);
-        }
-        if !miss.distance.is_finite() {
-            return Err(KinematicsError::NotFinite { what: "the target's distance" });
-        }
-        Err(KinematicsError::Unreachable { distance: miss.distance, side: miss.side })
+        for_first_joints(&wrist, self.shoulder_offset, self.size, seed[0], |first, solutions, miss| {
+            self.wrist_branches(&undo_first(first, &orientation, &wrist), seed, solutions, miss);
+        })
     }
 
     fn singularity_distances(&self, at: &Configuration<6>) -> SingularityDistances {

@@ -3,8 +3,9 @@
 //!
 //! Both work in the frame F = (u, v, n): v along axis 1, n along axis 2, u = v x n, origin on axis 1.
 
+use super::Solutions;
 use crate::{
-    error::ReachSide,
+    error::{KinematicsError, ReachSide},
     jacobian::Configuration,
     trig::{atan2, sin_cos},
 };
@@ -24,12 +25,12 @@ const DOUBLE_ROOT: f64 = 1e-14;
 /// The least miss over all branches.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Miss {
-    pub(super) distance: f64,
-    pub(super) side: ReachSide,
+    distance: f64,
+    side: ReachSide,
 }
 
 impl Miss {
-    pub(super) fn none() -> Self {
+    fn none() -> Self {
         Self { distance: f64::INFINITY, side: ReachSide::TooFar }
     }
 
@@ -58,7 +59,7 @@ pub(super) struct FirstJoint {
 }
 
 /// The values of joint 1 that put a point at the offset it has from the plane of the arm.
-pub(super) enum FirstJoints {
+enum FirstJoints {
     /// The point is on the axis and without offset: any value will do.
     Free,
     /// The point is inside the offset, by this much, m.
@@ -70,7 +71,7 @@ pub(super) enum FirstJoints {
 
 impl FirstJoint {
     /// At `q`, for a point on axis 1.
-    pub(super) fn at(q: f64, size: f64) -> Self {
+    fn at(q: f64, size: f64) -> Self {
         let ([sin], [cos]) = sin_cos(&[q]);
         Self { q, sin, cos, rounding: REACH_ROUNDING * size }
     }
@@ -79,7 +80,7 @@ impl FirstJoint {
 impl FirstJoints {
     /// For a `point` in F that is to have n-coordinate `offset` once joint 1 is undone, on an arm of size `size` (m).
     #[inline]
-    pub(super) fn new(point: &Vector3<f64>, offset: f64, size: f64) -> Self {
+    fn new(point: &Vector3<f64>, offset: f64, size: f64) -> Self {
         let d = offset;
         let r = (point.x * point.x + point.z * point.z).sqrt();
         let slack = r - d.abs();
@@ -104,6 +105,47 @@ impl FirstJoints {
         }
         Self::Two([branch(1.0, root), branch(-1.0, root)])
     }
+}
+
+/// The solutions that `each` finds for every value of joint 1, see [`FirstJoints::new`]. Where joint 1 is free it stands at
+/// `free`.
+///
+/// # Errors
+/// [`KinematicsError::Unreachable`] by the least miss that was noted, if there are none.
+#[inline(always)]
+pub(super) fn for_first_joints(
+    point: &Vector3<f64>,
+    offset: f64,
+    size: f64,
+    free: f64,
+    mut each: impl FnMut(&FirstJoint, &mut Solutions<6>, &mut Miss),
+) -> Result<Solutions<6>, KinematicsError> {
+    let mut solutions = Solutions::new();
+    let mut miss = Miss::none();
+    let mut all = |two: &[FirstJoint], solutions: &mut Solutions<6>| {
+        two.iter().for_each(|first| each(first, solutions, &mut miss));
+    };
+    match FirstJoints::new(point, offset, size) {
+        FirstJoints::Free => {
+            solutions.mark_shoulder_singular();
+            all(&[FirstJoint::at(free, size)], &mut solutions);
+        }
+        FirstJoints::TooNear(distance) => miss.note(distance, ReachSide::TooNear),
+        FirstJoints::Two(two) => all(&two, &mut solutions),
+        FirstJoints::Double(one, split) => {
+            all(&[one], &mut solutions);
+            if let (true, Some(two)) = (solutions.is_empty(), split) {
+                all(&two, &mut solutions);
+            }
+        }
+    }
+    if !solutions.is_empty() {
+        return Ok(solutions);
+    }
+    if !miss.distance.is_finite() {
+        return Err(KinematicsError::NotFinite { what: "the target's distance" });
+    }
+    Err(KinematicsError::Unreachable { distance: miss.distance, side: miss.side })
 }
 
 /// The planar arm of joints 2 and 3, in the (u, v) of F.
