@@ -1,10 +1,10 @@
 //! Reachability that keeps the limits between the grid points too.
 //!
 //! With `u` constant on an interval the duration is only accurate to the first power of its length (0.3 % at N = 1000).
-//! [`CertifiedReachability`] takes the optimum of the rows at the points, reads off the slope of `u` on every interval, and solves again with these
-//! slopes given, which leaves the programs linear. Where the path is cubic in `s` the acceleration of a joint then is cubic
-//! and its squared speed of degree six; both lie in the hull of their Bernstein coefficients, which are linear in `(u, x)`, so
-//! that bounding those keeps the limits everywhere on such a path.
+//! [`CertifiedReachability`] takes the optimum of the rows at the points, reads off the slope of `u` on every interval, and
+//! solves again with these slopes given, which leaves the programs linear. Where the path is cubic in `s` the acceleration of a
+//! joint then is cubic and its squared speed of degree six; both lie in the hull of their Bernstein coefficients, which are
+//! linear in `(u, x)`, so that bounding those keeps the limits everywhere on such a path.
 
 use super::both_ends::moves;
 use super::reachability::{Solver, solve};
