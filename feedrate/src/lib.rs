@@ -33,7 +33,7 @@
 //! | [`row`], [`problem`], [`constraint`] | limits as rows on a grid, where each comes from |
 //! | [`jerk_limited`] | the third-order planner |
 //! | [`grid_plan`] | [`GridPlan`]: the planned speed with its planner's own interpolation |
-//! | `baseline` (feature `clarabel`) | the conic optimum of the same rows and its bound |
+//! | `baseline` (feature `clarabel`) | the conic optimum of the same rows and its bound; with jerk, programs in sequence |
 //! | [`online`] | [`FeedScheduler`]: speed towards the end of a path under limits that change while it runs |
 //! | [`live`] | [`LiveFeed`]: speed under a limit curve, changed by an operator while it runs |
 //! | [`StateToState`] | time-optimal motion from any position, speed and acceleration to any other, or to a speed, or to a stop |
@@ -84,8 +84,9 @@ pub use plan::{Cursor, SpeedPlan};
 pub use problem::{FeedPlanner, FeedProblem};
 pub use row::{JerkRow, Quantity, Row, RowSource};
 pub use scan::both_ends::{BothEndsScan, PublishedScan};
+pub use scan::certified::CertifiedReachability;
 pub use scan::joined::{plan_joined, plan_joined_at_once};
-pub use scan::reachability::{CertifiedReachability, Reachability};
+pub use scan::reachability::Reachability;
 pub use scan::segment::{boundary_speeds, plan_per_segment, plan_windowed};
 pub use scan::{Segment, boundaries};
 pub use scurve::change::SpeedChange;

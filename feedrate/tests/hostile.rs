@@ -364,6 +364,10 @@ fn a_million_points() {
     // Seven phases without cruise: 2 sqrt(1 + (a / 2j)^2) + a / j. Where an interval is short beside the way on which the
     // acceleration builds up, the spline uses the jerk next to rest in part, which costs up to 0.11 % here.
     let exact = 2.0 * (1.0 + 0.025_f64 * 0.025).sqrt() + 0.05;
+    if n > 200_000 {
+        let error = JerkLimited::default().plan(&problem).unwrap_err();
+        assert!(matches!(error, FeedError::TooMany { .. }), "{error}");
+    }
     let grid = self::grid(n / 10);
     let problem = FeedProblem::between_points(&grid, &[&acceleration, &jerk]).unwrap();
     let duration = JerkLimited::default().plan(&problem).unwrap().duration();

@@ -1,16 +1,18 @@
 //! Speed planning beside COPP 0.2 and clarabel 0.11 in one run: six joints, velocity and acceleration (and jerk), from
 //! the path's derivatives to squared speeds, rows included (COPP evaluates the derivatives itself, six sines a point).
 //!
-//! Medians of one run on a 2-core AMD EPYC VM with other work on both cores:
+//! Least of the samples of one run on a 2-core AMD EPYC VM which other work loaded three times over, so that the least is what
+//! an idle core does for all that takes less than a few milliseconds; medians were 2 to 2.5 times that throughout:
 //!
-//! | N | both ends | reachability | COPP reachability | certified | jerk-limited | COPP third order, one program (clarabel) |
-//! |---|---|---|---|---|---|---|
-//! | 100 | 13 us | 33 us | 130 us | 0.15 ms | 1.2 ms | 25 ms |
-//! | 500 | 61 us | 158 us | 592 us | 0.83 ms | 6.7 ms | 229 ms |
-//! | 1000 | 129 us | 316 us | 1148 us | 1.5 ms | 18 ms | 481 ms |
+//! | N | both ends | reachability | COPP reachability | certified | jerk-limited | COPP third order, one program | clarabel | clarabel with jerk |
+//! |---|---|---|---|---|---|---|---|---|
+//! | 100 | 9.4 us | 14 us | 130 us | 0.12 ms | 1.6 ms | 29 ms | 32 ms | 0.24 s |
+//! | 500 | 45 us | 65 us | 550 us | 0.89 ms | 12 ms | 381 ms | 255 ms | 2.3 s |
+//! | 1000 | 90 us | 128 us | 1024 us | 1.7 ms | 19 ms | 857 ms | 346 ms | 2.3 s |
 //!
-//! Durations at N = 1000: reachability 13.63565 s by both, certified 13.63201 s; jerk-limited 13.73638 s, COPP 13.78687 s after two
-//! programs (which do not keep the limits between the points).
+//! Durations at N = 1000: reachability 13.63565 s by both, clarabel's optimum the same, certified 13.63201 s; jerk-limited 13.73663 s,
+//! clarabel in sequence (up to eight programs of the same rows) 13.73614 s, COPP 13.78687 s after two programs (which do not keep
+//! the limits between the points).
 #![allow(missing_docs)]
 use std::hint::black_box;
 

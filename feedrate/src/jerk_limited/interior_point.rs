@@ -57,8 +57,10 @@ impl Products {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Outcome {
     pub iterations: usize,
-    /// Bound on what is still to be gained, relative to the duration.
+    /// What is still to be gained, relative to the duration: by the multipliers, and by what the last step would have gained
+    /// in full.
     pub gap: f64,
+    pub ahead: f64,
     /// What bounds are still widened by (relative); 0 when all are kept.
     pub wider: f64,
 }
@@ -105,6 +107,9 @@ fn lesser(x: f64, y: f64) -> f64 {
     if x < y { x } else { y }
 }
 
+/// What the last step may have gained in full, in units of the tolerance: the next one gains a small part of that.
+const AHEAD: f64 = 10.0;
+
 /// Many times what is needed.
 const MOST_ITERATIONS: usize = 100;
 
@@ -122,7 +127,9 @@ impl Solver {
         self.c = c;
         self.barrier.clear();
         self.barrier.resize(stretch.offsets()[3] + 2, [Side::default(); 2]);
-        let mut outcome = Outcome { iterations: 0, gap: f64::INFINITY, wider: stretch.narrow(0.0) };
+        let start = f64::INFINITY;
+        let mut outcome = Outcome { iterations: 0, gap: start, ahead: start, wider: stretch.narrow(0.0) };
+        let mut before = f64::NAN;
         let mut steps = [0.0; 2];
         let mut to_drop = drop_distant;
         while outcome.iterations < MOST_ITERATIONS {
@@ -153,7 +160,10 @@ impl Solver {
                 self.centre(sums.complementarity / sums.count);
             }
             outcome.gap = sums.complementarity / duration;
-            if outcome.gap < tolerance && outcome.wider < tolerance {
+            // The multipliers alone tell nothing while steps are short: then they do not fit the iterate yet.
+            outcome.ahead = if centred { f64::INFINITY } else { (before / duration - 1.0).abs() / steps[0] };
+            before = duration;
+            if outcome.gap < tolerance && outcome.ahead < AHEAD * tolerance && outcome.wider < tolerance {
                 break;
             }
             steps = self.direction(stretch, sums.complementarity / sums.count, outcome.wider > 0.0, centred);

@@ -57,7 +57,8 @@ use stretch::Stretch;
 /// path on the grid.
 ///
 /// Time and memory grow with the number of rows, the iterations slowly with the number of intervals (about 12 for 1000, 20 for
-/// 10 000, 25 to 45 for 100 000). More than five million rows, some 160 000 intervals of a six-axis arm, are refused.
+/// 10 000, 25 to 45 for 100 000). More than 200 000 intervals or five million rows (some 160 000 intervals of a six-axis arm) are
+/// refused: such a path is better planned on a coarser grid, which keeps the limits between its points as well.
 ///
 /// ```
 /// use arcfeed_feedrate::constraint::{Feed, TangentialAcceleration, TangentialJerk};
@@ -111,12 +112,12 @@ impl JerkLimited {
         }
         let start = start::start(problem, &mut stretch, fastest);
         let outcome = solver.minimise(problem, &mut stretch, start, self.tolerance, attempt.drop_distant);
-        // An iterate inside all bounds is a motion, however far it got.
-        if outcome.wider > 10.0 * self.tolerance || !(outcome.gap < 0.1) {
+        let left = outcome.gap.max(outcome.ahead);
+        if outcome.wider > 10.0 * self.tolerance || !(left < CLOSE) {
             return Err(FeedError::NotConverged {
                 what: "the jerk-limited planner",
                 iterations: outcome.iterations,
-                residual: outcome.wider.max(outcome.gap),
+                residual: outcome.wider.max(left),
             });
         }
         Ok(Solution { stretch, c: solver.c.clone() })
@@ -222,12 +223,22 @@ fn stands(problem: &FeedProblem, i: usize) -> Result<(), FeedError> {
 /// intervals, whose rows all are distant at one time or another, and dropping them means solving twice.
 const DROP_UP_TO: usize = 2500;
 
+/// An iterate inside all bounds is a motion. One that is this close to the optimum is taken where round-off stops the iterations.
+const CLOSE: f64 = 0.02;
+
+/// As many intervals are taken on; with more of them the iterations get many.
+const MOST_INTERVALS: usize = 200_000;
+
 /// As many rows are taken on: with all that belongs to them, some two gigabytes.
 const MOST_ROWS: usize = 5_000_000;
 
-/// Refuses what would not fit into the memory of an ordinary machine.
+/// Refuses what would take minutes, or not fit into the memory of an ordinary machine.
 fn fits(problem: &FeedProblem) -> Result<(), FeedError> {
-    // Points and both ends of every interval, as many again that bound the speed inside.
+    let got = problem.intervals();
+    if got > MOST_INTERVALS {
+        return Err(FeedError::TooMany { what: "intervals for the jerk-limited planner", got, most: MOST_INTERVALS });
+    }
+    // Points and both ends of every interval; those that bound the speed inside come on top.
     let of = |k: usize| {
         problem.rows(k).len() + 2 * (problem.middle_rows(k).len() + problem.jerk_rows(k, Within::Start).len())
     };

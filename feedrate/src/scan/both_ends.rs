@@ -20,8 +20,9 @@ use crate::row::{Quantity, Row, RowSource};
 
 /// The bidirectional scan of Electronics 2025, 14, 3869 with every row tested at both ends of an interval.
 ///
-/// O(N), two divisions per row and pass; about 0.1 % to 1 % slower motion than the optimum at N = 1000. It needs every grid
-/// point to be statically feasible. Rows hold at the grid points; in between they may be exceeded by what they vary there.
+/// O(N), two tests per row and pass and a division where one fails; about 0.1 % to 1 % slower motion than the optimum at
+/// N = 1000. It needs every grid point to be statically feasible. Rows hold at the grid points; in between they may be exceeded
+/// by what they vary there.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct BothEndsScan;
 

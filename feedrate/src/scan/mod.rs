@@ -2,6 +2,7 @@
 
 pub mod both_ends;
 mod ceiling;
+pub mod certified;
 pub mod joined;
 mod pass;
 pub mod reachability;

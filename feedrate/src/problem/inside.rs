@@ -1,0 +1,160 @@
+//! What holds inside an interval, by Bernstein coefficients and by interpolation of the rows at its ends and in its middle.
+
+use super::{FeedProblem, RowTable};
+use crate::constraint::Within;
+use crate::row::{JerkRow, Row, RowSource};
+
+/// `lo <= alpha w + beta u + gamma x <= hi` at one end of an interval on which `w = du/ds` is constant.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct InnerRow {
+    pub alpha: f64,
+    pub beta: f64,
+    pub gamma: f64,
+    pub lo: f64,
+    pub hi: f64,
+    pub source: RowSource,
+}
+
+/// What holds inside an interval, by its Bernstein coefficients.
+impl FeedProblem {
+    /// Next to one end of interval `k` the inner Bernstein coefficient of every row that is a cubic there: its value at that end and
+    /// a third of its slope. Coefficients of rows are interpolated through both ends and the middle, exactly so on a
+    /// piecewise cubic path. Rows with friction are left out.
+    pub(crate) fn inner_rows(&self, k: usize, within: Within) -> impl Iterator<Item = InnerRow> + '_ {
+        let h = self.h(k);
+        let (near, middle, far) = (self.rows(k), self.middle_rows(k), self.rows(k + 1));
+        middle.iter().enumerate().filter_map(move |(j, m)| {
+            let p = matching(near, m, j, middle.len(), false).map(|j| &near[j])?;
+            let q = matching(far, m, j, middle.len(), true).map(|j| &far[j])?;
+            if p.c != 0.0 || q.c != 0.0 {
+                return None;
+            }
+            // At the end everything runs backwards.
+            let (row, other, third) = if within == Within::End { (q, p, -h / 3.0) } else { (p, q, h / 3.0) };
+            let slope = |this: f64, middle: f64, other: f64| (4.0 * middle - 3.0 * this - other) / 3.0;
+            let d = row.d + slope(row.d, m.d, other.d);
+            Some(InnerRow {
+                alpha: third * row.a,
+                beta: row.a + slope(row.a, m.a, other.a) + 2.0 * third * row.b,
+                gamma: row.b + slope(row.b, m.b, other.b),
+                lo: row.lo - d,
+                hi: row.hi - d,
+                source: row.source,
+            })
+        })
+    }
+
+    /// Weights of the three Bernstein coefficients of `x(s)` on interval `k` whose sums must not exceed 1: the inner
+    /// coefficients of its product, of degree six, with the bound on squared axis speeds.
+    pub(crate) fn speed_rows(&self, k: usize) -> [[f64; 3]; 5] {
+        let p = &self.speed_bounds[k].coefficients;
+        // C(4, i - j) C(2, j) / C(6, i)
+        [
+            [4.0 * p[1] / 6.0, 2.0 * p[0] / 6.0, 0.0],
+            [6.0 * p[2] / 15.0, 8.0 * p[1] / 15.0, p[0] / 15.0],
+            [4.0 * p[3] / 20.0, 12.0 * p[2] / 20.0, 4.0 * p[1] / 20.0],
+            [p[4] / 15.0, 8.0 * p[3] / 15.0, 6.0 * p[2] / 15.0],
+            [0.0, 2.0 * p[4] / 6.0, 4.0 * p[3] / 6.0],
+        ]
+    }
+}
+
+impl FeedProblem {
+    /// Whether a cap of another origin than axis speeds, and known at places alone, is the least in the middle of interval `k`.
+    pub(crate) fn is_capped_within(&self, k: usize) -> bool {
+        let largest = self.speed_bounds[k].coefficients.iter().copied().fold(0.0, f64::max);
+        self.middle_x_max(k) * largest < 0.999
+    }
+}
+
+/// Rows by quadratic interpolation through an interval.
+impl FeedProblem {
+    /// The problem with some intervals split at fractions (increasing, inside 0..1) of their length.
+    pub(crate) fn split(&self, cuts: &[(usize, Vec<f64>)]) -> Self {
+        let n = self.intervals();
+        let places = n + 1 + cuts.iter().map(|(_, fractions)| fractions.len()).sum::<usize>();
+        let mut new = Self {
+            s: Vec::with_capacity(places),
+            points: RowTable::with_capacity(places),
+            middles: RowTable::with_capacity(places),
+            speed_bounds: Vec::with_capacity(places),
+            jerk_rows: Vec::with_capacity(3 * places * self.jerk_rows_per_place),
+            ..*self
+        };
+        let mut cuts = cuts.iter().peekable();
+        for k in 0..n {
+            new.s.push(self.s[k]);
+            new.points.push(self.rows(k), self.x_max(k), self.points.source(k));
+            let Some((_, fractions)) = cuts.next_if(|(at, _)| *at == k) else {
+                new.middles.push(self.middle_rows(k), self.middle_x_max(k), self.middles.source(k));
+                new.speed_bounds.push(self.speed_bounds[k]);
+                let rows = 3 * self.jerk_rows_per_place;
+                new.jerk_rows.extend_from_slice(&self.jerk_rows[k * rows..(k + 1) * rows]);
+                continue;
+            };
+            // The least of three caps and the greatest of the coefficients hold in every part.
+            let x_max = self.middle_x_max(k).min(if k > 0 { self.x_max(k) } else { f64::INFINITY });
+            let x_max = x_max.min(if k + 1 < n { self.x_max(k + 1) } else { f64::INFINITY });
+            let x_max = if x_max > 0.0 { x_max } else { self.middle_x_max(k) };
+            let mut bound = self.speed_bounds[k];
+            bound.coefficients = [bound.coefficients.iter().copied().fold(0.0, f64::max); 5];
+            let ends = |i: usize| if i == 0 { 0.0 } else { fractions[i - 1] };
+            for i in 0..=fractions.len() {
+                let (from, to) = (ends(i), fractions.get(i).copied().unwrap_or(1.0));
+                if i > 0 {
+                    new.s.push(self.s[k] + from * self.h(k));
+                    new.points.push(&self.rows_within(k, from), x_max, self.middles.source(k));
+                }
+                new.middles.push(&self.rows_within(k, 0.5 * (from + to)), x_max, self.middles.source(k));
+                new.speed_bounds.push(bound);
+                for fraction in [from, 0.5 * (from + to), to] {
+                    self.jerk_rows_within(k, fraction, &mut new.jerk_rows);
+                }
+            }
+        }
+        new.s.push(self.s[n]);
+        new.points.push(self.rows(n), self.x_max(n), self.points.source(n));
+        new
+    }
+
+    fn rows_within(&self, k: usize, fraction: f64) -> Vec<Row> {
+        let mix = quadratic(fraction);
+        let (near, middle, far) = (self.rows(k), self.middle_rows(k), self.rows(k + 1));
+        let between = |(j, m): (usize, &Row)| {
+            let ends = matching(near, m, j, middle.len(), false).zip(matching(far, m, j, middle.len(), true));
+            let (p, q) = ends.map_or((m, m), |(p, q)| (&near[p], &far[q]));
+            Row { a: mix(p.a, m.a, q.a), b: mix(p.b, m.b, q.b), c: mix(p.c, m.c, q.c), d: mix(p.d, m.d, q.d), ..*m }
+        };
+        middle.iter().enumerate().map(between).collect()
+    }
+
+    fn jerk_rows_within(&self, k: usize, fraction: f64, out: &mut Vec<JerkRow>) {
+        let mix = quadratic(fraction);
+        let [near, middle, far] = [Within::Start, Within::Middle, Within::End].map(|within| self.jerk_rows(k, within));
+        out.extend(middle.iter().zip(near.iter().zip(far)).map(|(m, (p, q))| JerkRow {
+            alpha: mix(p.alpha, m.alpha, q.alpha),
+            beta: mix(p.beta, m.beta, q.beta),
+            gamma: mix(p.gamma, m.gamma, q.gamma),
+            ..*m
+        }));
+    }
+}
+
+/// The quadratic through values at 0, 1/2 and 1, at `fraction`.
+pub(crate) fn quadratic(fraction: f64) -> impl Fn(f64, f64, f64) -> f64 {
+    let f = fraction;
+    let weights = [(1.0 - f) * (1.0 - 2.0 * f), 4.0 * f * (1.0 - f), f * (2.0 * f - 1.0)];
+    move |p, m, q| weights[0] * p + weights[1] * m + weights[2] * q
+}
+
+/// The index of the row at an end of an interval that belongs to row `j` of its middle: the same index, or the same source
+/// where a jump doubles the rows of a point (those after it come first).
+pub(crate) fn matching(rows: &[Row], middle: &Row, j: usize, count: usize, last: bool) -> Option<usize> {
+    if rows.len() == count {
+        Some(j)
+    } else if last {
+        rows.iter().rposition(|row| row.source == middle.source)
+    } else {
+        rows.iter().position(|row| row.source == middle.source)
+    }
+}
