@@ -174,4 +174,30 @@ proptest! {
             Err(error) => prop_assert!(matches!(error, PlanError::OnPath { .. }), "{error}"),
         }
     }
+
+    /// Through random way-points with torque (friction included) and jerk limited: a motion that keeps everything and does not
+    /// crawl.
+    #[test]
+    fn random_way_points_keep_torque_and_jerk(
+        points in prop::collection::vec(prop::array::uniform6(-1.0..1.0f64), 2..6),
+        strength in 0.8..2.0f64, jerk in 60.0..500.0f64,
+    ) {
+        let arm = qb::arm();
+        let centre = Joints::from([0.0, -1.1, 1.5, 0.0, 0.9, 0.0]);
+        let points: Vec<Joints<6>> = points.into_iter().map(|p| centre + Joints::from(p) * 0.5).collect();
+        let path = JointSpline::through(&points).expect("random points differ");
+        let limits = ScheduleLimits {
+            velocity: Some(Joints::repeat(2.0)), acceleration: Some(Joints::repeat(12.0)), jerk: Some(Joints::repeat(jerk)),
+            torque: Some(Joints::from([150.0, 150.0, 80.0, 30.0, 25.0, 20.0]) * strength), ..Default::default()
+        };
+        let scheduler = Scheduler::new(&arm, limits).expect("limits").with_dynamics(arm.dynamics().expect("known"));
+        let scheduler = scheduler.with_intervals(200).expect("a grid");
+        let scan = scheduler.plan(&path, SpeedPlanner::BothEnds).expect("a plan").duration();
+        for planner in [SpeedPlanner::Certified, SpeedPlanner::JerkLimited] {
+            let schedule = scheduler.plan(&path, planner).expect("a plan");
+            let check = schedule.check(20).expect("where it was planned");
+            prop_assert!(check.worst_ratio() <= 1.0 + 1e-5, "{} {:?}", planner.name(), check.worst());
+            prop_assert!(schedule.duration() < 3.0 * scan, "{}: {} {scan}", planner.name(), schedule.duration());
+        }
+    }
 }

@@ -34,7 +34,7 @@ pub use path_file::{PathFile, PathGeometry};
 pub use report::{LimitLine, LimitUnit, Report, SegmentCount};
 pub use robot::Robot;
 pub use sample_paths::{SamplePath, butterfly};
-pub use schedule_figure::{BindingBar, JointFigure, ShareFigure, SharePanel, SpeedFigure};
+pub use schedule_figure::{BindingBar, JointFigure, JointPanel, ShareFigure, SharePanel, SpeedFigure};
 pub use schedule_file::{ScheduleFile, SchedulePlace, ScheduleWay};
 pub use schedule_run::{BindingLine, ScheduleReport, ScheduleRun, run_schedule};
 pub use trajectory_csv::{TrajectoryRow, TrajectoryWriter, read_trajectory, trajectory_columns, write_trajectory};

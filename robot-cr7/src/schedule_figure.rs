@@ -69,6 +69,15 @@ pub struct JointFigure {
     pub unit: &'static str,
     /// Names of the lines that every panel has.
     pub names: Vec<String>,
-    /// Limit, and the points of each line (time in s, value), joint by joint.
-    pub joints: Vec<(f64, Vec<Vec<(f64, f64)>>)>,
+    /// One panel a joint.
+    pub joints: Vec<JointPanel>,
+}
+
+/// One joint in a [`JointFigure`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointPanel {
+    /// Its limit, for both signs.
+    pub limit: f64,
+    /// The points of each line: time in s, value.
+    pub lines: Vec<Vec<(f64, f64)>>,
 }

@@ -42,7 +42,7 @@ impl<const N: usize> JointSpline<N> {
         let mut knots = Vec::with_capacity(points.len());
         knots.push(0.0);
         for (index, point) in points.iter().enumerate() {
-            if let Some(joint) = (0..N).find(|&j| !(point[j].abs() < 1e100)) {
+            if let Some(joint) = (0..N).find(|&j| point[j].is_nan() || point[j].abs() >= 1e100) {
                 return Err(PlanError::Waypoint {
                     index,
                     problem: format!("has {} for joint {}, which is no ordinary number", point[joint], joint + 1),

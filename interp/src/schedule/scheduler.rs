@@ -19,8 +19,11 @@ const INTERVALS: usize = 500;
 /// The most intervals that are taken: a million points of six joints fill a gigabyte.
 const MOST_INTERVALS: usize = 1_000_000;
 
-/// A second attempt does not take a finer grid than this.
-const MOST_FINER: usize = 8000;
+/// Another attempt does not take a finer grid than this.
+const MOST_AGAIN: usize = 8000;
+/// A jerk-limited motion this many times slower than the scan is suspected of having been slowed down for a trace of
+/// round-off, which another grid does not have.
+const CRAWLS: f64 = 3.0;
 
 /// Which planner finds the speed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -63,6 +66,11 @@ impl SpeedPlanner {
             _ => RowsNeeded::Points,
         }
     }
+}
+
+fn crawls<P: SchedulePath<N>, const N: usize>(schedule: &Schedule<'_, P, N>) -> bool {
+    let scan = BothEndsScan.plan(schedule.problem());
+    scan.is_ok_and(|scan| schedule.duration() > CRAWLS * scan.duration())
 }
 
 /// Which rows a planner needs; each kind includes those before it.
@@ -155,8 +163,8 @@ impl<'a, const N: usize> Scheduler<'a, N> {
         &self.limits
     }
 
-    /// The fastest motion along `path` that `planner` finds. Where the jerk-limited planner does not converge, it gets two
-    /// and then four times the intervals.
+    /// The fastest motion along `path` that `planner` finds. Where the jerk-limited planner does not converge, or takes many
+    /// times as long as the scan without jerk does, it gets other grids, of up to four times the intervals.
     ///
     /// # Errors
     /// [`PlanError::OnPath`] where the arm cannot follow, [`PlanError::Feed`] naming place, joint and row where no motion
@@ -166,18 +174,29 @@ impl<'a, const N: usize> Scheduler<'a, N> {
         'a: 'p,
         P: SchedulePath<N>,
     {
-        let outcome = self.plan_with(path, &planner, planner.needs());
         if planner != SpeedPlanner::JerkLimited {
-            return outcome;
+            return self.plan_with(path, &planner, planner.needs());
         }
-        // What it cannot finish on a coarse grid it can on a finer one.
-        let finer = [2, 4].map(|times| self.intervals * times).into_iter().filter(|n| *n <= MOST_FINER);
-        finer.fold(outcome, |outcome, intervals| match outcome {
-            Err(PlanError::Feed(FeedError::NotConverged { .. })) => {
-                Self { intervals, ..*self }.plan_with(path, &planner, planner.needs())
+        let n = self.intervals;
+        let mut best: Result<Schedule<'p, P, N>, PlanError> = self.plan_with(path, &planner, planner.needs());
+        for intervals in [n + 1, 2 * n, 2 * n + 1, 4 * n].into_iter().filter(|n| *n <= MOST_AGAIN) {
+            let again = match &best {
+                Ok(schedule) => crawls(schedule),
+                Err(error) => matches!(error, PlanError::Feed(FeedError::NotConverged { .. })),
+            };
+            if !again {
+                break;
             }
-            other => other,
-        })
+            let other = Self { intervals, ..*self }.plan_with(path, &planner, planner.needs());
+            let faster = match (&other, &best) {
+                (Ok(other), Ok(best)) => other.duration() < best.duration(),
+                (other, best) => other.is_ok() && best.is_err(),
+            };
+            if faster {
+                best = other;
+            }
+        }
+        best
     }
 
     /// As [`Scheduler::plan`], with a planner of the caller's own and the rows it needs.

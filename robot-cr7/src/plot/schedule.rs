@@ -109,7 +109,7 @@ pub fn shares_picture(figure: &ShareFigure) -> Result<String, io::Error> {
 /// When the drawing library fails.
 pub fn joint_panels_picture(figure: &JointFigure) -> Result<String, io::Error> {
     let (top, pitch, height) = (104.0, 182.0, 124.0);
-    let x = range(figure.joints.iter().flat_map(|(_, lines)| lines.iter().flatten()).map(|p| p.0));
+    let x = range(figure.joints.iter().flat_map(|panel| panel.lines.iter().flatten()).map(|p| p.0));
     let rows = figure.joints.len().div_ceil(2);
     page(WIDTH, (top + pitch * rows as f64 + 18.0) as u32, |canvas| {
         let colours = [PALETTE[0], PALETTE[1], PALETTE[2]];
@@ -118,7 +118,8 @@ pub fn joint_panels_picture(figure: &JointFigure) -> Result<String, io::Error> {
         legend.push(("limit", Pen::dashed(LIMIT, 1.4)));
         canvas.tall_header(&figure.title, &figure.facts, &legend)?;
         let half = 0.5 * (RIGHT - LEFT - 74.0);
-        for (j, (limit, lines)) in figure.joints.iter().enumerate() {
+        for (j, panel) in figure.joints.iter().enumerate() {
+            let (limit, lines) = (panel.limit, &panel.lines);
             let at = top + pitch * (j / 2) as f64;
             let left = LEFT + (half + 74.0) * (j % 2) as f64;
             let peak = lines.iter().flatten().fold(0.0, |a: f64, p| a.max(p.1.abs()));
@@ -128,10 +129,10 @@ pub fn joint_panels_picture(figure: &JointFigure) -> Result<String, io::Error> {
             for (i, line) in lines.iter().enumerate().rev() {
                 frame.series(canvas, line, pen(i))?;
             }
-            frame.level(canvas, *limit)?;
+            frame.level(canvas, limit)?;
             frame.level(canvas, -limit)?;
             let most = lines.first().map_or(0.0, |l| l.iter().fold(0.0, |a: f64, p| a.max(p.1.abs())));
-            let text = format!("{} of {} {}", number(most), number(*limit), figure.unit);
+            let text = format!("{} of {} {}", number(most), number(limit), figure.unit);
             canvas.text(&text, (frame.right, at - 9.0), Anchor::Right)?;
         }
         Ok(())

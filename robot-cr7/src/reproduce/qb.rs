@@ -11,7 +11,7 @@ use serde::Deserialize;
 use thiserror::Error;
 
 use super::Reproduction;
-use crate::schedule_figure::{JointFigure, SpeedFigure};
+use crate::schedule_figure::{JointFigure, JointPanel, SpeedFigure};
 use crate::schedule_run::binding_bars;
 use crate::toml_check::rotation;
 
@@ -384,7 +384,7 @@ fn draw(figures: &mut ScheduleFigures, case: &Case<'_>, name: &str, files: [&str
                 .to_owned(),
             unit,
             names: vec!["certified".to_owned(), "published scan".to_owned()],
-            joints: (0..6).map(|j| (limits[j], lines(j))).collect(),
+            joints: (0..6).map(|j| JointPanel { limit: limits[j], lines: lines(j) }).collect(),
         });
     }
     Ok(())
