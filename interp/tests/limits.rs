@@ -108,7 +108,7 @@ fn sections_by_parameter_and_by_segment_are_the_same_places() {
         Extent::Parameter { from: u(first - 1), to: u(last) },
         Extent::Segments { first, last },
     ] {
-        let planner = planner.clone().with_sections(vec![FeedSection { extent, feed: 0.03 }]);
+        let planner = planner.clone().with_sections(vec![FeedSection { extent, feed: 0.1 }]);
         let plan = plan(&planner, &arm, path.clone()).expect("in reach");
         assert!((plan.sections()[0].from - from).abs() < 1e-9 && (plan.sections()[0].to - to).abs() < 1e-9);
         durations.push(plan.duration());
@@ -317,6 +317,20 @@ fn torque_with_friction_is_kept_on_a_winding_path() {
         );
     }
     assert!(matches!(base.with_dynamics(&dynamics, Joints::repeat(0.0)), Err(PlanError::Limit { .. })));
+}
+
+#[test]
+fn one_round_is_enough_where_the_arm_bends_the_path_most() {
+    // Jerk of the joints binds all the way, whose third derivatives vary faster than the tool's.
+    let arm = arm();
+    let limits =
+        arm.range().with_rates(Joints::repeat(3.0), Joints::repeat(12.0), Joints::repeat(60.0)).expect("valid");
+    let planner = Planner::new(&arm, limits, ToolLimits { tangential_jerk: 200.0, ..TOOL }).expect("valid");
+    let start = best_start(&arm, &tool_down(knotted()), limits.lower(), limits.upper()).expect("in reach");
+    let plan = planner.plan(tool_down(knotted()), &start).expect("in reach");
+    let jerk = plan.verification().expect("verified").worst_of(Quantity::JointJerk);
+    assert!(plan.made_by().rounds == 1 && plan.made_by().scale == 1.0, "{:?}", plan.made_by());
+    assert!(jerk.ratio > 0.99 && jerk.ratio <= 1.0 + 1e-6, "{jerk:?}");
 }
 
 #[test]
