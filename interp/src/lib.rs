@@ -29,6 +29,7 @@
 //! | `sampler`, `trajectory` | setpoints at the control period, without allocation |
 //! | `verify` | the independent check |
 //! | `live_path`, `hybrid` | motion that is changed, left and resumed while it runs: [`LivePath`], [`HybridMotion`] |
+//! | `drive` | simulated drives behind their setpoints: [`DriveLag`] |
 //! | [`parameter`] | Taylor steps, closed-loop steps and the arc-length map behind one trait |
 //!
 //! Units: m, rad, s. Poses: tool in base. The arm is any [`PathArm`]: of six joints, anything with
@@ -38,6 +39,7 @@
 
 mod arm;
 mod constraints;
+mod drive;
 mod error;
 mod grid;
 mod hybrid;
@@ -55,6 +57,7 @@ mod verify;
 
 pub use arm::{MIN_SINGULAR_VALUE, PathArm};
 pub use constraints::Shares;
+pub use drive::DriveLag;
 pub use error::PlanError;
 pub use hybrid::{Command, Excursion, HybridError, HybridMotion, HybridState, HybridStep, LeaveBy, MAX_POINTS};
 pub use joint_path::{JointJet, JointPath, best_start, joint_jet};
