@@ -15,6 +15,7 @@ mod report;
 pub mod reproduce;
 mod robot;
 mod sample_paths;
+mod scenario;
 mod toml_check;
 mod trajectory_csv;
 mod unit;
@@ -29,5 +30,8 @@ pub use path_file::{PathFile, PathGeometry};
 pub use report::{LimitLine, LimitUnit, Report, SegmentCount};
 pub use robot::Robot;
 pub use sample_paths::{SamplePath, butterfly};
+pub use scenario::{
+    Accuracy, Clock, Cycle, EventLine, ExcursionLine, Played, RunReport, Scenario, Stage, StateSpan, StepTimes,
+};
 pub use trajectory_csv::{TrajectoryRow, TrajectoryWriter, read_trajectory, trajectory_columns, write_trajectory};
 pub use unit::LengthUnit;
