@@ -159,6 +159,11 @@ impl Canvas<'_> {
         self.styled(text, at, 12.0, SOFT_INK, anchor, (false, false))
     }
 
+    /// Like [`Canvas::text`], in white, for a dark ground.
+    pub fn white(&self, text: &str, at: (f64, f64), anchor: Anchor) -> Result<(), io::Error> {
+        self.styled(text, at, 12.0, RGBColor(255, 255, 255), anchor, (true, false))
+    }
+
     /// Like [`Canvas::text`], in the colour of limits, for what breaks one.
     pub fn alarm(&self, text: &str, at: (f64, f64), anchor: Anchor) -> Result<(), io::Error> {
         self.styled(text, at, 12.0, LIMIT, anchor, (true, false))
@@ -225,6 +230,19 @@ impl Panel {
             canvas.styled(label, (0.5 * (l + r), b + 34.0), 12.5, INK, Anchor::Middle, (false, false))?;
         }
         canvas.styled(y_label, (l - 58.0, 0.5 * (t + b)), 12.5, INK, Anchor::Middle, (false, true))
+    }
+
+    /// Frame and x axis alone.
+    pub fn time_axis(&self, canvas: &Canvas<'_>, x_label: &str) -> Result<(), io::Error> {
+        let (l, r, t, b) = (self.left, self.right, self.top, self.bottom);
+        let (xs, step) = ticks(self.x, ((r - l) / 110.0) as usize);
+        for &x in &xs {
+            let (px, _) = self.place((x, self.y.0));
+            canvas.line(&[(px, t), (px, b)], Pen::solid(GRID, 1.0))?;
+            canvas.text(&tick_text(x, step), (px, b + 14.0), Anchor::Middle)?;
+        }
+        canvas.line(&[(l, t), (r, t), (r, b), (l, b), (l, t)], Pen::solid(FRAME, 1.0))?;
+        canvas.styled(x_label, (0.5 * (l + r), b + 34.0), 12.5, INK, Anchor::Middle, (false, false))
     }
 
     /// A series over x, thinned to the panel's pixels; it breaks where a value is not finite.

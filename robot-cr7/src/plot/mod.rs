@@ -5,12 +5,15 @@
 
 mod canvas;
 mod decimate;
+mod run;
 
 use std::io;
 use std::path::Path;
 
 use crate::error::InputError;
 use crate::report::{number, percent};
+pub use run::{Picture, run_pictures};
+
 use canvas::{Anchor, LIMIT, PALETTE, Panel, Pen, page, range, widened};
 
 const WIDTH: u32 = 1080;

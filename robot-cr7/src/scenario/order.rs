@@ -29,7 +29,12 @@ pub(super) fn check_order(check: &Check<'_>, events: &[Event], period: f64) -> R
     for (i, event) in events.iter().enumerate() {
         if known.stopped {
             let rule = "after a stop the motion is over";
-            return Err(check.wrong(&key(i, "do"), event.action.name(), rule, "remove the event, or hold in place of the stop"));
+            return Err(check.wrong(
+                &key(i, "do"),
+                event.action.name(),
+                rule,
+                "remove the event, or hold in place of the stop",
+            ));
         }
         when(check, i, event, &mut known, period)?;
         action(check, i, event, &mut known)?;
@@ -75,7 +80,12 @@ fn when(check: &Check<'_>, i: usize, event: &Event, known: &mut Known, period: f
         When::Stood(_) => {
             if known.away.is_none() && known.held.is_none() && known.zero.is_none() {
                 let rule = "nothing before it lets the arm stand";
-                return Err(check.wrong(&key(i, "wait_s"), "given", rule, "use at_s, or put it after a leave or a hold"));
+                return Err(check.wrong(
+                    &key(i, "wait_s"),
+                    "given",
+                    rule,
+                    "use at_s, or put it after a leave or a hold",
+                ));
             }
         }
     }

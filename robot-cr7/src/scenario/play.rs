@@ -31,6 +31,8 @@ pub struct Cycle {
     pub on_path: bool,
     /// The joints of the simulated arm at its end, rad.
     pub joints: Joints<6>,
+    /// Their velocities, rad/s; 0 for a drive without lag.
+    pub velocity: Joints<6>,
     /// By how much they are behind their setpoints, rad.
     pub following_error: Joints<6>,
     /// Feed asked for here, sections and override included, m/s.
@@ -165,6 +167,7 @@ impl<A: PathArm<6>> Stage<'_, A> {
                 state: step.state,
                 on_path: step.on_path,
                 joints,
+                velocity: drive.velocity(),
                 following_error: drive.following_error(),
                 asked: programmed * asked.factor,
                 programmed,

@@ -107,10 +107,7 @@ fn path_of(check: &Check<'_>, raw: &RawScenario) -> Result<ScenarioPath, InputEr
             let value = format!("a list of {}", places.len());
             return Err(check.wrong("path.line", value, rule, "give two places, { rad = [...] } or { deg = [...] }"));
         };
-        return Ok(ScenarioPath::Line([
-            place_of(check, "path.line[0]", from)?,
-            place_of(check, "path.line[1]", to)?,
-        ]));
+        return Ok(ScenarioPath::Line([place_of(check, "path.line[0]", from)?, place_of(check, "path.line[1]", to)?]));
     }
     let name = path.file.as_deref().unwrap_or_default();
     Ok(ScenarioPath::File(check.file.parent().unwrap_or(Path::new("")).join(name)))
@@ -122,11 +119,7 @@ fn job_of(text: &str, file: &Path, raw: &RawScenario) -> Result<Job, InputError>
     let joints = joints_of(&check, &raw.joints)?;
     let frame = |raw: &RawFrame| RawFrame { position_mm: raw.position_mm, rotation_rpy_deg: raw.rotation_rpy_deg };
     let job = RawJob {
-        path: RawPath {
-            file: None,
-            csv_unit: raw.path.csv_unit.clone(),
-            fit_tolerance_mm: raw.path.fit_tolerance_mm,
-        },
+        path: RawPath { file: None, csv_unit: raw.path.csv_unit.clone(), fit_tolerance_mm: raw.path.fit_tolerance_mm },
         workpiece: raw.workpiece.as_ref().map(frame).unwrap_or_default(),
         tool: frame(&raw.tool),
         ..RawJob::default()

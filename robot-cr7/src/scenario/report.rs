@@ -178,6 +178,27 @@ impl Played {
     }
 }
 
+impl<A: PathArm<6>> Stage<'_, A> {
+    /// Rows of the simulated arm, behind its setpoints: positions and velocities of its joints, the pose of its tool; accelerations and
+    /// jerks are left at 0.
+    pub fn simulated_rows(&self, played: &Played) -> Vec<TrajectoryRow> {
+        let row = |c: &Cycle| {
+            let pose = self.arm.forward(&c.joints);
+            let rotation = pose.rotation.quaternion();
+            TrajectoryRow {
+                t: c.setpoint.t,
+                q: c.joints.into(),
+                qd: c.velocity.into(),
+                qdd: [0.0; 6],
+                jerk: [0.0; 6],
+                position: pose.translation.vector.into(),
+                quaternion: [rotation.i, rotation.j, rotation.k, rotation.w],
+            }
+        };
+        played.cycles.iter().map(row).collect()
+    }
+}
+
 fn label(state: HybridState) -> String {
     match state {
         HybridState::JointMove(point) => format!("joint move {}", point + 1),
@@ -306,7 +327,9 @@ impl Display for RunReport {
             )?;
         }
         writeln!(f, "\n  {:<24}{:>20}{:>20}", "distance from the path", "setpoints [mm]", "simulated arm [mm]")?;
-        for (name, accuracy) in [("before leaving it", self.accuracy_before), ("after resuming it", self.accuracy_after)] {
+        for (name, accuracy) in
+            [("before leaving it", self.accuracy_before), ("after resuming it", self.accuracy_after)]
+        {
             if let Some(a) = accuracy {
                 writeln!(f, "  {name:<24}{:>20.2e}{:>20.5}", a.setpoints_m * 1e3, a.simulated_arm_m * 1e3)?;
             }

@@ -153,9 +153,7 @@ impl Scenario {
         A: PathArm<6> + AnalyticInverse<6>,
     {
         match place {
-            Place::Joints(values) => {
-                Ok(self.values(key, values)? + self.values("joints.zero_deg", &self.zero)?)
-            }
+            Place::Joints(values) => Ok(self.values(key, values)? + self.values("joints.zero_deg", &self.zero)?),
             Place::Pose(pose) => arm.inverse(pose, near).map_err(|source| {
                 let p = pose.translation.vector * 1e3;
                 let value = format!("the pose at {:.3}, {:.3}, {:.3} mm: {source}", p.x, p.y, p.z);

@@ -9,6 +9,7 @@ mod plan;
 mod pose;
 mod reproduce;
 mod robots;
+mod run;
 
 use std::process::ExitCode;
 
@@ -36,6 +37,7 @@ const EXAMPLES: &str = "Examples:
   cr7 move --from-deg 0 -30 90 30 -90 0 --to-deg 60 0 60 30 -90 45
                                         a joint move: trajectory, pictures and report
   cr7 online scenario.toml              targets and limits that change while the arm moves
+  cr7 run scenario.toml                 a path with events, holds and other feeds while it runs
   cr7 plan --robot panda                another robot; `cr7 robots` lists them, files do as well
   cr7 reproduce pn                      the numbers of a paper beside ours";
 
@@ -59,6 +61,8 @@ enum Command {
     Move(joint_move::Args),
     /// Joint motion towards targets, and within limits, that change on the way
     Online(online::Args),
+    /// A tool path with events, holds, overrides and other feeds while it runs
+    Run(run::Args),
     /// Reproduce a paper's numbers beside ours, and check our guarantees
     Reproduce(reproduce::Args),
 }
@@ -97,6 +101,7 @@ fn main() -> ExitCode {
         Command::Robots(args) => robots::run(&args),
         Command::Move(args) => joint_move::run(&args),
         Command::Online(args) => online::run(&args),
+        Command::Run(args) => run::run(&args),
         Command::Reproduce(args) => reproduce::run(&args),
     };
     match outcome {
