@@ -35,6 +35,7 @@
 //! | `verify` | the independent check |
 //! | `live_path`, `hybrid` | motion that is changed, left and resumed while it runs: [`LivePath`], [`HybridMotion`] |
 //! | `singular` | stretches of a path near singular poses: slowed down, gone round or refused |
+//! | `drive` | simulated drives behind their setpoints: [`DriveLag`] |
 //! | [`parameter`] | Taylor steps, closed-loop steps and the arc-length map behind one trait |
 //!
 //! Units: m, rad, s. Poses: tool in base. The arm is any [`PathArm`]: of six joints, anything with
@@ -44,6 +45,7 @@
 
 mod arm;
 mod constraints;
+mod drive;
 mod error;
 mod grid;
 mod hybrid;
@@ -66,6 +68,7 @@ mod verify;
 
 pub use arm::{MIN_SINGULAR_VALUE, PathArm};
 pub use constraints::Shares;
+pub use drive::DriveLag;
 pub use error::{Infeasibility, PlanError};
 pub use hybrid::{Command, Excursion, HybridError, HybridMotion, HybridState, HybridStep, LeaveBy, MAX_POINTS};
 pub use joint_path::{JointJet, JointPath, best_start, joint_jet};

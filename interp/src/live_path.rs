@@ -11,6 +11,7 @@ use crate::grid;
 use crate::joint_path::{JointPath, joint_jet};
 use crate::limits::ToolLimits;
 use crate::planner::{CORNER, Planner};
+use crate::rows;
 use crate::sections::{self, Feeds};
 use crate::torque::TorquePath;
 
@@ -128,7 +129,10 @@ where
             let inside = corners.iter().filter(|corner| from + close < corner.s && corner.s < to - close);
             let stops: Vec<usize> = inside.map(|corner| grid.partition_point(|&s| s < corner.s)).collect();
             let reaches = Reaches::of(&path, &joint_path, &stops);
-            let torque = self.torque.map(|torque| TorquePath::of(&joint_path, &torque));
+            let torque = self.torque.map(|torque| {
+                let middles = rows::middles(self.arm, &path, &joint_path);
+                TorquePath::of(&joint_path, &middles, &torque)
+            });
             // At a border the lower feed counts, as borders may stand beside a grid point.
             let feed = |pair: &[f64]| feeds.at(pair[0]).min(feeds.at(pair[1])).min(feeds.at(0.5 * (pair[0] + pair[1])));
             let programmed: Vec<f64> = grid.windows(2).map(feed).collect();

@@ -21,11 +21,11 @@ use crate::robot::Robot;
 use crate::trajectory_csv::TrajectoryRow;
 
 /// Positions along the path are good to this, m: far below what any encoder resolves.
-const ARC_LENGTH_TOLERANCE: f64 = 1e-15;
+pub(crate) const ARC_LENGTH_TOLERANCE: f64 = 1e-15;
 /// How closely a tool that follows the tangent does so, rad.
 const HEADING_TOLERANCE: f64 = 1e-3;
 /// Degree of curves laid through points.
-const FIT_DEGREE: usize = 3;
+pub(crate) const FIT_DEGREE: usize = 3;
 /// A path this far out of reach is probably given in another unit than meant, m.
 const FAR_OUT: f64 = 2.0;
 
@@ -324,7 +324,7 @@ fn plan_error(file: &str, source: PlanError) -> Cr7Error {
     Cr7Error::Plan { file: file.to_owned(), source: Box::new(source), hint }
 }
 
-fn orientation_of(job: &Job, curve: &ArcLengthCurve<3>) -> Result<OrientationPath, GeometryError> {
+pub(crate) fn orientation_of(job: &Job, curve: &ArcLengthCurve<3>) -> Result<OrientationPath, GeometryError> {
     let frame = job.workpiece.rotation;
     match job.orientation {
         ToolOrientation::Constant(rotation) => Ok(OrientationPath::Constant(frame * rotation)),
@@ -343,7 +343,7 @@ fn orientation_of(job: &Job, curve: &ArcLengthCurve<3>) -> Result<OrientationPat
 }
 
 /// A mix-up of millimetres and metres shows as a path that is metres out of reach.
-fn unit_hint(error: &PlanError) -> String {
+pub(crate) fn unit_hint(error: &PlanError) -> String {
     match error {
         PlanError::Arm { source: KinematicsError::Unreachable { distance, .. }, .. } if *distance > FAR_OUT => {
             format!(

@@ -212,10 +212,10 @@ impl Job {
 }
 
 /// The checks of a job.
-struct JobCheck<'a>(Check<'a>);
+pub(crate) struct JobCheck<'a>(pub(crate) Check<'a>);
 
 impl JobCheck<'_> {
-    fn job(mut self, raw: &RawJob) -> Result<Job, InputError> {
+    pub(crate) fn job(mut self, raw: &RawJob) -> Result<Job, InputError> {
         let default = Job::default();
         let csv_unit = raw.path.csv_unit.as_deref().map(|symbol| {
             LengthUnit::from_symbol(symbol).ok_or_else(|| InputError::UnknownUnit {

@@ -16,6 +16,7 @@ mod report;
 pub mod reproduce;
 mod robot;
 mod sample_paths;
+mod scenario;
 mod schedule_figure;
 mod schedule_file;
 mod schedule_run;
@@ -34,6 +35,9 @@ pub use path_file::{PathFile, PathGeometry};
 pub use report::{LimitLine, LimitUnit, Report, SegmentCount};
 pub use robot::Robot;
 pub use sample_paths::{SamplePath, butterfly};
+pub use scenario::{
+    Accuracy, Clock, Cycle, EventLine, ExcursionLine, Played, RunReport, Scenario, Stage, StateSpan, StepTimes,
+};
 pub use schedule_figure::{BindingBar, JointFigure, JointPanel, ShareFigure, SharePanel, SpeedFigure};
 pub use schedule_file::{ScheduleFile, SchedulePlace, ScheduleWay};
 pub use schedule_run::{BindingLine, ScheduleReport, ScheduleRun, run_schedule};

@@ -161,6 +161,11 @@ impl Canvas<'_> {
         self.styled(text, at, 12.0, SOFT_INK, anchor, (false, false))
     }
 
+    /// Like [`Canvas::text`], in white, for a dark ground.
+    pub fn white(&self, text: &str, at: (f64, f64), anchor: Anchor) -> Result<(), io::Error> {
+        self.styled(text, at, 12.0, RGBColor(255, 255, 255), anchor, (true, false))
+    }
+
     /// Like [`Canvas::text`], in the colour of limits, for what breaks one.
     pub fn alarm(&self, text: &str, at: (f64, f64), anchor: Anchor) -> Result<(), io::Error> {
         self.styled(text, at, 12.0, LIMIT, anchor, (true, false))

@@ -6,6 +6,7 @@
 mod canvas;
 mod compare;
 mod decimate;
+mod run;
 mod schedule;
 
 use std::io;
@@ -13,6 +14,7 @@ use std::path::Path;
 
 use crate::error::InputError;
 use crate::report::{number, percent};
+pub use run::{Picture, run_pictures};
 pub use schedule::{joint_panels_picture, shares_picture, speed_picture};
 
 use canvas::{Anchor, LIMIT, PALETTE, Panel, Pen, page, range, widened};

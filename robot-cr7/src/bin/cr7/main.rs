@@ -10,6 +10,7 @@ mod plan;
 mod pose;
 mod reproduce;
 mod robots;
+mod run;
 mod schedule;
 
 use std::process::ExitCode;
@@ -41,6 +42,7 @@ const EXAMPLES: &str = "Examples:
   cr7 online scenario.toml              targets and limits that change while the arm moves
   cr7 schedule pick.toml --robot kr6_r700
                                         from pose to pose or through way-points, torque limits included
+  cr7 run scenario.toml                 a path with events, holds and other feeds while it runs
   cr7 plan --robot panda                another robot; `cr7 robots` lists them, files do as well
   cr7 reproduce pn                      the numbers of a paper beside ours";
 
@@ -68,6 +70,8 @@ enum Command {
     Online(online::Args),
     /// Speed from pose to pose or through joint way-points, under limits of joints, torque and tool
     Schedule(schedule::Args),
+    /// A tool path with events, holds, overrides and other feeds while it runs
+    Run(run::Args),
     /// Reproduce a paper's numbers beside ours, and check our guarantees
     Reproduce(reproduce::Args),
 }
@@ -108,6 +112,7 @@ fn main() -> ExitCode {
         Command::Move(args) => joint_move::run(&args),
         Command::Online(args) => online::run(&args),
         Command::Schedule(args) => schedule::run(&args),
+        Command::Run(args) => run::run(&args),
         Command::Reproduce(args) => reproduce::run(&args),
     };
     match outcome {

@@ -1,0 +1,122 @@
+//! `cr7 run`: a scenario on a tool path, cycle by cycle.
+
+use std::path::PathBuf;
+
+use arcfeed_interp::PathArm;
+use arcfeed_kinematics::{AnalyticInverse, JointLimits};
+use robot_cr7::plot::{run_pictures, save_picture};
+use robot_cr7::{Clock, Cr7, Cr7Error, InputError, RunReport, Scenario, write_trajectory};
+
+use crate::Failure;
+use crate::output::{say, say_as_is};
+use crate::plan::spinner;
+use crate::robots::RobotArgs;
+
+/// Arguments of `cr7 run`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  cr7 run                                  the embedded scenario: an event, a joint move, the way back
+  cr7 run --print-example > mine.toml      a file to start from, with every key explained
+  cr7 run --print-example butterfly_live   another embedded one: event, event_middle, butterfly_live
+  cr7 run mine.toml --out mine
+  cr7 run mine.toml --real-time            every cycle at its time, as a controller would call it
+  cr7 run mine.toml --json | jq .excursions")]
+pub struct Args {
+    #[command(flatten)]
+    robot: RobotArgs,
+    /// Scenario file (TOML): path, limits, and what is ordered when. Without it: an embedded one
+    scenario: Option<PathBuf>,
+    /// Print an embedded scenario and stop
+    #[arg(long, value_name = "NAME", num_args = 0..=1, default_missing_value = "event")]
+    print_example: Option<String>,
+    /// Folder for trajectory, pictures and reports; created when missing
+    #[arg(long, default_value = "out")]
+    out: PathBuf,
+    /// Begin every cycle at its time, in place of as soon as possible
+    #[arg(long)]
+    real_time: bool,
+    /// Print the report as one JSON object on stdout, and nothing else there
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(args: &Args) -> Result<(), Failure> {
+    if let Some(name) = &args.print_example {
+        let text =
+            Scenario::ALL.into_iter().find(|(file, _)| *file == name || file.strip_suffix(".toml") == Some(name));
+        let names = Scenario::ALL.map(|(file, _)| file).join(", ");
+        let (_, text) =
+            text.ok_or_else(|| Failure::BadInput(format!("--print-example {name}: the embedded ones are {names}")))?;
+        say_as_is!("{text}");
+        return Ok(());
+    }
+    let scenario = match &args.scenario {
+        Some(file) => Scenario::read(file)?,
+        None => Scenario::parse(Scenario::EXAMPLE, "event.toml".as_ref())?,
+    };
+    if args.robot.is_default() {
+        let cr7 = Cr7::of(scenario.job())?;
+        return play(args, &scenario, cr7.arm(), cr7.limits(), Vec::new());
+    }
+    let robot = args.robot.load()?;
+    if robot.joints() != 6 {
+        return Err(Failure::Undoable(format!(
+            "{} has {} joints: a scenario on a tool path needs six",
+            args.robot.robot,
+            robot.joints()
+        )));
+    }
+    let (limits, assumed) = robot.limits::<6>(&scenario.job().joints)?;
+    let arm = robot.arm::<6>(scenario.job().tool).map_err(Cr7Error::from)?;
+    play(args, &scenario, &arm, &limits, assumed)
+}
+
+fn play<A>(
+    args: &Args,
+    scenario: &Scenario,
+    arm: &A,
+    limits: &JointLimits<6>,
+    assumed: Vec<String>,
+) -> Result<(), Failure>
+where
+    A: PathArm<6> + AnalyticInverse<6>,
+{
+    let bar = spinner("making the path ready");
+    let mut stage = scenario.stage(arm, limits)?;
+    stage.warn(assumed);
+    bar.set_message("playing");
+    let played = stage.play(if args.real_time { Clock::RealTime } else { Clock::Simulated })?;
+    bar.set_message("measuring and writing");
+    let mut report = RunReport::new(&stage, &played);
+
+    let write = |file: PathBuf| move |source| InputError::Write { file: file.clone(), source };
+    std::fs::create_dir_all(&args.out).map_err(write(args.out.clone()))?;
+    let trajectory = args.out.join("trajectory.csv");
+    write_trajectory(&trajectory, played.rows())?;
+    report.files.push(trajectory);
+    let simulated = args.out.join("simulated.csv");
+    write_trajectory(&simulated, stage.simulated_rows(&played))?;
+    report.files.push(simulated);
+    for (name, svg) in run_pictures(&stage, &played, &report) {
+        let picture = args.out.join(name);
+        save_picture(&picture, &svg.map_err(write(picture.clone()))?)?;
+        report.files.push(picture);
+    }
+    report.files.extend(["report.json", "report.txt"].map(|name| args.out.join(name)));
+    let json = args.out.join("report.json");
+    std::fs::write(&json, report.to_json() + "\n").map_err(write(json.clone()))?;
+    let text = args.out.join("report.txt");
+    std::fs::write(&text, report.to_string()).map_err(write(text.clone()))?;
+    bar.finish_and_clear();
+    if args.json {
+        say!("{}", report.to_json());
+    } else {
+        say_as_is!("{report}");
+    }
+    if report.holds {
+        return Ok(());
+    }
+    Err(Failure::Undoable(
+        "a limit was exceeded, or the tool was off its path: see the lines marked ! above".to_owned(),
+    ))
+}

@@ -1,0 +1,234 @@
+//! Path, arm and limits of a scenario made ready, and its events as commands.
+
+use arcfeed_geometry::{ArcLengthCurve, NurbsCurve, OrientationPath, PosePath, Spacing};
+use arcfeed_interp::{Command, Excursion, LivePath, PathArm, PlanError, Planner, ToolLimits, best_start};
+use arcfeed_kinematics::{AnalyticInverse, JointLimits, Joints};
+
+use super::{Action, Place, Scenario, ScenarioPath, When};
+use crate::cr7::{ARC_LENGTH_TOLERANCE, Cr7Error, FIT_DEGREE, orientation_of, unit_hint};
+use crate::error::InputError;
+use crate::job::JointValues;
+use crate::path_file::PathFile;
+use crate::toml_check::Check;
+
+/// A scenario for one arm, ready to be played.
+#[derive(Debug, Clone)]
+pub struct Stage<'a, A> {
+    pub(super) scenario: &'a Scenario,
+    pub(super) arm: &'a A,
+    pub(super) name: String,
+    pub(super) live: LivePath,
+    pub(super) orders: Vec<Order>,
+    pub(super) drive: Joints<6>,
+    pub(super) warnings: Vec<String>,
+}
+
+/// An event, with all that it needs.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Order {
+    pub when: When,
+    pub what: What,
+}
+
+#[derive(Debug, Clone, Copy)]
+pub(super) enum What {
+    Command(Command),
+    /// The place depends on where the tool is by then.
+    StepBackBy(f64),
+}
+
+impl<A> Stage<'_, A> {
+    /// Name of the path.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The path with the limit curve under which it runs.
+    pub fn live(&self) -> &LivePath {
+        &self.live
+    }
+
+    /// Time constants of the simulated drives, s.
+    pub fn drive(&self) -> &Joints<6> {
+        &self.drive
+    }
+
+    /// Adds what a person should know, such as an assumption about the arm.
+    pub fn warn(&mut self, warnings: impl IntoIterator<Item = String>) {
+        self.warnings.extend(warnings);
+    }
+}
+
+impl Scenario {
+    /// Makes the scenario ready for `arm` (tool included) under joint `limits`.
+    ///
+    /// # Errors
+    /// [`Cr7Error::Input`] naming the line for a place the arm cannot take, a place behind the end of the path, a list of another length than
+    /// the arm has joints; [`Cr7Error::Plan`] for a path that cannot be followed.
+    pub fn stage<'a, A>(&'a self, arm: &'a A, limits: &JointLimits<6>) -> Result<Stage<'a, A>, Cr7Error>
+    where
+        A: PathArm<6> + AnalyticInverse<6>,
+    {
+        let (name, shown, path, warnings, first) = self.load(arm)?;
+        let plan_error = |source: PlanError| {
+            let hint = unit_hint(&source);
+            Cr7Error::Plan { file: shown.clone(), source: Box::new(source), hint }
+        };
+        let start = match (&self.start, first) {
+            (Some(place), _) => self.joints_at("run.start", place, arm, &Joints::zeros())?,
+            (None, Some(first)) => first,
+            (None, None) => best_start(arm, &path, limits.lower(), limits.upper()).map_err(plan_error)?,
+        };
+        let job = &self.job;
+        let tool = ToolLimits {
+            feed: job.feed.feed,
+            tangential_acceleration: job.feed.tangential_acceleration,
+            tangential_jerk: job.feed.tangential_jerk,
+            normal_acceleration: job.feed.normal_acceleration,
+            normal_jerk: job.feed.normal_jerk,
+            angular_speed: job.feed.angular_speed,
+        };
+        let live = Planner::new(arm, *limits, tool)
+            .and_then(|p| p.with_chord_tolerance(job.chord_tolerance))
+            .and_then(|p| p.with_period(job.period))
+            .and_then(|p| p.with_sections(job.sections.clone()).live(path, &start))
+            .map_err(plan_error)?;
+        let orders = self.orders(arm, &live)?;
+        let drive = self.values("run.drive_time_constant_ms", &self.drive)?;
+        Ok(Stage { scenario: self, arm, name, live, orders, drive, warnings })
+    }
+
+    pub(super) fn check(&self) -> Check<'_> {
+        Check::new(&self.text, &self.file)
+    }
+
+    /// Name, file for messages, path, warnings, and where the arm stands at its start if the file says so.
+    #[allow(clippy::type_complexity, reason = "used in one place")]
+    fn load<A>(&self, arm: &A) -> Result<(String, String, PosePath, Vec<String>, Option<Joints<6>>), Cr7Error>
+    where
+        A: PathArm<6> + AnalyticInverse<6>,
+    {
+        let job = &self.job;
+        let mut warnings = job.warnings.clone();
+        let file = match &self.path {
+            ScenarioPath::File(file) => PathFile::read(file, job.csv_unit)?,
+            ScenarioPath::BuiltIn(sample) => sample.load()?,
+            ScenarioPath::Line([from, to]) => {
+                let from = self.joints_at("path.line[0]", from, arm, &Joints::zeros())?;
+                let to = self.joints_at("path.line[1]", to, arm, &from)?;
+                let (a, b) = (arm.forward(&from), arm.forward(&to));
+                let shown = self.file.display().to_string();
+                let wrong = |source| Cr7Error::Curve { file: shown.clone(), source };
+                let curve = NurbsCurve::line(a.translation.vector, b.translation.vector).map_err(wrong)?;
+                let curve = ArcLengthCurve::new(curve, ARC_LENGTH_TOLERANCE).map_err(wrong)?;
+                let turn = OrientationPath::slerp(curve.length(), a.rotation, b.rotation).map_err(wrong)?;
+                return Ok(("line".to_owned(), shown, PosePath::new(curve, turn), warnings, Some(from)));
+            }
+        };
+        warnings.extend(file.warnings.iter().cloned());
+        let shown = file.file.display().to_string();
+        let wrong = |source| Cr7Error::Curve { file: shown.clone(), source };
+        let curve = file
+            .curve_with(|points| {
+                let degree = FIT_DEGREE.min(points.len().saturating_sub(1));
+                Ok(NurbsCurve::approximate(points, degree, Spacing::default(), job.fit_tolerance)?.curve)
+            })?
+            .transformed(&job.workpiece)
+            .map_err(wrong)?;
+        let curve = ArcLengthCurve::new(curve, ARC_LENGTH_TOLERANCE).map_err(wrong)?;
+        let turn = orientation_of(job, &curve).map_err(wrong)?;
+        Ok((file.name, shown, PosePath::new(curve, turn), warnings, None))
+    }
+
+    fn values(&self, key: &str, values: &JointValues) -> Result<Joints<6>, InputError> {
+        values.of::<6>().map(Joints::from).map_err(|given| {
+            let rule = "a list has one number for each joint of the arm";
+            let value = format!("a list of {given} for 6 joints");
+            self.check().wrong(key, value, rule, "write one number for all, or one for each")
+        })
+    }
+
+    /// Joint values of a place, inside the range of every joint.
+    fn joints_at<A>(&self, key: &str, place: &Place, arm: &A, near: &Joints<6>) -> Result<Joints<6>, InputError>
+    where
+        A: PathArm<6> + AnalyticInverse<6>,
+    {
+        match place {
+            Place::Joints(values) => Ok(self.values(key, values)? + self.values("joints.zero_deg", &self.zero)?),
+            Place::Pose(pose) => arm.inverse(pose, near).map_err(|source| {
+                let p = pose.translation.vector * 1e3;
+                let value = format!("the pose at {:.3}, {:.3}, {:.3} mm: {source}", p.x, p.y, p.z);
+                self.check().wrong(key, value, "the tool has to reach the place", "move it, or turn the tool")
+            }),
+        }
+    }
+
+    /// The events as commands.
+    fn orders<A>(&self, arm: &A, live: &LivePath) -> Result<Vec<Order>, Cr7Error>
+    where
+        A: PathArm<6> + AnalyticInverse<6>,
+    {
+        let length = live.path().length();
+        let on_path = |key: String, s: f64, last: bool| {
+            if s < length || last && s == length {
+                return Ok(());
+            }
+            let value = format!("{} on a path of {:.3} mm", s * 1e3, length * 1e3);
+            let rule = "it lies before the end of the path, where the motion is over";
+            Err(self.check().wrong(&key, value, rule, "lower it"))
+        };
+        let mut orders = Vec::with_capacity(self.events.len());
+        for (i, event) in self.events.iter().enumerate() {
+            if let When::Length(s) = event.when {
+                on_path(format!("event[{i}].at_mm"), s, false)?;
+            }
+            let command = match &event.action {
+                Action::Feed(feed) => Command::Feed(*feed),
+                Action::Override(factor) => Command::Override(*factor),
+                Action::Section(section) => {
+                    on_path(format!("event[{i}].from_mm"), section.from, false)?;
+                    Command::Section(*section)
+                }
+                Action::ClearSections => Command::ClearSections,
+                Action::Hold => Command::Hold,
+                Action::Resume => Command::Resume,
+                Action::StepBackTo(place) => {
+                    on_path(format!("event[{i}].to_mm"), *place, true)?;
+                    Command::StepBack(*place)
+                }
+                Action::StepBackBy(way) => {
+                    orders.push(Order { when: event.when, what: What::StepBackBy(*way) });
+                    continue;
+                }
+                Action::Leave(places, by) => {
+                    let mut points = Vec::with_capacity(places.len());
+                    let mut near = live.joint_path().nodes()[0].q;
+                    for (k, place) in places.iter().enumerate() {
+                        let key = format!("event[{i}].points[{k}]");
+                        near = self.joints_at(&key, place, arm, &near)?;
+                        self.inside(&key, &near, live.joints())?;
+                        points.push(near);
+                    }
+                    Command::Leave(Excursion::new(&points, *by).map_err(|e| {
+                        let rule = "an excursion has 1 to 8 points, the goal last";
+                        self.check().wrong(&format!("event[{i}].points"), e, rule, "add or remove points")
+                    })?)
+                }
+                Action::Return => Command::Return,
+                Action::Stop => Command::Stop,
+            };
+            orders.push(Order { when: event.when, what: What::Command(command) });
+        }
+        Ok(orders)
+    }
+
+    fn inside(&self, key: &str, q: &Joints<6>, limits: &JointLimits<6>) -> Result<(), InputError> {
+        let bad = (0..6).find(|&k| !(limits.lower()[k]..=limits.upper()[k]).contains(&q[k]));
+        let Some(k) = bad else { return Ok(()) };
+        let degrees = |v: f64| format!("{:.3}", v.to_degrees());
+        let (at, low, high) = (degrees(q[k]), degrees(limits.lower()[k]), degrees(limits.upper()[k]));
+        let value = format!("joint {} at {at} deg, range {low} to {high} deg", k + 1);
+        let rule = "every joint stays in its range";
+        Err(self.check().wrong(key, value, rule, "choose a place inside; joints.zero_deg is added to joint values"))
+    }
+}
