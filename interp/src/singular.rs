@@ -54,6 +54,17 @@ pub enum Trouble {
     NotFollowed(Box<PlanError>),
 }
 
+impl std::fmt::Display for Trouble {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Stall { joint, speed } => {
+                write!(f, "the velocity limit of joint {} allows the tool only {speed:.4} m/s", joint + 1)
+            }
+            Self::NotFollowed(error) => error.fmt(f),
+        }
+    }
+}
+
 /// A stretch of a path between two places where it can be followed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stretch<const N: usize = 6> {
@@ -89,6 +100,17 @@ impl<const N: usize> LiveRoute<N> {
     /// The parts, in order; without detours the one is the whole path.
     pub fn parts(&self) -> &[LivePath<N>] {
         &self.parts
+    }
+
+    /// The first part.
+    pub fn first(&self) -> &LivePath<N> {
+        // There is one: no route is made without.
+        &self.parts[0]
+    }
+
+    /// The part on which the arc length `s` (m) lies, or that before it.
+    pub fn part_at(&self, s: f64) -> &LivePath<N> {
+        &self.parts[self.parts.partition_point(|part| part.range().0 <= s).saturating_sub(1)]
     }
 
     /// The ways round, one between each two parts.
@@ -264,11 +286,6 @@ fn worse(a: Trouble, b: Trouble) -> Trouble {
 }
 
 fn refusal<const N: usize>(stretch: &Stretch<N>, rule: &'static str) -> PlanError {
-    let trouble = match &stretch.trouble {
-        Trouble::Stall { joint, speed } => {
-            format!("the velocity limit of joint {} allows the tool only {:.4} m/s", joint + 1, speed)
-        }
-        Trouble::NotFollowed(error) => error.to_string(),
-    };
+    let trouble = stretch.trouble.to_string();
     PlanError::Singular { from: stretch.from, to: stretch.to, trouble, rule }
 }

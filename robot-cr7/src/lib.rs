@@ -36,7 +36,8 @@ pub use report::{LimitLine, LimitUnit, Report, SegmentCount};
 pub use robot::Robot;
 pub use sample_paths::{SamplePath, butterfly};
 pub use scenario::{
-    Accuracy, Clock, Cycle, EventLine, ExcursionLine, Played, RunReport, Scenario, Stage, StateSpan, StepTimes,
+    Accuracy, Clock, Cycle, DetourLine, EventLine, ExcursionLine, Played, RunReport, Scenario, Stage, StateSpan,
+    StepTimes,
 };
 pub use schedule_figure::{BindingBar, JointFigure, JointPanel, ShareFigure, SharePanel, SpeedFigure};
 pub use schedule_file::{ScheduleFile, SchedulePlace, ScheduleWay};

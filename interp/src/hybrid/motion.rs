@@ -94,7 +94,7 @@ where
     /// [`HybridState::GoingRound`].
     ///
     /// # Errors
-    /// As [`HybridMotion::new`]; [`PlanError::Limit`] for a route without parts, which no planner makes.
+    /// As [`HybridMotion::new`].
     pub fn along(arm: &'a A, route: &'a LiveRoute<N>, feed: f64) -> Result<Self, PlanError> {
         let Some((first, ahead)) = route.parts().split_first() else {
             return Err(PlanError::Limit { what: "number of parts of the route", value: 0.0 });

@@ -299,8 +299,8 @@ fn joints_picture<A: PathArm<6>>(
                 Panel { left: LEFT, right: RIGHT, top: panel_top, bottom: panel_top + height, x: t, y: (-1.12, 1.12) };
             panel.axes(canvas, (kind == 3).then_some("time t [s]"), name)?;
             band(canvas, &panel, report)?;
-            for k in 0..6 {
-                panel.series(canvas, &relative(kind, k), Pen::solid(PALETTE[k], 1.4))?;
+            for (k, &colour) in PALETTE.iter().enumerate().take(6) {
+                panel.series(canvas, &relative(kind, k), Pen::solid(colour, 1.4))?;
             }
             panel.level(canvas, 1.0)?;
             panel.level(canvas, -1.0)?;
@@ -371,10 +371,14 @@ fn feed_picture<A: PathArm<6>>(stage: &Stage<'_, A>, played: &Played, report: &R
         cycles.iter().map(|c| (c.setpoint.t, if c.on_path { gap } else { c.setpoint.feed * 1e3 })).collect();
     let programmed: Vec<_> = cycles.iter().map(|c| (c.setpoint.t, c.programmed * 1e3)).collect();
     let asked: Vec<_> = cycles.iter().map(|c| (c.setpoint.t, c.asked * 1e3)).collect();
-    let curve = stage.live().curve();
     let allowed: Vec<_> = cycles
         .iter()
-        .map(|c| (c.setpoint.t, if c.on_path { curve.fastest(c.setpoint.s).v * 1e3 } else { gap }))
+        .map(|c| {
+            (
+                c.setpoint.t,
+                if c.on_path { stage.route().part_at(c.setpoint.s).curve().fastest(c.setpoint.s).v * 1e3 } else { gap },
+            )
+        })
         .collect();
     let highest = range(programmed.iter().chain(&asked).chain(&feed).map(|p| p.1)).1;
     let any_off = off.iter().any(|p| p.1.is_finite());

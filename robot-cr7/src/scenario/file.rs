@@ -45,6 +45,16 @@ pub(super) struct RawRun {
     pub drive_time_constant_ms: Option<PerJoint>,
     pub longest_s: Option<f64>,
     pub start: Option<RawPlace>,
+    pub singularities: Option<RawSingularities>,
+    pub stall_percent: Option<f64>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum RawSingularities {
+    SlowDown,
+    GoRound,
+    Refuse,
 }
 
 #[derive(Debug, Default, Deserialize)]

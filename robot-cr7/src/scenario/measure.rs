@@ -21,7 +21,7 @@ pub(super) fn rows(played: &Played) -> Vec<TrajectoryRow> {
 
 /// Every limit with its worst place: those of the joints all the time, those of the tool on the path.
 pub(super) fn limits<A: PathArm<6>>(stage: &Stage<'_, A>, played: &Played) -> Vec<LimitLine> {
-    let live = &stage.live;
+    let live = stage.live();
     let joints = live.joints();
     let rates = Rates {
         velocity: (*joints.velocity()).into(),
@@ -90,7 +90,7 @@ impl Worst {
 
 /// Distance of the middle of a piece of path from the straight line between its ends.
 fn chord_error<A>(stage: &Stage<'_, A>, from: f64, to: f64) -> f64 {
-    let curve = stage.live.path().curve();
+    let curve = stage.live().path().curve();
     let (a, b, middle) = (curve.point(from), curve.point(to), curve.point(0.5 * (from + to)));
     let (chord, d) = (b - a, middle - a);
     let f = if chord.norm_squared() > 0.0 { d.dot(&chord) / chord.norm_squared() } else { 0.0 };
@@ -103,7 +103,7 @@ pub(super) fn accuracy<'c, A: PathArm<6>>(
     stage: &Stage<'_, A>,
     cycles: impl Iterator<Item = &'c Cycle>,
 ) -> Option<(f64, f64)> {
-    let path = stage.live.path();
+    let path = stage.live().path();
     let slowest = stage.drive.amax();
     let mut worst: Option<(f64, f64)> = None;
     for cycle in cycles.filter(|c| c.on_path) {
@@ -121,7 +121,7 @@ pub(super) fn accuracy<'c, A: PathArm<6>>(
 fn nearest<A>(stage: &Stage<'_, A>, point: &Vector3<f64>, s: f64, reach: f64) -> f64 {
     const PIECES: u32 = 12;
     const HALVINGS: usize = 24;
-    let curve = stage.live.path().curve();
+    let curve = stage.live().path().curve();
     let (from, to) = ((s - reach).max(0.0), (s + reach).min(curve.length()));
     let at = |s: f64| (curve.point(s) - point).norm();
     let h = (to - from) / f64::from(PIECES);

@@ -21,14 +21,14 @@ mod stage;
 use std::path::PathBuf;
 
 use arcfeed_feedrate::FeedSection;
-use arcfeed_interp::LeaveBy;
+use arcfeed_interp::{LeaveBy, SingularityPolicy};
 use nalgebra::Isometry3;
 
 use crate::job::{Job, JointValues};
 use crate::sample_paths::SamplePath;
 
 pub use play::{Clock, Cycle, Played, StepTimes};
-pub use report::{Accuracy, EventLine, ExcursionLine, RunReport, StateSpan};
+pub use report::{Accuracy, DetourLine, EventLine, ExcursionLine, RunReport, StateSpan};
 pub use stage::Stage;
 
 /// A checked scenario, in SI units.
@@ -57,6 +57,7 @@ pub struct Scenario {
     drive: JointValues,
     longest: f64,
     zero: JointValues,
+    singularities: SingularityPolicy,
     events: Vec<Event>,
 }
 

@@ -127,13 +127,13 @@ impl<A: PathArm<6>> Stage<'_, A> {
             source: Box::new(source),
             hint: String::new(),
         };
-        let (scenario, period) = (self.scenario, self.live.period());
-        let mut motion = HybridMotion::new(self.arm, &self.live, scenario.feed).map_err(failed)?;
+        let (scenario, period) = (self.scenario, self.live().period());
+        let mut motion = HybridMotion::along(self.arm, &self.route, scenario.feed).map_err(failed)?;
         let start = *motion.setpoint();
         let mut drive = DriveLag::new(start.q, self.drive, period).map_err(failed)?;
         let mut asked = Asked { feed: scenario.feed, factor: 1.0, sections: Vec::new() };
         let most = (scenario.longest / period).ceil() as usize;
-        let foreseen = ((1.5 * self.live.curve().duration() / period) as usize + 10_000).min(most);
+        let foreseen = ((1.5 * self.live().curve().duration() / period) as usize + 10_000).min(most);
         let mut cycles: Vec<Cycle> = Vec::with_capacity(foreseen);
         let mut times: Vec<f64> = Vec::with_capacity(foreseen);
         let mut given: Vec<Given> = Vec::with_capacity(self.orders.len());
@@ -188,7 +188,7 @@ impl<A: PathArm<6>> Stage<'_, A> {
     }
 
     fn is_due(&self, order: &Order, cycle: usize, motion: &HybridMotion<'_, A>, stood: usize) -> bool {
-        let period = self.live.period();
+        let period = self.live().period();
         let now = cycle as f64 * period;
         match order.when {
             When::Time(t) => t <= now + 1e-9 * period,

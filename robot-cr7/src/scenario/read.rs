@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use arcfeed_feedrate::{FeedSection, MAX_SECTIONS};
-use arcfeed_interp::{LeaveBy, MAX_POINTS};
+use arcfeed_interp::{LeaveBy, MAX_POINTS, SingularityPolicy};
 use nalgebra::{Isometry3, Translation3};
 
-use super::file::{RawAction, RawEvent, RawLeave, RawPlace, RawScenario, RawScenarioJoints};
+use super::file::{RawAction, RawEvent, RawLeave, RawPlace, RawRun, RawScenario, RawScenarioJoints, RawSingularities};
 use super::order::check_order;
 use super::{Action, Event, Place, Scenario, ScenarioPath, When};
 use crate::error::{InputError, read_text};
@@ -21,6 +21,28 @@ const EXAMPLE: &str = "scenarios/event.toml";
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 /// Highest override that can be ordered.
 const MOST_PERCENT: f64 = 150.0;
+
+/// What counts as a stall where the file does not say.
+const STALL: f64 = 0.05;
+
+fn policy_of(check: &Check<'_>, raw: &RawRun) -> Result<SingularityPolicy, InputError> {
+    let given = check.limit("run.stall_percent", raw.stall_percent, 100.0)?;
+    if let Some(stall) = given.filter(|stall| *stall >= 1.0) {
+        let rule = "a stall is slower than the highest feed";
+        return Err(check.wrong("run.stall_percent", stall * 100.0, rule, "some 2 to 20 are usual"));
+    }
+    let stall = given.unwrap_or(STALL);
+    match raw.singularities {
+        Some(RawSingularities::GoRound) => Ok(SingularityPolicy::GoRound { stall }),
+        Some(RawSingularities::Refuse) => Ok(SingularityPolicy::Refuse { stall }),
+        Some(RawSingularities::SlowDown) | None if given.is_none() => Ok(SingularityPolicy::SlowDown),
+        _ => {
+            let rule = "only go_round and refuse need to know what a stall is";
+            let remedy = "remove it, or set run.singularities";
+            Err(check.wrong("run.stall_percent", stall * 100.0, rule, remedy))
+        }
+    }
+}
 
 impl Scenario {
     /// Reads and checks a scenario file.
@@ -74,6 +96,7 @@ impl Scenario {
                 None => JointValues::All(0.0),
                 Some(zero) => check.values("joints.zero_deg", zero, DEGREE)?,
             },
+            singularities: policy_of(&check, &raw.run)?,
             events,
             job,
         })

@@ -3,7 +3,7 @@
 use std::fmt::{self, Display, Formatter};
 use std::path::PathBuf;
 
-use arcfeed_interp::{HybridState, PathArm};
+use arcfeed_interp::{Detour, HybridState, PathArm};
 use serde::Serialize;
 
 use super::measure::{self, ON_PATH};
@@ -39,6 +39,8 @@ pub struct RunReport {
     pub events: Vec<EventLine>,
     /// The ways off the path and back.
     pub excursions: Vec<ExcursionLine>,
+    /// Stretches near singular poses that were gone round.
+    pub detours: Vec<DetourLine>,
     /// Accuracy on the path until it was left first, or all the way.
     pub accuracy_before: Option<Accuracy>,
     /// Accuracy on the path after it was resumed.
@@ -104,6 +106,21 @@ pub struct ExcursionLine {
     pub resumed_at_m: Option<f64>,
 }
 
+/// A stretch of the path near a singular pose that was gone round.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DetourLine {
+    /// Where it begins, m.
+    pub from_m: f64,
+    /// Where it ends, m.
+    pub to_m: f64,
+    /// How far the tool gets from it, m.
+    pub deviation_m: f64,
+    /// How long the way round takes, s.
+    pub duration_s: f64,
+    /// What is wrong there.
+    pub why: String,
+}
+
 /// How near the tool stayed to the path.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Accuracy {
@@ -139,14 +156,15 @@ impl RunReport {
         Self {
             scenario: scenario.file.display().to_string(),
             path: stage.name.clone(),
-            length_m: stage.live.path().length(),
+            length_m: stage.live().path().length(),
             duration_s: last.setpoint.t,
             cycles: cycles.len(),
-            period_s: stage.live.period(),
+            period_s: stage.live().period(),
             path_finished: last.state == HybridState::Done,
             states: spans(played),
             events,
             excursions,
+            detours: detours(stage),
             accuracy_before: accuracy(&cycles[..left]),
             accuracy_after: accuracy(&cycles[back..]),
             limits,
@@ -222,7 +240,7 @@ fn spans(played: &Played) -> Vec<StateSpan> {
 }
 
 fn events<A>(stage: &Stage<'_, A>, played: &Played) -> Vec<EventLine> {
-    let period = stage.live.period();
+    let period = stage.live().period();
     let line = |(event, given): (&Event, &super::play::Given)| {
         let t_s = given.cycle as f64 * period;
         let own = match event.when {
@@ -242,8 +260,19 @@ fn events<A>(stage: &Stage<'_, A>, played: &Played) -> Vec<EventLine> {
     stage.scenario.events.iter().zip(&played.given).map(line).collect()
 }
 
+fn detours<A>(stage: &Stage<'_, A>) -> Vec<DetourLine> {
+    let line = |detour: &Detour| DetourLine {
+        from_m: detour.stretch.from,
+        to_m: detour.stretch.to,
+        deviation_m: detour.deviation,
+        duration_s: detour.duration,
+        why: detour.stretch.trouble.to_string(),
+    };
+    stage.route.detours().iter().map(line).collect()
+}
+
 fn excursions<A>(stage: &Stage<'_, A>, played: &Played) -> Vec<ExcursionLine> {
-    let period = stage.live.period();
+    let period = stage.live().period();
     let cycles = &played.cycles;
     // Cycle of the last event of a kind at or before another.
     let ordered = |upto: usize, wanted: fn(&Action) -> bool| {
@@ -255,6 +284,11 @@ fn excursions<A>(stage: &Stage<'_, A>, played: &Played) -> Vec<ExcursionLine> {
     while let Some(left) = cycles[i..].iter().position(|c| !c.on_path).map(|n| i + n) {
         let back = cycles[left..].iter().position(|c| c.on_path).map(|n| left + n);
         let end = back.unwrap_or(cycles.len());
+        // Ways round have lines of their own.
+        if cycles[left].state == HybridState::GoingRound {
+            i = end;
+            continue;
+        }
         let event = ordered(left, |a| matches!(a, Action::Leave(..))).unwrap_or(left);
         let goal = cycles[left..end].iter().position(|c| c.state == HybridState::Waiting).map(|n| left + n);
         let order = ordered(end, |a| matches!(a, Action::Return)).filter(|&r| r >= left);
@@ -325,6 +359,11 @@ impl Display for RunReport {
                 seconds(way.time_to_return_s),
                 way.resumed_at_m.map(|s| format!("; resumed at {:.4} mm", s * 1e3)).unwrap_or_default()
             )?;
+        }
+        for way in &self.detours {
+            let (from, to) = (number(way.from_m * 1e3), number(way.to_m * 1e3));
+            let (off, time) = (number(way.deviation_m * 1e3), number(way.duration_s));
+            writeln!(f, "\n  went round {from} to {to} mm, {off} mm off the path at most, in {time} s: {}", way.why)?;
         }
         writeln!(f, "\n  {:<24}{:>20}{:>20}", "distance from the path", "setpoints [mm]", "simulated arm [mm]")?;
         for (name, accuracy) in

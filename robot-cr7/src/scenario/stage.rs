@@ -1,7 +1,7 @@
 //! Path, arm and limits of a scenario made ready, and its events as commands.
 
 use arcfeed_geometry::{ArcLengthCurve, NurbsCurve, OrientationPath, PosePath, Spacing};
-use arcfeed_interp::{Command, Excursion, LivePath, PathArm, PlanError, Planner, ToolLimits, best_start};
+use arcfeed_interp::{Command, Excursion, LivePath, LiveRoute, PathArm, PlanError, Planner, ToolLimits, best_start};
 use arcfeed_kinematics::{AnalyticInverse, JointLimits, Joints};
 
 use super::{Action, Place, Scenario, ScenarioPath, When};
@@ -17,7 +17,7 @@ pub struct Stage<'a, A> {
     pub(super) scenario: &'a Scenario,
     pub(super) arm: &'a A,
     pub(super) name: String,
-    pub(super) live: LivePath,
+    pub(super) route: LiveRoute,
     pub(super) orders: Vec<Order>,
     pub(super) drive: Joints<6>,
     pub(super) warnings: Vec<String>,
@@ -31,6 +31,7 @@ pub(super) struct Order {
 }
 
 #[derive(Debug, Clone, Copy)]
+#[allow(clippy::large_enum_variant, reason = "a handful of events, each given by value to the motion")]
 pub(super) enum What {
     Command(Command),
     /// The place depends on where the tool is by then.
@@ -43,9 +44,14 @@ impl<A> Stage<'_, A> {
         &self.name
     }
 
-    /// The path with the limit curve under which it runs.
+    /// The path, made ready: in one part, or in several with ways round between them.
+    pub fn route(&self) -> &LiveRoute {
+        &self.route
+    }
+
+    /// The first part of the path, with the limits of the arm and the tool.
     pub fn live(&self) -> &LivePath {
-        &self.live
+        self.route.first()
     }
 
     /// Time constants of the simulated drives, s.
@@ -88,14 +94,14 @@ impl Scenario {
             normal_jerk: job.feed.normal_jerk,
             angular_speed: job.feed.angular_speed,
         };
-        let live = Planner::new(arm, *limits, tool)
+        let route = Planner::new(arm, *limits, tool)
             .and_then(|p| p.with_chord_tolerance(job.chord_tolerance))
             .and_then(|p| p.with_period(job.period))
-            .and_then(|p| p.with_sections(job.sections.clone()).live(path, &start))
+            .and_then(|p| p.with_sections(job.sections.clone()).route(path, &start, self.singularities))
             .map_err(plan_error)?;
-        let orders = self.orders(arm, &live)?;
+        let orders = self.orders(arm, route.first())?;
         let drive = self.values("run.drive_time_constant_ms", &self.drive)?;
-        Ok(Stage { scenario: self, arm, name, live, orders, drive, warnings })
+        Ok(Stage { scenario: self, arm, name, route, orders, drive, warnings })
     }
 
     pub(super) fn check(&self) -> Check<'_> {
