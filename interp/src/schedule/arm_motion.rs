@@ -116,15 +116,14 @@ impl<A: PathArm<N> + ?Sized, const N: usize> SchedulePath<N> for ArmMotion<'_, A
         let q = self.arm.inverse(&tool.pose, near).map_err(refused)?;
         let by_s = ToolDerivatives { first: tool.d1, second: tool.d2, third: tool.d3 };
         let d = self.arm.derivatives(&q, &by_s).map_err(refused)?;
-        let still = STANDSTILL * d.first.amax();
-        let mut jet = JointJet { s, q, d1: d.first, d2: d.second, d3: d.third };
-        for j in 0..N {
-            if jet.d1[j].abs() <= still {
-                jet.d1[j] = 0.0;
-            }
-        }
-        Ok(jet)
+        Ok(JointJet { s, q, d1: settled(d.first), d2: settled(d.second), d3: settled(d.third) })
     }
+}
+
+/// Zeros in place of what is rounding beside the largest component.
+fn settled<const N: usize>(derivatives: Joints<N>) -> Joints<N> {
+    let rounding = STANDSTILL * derivatives.amax();
+    derivatives.map(|d| if d.abs() <= rounding { 0.0 } else { d })
 }
 
 fn on(motion: &PoseMotion, s: f64, source: KinematicsError) -> PlanError {
