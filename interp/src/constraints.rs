@@ -13,7 +13,7 @@
 //! each joint has its own bound here and the least counts.) For a scan with S-profiles the admissible set is narrowed to
 //! a box `v <= V, |a| <= A, |j| <= J` on every interval that satisfies all rows with every sign.
 
-use arcfeed_feedrate::{FeedError, Segment, caps};
+use arcfeed_feedrate::{FeedError, Quantity, RowSource, Segment, caps};
 use arcfeed_geometry::{PoseJet, PosePath};
 use arcfeed_kinematics::{JointLimits, Joints, Twist};
 use nalgebra::Vector3;
@@ -121,7 +121,15 @@ impl<const N: usize> Reaches<N> {
             let step = steps[0].zip_map(&steps[1], f64::max);
             let (v, a, j) = one_box(reach, &step, bounds.feeds[k], bounds);
             let (v, a) = match bounds.torque {
-                Some(torque) => within_torque(&torque.reach(k), v, a, bounds),
+                Some(torque) => {
+                    let held = torque.reach(k);
+                    if let Some(joint) = (0..N).find(|&j| held.constant[j] >= held.limits[j]) {
+                        let row = RowSource::joint(Quantity::JointTorque, joint);
+                        let (value, limit) = (held.constant[joint], held.limits[joint]);
+                        return Err(FeedError::StaticallyInfeasible { index: k, s: reach.start, row, value, limit });
+                    }
+                    within_torque(&held, v, a, bounds)
+                }
                 None => (v, a),
             };
             Segment::new(reach.length, v, a, j)
@@ -148,6 +156,8 @@ fn acceleration_steps<const N: usize>(joints: &JointPath<N>) -> Vec<Joints<N>> {
 /// Bounds of the path's derivatives on one interval.
 #[derive(Debug, Clone)]
 struct Reach<const N: usize> {
+    /// Arc length where it begins.
+    start: f64,
     length: f64,
     d1: Joints<N>,
     d2: Joints<N>,
@@ -190,7 +200,7 @@ impl<const N: usize> Reach<N> {
         let turning = inner
             .iter()
             .fold(turns.iter().fold(0.0, |most: f64, turn| most.max(*turn)), |most, turn| most.max(turn.norm()));
-        Self { length: h, d1, d2, d3, curvature, bends, turning, turns }
+        Self { start: start.s, length: h, d1, d2, d3, curvature, bends, turning, turns }
     }
 }
 

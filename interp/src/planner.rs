@@ -311,7 +311,7 @@ where
     pub fn problem(&self, plan: &Plan<N>, jerk: bool) -> Result<FeedProblem, PlanError> {
         let ground = self.ground(plan);
         let bounds = self.bounds(&ground, SHARES[0], 1.0);
-        Ok(rows::problem(&plan.joint_path, &ground.reaches, &plan.stops, &bounds, jerk)?)
+        Ok(rows::problem(&plan.joint_path, &ground.reaches, &plan.stops, &bounds, jerk, None)?)
     }
 
     fn ground(&self, plan: &Plan<N>) -> Ground<N> {
@@ -362,16 +362,27 @@ where
         };
         let rows = |jerk: bool| {
             let bounds = self.bounds(ground, SHARES[0], scale);
-            rows::problem(&plan.joint_path, &ground.reaches, &plan.stops, &bounds, jerk)
+            let make = |near: Option<&[f64]>, jerk: bool| {
+                rows::problem(&plan.joint_path, &ground.reaches, &plan.stops, &bounds, jerk, near)
+            };
+            if !(jerk && ground.torque.as_ref().is_some_and(TorquePath::is_viscous)) {
+                return make(None, jerk);
+            }
+            // Friction that grows with the speed is made straight where the speed will be.
+            let fastest = BothEndsScan.plan(&make(None, false)?)?;
+            let square = |v: f64| v * v;
+            let mut near: Vec<f64> = fastest.knots().map(|(_, state)| square(state.v)).collect();
+            near.push(square(fastest.end().v));
+            make(Some(&near), jerk)
         };
         let step = ground.reaches.first_step();
         if self.scan != Scan::JerkLimited || step.is_some() {
-            // A scan knows boxes alone; the rows say which limit leaves none.
-            let scanned = scanned.or_else(|error| match error {
-                PlanError::Feed(FeedError::BadSegment { .. }) => {
-                    Err(rows(false).and_then(|rows| BothEndsScan.plan(&rows)).err().map_or(error, PlanError::Feed))
+            // A box holds for a whole interval; the rows say it for a place.
+            let scanned = scanned.map_err(|error| match error {
+                PlanError::Feed(FeedError::StaticallyInfeasible { .. }) => {
+                    rows(false).and_then(|rows| BothEndsScan.plan(&rows)).err().map_or(error, PlanError::Feed)
                 }
-                error => Err(error),
+                error => error,
             })?;
             let wanted = step.filter(|_| self.scan == Scan::JerkLimited);
             return Ok(own(scanned, wanted.map(|i| Fallback::AccelerationStep { s: plan.joint_path.nodes()[i].s })));
@@ -386,7 +397,11 @@ where
             (Ok((law, caps)), _) => Ok((caps, SpeedLaw::Grid(law), Method::JerkLimited, None)),
             (Err(error), Ok(scanned)) => Ok(own(scanned, Some(Fallback::Failed(error)))),
             // Where neither finds a motion, the rows name the limit.
-            (Err(error), Err(_)) => Err(error.into()),
+            (Err(error), Err(_)) => {
+                let still = rows(false).and_then(|rows| BothEndsScan.plan(&rows)).err();
+                let still = still.filter(|error| matches!(error, FeedError::StaticallyInfeasible { .. }));
+                Err(still.unwrap_or(error).into())
+            }
         }
     }
 

@@ -37,13 +37,15 @@ impl Derivatives {
 
 /// The limits of `bounds` as rows on the grid of the joint path; at the grid points `stops` the tool stands.
 ///
-/// Without `jerk` there are no limits on jerk, and a jump of a joint's acceleration is no matter.
+/// Without `jerk` there are no limits on jerk, and a jump of a joint's acceleration is no matter. With squared speeds `near` no row
+/// has a term in the speed itself: see [`crate::torque::TorquePath::rows`].
 pub(crate) fn problem<const N: usize>(
     joints: &JointPath<N>,
     reaches: &Reaches<N>,
     stops: &[usize],
     bounds: &Bounds<'_, N>,
     jerk: bool,
+    near: Option<&[f64]>,
 ) -> Result<FeedProblem, FeedError> {
     let grid: Vec<f64> = joints.nodes().iter().map(|jet| jet.s).collect();
     let d = Derivatives::of(joints, stops);
@@ -68,7 +70,7 @@ pub(crate) fn problem<const N: usize>(
     let velocity = JointVelocity::new(path, velocity.as_slice())?;
     let acceleration = JointAcceleration::new(path, acceleration.as_slice())?;
     let joint_jerk = JointJerk::new(path, joint_jerk.as_slice())?;
-    let torque = bounds.torque.map(|torque| torque.rows(bounds.scale));
+    let torque = bounds.torque.map(|torque| torque.rows(bounds.scale, bounds.feeds, near));
     let stops: Vec<Stop> = stops.iter().map(|&at| Stop { at }).collect();
     let mut constraints: Vec<&dyn PathConstraint> = vec![&feed, &bends, &tangential, &velocity, &acceleration];
     if jerk {

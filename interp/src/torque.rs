@@ -13,7 +13,7 @@ use std::fmt;
 
 use arcfeed_feedrate::constraint::{PathConstraint, Place, RowSink};
 use arcfeed_feedrate::{Quantity, Row, RowSource};
-use arcfeed_kinematics::{Dynamics, Joints};
+use arcfeed_kinematics::{Dynamics, Joints, PathTorque};
 
 use crate::error::PlanError;
 use crate::joint_path::{JointJet, JointPath};
@@ -57,12 +57,13 @@ impl<'a, const N: usize> TorqueLimits<'a, N> {
 /// A joint whose part in the motion is below this counts as one that may turn either way.
 const STILL: f64 = 1e-9;
 
-/// The torque at one place: factors of `a`, `v^2`, `v`, and the least and greatest constant part.
+/// The torque at one place: factors of `a`, `v^2` and `v`, gravity, and between what Coulomb friction lies.
 #[derive(Debug, Clone, Copy)]
 struct Terms<const N: usize> {
     inertia: Joints<N>,
     velocity: Joints<N>,
     viscous: Joints<N>,
+    gravity: Joints<N>,
     low: Joints<N>,
     high: Joints<N>,
 }
@@ -71,20 +72,19 @@ impl<const N: usize> Terms<N> {
     /// For the joints of `turns` either direction of the Coulomb friction is possible.
     fn at(dynamics: &dyn Dynamics<N>, jet: &JointJet<N>, turns: &[bool; N]) -> Self {
         let forward = dynamics.along_path(&jet.q, &jet.d1, &jet.d2);
-        let (mut low, mut high) = (forward.constant, forward.constant);
+        let gravity = dynamics.gravity_torque(&jet.q);
+        let (mut low, mut high) = (forward.constant - gravity, forward.constant - gravity);
         if turns.contains(&true) {
-            // A joint at rest has neither value.
-            let eps = STILL * jet.d1.amax();
-            let away = |sign: f64| jet.d1.map(|d| if d.abs() > eps { sign * d } else { sign });
-            for way in [away(1.0), away(-1.0)] {
-                let constant = dynamics.along_path(&jet.q, &way, &jet.d2).constant;
+            for way in [Joints::repeat(1.0), Joints::repeat(-1.0)] {
+                let coulomb = dynamics.along_path(&jet.q, &way, &jet.d2).constant - gravity;
                 for j in (0..N).filter(|&j| turns[j]) {
-                    low[j] = low[j].min(constant[j]);
-                    high[j] = high[j].max(constant[j]);
+                    low[j] = low[j].min(coulomb[j]);
+                    high[j] = high[j].max(coulomb[j]);
                 }
             }
         }
-        Self { inertia: forward.inertia, velocity: forward.velocity, viscous: forward.viscous, low, high }
+        let PathTorque { inertia, velocity, viscous, .. } = forward;
+        Self { inertia, velocity, viscous, gravity, low, high }
     }
 }
 
@@ -130,8 +130,16 @@ impl<const N: usize> TorquePath<N> {
     }
 
     /// Rows that use the fraction `scale` of what the constant part leaves of every limit.
-    pub fn rows(&self, scale: f64) -> TorqueRows<'_, N> {
-        TorqueRows { path: self, scale }
+    ///
+    /// With squared speeds `near` (one per grid point) viscous friction is made straight: a tangent there above the root and,
+    /// up to the square of the `feeds` per interval, a chord below it. Such rows are inside the true ones, and convex.
+    pub fn rows<'a>(&'a self, scale: f64, feeds: &'a [f64], near: Option<&'a [f64]>) -> TorqueRows<'a, N> {
+        TorqueRows { path: self, scale, feeds, near }
+    }
+
+    /// Whether any torque grows with the speed itself.
+    pub fn is_viscous(&self) -> bool {
+        self.points.iter().any(|terms| (0..N).any(|j| self.limits[j].is_finite() && terms.viscous[j] != 0.0))
     }
 
     /// Bounds on interval `k` for a box.
@@ -150,7 +158,14 @@ impl<const N: usize> TorquePath<N> {
             inertia: each(&|terms, j| terms.inertia[j]),
             velocity: each(&|terms, j| terms.velocity[j]),
             viscous: each(&|terms, j| terms.viscous[j]),
-            constant: each(&|terms, j| terms.low[j]).zip_map(&each(&|terms, j| terms.high[j]), f64::max),
+            constant: Joints::from_fn(|j, _| {
+                let [p, m, q] = three.map(|terms| terms.gravity[j]);
+                let inner = 2.0 * m - 0.5 * (p + q);
+                let most = |of: fn(&Terms<N>) -> &Joints<N>| three.map(|terms| of(terms)[j]);
+                let high = most(|terms| &terms.high).into_iter().fold(f64::NEG_INFINITY, f64::max);
+                let low = most(|terms| &terms.low).into_iter().fold(f64::INFINITY, f64::min);
+                (p.max(q).max(inner) + high).max(-(p.min(q).min(inner) + low))
+            }),
         }
     }
 }
@@ -184,25 +199,62 @@ fn middle<const N: usize>(joints: &JointPath<N>, k: usize) -> JointJet<N> {
 pub(crate) struct TorqueRows<'a, const N: usize> {
     path: &'a TorquePath<N>,
     scale: f64,
+    feeds: &'a [f64],
+    near: Option<&'a [f64]>,
+}
+
+/// `sqrt(x)` by straight lines: slope and value at 0 of one above it, slope of one below.
+#[derive(Debug, Clone, Copy)]
+struct Root {
+    above: [f64; 2],
+    below: f64,
+}
+
+impl Root {
+    /// Up to the squared speed `most`, as close as can be at `near`.
+    fn new(most: f64, near: f64) -> Self {
+        // At rest the tangent is vertical.
+        let root = near.max(1e-4 * most).min(most).sqrt();
+        Self { above: [0.5 / root, 0.5 * root], below: 1.0 / most.sqrt() }
+    }
 }
 
 impl<const N: usize> TorqueRows<'_, N> {
-    fn push(&self, terms: &Terms<N>, out: &mut RowSink<'_>) {
+    fn push(&self, terms: &Terms<N>, root: Option<Root>, out: &mut RowSink<'_>) {
         for j in (0..N).filter(|&j| self.path.limits[j].is_finite()) {
-            let (middle, half) = (0.5 * (terms.low[j] + terms.high[j]), 0.5 * (terms.high[j] - terms.low[j]));
-            let limit = self.path.limits[j] - half;
+            let (limit, rest) = (self.path.limits[j], terms.gravity[j]);
             // What is taken off is taken from the motion, not from what holds the arm.
             let lower = |room: f64| if room > 0.0 { room * self.scale } else { room };
-            out.row(Row {
-                a: terms.inertia[j],
-                b: terms.velocity[j],
-                c: terms.viscous[j],
-                d: middle,
-                lo: middle - lower(middle + limit),
-                hi: middle + lower(limit - middle),
-                source: RowSource::joint(Quantity::JointTorque, j),
-            });
+            let hi = rest + lower(limit - terms.high[j] - rest);
+            let lo = rest - lower(limit + terms.low[j] + rest);
+            // Friction beyond the limit leaves nothing.
+            let lo = lo.min(hi);
+            let (a, b, c) = (terms.inertia[j], terms.velocity[j], terms.viscous[j]);
+            let source = RowSource::joint(Quantity::JointTorque, j);
+            let Some(root) = root else {
+                out.row(Row { a, b, c, d: rest, lo, hi, source });
+                continue;
+            };
+            let ([slope, base], below) = (root.above, root.below);
+            let (upper, under) = if c > 0.0 { ((slope, base), (below, 0.0)) } else { ((below, 0.0), (slope, base)) };
+            // At rest there is no friction, whatever the tangent says.
+            let (hi, lo) = ((hi - c * upper.1).max(rest), (lo - c * under.1).min(rest));
+            out.row(Row { a, b: b + c * upper.0, c: 0.0, d: rest, lo: f64::NEG_INFINITY, hi, source });
+            out.row(Row { a, b: b + c * under.0, c: 0.0, d: rest, lo, hi: f64::INFINITY, source });
         }
+    }
+
+    /// Lines for the root at grid point `i`, or in the middle behind it.
+    fn root(&self, i: usize, middle: bool) -> Option<Root> {
+        let near = self.near?;
+        let at = |i: usize| near.get(i).copied().unwrap_or(0.0);
+        let feed = |k: Option<usize>| k.and_then(|k| self.feeds.get(k)).copied().unwrap_or(0.0);
+        let behind = feed(Some(i));
+        Some(if middle {
+            Root::new(behind * behind, 0.5 * (at(i) + at(i + 1)))
+        } else {
+            Root::new(behind.max(feed(i.checked_sub(1))).powi(2), at(i))
+        })
     }
 }
 
@@ -214,12 +266,13 @@ impl<const N: usize> PathConstraint for TorqueRows<'_, N> {
     fn rows(&self, place: Place, out: &mut RowSink<'_>) {
         match place {
             Place::Point(i) => {
-                self.push(&self.path.points[i], out);
+                let root = self.root(i, false);
+                self.push(&self.path.points[i], root, out);
                 if let Some(before) = &self.path.before[i] {
-                    self.push(before, out);
+                    self.push(before, root, out);
                 }
             }
-            Place::Middle { k, .. } => self.push(&self.path.middles[k], out),
+            Place::Middle { k, .. } => self.push(&self.path.middles[k], self.root(k, true), out),
         }
     }
 }

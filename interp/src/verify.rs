@@ -33,6 +33,9 @@ const ORIENTATION_TOLERANCE: f64 = 1e-6;
 /// what a setpoint says of the tool and what its joints do.
 const ZERO: f64 = 1e-6;
 
+/// Relative rounding of a speed: where a motion ends at one, its law and that speed need not agree in every digit.
+const SPEED: f64 = 1e-10;
+
 /// What is held against a limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
@@ -513,7 +516,7 @@ impl<const N: usize> Tally<N> {
             let v = b.qd[k] - a.qd[k] - 0.5 * dt * (a.qdd[k] + b.qdd[k]);
             // Rounding of q and of v, which are sums of terms larger than themselves.
             let noise_q = 1e-13;
-            let noise_v = 1e-12;
+            let noise_v = 1e-12 + SPEED * b.qd[k].abs();
             let ratio_q = q.abs() / (limit * (dt / 12.0 + step / 8.0) * dt * dt + noise_q);
             let ratio_v = v.abs() / (limit * (dt / 4.0 + step / 2.0) * dt + noise_v);
             self.see(Self::CONTINUITY, ratio_q.max(ratio_v), b);

@@ -5,8 +5,10 @@ use std::time::{Duration, Instant};
 use arcfeed_geometry::{
     ArcLengthCurve, GeometryError, NurbsCurve, OrientationPath, PosePath, SegmentationMethod, Spacing,
 };
-use arcfeed_interp::{PathArm, Plan, PlanError, Planner, Quantity, Scan as PlanScan, Setpoint, ToolLimits, best_start};
-use arcfeed_kinematics::{JointLimits, Joints, KinematicsError, ParallelAxisArm};
+use arcfeed_interp::{
+    FeedSection, PathArm, Plan, PlanError, Planner, Quantity, Scan as PlanScan, Setpoint, ToolLimits, best_start,
+};
+use arcfeed_kinematics::{ArmDynamics, JointLimits, Joints, KinematicsError, ParallelAxisArm};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use thiserror::Error;
 
@@ -15,6 +17,7 @@ use crate::job::{Job, Scan, ToolOrientation};
 use crate::model::Cr7;
 use crate::path_file::PathFile;
 use crate::report::{LimitLine, LimitUnit, Report, SegmentCount};
+use crate::robot::Robot;
 use crate::trajectory_csv::TrajectoryRow;
 
 /// Positions along the path are good to this, m: far below what any encoder resolves.
@@ -70,6 +73,16 @@ pub enum Cr7Error {
         /// What is wrong with it.
         source: KinematicsError,
     },
+    /// The torque is to be limited, but what that takes is not known of the robot: exit code 2.
+    #[error("the job limits the torque, but of {robot} {missing} not known: {remedy}")]
+    NoDynamics {
+        /// Name of the robot.
+        robot: String,
+        /// What is missing, with its verb.
+        missing: &'static str,
+        /// What to do.
+        remedy: &'static str,
+    },
     /// The path cannot be planned: exit code 1.
     #[error("{file}: {source}{hint}")]
     Plan {
@@ -110,15 +123,12 @@ pub struct Motion<A = ParallelAxisArm, const N: usize = 6> {
 /// # Errors
 /// [`Cr7Error`], naming the file and the place.
 pub fn plan(job: &Job, file: &PathFile) -> Result<Motion, Cr7Error> {
-    let cr7 = Cr7::of(job)?;
-    plan_with(job, file, cr7.limits(), |path| {
-        let start = best_start(cr7.arm(), path, cr7.limits().lower(), cr7.limits().upper())?;
-        Ok((*cr7.arm(), start))
-    })
+    Task::of_cr7(job, file)?.plan()
 }
 
 /// Plans the motion that `job` describes along the path of `file` with any arm: `arm_for` gives the arm, tool included, and
-/// the joints to start from, once the path is known. The joint limits of the job are not looked at, but `limits`.
+/// the joints to start from, once the path is known. The joint limits of the job are not looked at, but `limits`; nor is torque:
+/// [`Task::new`] takes drives.
 ///
 /// # Errors
 /// [`Cr7Error`], naming the file and the place.
@@ -131,51 +141,187 @@ pub fn plan_with<A, const N: usize>(
 where
     A: PathArm<N>,
 {
-    let begin = Instant::now();
-    let shown = file.file.display().to_string();
-    let curve_error = |source| Cr7Error::Curve { file: shown.clone(), source };
-    let curve = file
-        .curve_with(|points| {
-            let degree = FIT_DEGREE.min(points.len().saturating_sub(1));
-            Ok(NurbsCurve::approximate(points, degree, Spacing::default(), job.fit_tolerance)?.curve)
-        })?
-        .transformed(&job.workpiece)
-        .map_err(curve_error)?;
-    let curve = ArcLengthCurve::new(curve, ARC_LENGTH_TOLERANCE).map_err(curve_error)?;
-    let orientation = orientation_of(job, &curve).map_err(curve_error)?;
-    let path = PosePath::new(curve, orientation);
+    Task::new(job, file, limits, None, arm_for)?.plan()
+}
 
-    let tool = ToolLimits {
-        feed: job.feed.feed,
-        tangential_acceleration: job.feed.tangential_acceleration,
-        tangential_jerk: job.feed.tangential_jerk,
-        normal_acceleration: job.feed.normal_acceleration,
-        normal_jerk: job.feed.normal_jerk,
-        angular_speed: None,
-    };
-    let plan_error = |source: PlanError| {
-        let hint = unit_hint(&source);
-        Cr7Error::Plan { file: shown.clone(), source: Box::new(source), hint }
-    };
-    let scan = match (job.scan, job.lookahead) {
-        (Scan::JerkLimited, _) => PlanScan::JerkLimited,
-        (Scan::Joined, _) => PlanScan::Joined,
-        (Scan::Segments, window) => PlanScan::PerSegment { window },
-    };
-    let (arm, start) = arm_for(&path).map_err(plan_error)?;
-    let planner = Planner::new(&arm, *limits, tool)
-        .and_then(|p| p.with_chord_tolerance(job.chord_tolerance))
-        .and_then(|p| p.with_period(job.period))
-        .map_err(plan_error)?
-        .with_scan(scan);
-    let preparation = begin.elapsed();
-    let plan = planner.plan(path, &start).map_err(plan_error)?;
-    let mut warnings = file.warnings.clone();
-    warnings.extend(job.warnings.iter().cloned());
-    if plan.stops().len() > 0 {
-        warnings.push(format!("the path has {} corners, where the tool stops", plan.stops().len()));
+/// What the drives of an arm have to move, and what they can do.
+#[derive(Debug, Clone, Copy)]
+pub struct Drives<const N: usize = 6> {
+    /// Links, rotors, friction and payload.
+    pub dynamics: ArmDynamics<N>,
+    /// Greatest torques, N m.
+    pub torque: Joints<N>,
+}
+
+/// A job made ready: the path in the base frame, the arm with its limits and where it starts. Nothing is planned yet.
+#[derive(Debug, Clone)]
+pub struct Task<A = ParallelAxisArm, const N: usize = 6> {
+    name: String,
+    file: String,
+    arm: A,
+    start: Joints<N>,
+    path: PosePath,
+    limits: JointLimits<N>,
+    tool: ToolLimits,
+    drives: Option<Drives<N>>,
+    sections: Vec<FeedSection>,
+    end_speeds: [f64; 2],
+    chord_tolerance: f64,
+    period: f64,
+    scan: PlanScan,
+    preparation: Duration,
+    warnings: Vec<String>,
+}
+
+impl Task {
+    /// The task of the CR7.
+    ///
+    /// # Errors
+    /// [`Cr7Error`], naming the file and the place.
+    pub fn of_cr7(job: &Job, file: &PathFile) -> Result<Self, Cr7Error> {
+        let cr7 = Cr7::of(job)?;
+        Self::new(job, file, cr7.limits(), Robot::load("cr7", None, None)?.drives::<6>(job)?, |path| {
+            let start = best_start(cr7.arm(), path, cr7.limits().lower(), cr7.limits().upper())?;
+            Ok((*cr7.arm(), start))
+        })
     }
-    Ok(Motion { name: file.name.clone(), arm, limits: *limits, tool, plan, preparation, warnings })
+}
+
+impl<A: PathArm<N>, const N: usize> Task<A, N> {
+    /// The task of any arm: `arm_for` gives the arm, tool included, and the joints to start from, once the path is known.
+    ///
+    /// # Errors
+    /// [`Cr7Error`], naming the file and the place.
+    pub fn new(
+        job: &Job,
+        file: &PathFile,
+        limits: &JointLimits<N>,
+        drives: Option<Drives<N>>,
+        arm_for: impl FnOnce(&PosePath) -> Result<(A, Joints<N>), PlanError>,
+    ) -> Result<Self, Cr7Error> {
+        let begin = Instant::now();
+        let shown = file.file.display().to_string();
+        let curve_error = |source| Cr7Error::Curve { file: shown.clone(), source };
+        let curve = file
+            .curve_with(|points| {
+                let degree = FIT_DEGREE.min(points.len().saturating_sub(1));
+                Ok(NurbsCurve::approximate(points, degree, Spacing::default(), job.fit_tolerance)?.curve)
+            })?
+            .transformed(&job.workpiece)
+            .map_err(curve_error)?;
+        let curve = ArcLengthCurve::new(curve, ARC_LENGTH_TOLERANCE).map_err(curve_error)?;
+        let orientation = orientation_of(job, &curve).map_err(curve_error)?;
+        let path = PosePath::new(curve, orientation);
+        let tool = ToolLimits {
+            feed: job.feed.feed,
+            tangential_acceleration: job.feed.tangential_acceleration,
+            tangential_jerk: job.feed.tangential_jerk,
+            normal_acceleration: job.feed.normal_acceleration,
+            normal_jerk: job.feed.normal_jerk,
+            angular_speed: job.feed.angular_speed,
+        };
+        let scan = match (job.scan, job.lookahead) {
+            (Scan::JerkLimited, _) => PlanScan::JerkLimited,
+            (Scan::Joined, _) => PlanScan::Joined,
+            (Scan::Segments, window) => PlanScan::PerSegment { window },
+        };
+        let (arm, start) = arm_for(&path).map_err(|source| plan_error(&shown, source))?;
+        let mut warnings = file.warnings.clone();
+        warnings.extend(job.warnings.iter().cloned());
+        Ok(Self {
+            name: file.name.clone(),
+            file: shown,
+            arm,
+            start,
+            path,
+            limits: *limits,
+            tool,
+            drives,
+            sections: job.sections.clone(),
+            end_speeds: job.feed.end_speeds,
+            chord_tolerance: job.chord_tolerance,
+            period: job.period,
+            scan,
+            preparation: begin.elapsed(),
+            warnings,
+        })
+    }
+
+    /// Name of the path.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The arm, tool included.
+    pub fn arm(&self) -> &A {
+        &self.arm
+    }
+
+    /// The joints to start from.
+    pub fn start(&self) -> &Joints<N> {
+        &self.start
+    }
+
+    /// The path in the base frame.
+    pub fn path(&self) -> &PosePath {
+        &self.path
+    }
+
+    /// Limits of the joints.
+    pub fn joint_limits(&self) -> &JointLimits<N> {
+        &self.limits
+    }
+
+    /// Limits of the tool.
+    pub fn tool_limits(&self) -> &ToolLimits {
+        &self.tool
+    }
+
+    /// What the drives have to move and can do, where that counts.
+    pub fn drives(&self) -> Option<&Drives<N>> {
+        self.drives.as_ref()
+    }
+
+    /// The planner with all limits of the job.
+    ///
+    /// # Errors
+    /// [`Cr7Error::Plan`] for a limit that cannot be used.
+    pub fn planner(&self) -> Result<Planner<'_, A, N>, Cr7Error> {
+        let planner = Planner::new(&self.arm, self.limits, self.tool)
+            .and_then(|p| p.with_chord_tolerance(self.chord_tolerance))
+            .and_then(|p| p.with_period(self.period))
+            .and_then(|p| p.with_end_speeds(self.end_speeds[0], self.end_speeds[1]));
+        let planner = match &self.drives {
+            Some(drives) => planner.and_then(|p| p.with_dynamics(&drives.dynamics, drives.torque)),
+            None => planner,
+        };
+        let planner = planner.map_err(|source| self.error(source))?;
+        Ok(planner.with_sections(self.sections.clone()).with_scan(self.scan))
+    }
+
+    /// The error of a planner, with the file and a likely cause.
+    pub(crate) fn error(&self, source: PlanError) -> Cr7Error {
+        plan_error(&self.file, source)
+    }
+
+    /// The planned and verified motion.
+    ///
+    /// # Errors
+    /// [`Cr7Error::Plan`].
+    pub fn plan(self) -> Result<Motion<A, N>, Cr7Error> {
+        let plan = self.planner()?.plan(self.path.clone(), &self.start).map_err(|source| self.error(source))?;
+        let mut warnings = self.warnings;
+        if plan.stops().len() > 0 {
+            warnings.push(format!("the path has {} corners, where the tool stops", plan.stops().len()));
+        }
+        let Self { name, arm, limits, tool, preparation, .. } = self;
+        Ok(Motion { name, arm, limits, tool, plan, preparation, warnings })
+    }
+}
+
+fn plan_error(file: &str, source: PlanError) -> Cr7Error {
+    let hint = unit_hint(&source);
+    Cr7Error::Plan { file: file.to_owned(), source: Box::new(source), hint }
 }
 
 fn orientation_of(job: &Job, curve: &ArcLengthCurve<3>) -> Result<OrientationPath, GeometryError> {
@@ -270,6 +416,9 @@ impl<A: PathArm<N>, const N: usize> Motion<A, N> {
             path: self.name.clone(),
             length_m: plan.path().length(),
             duration_s: plan.duration(),
+            planner: plan.made_by().method.to_string(),
+            fallback: plan.made_by().fallback.map(|reason| reason.to_string()),
+            planning_rounds: plan.made_by().rounds,
             samples,
             period_s: plan.period(),
             segments: self.segment_counts(),
@@ -332,7 +481,8 @@ fn limit_lines(verification: &arcfeed_interp::Verification) -> Vec<LimitLine> {
             joint: c.joint.map(|j| j + 1),
             unit: match c.quantity {
                 Quantity::JointPosition | Quantity::OrientationDeviation => LimitUnit::Radian,
-                Quantity::JointVelocity => LimitUnit::RadianPerSecond,
+                Quantity::JointVelocity | Quantity::AngularSpeed => LimitUnit::RadianPerSecond,
+                Quantity::JointTorque => LimitUnit::NewtonMetre,
                 Quantity::JointAcceleration => LimitUnit::RadianPerSecond2,
                 Quantity::JointJerk => LimitUnit::RadianPerSecond3,
                 Quantity::Feed => LimitUnit::MetrePerSecond,

@@ -5,10 +5,11 @@
 
 use std::path::{Path, PathBuf};
 
+use arcfeed_interp::{Extent, FeedSection};
 use nalgebra::{Isometry3, Unit, UnitQuaternion, Vector3};
 
 use crate::error::{InputError, read_text, text_of};
-use crate::job_file::{RawJob, RawMode, RawOrientation, RawScan};
+use crate::job_file::{RawJob, RawMode, RawOrientation, RawScan, RawSection, RawTorque};
 use crate::toml_check::{Check, read_toml, rotation};
 use crate::unit::LengthUnit;
 
@@ -46,6 +47,28 @@ pub struct FeedLimits {
     pub normal_acceleration: f64,
     /// Normal jerk in m/s^3, if it is limited.
     pub normal_jerk: Option<f64>,
+    /// Angular speed of the tool in rad/s, if it is limited.
+    pub angular_speed: Option<f64>,
+    /// Speeds at the start and at the end of the path in m/s; 0 is rest.
+    pub end_speeds: [f64; 2],
+}
+
+/// What a job says of torque: that it is limited at all, by what, and what the arm carries.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct TorqueJob {
+    /// Greatest torques in N m, where they replace those of the arm's model.
+    pub limit: Option<JointValues>,
+    /// What is mounted to the flange.
+    pub payload: Option<Payload>,
+}
+
+/// A body at the flange.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Payload {
+    /// Mass in kg.
+    pub mass: f64,
+    /// Centre of mass in the frame of the flange in m.
+    pub centre: Vector3<f64>,
 }
 
 /// Joint limits that replace those of the arm's model, all above 0.
@@ -110,8 +133,12 @@ pub struct Job {
     pub orientation: ToolOrientation,
     /// Limits of the tool tip.
     pub feed: FeedLimits,
+    /// Parts of the path with a feed of their own.
+    pub sections: Vec<FeedSection>,
     /// Limits of the joints, where they differ from the model's.
     pub joints: JointOverrides,
+    /// Limits of the torque; `None` leaves it out of account.
+    pub torque: Option<TorqueJob>,
     /// Chord tolerance in m.
     pub chord_tolerance: f64,
     /// Control period in s.
@@ -141,8 +168,12 @@ impl Default for Job {
                 tangential_jerk: 20.0,
                 normal_acceleration: 1.0,
                 normal_jerk: None,
+                angular_speed: None,
+                end_speeds: [0.0; 2],
             },
+            sections: Vec::new(),
             joints: JointOverrides::default(),
+            torque: None,
             chord_tolerance: 1e-6,
             period: 1e-3,
             scan: Scan::JerkLimited,
@@ -212,6 +243,15 @@ impl JobCheck<'_> {
                 .limit("feed.normal_acceleration_mm_s2", raw.feed.normal_acceleration_mm_s2, mm)?
                 .unwrap_or(default.feed.normal_acceleration),
             normal_jerk: self.0.limit("feed.normal_jerk_mm_s3", raw.feed.normal_jerk_mm_s3, mm)?,
+            angular_speed: self.0.limit(
+                "feed.angular_speed_deg_s",
+                raw.feed.angular_speed_deg_s,
+                180.0 / std::f64::consts::PI,
+            )?,
+            end_speeds: [
+                self.speed("feed.start_mm_s", raw.feed.start_mm_s)?,
+                self.speed("feed.end_mm_s", raw.feed.end_mm_s)?,
+            ],
         };
         if raw.feed.feed_mm_s.is_some_and(|v| v < 1.0) {
             self.0.warn("feed.feed_mm_s", feed.feed * 1e3, "mm/s is very slow: did you mean m/s? Write 1000 for 1 m/s");
@@ -227,6 +267,8 @@ impl JobCheck<'_> {
             tool: self.0.frame("tool", &raw.tool, default.tool)?,
             orientation: self.orientation(&raw.orientation)?,
             feed,
+            sections: raw.sections.iter().enumerate().map(|(i, raw)| self.section(i, raw)).collect::<Result<_, _>>()?,
+            torque: self.torque(&raw.torque)?,
             joints: JointOverrides {
                 velocity: self.0.joints("joints.velocity_deg_s", raw.joints.velocity_deg_s.as_ref())?,
                 acceleration: self.0.joints("joints.acceleration_deg_s2", raw.joints.acceleration_deg_s2.as_ref())?,
@@ -253,6 +295,101 @@ impl JobCheck<'_> {
             );
         }
         Ok(Job { warnings: self.0.warnings, ..job })
+    }
+
+    /// A speed at an end of the path, m/s.
+    fn speed(&self, key: &str, mm_s: Option<f64>) -> Result<f64, InputError> {
+        match mm_s {
+            None => Ok(0.0),
+            Some(v) if v.is_finite() && v >= 0.0 => Ok(v / 1e3),
+            Some(v) => {
+                let rule = "it has to be a finite number, 0 or more";
+                Err(self.0.wrong(key, v, rule, "raise it, or remove the key to start and end at rest"))
+            }
+        }
+    }
+
+    fn section(&self, index: usize, raw: &RawSection) -> Result<FeedSection, InputError> {
+        let key = |name: &str| format!("sections[{index}].{name}");
+        let Some(feed) = self.0.limit(&key("feed_mm_s"), raw.feed_mm_s, 1e3)? else {
+            let rule = "a section needs a feed of its own";
+            return Err(self.0.wrong(&key("feed_mm_s"), "missing", rule, "add the key, or remove the section"));
+        };
+        for (name, value) in
+            [("from_mm", raw.from_mm), ("to_mm", raw.to_mm), ("from_u", raw.from_u), ("to_u", raw.to_u)]
+        {
+            if let Some(value) = value.filter(|v| !v.is_finite()) {
+                return Err(self.0.wrong(&key(name), value, "it has to be a finite number", "write a plain number"));
+            }
+        }
+        let before = |name: &str, from: String| {
+            let rule = "a section has to begin before it ends";
+            Err(self.0.wrong(&key(name), from, rule, "lower it, or raise the end"))
+        };
+        let lengths = (raw.from_mm, raw.to_mm);
+        let parameters = (raw.from_u, raw.to_u);
+        let segments = (raw.from_segment, raw.to_segment);
+        let extent = match (lengths, parameters, segments) {
+            ((Some(from), Some(to)), (None, None), (None, None)) => {
+                if from >= to {
+                    return before("from_mm", from.to_string());
+                }
+                Extent::Length { from: from / 1e3, to: to / 1e3 }
+            }
+            ((None, None), (Some(from), Some(to)), (None, None)) => {
+                if from >= to {
+                    return before("from_u", from.to_string());
+                }
+                Extent::Parameter { from, to }
+            }
+            ((None, None), (None, None), (Some(from), Some(to))) => {
+                let number = |name: &str, n: i64| {
+                    usize::try_from(n).ok().filter(|&n| n > 0).ok_or_else(|| {
+                        let rule = "segments count from 1";
+                        self.0.wrong(&key(name), n, rule, "raise it, or give the section by from_mm and to_mm")
+                    })
+                };
+                let (first, last) = (number("from_segment", from)?, number("to_segment", to)?);
+                if first > last {
+                    return before("from_segment", from.to_string());
+                }
+                Extent::Segments { first, last }
+            }
+            _ => {
+                let rule =
+                    "a section is given by from_mm and to_mm, or from_u and to_u, or from_segment and to_segment";
+                let given = "not one such pair";
+                return Err(self.0.wrong(
+                    &format!("sections[{index}]"),
+                    given,
+                    rule,
+                    "give exactly one of the three pairs",
+                ));
+            }
+        };
+        Ok(FeedSection { extent, feed })
+    }
+
+    fn torque(&self, raw: &RawTorque) -> Result<Option<TorqueJob>, InputError> {
+        let limit = raw.limit_nm.as_ref().map(|values| self.0.limits("torque.limit_nm", values)).transpose()?;
+        let mass = self.0.limit("torque.payload_kg", raw.payload_kg, 1.0)?;
+        let centre = raw.payload_centre_mm.map(|mm| self.0.finite("torque.payload_centre_mm", mm)).transpose()?;
+        let without = |key: &str, rule, remedy| Err(self.0.wrong(key, "given", rule, remedy));
+        if centre.is_some() && mass.is_none() {
+            let rule = "a centre of mass needs a mass";
+            return without("torque.payload_centre_mm", rule, "add torque.payload_kg, or remove the key");
+        }
+        let limited = raw.limited.unwrap_or(limit.is_some());
+        if !limited && limit.is_some() {
+            let rule = "torque.limited = false leaves the torque out of account";
+            return without("torque.limit_nm", rule, "remove one of the two keys");
+        }
+        if !limited && mass.is_some() {
+            let rule = "a payload counts only where the torque is limited";
+            return without("torque.payload_kg", rule, "add torque.limited = true, or torque.limit_nm");
+        }
+        let payload = mass.map(|mass| Payload { mass, centre: centre.unwrap_or_default() / 1e3 });
+        Ok(limited.then_some(TorqueJob { limit, payload }))
     }
 
     fn lookahead(&self, segments: Option<i64>) -> Result<Option<usize>, InputError> {

@@ -13,6 +13,8 @@ pub(crate) struct RawJob {
     pub orientation: RawOrientation,
     pub feed: RawFeed,
     pub joints: RawJoints,
+    pub torque: RawTorque,
+    pub sections: Vec<RawSection>,
     pub tolerance: RawTolerance,
     pub sampling: RawSampling,
     pub plan: RawPlan,
@@ -60,6 +62,30 @@ pub(crate) struct RawFeed {
     pub tangential_jerk_mm_s3: Option<f64>,
     pub normal_acceleration_mm_s2: Option<f64>,
     pub normal_jerk_mm_s3: Option<f64>,
+    pub angular_speed_deg_s: Option<f64>,
+    pub start_mm_s: Option<f64>,
+    pub end_mm_s: Option<f64>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct RawTorque {
+    pub limited: Option<bool>,
+    pub limit_nm: Option<PerJoint>,
+    pub payload_kg: Option<f64>,
+    pub payload_centre_mm: Option<[f64; 3]>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct RawSection {
+    pub feed_mm_s: Option<f64>,
+    pub from_mm: Option<f64>,
+    pub to_mm: Option<f64>,
+    pub from_u: Option<f64>,
+    pub to_u: Option<f64>,
+    pub from_segment: Option<i64>,
+    pub to_segment: Option<i64>,
 }
 
 #[derive(Debug, Default, Deserialize)]

@@ -19,9 +19,9 @@ mod toml_check;
 mod trajectory_csv;
 mod unit;
 
-pub use cr7::{Cr7Error, Motion, drawn_segments, plan, plan_with, trajectory_row};
+pub use cr7::{Cr7Error, Drives, Motion, Task, drawn_segments, plan, plan_with, trajectory_row};
 pub use error::InputError;
-pub use job::{FeedLimits, Job, JointOverrides, JointValues, Scan, ToolOrientation};
+pub use job::{FeedLimits, Job, JointOverrides, JointValues, Payload, Scan, ToolOrientation, TorqueJob};
 pub use joint_run::{Happening, JointReport, Rates, check_joints};
 pub use model::{ACCELERATION, Cr7, JERK, VELOCITY};
 pub use online_scenario::{OnlineRun, OnlineScenario, ScenarioError};

@@ -100,6 +100,12 @@ pub struct Report {
     pub length_m: f64,
     /// Duration of the motion in s.
     pub duration_s: f64,
+    /// The planner whose speed law it is.
+    pub planner: String,
+    /// Why it is not the jerk-limited planner's, where that was asked for.
+    pub fallback: Option<String>,
+    /// How often it was planned until its verification passed.
+    pub planning_rounds: usize,
     /// Number of samples.
     pub samples: usize,
     /// Control period in s.
@@ -175,6 +181,17 @@ impl Display for Report {
             ("tolerance", format!("{} um", number(self.chord_tolerance_m * 1e6))),
             ("deviation", format!("{} um at most", number(self.max_deviation_m * 1e6))),
         )?;
+        let rounds =
+            if self.planning_rounds > 1 { format!(", {} rounds", self.planning_rounds) } else { String::new() };
+        let why = self.fallback.as_ref().map(|why| format!(" instead of jerk-limited: {why}")).unwrap_or_default();
+        let planner = format!("{}{rounds}{why}", self.planner);
+        // The whole reason, and it may take a second line.
+        let words: Vec<char> = planner.chars().collect();
+        writeln!(f, "  {:<11}{}", "planner", words.iter().take(WIDTH - 13).collect::<String>())?;
+        if words.len() > WIDTH - 13 {
+            let rest: String = words.iter().skip(WIDTH - 13).collect();
+            writeln!(f, "  {:<11}{}", "", clip(&rest, WIDTH - 13))?;
+        }
         let mut segments = String::new();
         for (i, s) in self.segments.iter().enumerate() {
             let comma = if i == 0 { "" } else { ", " };
@@ -354,6 +371,9 @@ mod tests {
             path: "butterfly".to_owned(),
             length_m: 0.382860311,
             duration_s: 5.4321,
+            planner: "jerk-limited".to_owned(),
+            fallback: None,
+            planning_rounds: 1,
             samples: 5434,
             period_s: 1e-3,
             segments: vec![

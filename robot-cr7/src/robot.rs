@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use arcfeed_kinematics::{AnyArm, Arm, ArmDescription, JointLimits, Joints, KinematicsError, models};
-use nalgebra::Isometry3;
+use arcfeed_kinematics::{AnyArm, Arm, ArmDescription, Inertial, JointLimits, Joints, KinematicsError, models};
+use nalgebra::{Isometry3, Matrix3};
 
-use crate::cr7::Cr7Error;
+use crate::cr7::{Cr7Error, Drives};
 use crate::error::read_text;
-use crate::job::{JointOverrides, JointValues};
+use crate::job::{Job, JointOverrides, JointValues};
 use crate::model::{ACCELERATION, JERK, VELOCITY};
 
 const EXPECTED: &str = "a robot as URDF (.urdf) or JSON (.json)";
@@ -103,5 +103,32 @@ impl Robot {
         let acceleration = choose("joints.acceleration_deg_s2", &job.acceleration, drives.acceleration, ACCELERATION)?;
         let jerk = choose("joints.jerk_deg_s3", &job.jerk, drives.jerk, JERK)?;
         Ok((arm.range().with_rates(velocity, acceleration, jerk)?, assumed))
+    }
+
+    /// What its drives have to move and can do, payload included; `None` where the job leaves the torque out of account.
+    ///
+    /// # Errors
+    /// [`Cr7Error::NoDynamics`] where the links or the torque limits are not known, [`Cr7Error::JointCount`], or what is wrong with
+    /// the payload.
+    pub fn drives<const N: usize>(&self, job: &Job) -> Result<Option<Drives<N>>, Cr7Error> {
+        let Some(wanted) = &job.torque else { return Ok(None) };
+        let arm = self.arm::<N>(Isometry3::identity())?;
+        let unknown = |missing, remedy| Cr7Error::NoDynamics { robot: self.description.name.clone(), missing, remedy };
+        let mut dynamics = *arm.dynamics().ok_or_else(|| {
+            unknown("the masses of the links are", "take a robot whose file has them, or leave [torque] out of the job")
+        })?;
+        if let Some(payload) = wanted.payload {
+            dynamics = dynamics.with_payload(Inertial::new(payload.mass, payload.centre, Matrix3::zeros())?)?;
+        }
+        let torque = match (&wanted.limit, arm.drive_limits().torque) {
+            (Some(values), _) => values.of::<N>().map(Joints::from).map_err(|given| Cr7Error::JointCount {
+                key: "torque.limit_nm",
+                given,
+                joints: N,
+            })?,
+            (None, Some(own)) => own,
+            (None, None) => return Err(unknown("the torque limits are", "give your own as torque.limit_nm")),
+        };
+        Ok(Some(Drives { dynamics, torque }))
     }
 }

@@ -104,6 +104,18 @@ impl<'a> Check<'a> {
         })
     }
 
+    /// Numbers above 0 as they are.
+    pub fn limits(&self, key: &str, value: &PerJoint) -> Result<JointValues, InputError> {
+        let one = |key: &str, v: f64| Ok(self.limit(key, Some(v), 1.0)?.unwrap_or(v));
+        Ok(match value {
+            PerJoint::All(v) => JointValues::All(one(key, *v)?),
+            PerJoint::Each(list) => {
+                let each = list.iter().enumerate().map(|(i, &v)| one(&format!("{key}[{i}]"), v));
+                JointValues::Each(each.collect::<Result<_, InputError>>()?)
+            }
+        })
+    }
+
     /// Finite numbers of any sign, times `si`.
     pub fn values(&self, key: &str, value: &PerJoint, si: f64) -> Result<JointValues, InputError> {
         let one = |key: &str, v: f64| match v.is_finite() {

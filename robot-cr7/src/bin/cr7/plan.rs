@@ -8,7 +8,7 @@ use arcfeed_interp::{LockedArm, PathArm, Setpoint, best_start};
 use indicatif::{ProgressBar, ProgressStyle};
 use robot_cr7::plot::{Along, Bound, JointQuantity, feed_picture, joint_picture, path_picture, save_picture};
 use robot_cr7::{
-    Cr7Error, InputError, Job, LengthUnit, Motion, PathFile, butterfly, drawn_segments, plan_with, trajectory_row,
+    Cr7Error, InputError, Job, LengthUnit, Motion, PathFile, Task, butterfly, drawn_segments, trajectory_row,
     write_trajectory,
 };
 
@@ -63,17 +63,19 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         6 => {
             let (limits, assumed) = robot.limits::<6>(&job.joints)?;
             let arm = robot.arm::<6>(job.tool).map_err(Cr7Error::from)?;
-            let mut motion = plan_with(&job, &file, &limits, |path| {
+            let mut motion = Task::new(&job, &file, &limits, robot.drives::<6>(&job)?, |path| {
                 let start = best_start(&arm, path, limits.lower(), limits.upper())?;
                 Ok((arm, start))
-            })?;
+            })?
+            .plan()?;
             motion.warn(assumed);
             finish(args, &job, &motion, &bar)
         }
         7 => {
             let (limits, assumed) = robot.limits::<7>(&job.joints)?;
             let arm = robot.arm::<7>(job.tool).map_err(Cr7Error::from)?;
-            let mut motion = plan_with(&job, &file, &limits, |path| LockedArm::for_path(&arm, path))?;
+            let drives = robot.drives::<7>(&job)?;
+            let mut motion = Task::new(&job, &file, &limits, drives, |path| LockedArm::for_path(&arm, path))?.plan()?;
             let (joint, value) = motion.arm().held();
             motion.warn([format!("joint {} is held at {:.3} deg all the way", joint + 1, value.to_degrees())]);
             motion.warn(assumed);
