@@ -253,6 +253,11 @@ impl<const N: usize> Plan<N> {
         verify(arm, requirement, self.duration(), |t| sampler.at(t))
     }
 
+    /// Programmed feed at the arc length `s` (m), where it is `elsewhere` (m/s) outside the sections.
+    pub fn feed_at(&self, s: f64, elsewhere: f64) -> f64 {
+        Feeds { elsewhere, sections: &self.sections }.at(s)
+    }
+
     /// Programmed feed on every interval of the grid, `elsewhere` (m/s) outside the sections.
     pub(crate) fn feeds(&self, elsewhere: f64) -> Vec<f64> {
         let feeds = Feeds { elsewhere, sections: &self.sections };

@@ -1,6 +1,7 @@
 //! The Dobot CR7 on arcfeed: path and job files, plots, reports and the command line.
 #![forbid(unsafe_code)]
 
+mod compare;
 mod cr7;
 mod error;
 mod job;
@@ -19,6 +20,7 @@ mod toml_check;
 mod trajectory_csv;
 mod unit;
 
+pub use compare::{Comparison, Entry, Use, compare};
 pub use cr7::{Cr7Error, Drives, Motion, Task, drawn_segments, plan, plan_with, trajectory_row};
 pub use error::InputError;
 pub use job::{FeedLimits, Job, JointOverrides, JointValues, Payload, Scan, ToolOrientation, TorqueJob};

@@ -4,6 +4,7 @@
 //! keeps its least and largest value: no peak is lost. Values that are not finite leave a gap.
 
 mod canvas;
+mod compare;
 mod decimate;
 
 use std::io;
@@ -12,6 +13,8 @@ use std::path::Path;
 use crate::error::InputError;
 use crate::report::{number, percent};
 use canvas::{Anchor, LIMIT, PALETTE, Panel, Pen, page, range, widened};
+
+pub use compare::compare_picture;
 
 const WIDTH: u32 = 1080;
 const LEFT: f64 = 88.0;

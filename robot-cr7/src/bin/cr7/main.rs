@@ -1,5 +1,6 @@
 //! `cr7`: plan tool paths for the Dobot CR7, look at them, and check what the papers claim.
 
+mod compare;
 mod inspect;
 mod joint_move;
 mod joint_space;
@@ -30,6 +31,7 @@ const EXAMPLES: &str = "Examples:
   cr7 plan                              the embedded butterfly: trajectory, pictures and report in out/
   cr7 plan part.json --out part         a path of your own
   cr7 plan --job job.toml --json        a job file; the report as JSON on stdout
+  cr7 compare job.toml                  every planner on one job
   cr7 inspect part.csv --unit mm        length, curvature and segments of a path
   cr7 fk --deg 0 -30 90 30 -90 0        where the tool stands
   cr7 ik --xyz-mm 400 0 300 --rpy-deg 180 0 0
@@ -43,6 +45,8 @@ const EXAMPLES: &str = "Examples:
 enum Command {
     /// Plan a motion along a path: trajectory CSV, SVG pictures, report
     Plan(plan::Args),
+    /// Compare all planners on one job: duration, computing time, limits broken, a picture
+    Compare(compare::Args),
     /// Look at a path: length, curvature, segments by each method, a picture
     Inspect(inspect::Args),
     /// Forward kinematics: where the tool stands at given joint angles
@@ -89,6 +93,7 @@ impl From<robot_cr7::InputError> for Failure {
 fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
         Command::Plan(args) => plan::run(&args),
+        Command::Compare(args) => compare::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Fk(args) => pose::forward(&args),
         Command::Ik(args) => pose::inverse(&args),
