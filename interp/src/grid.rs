@@ -1,4 +1,4 @@
-//! Where along a path the limits are evaluated: its knots, its chord segments, and more points where it bends.
+//! Where along a path the limits are evaluated: its knots, borders within it, and more points where it bends.
 
 use arcfeed_geometry::PosePath;
 use nalgebra::Vector3;
@@ -7,15 +7,16 @@ use crate::limits::ToolLimits;
 
 /// Neighbouring grid points differ in what the bend allows by no more than this factor (natural logarithm).
 const RATIO: f64 = 0.2;
-/// Part of the jerk limit that a path between two grid points may need more than its ends say.
-const WRONG: f64 = 0.01;
+/// Part of the jerk limit that a path between two grid points may need more than its ends say; its middle is in the rows too, so that
+/// what is left is far less.
+const WRONG: f64 = 0.014;
 /// An interval is halved at most this often for the sake of both.
 const HALVINGS: u32 = 14;
 /// At least so many intervals, so that the arm's own nonlinearity is seen on straight paths.
 const LEAST: usize = 100;
 
-/// Increasing arc lengths from 0 to the path's length: `knots` and `breaks` (chord segments), refined where the path
-/// bends.
+/// Increasing arc lengths from 0 to the path's length: `knots` and `breaks` (borders of sections, chord segments), refined where
+/// the path bends.
 ///
 /// The measure is the speed that curvature and its derivative allow, capped at the feed: where the feed is the limit
 /// anyway no points are spent.

@@ -13,7 +13,7 @@ use crate::arm::PathArm;
 use crate::constraints::{Bounds, Reaches, Shares};
 use crate::error::PlanError;
 use crate::grid;
-use crate::joint_path::JointPath;
+use crate::joint_path::{JointJet, JointPath};
 use crate::limits::{ToolLimits, positive};
 use crate::plan::{Fallback, MadeBy, Method, Plan, Timings};
 use crate::rows;
@@ -262,7 +262,8 @@ where
         let begin = Instant::now();
         let knots = path.knots();
         let feed = Feeds { elsewhere: self.tool.feed, sections: &sections }.highest();
-        let mut places = breaks.clone();
+        // Chord segments matter to the scan that stops accelerating at each of them.
+        let mut places = if matches!(self.scan, Scan::PerSegment { .. }) { breaks.clone() } else { Vec::new() };
         places.extend(sections.iter().flat_map(|section| [section.from, section.to]));
         let grid = grid::build(&path, &knots, &places, &self.tool.at_feed(feed));
         sections::snap(&mut sections, &grid);
@@ -311,13 +312,15 @@ where
     pub fn problem(&self, plan: &Plan<N>, jerk: bool) -> Result<FeedProblem, PlanError> {
         let ground = self.ground(plan);
         let bounds = self.bounds(&ground, SHARES[0], 1.0);
-        Ok(rows::problem(&plan.joint_path, &ground.reaches, &plan.stops, &bounds, jerk, None)?)
+        Ok(rows::problem(&plan.joint_path, &ground.middles, &ground.reaches, &plan.stops, &bounds, jerk, None)?)
     }
 
     fn ground(&self, plan: &Plan<N>) -> Ground<N> {
+        let middles = rows::middles(self.arm, &plan.path, &plan.joint_path);
         Ground {
             reaches: Reaches::of(&plan.path, &plan.joint_path, &plan.stops),
-            torque: self.torque.map(|torque| TorquePath::of(&plan.joint_path, &torque)),
+            torque: self.torque.map(|torque| TorquePath::of(&plan.joint_path, &middles, &torque)),
+            middles,
             feeds: plan.feeds(self.tool.feed),
         }
     }
@@ -363,7 +366,7 @@ where
         let rows = |jerk: bool| {
             let bounds = self.bounds(ground, SHARES[0], scale);
             let make = |near: Option<&[f64]>, jerk: bool| {
-                rows::problem(&plan.joint_path, &ground.reaches, &plan.stops, &bounds, jerk, near)
+                rows::problem(&plan.joint_path, &ground.middles, &ground.reaches, &plan.stops, &bounds, jerk, near)
             };
             if !(jerk && ground.torque.as_ref().is_some_and(TorquePath::is_viscous)) {
                 return make(None, jerk);
@@ -457,6 +460,8 @@ type Law = (Vec<f64>, SpeedLaw, Method, Option<Fallback>);
 
 /// What the limits of a planner are made from along one path.
 struct Ground<const N: usize> {
+    /// The joints in the middle of every interval.
+    middles: Vec<JointJet<N>>,
     reaches: Reaches<N>,
     torque: Option<TorquePath<N>>,
     /// Programmed feed on every interval, m/s.

@@ -1,13 +1,16 @@
 //! Limits of tool and joints as rows on the grid of the joint path: what the planners of the feedrate crate take.
 
 use arcfeed_feedrate::constraint::{
-    Feed, JointAcceleration, JointJerk, JointVelocity, PathConstraint, PathDerivatives, SpeedCap, Stop,
-    TangentialAcceleration, TangentialJerk,
+    Feed, JointAcceleration, JointJerk, JointVelocity, PathConstraint, PathDerivatives, Place, RowSink, SpeedCap, Stop,
+    TangentialAcceleration, TangentialJerk, Within,
 };
-use arcfeed_feedrate::{FeedError, FeedProblem, Quantity};
+use arcfeed_feedrate::{FeedError, FeedProblem, JerkRow, Quantity, RowSource};
+use arcfeed_geometry::PosePath;
+use arcfeed_kinematics::Joints;
 
+use crate::arm::PathArm;
 use crate::constraints::{Bounds, Reaches};
-use crate::joint_path::JointPath;
+use crate::joint_path::{JointJet, JointPath, joint_jet};
 
 /// Joint derivatives of a path, one row per grid point, as the planner takes them.
 struct Derivatives {
@@ -35,12 +38,64 @@ impl Derivatives {
     }
 }
 
+/// Joint values and derivatives in the middle of every interval.
+pub(crate) fn middles<A, const N: usize>(arm: &A, path: &PosePath, joints: &JointPath<N>) -> Vec<JointJet<N>>
+where
+    A: PathArm<N> + ?Sized,
+{
+    let one = |k: usize| {
+        let (a, b) = joints.interval(k);
+        let h = 0.5 * (b.s - a.s);
+        let q = (a.ahead(h) + b.ahead(-h)) / 2.0;
+        joint_jet(arm, a.s + h, &path.jet(a.s + h), &q).unwrap_or_else(|_| {
+            // The arm stands at both ends; where the solution in between is lost, what they foretell will do.
+            let first = |jet: &JointJet<N>, h: f64| jet.d1 + (jet.d2 + jet.d3 * (h / 2.0)) * h;
+            let d2 = (a.d2 + a.d3 * h + b.d2 - b.d3 * h) / 2.0;
+            JointJet { s: a.s + h, q, d1: (first(a, h) + first(b, -h)) / 2.0, d2, d3: (a.d3 + b.d3) / 2.0 }
+        })
+    };
+    (0..joints.intervals()).map(one).collect()
+}
+
+/// Jerk of the joints with the third derivatives in the middle of every interval as they are: in between three places bend
+/// less than two foretell.
+struct JerkThrough<'a, const N: usize> {
+    ends: JointJerk<'a>,
+    middles: &'a [JointJet<N>],
+    limits: &'a Joints<N>,
+}
+
+impl<const N: usize> PathConstraint for JerkThrough<'_, N> {
+    fn points(&self) -> Option<usize> {
+        self.ends.points()
+    }
+
+    fn rows(&self, place: Place, out: &mut RowSink<'_>) {
+        self.ends.rows(place, out);
+    }
+
+    fn jerk_rows(&self, k: usize, h: f64, within: Within, out: &mut Vec<JerkRow>) {
+        if within != Within::Middle {
+            return self.ends.jerk_rows(k, h, within, out);
+        }
+        let jet = &self.middles[k];
+        out.extend((0..N).filter(|&j| self.limits[j].is_finite()).map(|j| JerkRow {
+            alpha: jet.d1[j],
+            beta: 3.0 * jet.d2[j],
+            gamma: jet.d3[j],
+            limit: self.limits[j],
+            source: RowSource::joint(Quantity::JointJerk, j),
+        }));
+    }
+}
+
 /// The limits of `bounds` as rows on the grid of the joint path; at the grid points `stops` the tool stands.
 ///
 /// Without `jerk` there are no limits on jerk, and a jump of a joint's acceleration is no matter. With squared speeds `near` no row
 /// has a term in the speed itself: see [`crate::torque::TorquePath::rows`].
 pub(crate) fn problem<const N: usize>(
     joints: &JointPath<N>,
+    middles: &[JointJet<N>],
     reaches: &Reaches<N>,
     stops: &[usize],
     bounds: &Bounds<'_, N>,
@@ -54,6 +109,11 @@ pub(crate) fn problem<const N: usize>(
         &d.before[1],
         &d.before[2],
     )?;
+    let flat = |of: fn(&JointJet<N>) -> &Joints<N>| -> Vec<f64> {
+        middles.iter().flat_map(|jet| of(jet).iter().copied()).collect()
+    };
+    let (first, second) = (flat(|jet| &jet.d1), flat(|jet| &jet.d2));
+    let path = path.with_middles(&first, &second)?;
     let (velocity, acceleration, joint_jerk) = (
         bounds.joints.velocity() * bounds.scale,
         bounds.joints.acceleration() * bounds.scale,
@@ -69,7 +129,8 @@ pub(crate) fn problem<const N: usize>(
     let tangential_jerk = TangentialJerk::new(bounds.tool.tangential_jerk * bounds.scale)?;
     let velocity = JointVelocity::new(path, velocity.as_slice())?;
     let acceleration = JointAcceleration::new(path, acceleration.as_slice())?;
-    let joint_jerk = JointJerk::new(path, joint_jerk.as_slice())?;
+    let ends = JointJerk::new(path, joint_jerk.as_slice())?;
+    let joint_jerk = JerkThrough { ends, middles, limits: &joint_jerk };
     let torque = bounds.torque.map(|torque| torque.rows(bounds.scale, bounds.feeds, near));
     let stops: Vec<Stop> = stops.iter().map(|&at| Stop { at }).collect();
     let mut constraints: Vec<&dyn PathConstraint> = vec![&feed, &bends, &tangential, &velocity, &acceleration];

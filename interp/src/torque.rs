@@ -99,10 +99,10 @@ pub(crate) struct TorquePath<const N: usize> {
 }
 
 impl<const N: usize> TorquePath<N> {
-    pub fn of(joints: &JointPath<N>, torque: &TorqueLimits<'_, N>) -> Self {
+    /// `middles` are the joints in the middle of every interval.
+    pub fn of(joints: &JointPath<N>, middles: &[JointJet<N>], torque: &TorqueLimits<'_, N>) -> Self {
         let dynamics = torque.dynamics;
         let n = joints.intervals();
-        let middles: Vec<JointJet<N>> = (0..n).map(|k| middle(joints, k)).collect();
         let turning: Vec<[bool; N]> = (0..n)
             .map(|k| {
                 let (start, end) = joints.interval(k);
@@ -178,20 +178,6 @@ pub(crate) struct TorqueReach<const N: usize> {
     pub velocity: Joints<N>,
     pub viscous: Joints<N>,
     pub constant: Joints<N>,
-}
-
-/// Joint values and derivatives in the middle of an interval, from both its ends.
-fn middle<const N: usize>(joints: &JointPath<N>, k: usize) -> JointJet<N> {
-    let (a, b) = joints.interval(k);
-    let h = 0.5 * (b.s - a.s);
-    let first = |jet: &JointJet<N>, h: f64| jet.d1 + (jet.d2 + jet.d3 * (h / 2.0)) * h;
-    JointJet {
-        s: a.s + h,
-        q: (a.ahead(h) + b.ahead(-h)) / 2.0,
-        d1: (first(a, h) + first(b, -h)) / 2.0,
-        d2: (a.d2 + a.d3 * h + b.d2 - b.d3 * h) / 2.0,
-        d3: (a.d3 + b.d3) / 2.0,
-    }
 }
 
 /// `|inertia u + velocity x + viscous sqrt(x) + constant| <= limit` of every joint.

@@ -320,6 +320,20 @@ fn torque_with_friction_is_kept_on_a_winding_path() {
 }
 
 #[test]
+fn one_round_is_enough_where_the_arm_bends_the_path_most() {
+    // Jerk of the joints binds all the way, whose third derivatives vary faster than the tool's.
+    let arm = arm();
+    let limits =
+        arm.range().with_rates(Joints::repeat(3.0), Joints::repeat(12.0), Joints::repeat(60.0)).expect("valid");
+    let planner = Planner::new(&arm, limits, ToolLimits { tangential_jerk: 200.0, ..TOOL }).expect("valid");
+    let start = best_start(&arm, &tool_down(knotted()), limits.lower(), limits.upper()).expect("in reach");
+    let plan = planner.plan(tool_down(knotted()), &start).expect("in reach");
+    let jerk = plan.verification().expect("verified").worst_of(Quantity::JointJerk);
+    assert!(plan.made_by().rounds == 1 && plan.made_by().scale == 1.0, "{:?}", plan.made_by());
+    assert!(jerk.ratio > 0.99 && jerk.ratio <= 1.0 + 1e-6, "{jerk:?}");
+}
+
+#[test]
 fn a_plan_says_who_made_it() {
     let arm = arm();
     let smooth = plan(&planner(&arm, TOOL), &arm, tool_down(knotted())).expect("in reach");

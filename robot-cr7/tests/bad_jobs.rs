@@ -4,6 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::{Path, PathBuf};
 
 use approx::assert_relative_eq;
+use arcfeed_interp::Extent;
 use nalgebra::{UnitQuaternion, Vector3, point};
 use proptest::prelude::*;
 use robot_cr7::{Job, LengthUnit, Scan, ToolOrientation};
@@ -54,6 +55,11 @@ fn the_example_shows_every_key() {
         max_relative = 1e-15
     );
     assert_eq!(job.lookahead, Some(100));
+    assert_relative_eq!(job.feed.angular_speed.expect("given"), FRAC_PI_2);
+    let torque = job.torque.expect("limited");
+    assert_relative_eq!(torque.limit.expect("given").of::<6>().expect("six")[3], 28.0);
+    let payload = torque.payload.expect("given");
+    assert!(payload.mass == 2.0 && payload.centre == Vector3::new(0.0, 0.0, 0.06));
     for key in ["from_rpy_deg", "to_rpy_deg", "axis"] {
         assert!(Job::EXAMPLE.contains(&format!("# {key} = [")), "{key}");
     }
@@ -130,6 +136,9 @@ fn limits_of_zero_or_below() {
         "feed.tangential_jerk_mm_s3",
         "feed.normal_acceleration_mm_s2",
         "feed.normal_jerk_mm_s3",
+        "feed.angular_speed_deg_s",
+        "torque.limit_nm",
+        "torque.payload_kg",
         "joints.velocity_deg_s",
         "joints.acceleration_deg_s2",
         "joints.jerk_deg_s3",
@@ -274,4 +283,67 @@ proptest! {
             prop_assert!(job.period > 0.0 && job.feed.feed > 0.0 && job.chord_tolerance > 0.0);
         }
     }
+}
+
+#[test]
+fn sections_are_read_by_length_parameter_and_segment() {
+    let job = read(
+        "[[sections]]\nfeed_mm_s = 12\nfrom_segment = 20\nto_segment = 45\n\
+         [[sections]]\nfeed_mm_s = 8\nfrom_mm = 100\nto_mm = 150.5\n\
+         [[sections]]\nfeed_mm_s = 15\nfrom_u = 0.5\nto_u = 0.75\n",
+    )
+    .expect("valid");
+    let extents: Vec<_> = job.sections.iter().map(|s| s.extent).collect();
+    assert_eq!(
+        extents,
+        [
+            Extent::Segments { first: 20, last: 45 },
+            Extent::Length { from: 0.1, to: 0.1505 },
+            Extent::Parameter { from: 0.5, to: 0.75 }
+        ]
+    );
+    assert_relative_eq!(job.sections[0].feed, 0.012);
+    let job = read("[feed]\nstart_mm_s = 20\nend_mm_s = 5").expect("valid");
+    assert_eq!(job.feed.end_speeds, [0.02, 0.005]);
+}
+
+#[test]
+fn sections_that_say_too_little_or_too_much() {
+    let section =
+        |keys: &str| format!("# first line\n[[sections]]\nfeed_mm_s = 1\nfrom_mm = 0\nto_mm = 1\n[[sections]]\n{keys}");
+    let pair = "exactly one of the three pairs";
+    for (keys, parts) in [
+        ("from_mm = 1\nto_mm = 2", vec!["sections[1].feed_mm_s", "missing", "feed of its own"]),
+        ("feed_mm_s = 0\nfrom_mm = 1\nto_mm = 2", vec!["a.toml:7", "sections[1].feed_mm_s", "is 0", "above 0"]),
+        ("feed_mm_s = 5", vec!["sections[1]", pair]),
+        ("feed_mm_s = 5\nfrom_mm = 1", vec!["sections[1]", pair]),
+        ("feed_mm_s = 5\nfrom_mm = 1\nto_u = 2", vec!["sections[1]", pair]),
+        ("feed_mm_s = 5\nfrom_mm = 1\nto_mm = 2\nfrom_u = 0\nto_u = 1", vec!["sections[1]", pair]),
+        (
+            "feed_mm_s = 5\nfrom_mm = 3\nto_mm = 2",
+            vec!["a.toml:8", "sections[1].from_mm", "is 3", "begin before it ends"],
+        ),
+        ("feed_mm_s = 5\nfrom_u = 0.5\nto_u = nan", vec!["sections[1].to_u", "NaN", "finite"]),
+        ("feed_mm_s = 5\nfrom_segment = 0\nto_segment = 4", vec!["sections[1].from_segment", "is 0", "count from 1"]),
+        ("feed_mm_s = 5\nfrom_segment = 7\nto_segment = 4", vec!["sections[1].from_segment", "begin before it ends"]),
+    ] {
+        says(&section(keys), &parts);
+    }
+    for value in ["-1", "nan", "inf"] {
+        says(&format!("feed.start_mm_s = {value}"), &["a.toml:1", "feed.start_mm_s", "0 or more", "rest"]);
+        says(&format!("feed.end_mm_s = {value}"), &["feed.end_mm_s", "0 or more"]);
+    }
+}
+
+#[test]
+fn torque_and_payload_that_contradict_each_other() {
+    says("[torque]\npayload_kg = 2", &["torque.payload_kg", "torque.limited = true"]);
+    says("[torque]\nlimited = true\npayload_centre_mm = [0, 0, 1]", &["torque.payload_centre_mm", "needs a mass"]);
+    says("[torque]\nlimited = false\nlimit_nm = 5", &["torque.limit_nm", "remove one"]);
+    says("[torque]\nlimit_nm = [1, 2, 0]", &["torque.limit_nm[2]", "is 0", "above 0"]);
+    says(
+        "[torque]\nlimited = true\npayload_kg = 1\npayload_centre_mm = [0, nan, 1]",
+        &["payload_centre_mm[1]", "finite"],
+    );
+    assert_eq!(read("[torque]\nlimited = false").expect("valid").torque, None);
 }

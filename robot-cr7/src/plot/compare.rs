@@ -43,10 +43,9 @@ pub fn compare_picture(comparison: &Comparison) -> Result<String, io::Error> {
     let half = 0.5 * ZOOM * length;
     let middle = middle.clamp(half, length - half);
     let zoom = (middle - half, middle + half);
-    let facts = comparison
-        .entries
+    let facts = drawn
         .iter()
-        .filter_map(|e| Some(format!("{} {} s", e.planner, number(e.duration_s?))))
+        .filter_map(|(e, _)| Some(format!("{} {} s", e.planner, number(e.duration_s?))))
         .collect::<Vec<_>>()
         .join(", ");
     let above =
