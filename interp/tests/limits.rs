@@ -108,7 +108,7 @@ fn sections_by_parameter_and_by_segment_are_the_same_places() {
         Extent::Parameter { from: u(first - 1), to: u(last) },
         Extent::Segments { first, last },
     ] {
-        let planner = planner.clone().with_sections(vec![FeedSection { extent, feed: 0.03 }]);
+        let planner = planner.clone().with_sections(vec![FeedSection { extent, feed: 0.1 }]);
         let plan = plan(&planner, &arm, path.clone()).expect("in reach");
         assert!((plan.sections()[0].from - from).abs() < 1e-9 && (plan.sections()[0].to - to).abs() < 1e-9);
         durations.push(plan.duration());

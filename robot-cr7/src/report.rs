@@ -153,7 +153,7 @@ fn badness(line: &LimitLine) -> f64 {
 const MOST_LIMITS: usize = 15;
 const MOST_JOINT_ROWS: usize = 5;
 const MOST_WARNINGS: usize = 3;
-const MOST_FILES: usize = 3;
+const MOST_FILES: usize = 2;
 const WIDTH: usize = 100;
 
 impl Display for Report {
@@ -188,7 +188,8 @@ impl Display for Report {
         // The whole reason, and it may take a second line.
         let words: Vec<char> = planner.chars().collect();
         writeln!(f, "  {:<11}{}", "planner", words.iter().take(WIDTH - 13).collect::<String>())?;
-        if words.len() > WIDTH - 13 {
+        let second = words.len() > WIDTH - 13;
+        if second {
             let rest: String = words.iter().skip(WIDTH - 13).collect();
             writeln!(f, "  {:<11}{}", "", clip(&rest, WIDTH - 13))?;
         }
@@ -212,10 +213,11 @@ impl Display for Report {
         if !(self.warnings.is_empty() && self.files.is_empty()) {
             writeln!(f)?;
         }
-        for w in self.warnings.iter().take(MOST_WARNINGS) {
+        let most_warnings = MOST_WARNINGS - usize::from(second);
+        for w in self.warnings.iter().take(most_warnings) {
             writeln!(f, "  warning: {}", clip(w, WIDTH - 11))?;
         }
-        more(f, self.warnings.len(), MOST_WARNINGS, "warnings")?;
+        more(f, self.warnings.len(), most_warnings, "warnings")?;
         for file in self.files.iter().take(MOST_FILES) {
             writeln!(f, "  wrote {}", clip(&file.display().to_string(), WIDTH - 8))?;
         }
@@ -412,6 +414,7 @@ mod tests {
         r.path = "x\n".repeat(300);
         r.warnings = vec!["w".repeat(500); 50];
         r.files = vec!["f".repeat(500).into(); 50];
+        r.fallback = Some("because ".repeat(50));
         for i in 0..40 {
             r.limits.extend((1..=6).map(|j| line(&format!("kind {i}"), Some(j), LimitUnit::One, f64::NAN, 1e300)));
         }

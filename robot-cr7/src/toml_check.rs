@@ -84,8 +84,8 @@ impl<'a> Check<'a> {
     pub fn limit(&self, key: &str, value: Option<f64>, per_si: f64) -> Result<Option<f64>, InputError> {
         let Some(value) = value else { return Ok(None) };
         let si = value / per_si;
-        // The quotient of a denormal number would be 0.
-        if value.is_finite() && si > 0.0 {
+        // A denormal number is no limit, and its quotient would be 0.
+        if value.is_finite() && si >= f64::MIN_POSITIVE {
             return Ok(Some(si));
         }
         let rule = "it has to be a finite number above 0";

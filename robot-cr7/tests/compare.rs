@@ -32,12 +32,13 @@ fn every_planner_is_held_against_the_same_limits() {
     let entry = |name: &str| comparison.entries.iter().find(|e| e.planner == name).expect("in the table");
     let duration = |name: &str| entry(name).duration_s.expect("a motion");
     println!("{comparison}");
-    // The optimum of second order is a bound for everything that keeps more limits, but for what the grid leaves open.
+    // The optimum of second order is a bound for everything that keeps more limits, but for the constant acceleration between
+    // grid points that it assumes: that costs up to 0.5 %.
     let best = duration("reachability");
     for name in
         ["both ends", "certified", "jerk-limited", "box scan, joined", "box scan, per segment", "cr7 plan, verified"]
     {
-        assert!(duration(name) > best * (1.0 - 1e-3), "{name}: {} against {best}", duration(name));
+        assert!(duration(name) > best * (1.0 - 5e-3), "{name}: {} against {best}", duration(name));
     }
     assert!(duration("jerk-limited") < duration("box scan, joined"));
     assert!(duration("box scan, joined") < duration("box scan, per segment"));
@@ -60,7 +61,7 @@ fn every_planner_is_held_against_the_same_limits() {
     if cfg!(feature = "baseline") {
         let bound = comparison.lower_bound_s.expect("solved");
         assert!(duration("both ends") >= bound && duration("conic optimum") / bound < 1.0001, "{bound}");
-        assert!(entry("jerk-limited").ratio_to_bound.expect("known") > 0.999);
+        assert!(entry("jerk-limited").ratio_to_bound.expect("known") > 1.0);
     } else {
         assert!(comparison.lower_bound_s.is_none() && text.contains("--features baseline"));
     }
