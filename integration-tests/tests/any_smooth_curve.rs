@@ -273,8 +273,7 @@ fn check(arm: &impl Arm, range: &JointRange<6>, case: &Case, planned: &Cell<usiz
 
     // The same judge at another period: other moments, and cycles that do not divide the first ones.
     let period = case.period * 0.377;
-    let requirement =
-        Requirement { path: plan.path(), tool: &case.tool, joints: &limits, chord_tolerance: case.chord, period };
+    let requirement = Requirement::new(plan.path(), &case.tool, &limits, case.chord, period);
     let mut sampler = plan.sampler(arm, period).expect("a valid period");
     let again = verify(arm, &requirement, plan.duration(), |t| sampler.at(t)).expect("on the path");
     for check in again.checks() {

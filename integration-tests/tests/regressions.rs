@@ -108,8 +108,7 @@ fn an_endless_motion_is_not_verified() {
         normal_jerk: None,
         angular_speed: None,
     };
-    let requirement =
-        Requirement { path: plan.path(), tool: &tool, joints: &limits, chord_tolerance: 1e-5, period: plan.period() };
+    let requirement = Requirement::new(plan.path(), &tool, &limits, 1e-5, plan.period());
     let mut sampler = plan.sampler(&arm, plan.period()).expect("a valid period");
     for duration in [f64::INFINITY, f64::NAN, 1e300, -1.0] {
         let result = verify(&arm, &requirement, duration, |t| sampler.at(t));
@@ -187,8 +186,7 @@ fn a_peak_between_the_samples_is_not_missed() {
     let planner = planner.with_chord_tolerance(chord_tolerance).expect("valid");
     let plan = planner.plan(path, &start).expect("it can be followed");
     // Held against the same limits at a hundredth of the period.
-    let requirement =
-        Requirement { path: plan.path(), tool: &tool, joints: &limits, chord_tolerance, period: 0.01 * period };
+    let requirement = Requirement::new(plan.path(), &tool, &limits, chord_tolerance, 0.01 * period);
     let mut sampler = plan.sampler(&arm, period).expect("a valid period");
     let dense = verify(&arm, &requirement, plan.duration(), |t| sampler.at(t)).expect("on the path");
     assert!(dense.holds(1e-6), "{:?}", dense.worst());
