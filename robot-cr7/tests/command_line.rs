@@ -40,6 +40,27 @@ fn the_default_plan_writes_report_trajectory_and_pictures() {
 }
 
 #[test]
+fn compare_runs_every_planner_on_a_job() {
+    let desk = Desk::new("compare");
+    desk.write("six.json", SamplePath::SixPoint.json());
+    desk.write("job.toml", "[path]\nfile = \"six.json\"\n[tolerance]\nchord_mm = 0.05\n");
+    let run = desk.run(&["compare", "job.toml", "--out", "table"]).done();
+    assert_eq!(run.stderr, "");
+    for part in
+        ["published scan", "both ends", "reachability", "certified", "jerk-limited", "box scan, joined", "compare.svg"]
+    {
+        assert!(run.stdout.contains(part), "{part}: {run:?}");
+    }
+    let svg = std::fs::read_to_string(desk.folder.join("table/compare.svg")).expect("written");
+    assert!(svg.contains("<svg") && !svg.contains("NaN"));
+    let json = desk.run(&["compare", "job.toml", "--json", "--robot", "ur5e"]).done().json();
+    assert!(
+        json["entries"].as_array().expect("a list").len() >= 8 && json["intervals"].as_u64().expect("a count") > 100
+    );
+    desk.run(&["compare", "nowhere.toml"]).refused(2, &["nowhere.toml", "cannot be read"]);
+}
+
+#[test]
 fn json_is_one_object_and_nothing_else() {
     let desk = Desk::new("json");
     desk.write("six.json", SamplePath::SixPoint.json());

@@ -151,8 +151,8 @@ pub(super) fn largest_scale(problem: &FeedProblem, plan: &GridPlan, intervals: R
             let state = plan.within(k, ds);
             Edge { x: state.v * state.v, u: state.a, root: state.v }
         });
-        // Next to rest x(s) is no polynomial, but grows steadily.
-        let rests = edges[0].root == 0.0 || edges[2].root == 0.0;
+        // Next to rest x(s) is no polynomial, but grows steadily; at a stop round-off may leave a trace of speed.
+        let rests = edges[0].root.min(edges[2].root) < 1e-4 * edges[1].root;
         let (near, middle, far) = (problem.rows(k), problem.middle_rows(k), problem.rows(k + 1));
         for (j, row) in middle.iter().enumerate() {
             let Some(p) = matching(near, row, j, middle.len(), false) else { continue };
