@@ -1,8 +1,15 @@
 //! A paper's claims beside what this library measures, with the guarantees that must hold.
 
+mod all;
 mod hs;
+mod hs_live;
+#[cfg(feature = "plot")]
+mod hs_pictures;
 
+pub use all::{Overview, PAPERS, Paper};
 pub use hs::liu_2024;
+#[cfg(feature = "plot")]
+pub use hs_pictures::{NamedPicture, liu_2024_pictures};
 
 use std::fmt;
 use std::time::Instant;
@@ -45,7 +52,7 @@ pub struct Reproduction {
     pub claims: Vec<Claim>,
 }
 
-/// One figure of a paper, drawn anew: lines over time in s.
+/// One figure of a paper, drawn anew: lines over time or path length.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
     /// Name of its file.
@@ -54,7 +61,9 @@ pub struct Figure {
     pub title: &'static str,
     /// Conditions and results in words.
     pub facts: String,
-    /// Quantity and unit.
+    /// Quantity and unit of the horizontal axis.
+    pub across: &'static str,
+    /// Quantity and unit of the vertical axis.
     pub label: &'static str,
     /// The lines.
     pub lines: Vec<FigureLine>,
@@ -65,7 +74,7 @@ pub struct Figure {
 pub struct FigureLine {
     /// Name in the legend.
     pub name: String,
-    /// Time in s and value.
+    /// Place on the horizontal axis, and value.
     pub points: Vec<(f64, f64)>,
 }
 

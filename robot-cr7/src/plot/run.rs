@@ -118,14 +118,16 @@ fn space_picture<A: PathArm<6>>(
         canvas.line(&shadow, Pen::solid(SHADOW, 1.2))?;
         triad(canvas, &place)?;
         let planned: Vec<_> = thin(whole.iter().map(&place));
-        canvas.line(&planned, Pen::solid(FAINT, 6.0))?;
+        canvas.line(&planned, Pen::solid(FAINT, 7.0))?;
         let mut from = 0;
         while from < way.len() {
             let state = played.cycles()[from].state;
             let same = |s: HybridState| std::mem::discriminant(&s) == std::mem::discriminant(&state);
             let to = (from..way.len()).find(|&i| !same(played.cycles()[i].state)).unwrap_or(way.len());
             let run = thin(way[from.saturating_sub(1)..to].iter().map(&place));
-            canvas.line(&run, Pen::solid(colour_of(state.name()), 2.4))?;
+            // The way back lies on the way there where it goes through the same points: a thin line on a wide one.
+            let width = if state == HybridState::Returning { 1.5 } else { 4.0 };
+            canvas.line(&run, Pen::solid(colour_of(state.name()), width))?;
             from = to;
         }
         for (p, words, above) in marks(played, report, &way) {
@@ -218,7 +220,7 @@ fn marks(played: &Played, report: &RunReport, way: &[Vector3<f64>]) -> Vec<(Vect
             marks.push((at(left), format!("event{which}: leaves at once"), false));
         } else {
             marks.push((at(line.event_s), format!("event{which}"), true));
-            marks.push((at(left), format!("leaves the path, and returns{which}"), false));
+            marks.push((at(left), format!("leaves and returns{which}"), false));
         }
     }
     let mut before: Option<HybridState> = None;
@@ -240,7 +242,7 @@ fn marks(played: &Played, report: &RunReport, way: &[Vector3<f64>]) -> Vec<(Vect
     // Names of the same place stand once, one after the other.
     let mut merged: Vec<(Vector3<f64>, String, bool)> = Vec::new();
     for (p, words, above) in marks {
-        match merged.iter_mut().find(|m| (m.0 - p).norm() < 1.0 && m.2 == above) {
+        match merged.iter_mut().find(|m| (m.0 - p).norm() < 15.0) {
             Some(m) if !m.1.contains(&words) => m.1 += &format!(", {words}"),
             Some(_) => {}
             None => merged.push((p, words, above)),

@@ -327,9 +327,8 @@ impl Display for RunReport {
             )?;
         }
         writeln!(f, "\n  {:<24}{:>20}{:>20}", "distance from the path", "setpoints [mm]", "simulated arm [mm]")?;
-        for (name, accuracy) in
-            [("before leaving it", self.accuracy_before), ("after resuming it", self.accuracy_after)]
-        {
+        let first = if self.excursions.is_empty() { "all the way" } else { "before leaving it" };
+        for (name, accuracy) in [(first, self.accuracy_before), ("after resuming it", self.accuracy_after)] {
             if let Some(a) = accuracy {
                 writeln!(f, "  {name:<24}{:>20.2e}{:>20.5}", a.setpoints_m * 1e3, a.simulated_arm_m * 1e3)?;
             }
