@@ -116,6 +116,6 @@ fn all_papers_are_reproduced_and_every_guarantee_holds() {
     }
     let run = desk.run(&["reproduce", "hs", "--markdown"]).done();
     let rows: Vec<&str> = run.stdout.lines().filter(|l| l.starts_with('|')).collect();
-    assert!(rows.len() > 15 && rows.iter().all(|r| r.matches(" |").count() >= 1), "{run:?}");
+    assert!(rows.len() > 15 && rows.iter().all(|r| r.matches('|').count() == 6), "{run:?}");
     assert!(run.stdout.contains("guarantees hold"), "{run:?}");
 }
