@@ -31,6 +31,7 @@ fn the_embedded_scenario_writes_trajectory_pictures_and_reports() {
     // The trajectory is what the report says: it ends at point 2 of table 8, and the simulated arm follows it with its lag.
     let rows = desk.trajectory::<6>("out");
     assert_eq!(rows.len() as u64, report["cycles"].as_u64().expect("a number") + 1);
+    #[allow(clippy::approx_constant, reason = "printed with four digits")]
     let end = [
         -1.5427,
         -1.6954 + std::f64::consts::FRAC_PI_2,
@@ -40,8 +41,8 @@ fn the_embedded_scenario_writes_trajectory_pictures_and_reports() {
         0.0281,
     ];
     let last = rows[rows.len() - 1];
-    for k in 0..6 {
-        assert!((last.q[k] - end[k]).abs() < 1e-9, "J{}: {} {}", k + 1, last.q[k], end[k]);
+    for (k, end) in end.into_iter().enumerate() {
+        assert!((last.q[k] - end).abs() < 1e-9, "J{}: {} {end}", k + 1, last.q[k]);
         assert_eq!((last.qd[k], last.qdd[k]), (0.0, 0.0));
     }
     let file = desk.folder.join("out/simulated.csv");

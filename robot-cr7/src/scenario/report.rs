@@ -62,7 +62,7 @@ pub struct RunReport {
 /// A stretch of time in one state.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct StateSpan {
-    /// The state, in words.
+    /// The state, in words; on the task path also "holding" and "stepping back".
     pub state: String,
     /// When it begins, s.
     pub from_s: f64,
@@ -199,9 +199,11 @@ impl<A: PathArm<6>> Stage<'_, A> {
     }
 }
 
-fn label(state: HybridState) -> String {
-    match state {
+fn label(cycle: &Cycle) -> String {
+    match cycle.state {
         HybridState::JointMove(point) => format!("joint move {}", point + 1),
+        HybridState::TaskPath if cycle.holding => "holding".to_owned(),
+        HybridState::TaskPath if cycle.setpoint.feed < 0.0 => "stepping back".to_owned(),
         other => other.name().to_owned(),
     }
 }
@@ -211,7 +213,7 @@ fn spans(played: &Played) -> Vec<StateSpan> {
     let mut before = 0.0;
     for cycle in &played.cycles {
         // The last cycle of a state brings the next one.
-        let (state, t) = (label(cycle.state), cycle.setpoint.t);
+        let (state, t) = (label(cycle), cycle.setpoint.t);
         match spans.last_mut() {
             Some(span) if span.state == state => span.to_s = t,
             _ => spans.push(StateSpan { state, from_s: before, to_s: t }),

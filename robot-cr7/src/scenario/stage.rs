@@ -24,15 +24,15 @@ pub struct Stage<'a, A> {
 }
 
 /// An event, with all that it needs.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct Order {
     pub when: When,
     pub what: What,
 }
 
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) enum What {
-    Command(Command),
+    Command(Box<Command>),
     /// The place depends on where the tool is by then.
     StepBackBy(f64),
 }
@@ -216,7 +216,7 @@ impl Scenario {
                 Action::Return => Command::Return,
                 Action::Stop => Command::Stop,
             };
-            orders.push(Order { when: event.when, what: What::Command(command) });
+            orders.push(Order { when: event.when, what: What::Command(Box::new(command)) });
         }
         Ok(orders)
     }
