@@ -1,9 +1,16 @@
 //! A paper's claims beside what this library measures, with the guarantees that must hold.
 
+mod all;
 mod hs;
+mod hs_live;
+#[cfg(feature = "plot")]
+mod hs_pictures;
 mod qb;
 
+pub use all::{Overview, PAPERS, Paper};
 pub use hs::liu_2024;
+#[cfg(feature = "plot")]
+pub use hs_pictures::{NamedPicture, liu_2024_pictures};
 pub use qb::{ScheduleFigures, huang_2025};
 
 use std::fmt;
@@ -47,7 +54,7 @@ pub struct Reproduction {
     pub claims: Vec<Claim>,
 }
 
-/// One figure of a paper, drawn anew: lines over time in s.
+/// One figure of a paper, drawn anew: lines over time or path length.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
     /// Name of its file.
@@ -56,7 +63,9 @@ pub struct Figure {
     pub title: &'static str,
     /// Conditions and results in words.
     pub facts: String,
-    /// Quantity and unit.
+    /// Quantity and unit of the horizontal axis.
+    pub across: &'static str,
+    /// Quantity and unit of the vertical axis.
     pub label: &'static str,
     /// The lines.
     pub lines: Vec<FigureLine>,
@@ -67,7 +76,7 @@ pub struct Figure {
 pub struct FigureLine {
     /// Name in the legend.
     pub name: String,
-    /// Time in s and value.
+    /// Place on the horizontal axis, and value.
     pub points: Vec<(f64, f64)>,
 }
 

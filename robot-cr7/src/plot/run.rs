@@ -15,12 +15,14 @@ const FAINT: RGBColor = RGBColor(215, 215, 215);
 const SHADOW: RGBColor = RGBColor(185, 185, 190);
 
 /// Names of the states with their colours.
-const STATES: [(&str, RGBColor); 7] = [
+const STATES: [(&str, RGBColor); 9] = [
     ("task path", PALETTE[0]),
     ("leaving", PALETTE[1]),
     ("joint move", PALETTE[2]),
     ("waiting", PALETTE[5]),
     ("returning", PALETTE[3]),
+    ("holding", RGBColor(150, 150, 150)),
+    ("stepping back", RGBColor(213, 94, 0)),
     ("stopping", LIMIT),
     ("done", PALETTE[4]),
 ];
@@ -88,11 +90,21 @@ fn space_picture<A: PathArm<6>>(
     let way: Vec<Vector3<f64>> = played.cycles().iter().map(tool).collect();
     let whole: Vec<Vector3<f64>> =
         (0..=400).map(|i| path.curve().point(path.length() * f64::from(i) / 400.0) * 1e3).collect();
-    let floor = |p: &Vector3<f64>| Vector3::new(p.x, p.y, 0.0);
     let mut all: Vec<Vector3<f64>> = way.iter().chain(&whole).copied().collect();
+    let sides = [0, 1, 2].map(|k| range(all.iter().map(|p| p[k])));
+    let size = sides.iter().fold(1.0, |a: f64, s| a.max(s.1 - s.0));
+    // A large motion stands over the base; a small one over a floor of its own, so that it fills the page.
+    let large = !report.excursions.is_empty() || size > 400.0;
+    let ground = Ground {
+        height: if large { 0.0 } else { sides[2].0 - 0.25 * size },
+        square: if size > 150.0 { 100.0 } else { 10.0 },
+    };
+    let floor = |p: &Vector3<f64>| Vector3::new(p.x, p.y, ground.height);
     let shadows: Vec<_> = all.iter().map(floor).collect();
     all.extend(shadows);
-    all.push(Vector3::zeros());
+    if large {
+        all.push(Vector3::zeros());
+    }
     let view = View::best(&all);
     let (x, y) = view.ranges(&all);
     let (x, y) = (widened(x, 0.09), widened(y, 0.09));
@@ -104,41 +116,59 @@ fn space_picture<A: PathArm<6>>(
         let (a, b) = view.flat(p);
         (24.0 + 0.5 * width + (a - middle.0) * scale, top + 0.5 * height - (b - middle.1) * scale)
     };
-    let facts = space_facts(report);
+    let facts = space_facts(report, ground.square);
     page(WIDTH, (top + height + 24.0) as u32, |canvas| {
         let used: Vec<_> = STATES
             .iter()
             .filter(|(name, _)| report.states.iter().any(|s| s.state.starts_with(name)))
-            .filter(|(name, _)| !matches!(*name, "waiting" | "done"))
+            .filter(|(name, _)| !matches!(*name, "waiting" | "holding" | "stepping back" | "done"))
             .map(|(name, colour)| (*name, Pen::solid(*colour, 2.4)))
             .collect();
         canvas.header(&format!("{}: way of the tool", report.path), &facts, &used)?;
-        grid(canvas, &all, &place)?;
+        grid(canvas, &all, &ground, &place)?;
         let shadow: Vec<_> = thin(way.iter().map(|p| place(&floor(p))));
         canvas.line(&shadow, Pen::solid(SHADOW, 1.2))?;
-        triad(canvas, &place)?;
+        if large {
+            triad(canvas, &place)?;
+        }
         let planned: Vec<_> = thin(whole.iter().map(&place));
-        canvas.line(&planned, Pen::solid(FAINT, 6.0))?;
+        canvas.line(&planned, Pen::solid(FAINT, 7.0))?;
         let mut from = 0;
         while from < way.len() {
             let state = played.cycles()[from].state;
             let same = |s: HybridState| std::mem::discriminant(&s) == std::mem::discriminant(&state);
             let to = (from..way.len()).find(|&i| !same(played.cycles()[i].state)).unwrap_or(way.len());
             let run = thin(way[from.saturating_sub(1)..to].iter().map(&place));
-            canvas.line(&run, Pen::solid(colour_of(state.name()), 2.4))?;
+            // The way back lies on the way there where it goes through the same points: a thin line on a wide one.
+            let returns = state == HybridState::Returning;
+            if returns {
+                canvas.line(&run, Pen::solid(RGBColor(255, 255, 255), 3.2))?;
+            }
+            let width = if returns { 1.8 } else { 4.6 };
+            canvas.line(&run, Pen::solid(colour_of(state.name()), width))?;
             from = to;
         }
         for (p, words, above) in marks(played, report, &way) {
             let at = place(&p);
             canvas.line(&[at, place(&floor(&p))], Pen { dashed: true, ..Pen::solid(SHADOW, 0.9) })?;
             dot(canvas, at)?;
-            canvas.text(&words, (at.0 + 9.0, at.1 + if above { -11.0 } else { 12.0 }), Anchor::Left)?;
+            let (x, y) = (at.0 + 9.0, at.1 + if above { -12.0 } else { 14.0 });
+            let end = x + 6.6 * words.chars().count() as f64;
+            let ground = [(x - 2.0, y - 8.0), (end, y - 8.0), (end, y + 8.0), (x - 2.0, y + 8.0)];
+            canvas.fill(&ground, RGBColor(255, 255, 255), 0.8)?;
+            canvas.text(&words, (x, y), Anchor::Left)?;
         }
         Ok(())
     })
 }
 
-fn space_facts(report: &RunReport) -> String {
+/// What the picture stands on, mm.
+struct Ground {
+    height: f64,
+    square: f64,
+}
+
+fn space_facts(report: &RunReport, square: f64) -> String {
     let mut facts = format!("{} s", number(report.duration_s));
     for way in &report.excursions {
         facts += &format!("; {} s to leave", number(way.time_to_leave_s));
@@ -149,7 +179,7 @@ fn space_facts(report: &RunReport) -> String {
             facts += &format!(", {} s to return", number(t));
         }
     }
-    facts + "; one square of the floor is 100 mm"
+    facts + &format!("; one square of the floor is {square} mm")
 }
 
 /// Points at least a third of a pixel apart.
@@ -177,16 +207,19 @@ fn dot(canvas: &Canvas<'_>, (x, y): (f64, f64)) -> Result<(), io::Error> {
     canvas.fill(&ring(4.0), RGBColor(40, 40, 40), 1.0)
 }
 
-/// The floor under the points, in squares of 100 mm.
+/// The floor under the points, in squares.
 fn grid(
     canvas: &Canvas<'_>,
     points: &[Vector3<f64>],
+    ground: &Ground,
     place: &impl Fn(&Vector3<f64>) -> (f64, f64),
 ) -> Result<(), io::Error> {
-    let steps = |(low, high): (f64, f64)| ((low / 100.0).floor() as i32, (high / 100.0).ceil() as i32);
+    let steps = |(low, high): (f64, f64)| ((low / ground.square).floor() as i32, (high / ground.square).ceil() as i32);
     let (x0, x1) = steps(range(points.iter().map(|p| p.x)));
     let (y0, y1) = steps(range(points.iter().map(|p| p.y)));
-    let at = |x: i32, y: i32| place(&Vector3::new(100.0 * f64::from(x), 100.0 * f64::from(y), 0.0));
+    let at = |x: i32, y: i32| {
+        place(&(Vector3::new(f64::from(x), f64::from(y), 0.0) * ground.square + Vector3::z() * ground.height))
+    };
     for x in (x0..=x1).take(60) {
         canvas.line(&[at(x, y0), at(x, y1)], Pen::solid(FAINT, 0.7))?;
     }
@@ -218,7 +251,7 @@ fn marks(played: &Played, report: &RunReport, way: &[Vector3<f64>]) -> Vec<(Vect
             marks.push((at(left), format!("event{which}: leaves at once"), false));
         } else {
             marks.push((at(line.event_s), format!("event{which}"), true));
-            marks.push((at(left), format!("leaves the path, and returns{which}"), false));
+            marks.push((at(left), format!("leaves and returns{which}"), false));
         }
     }
     let mut before: Option<HybridState> = None;
@@ -240,7 +273,7 @@ fn marks(played: &Played, report: &RunReport, way: &[Vector3<f64>]) -> Vec<(Vect
     // Names of the same place stand once, one after the other.
     let mut merged: Vec<(Vector3<f64>, String, bool)> = Vec::new();
     for (p, words, above) in marks {
-        match merged.iter_mut().find(|m| (m.0 - p).norm() < 1.0 && m.2 == above) {
+        match merged.iter_mut().find(|m| (m.0 - p).norm() < 15.0) {
             Some(m) if !m.1.contains(&words) => m.1 += &format!(", {words}"),
             Some(_) => {}
             None => merged.push((p, words, above)),
@@ -353,7 +386,7 @@ fn timeline_picture(report: &RunReport) -> Result<String, io::Error> {
             let refused = if event.refused.is_some() { " (refused)" } else { "" };
             canvas.text(&format!("{}", i + 1), (x, top - 9.0), Anchor::Middle)?;
             let words =
-                format!("{}   {:.3} s   at {} mm   {}{refused}", i + 1, event.t_s, number(event.s_m * 1e3), event.what);
+                format!("{}: {:.3} s, {} mm: {}{refused}", i + 1, event.t_s, number(event.s_m * 1e3), event.what);
             canvas.text(&words, (left, below + line * i as f64), Anchor::Left)?;
         }
         Ok(())
@@ -396,7 +429,7 @@ fn feed_picture<A: PathArm<6>>(stage: &Stage<'_, A>, played: &Played, report: &R
     page(WIDTH, if any_off { 660 } else { 480 }, |canvas| {
         let pens: Vec<_> = lines.iter().map(|(name, _, pen)| (*name, *pen)).collect();
         canvas.header(&format!("{}: feed", report.path), &facts, &pens)?;
-        let y = (0.0, 1.15 * highest.max(1e-6));
+        let y = (1.15 * range(lines[3].1.iter().map(|p| p.1)).0.min(0.0), 1.15 * highest.max(1e-6));
         let panel = Panel { left: LEFT, right: RIGHT, top: 84.0, bottom: 400.0, x: t, y };
         panel.axes(canvas, (!any_off).then_some("time t [s]"), "feed on the path [mm/s]")?;
         band(canvas, &panel, report)?;

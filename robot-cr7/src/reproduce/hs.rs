@@ -1,4 +1,4 @@
-//! Liu et al. 2024: motion from state to state, online feed rate, and projection on the error.
+//! Liu et al. 2024: motion from state to state, online feed rate, projection on the error, and both spaces together.
 
 use std::time::Instant;
 
@@ -11,6 +11,7 @@ use arcfeed_sync::{
     SyncError, Synchronisation, Trajectory,
 };
 
+use super::hs_live::{table_6, table_8};
 use super::{Figure, FigureLine, Reproduction};
 
 type V6 = SVector<f64, 6>;
@@ -22,8 +23,8 @@ const SLACK: f64 = 1e-9;
 /// The paper's controller samples every 2 ms.
 const PERIOD: f64 = 2e-3;
 
-/// Tables 3, 4, 5 and 7 of Liu et al. 2024, "online trajectory generation in task and joint spaces" (Actuators 13, 108), beside ours, and
-/// the figures that belong to them (5, 7, 9, 13).
+/// Tables 3 to 8 of Liu et al. 2024, "online trajectory generation in task and joint spaces" (Actuators 13, 108), beside ours, and
+/// the figures that belong to them (5, 7, 9, 11 to 14; those that are more than lines come from `liu_2024_pictures`).
 pub fn liu_2024() -> (Reproduction, Vec<Figure>) {
     let mut r = Reproduction {
         paper:
@@ -37,7 +38,9 @@ pub fn liu_2024() -> (Reproduction, Vec<Figure>) {
         ("Table 3", table_3(&mut r, &mut figures).map_err(|e| e.to_string())),
         ("Table 4", table_4(&mut r, &mut figures).map_err(|e| e.to_string())),
         ("Table 5", table_5(&mut r, &mut figures).map_err(|e| e.to_string())),
+        ("Table 6", table_6(&mut r, &mut figures).map_err(|e| e.to_string())),
         ("Table 7", table_7(&mut r, &mut figures).map_err(|e| e.to_string())),
+        ("Table 8", table_8(&mut r, &mut figures).map_err(|e| e.to_string())),
     ];
     for (place, outcome) in outcomes {
         if let Err(message) = outcome {
@@ -118,6 +121,7 @@ fn table_3(r: &mut Reproduction, figures: &mut Vec<Figure>) -> Result<(), FeedEr
                 "limits change at 3 and 6 s; ends exactly at s = {}, v = {}, a = {}",
                 last.p, last.v, last.a
             ),
+            across: "time t [s]",
             label,
             lines: vec![FigureLine { name: "ours".into(), points: run.iter().map(|(t, s)| (*t, value(s))).collect() }],
         });
@@ -175,6 +179,7 @@ fn table_4(r: &mut Reproduction, figures: &mut Vec<Figure>) -> Result<(), SyncEr
         file: "figure_7a_velocity.svg",
         title: "Figure 7a: each joint as fast as it can",
         facts: "table 4, limits 10 rad/s, 100 rad/s², 1000 rad/s³".into(),
+        across: "time t [s]",
         label: "velocity [rad/s]",
         lines: velocity(&|k, t| alone[k].at(t).v, &|k| alone[k].duration()),
     });
@@ -182,6 +187,7 @@ fn table_4(r: &mut Reproduction, figures: &mut Vec<Figure>) -> Result<(), SyncEr
         file: "figure_7b_velocity.svg",
         title: "Figure 7b: all joints arrive together",
         facts: format!("table 4, {common:.6} s"),
+        across: "time t [s]",
         label: "velocity [rad/s]",
         lines: velocity(&|k, t| together.at(t).qd[k], &|_| common),
     });
@@ -266,7 +272,7 @@ fn joint_figure(
         points: run.iter().map(|(t, s)| (*t, q(s)[k])).collect(),
     });
     let facts = format!("projection on the error, {:.4} s", run[run.len() - 1].0);
-    Figure { file, title, facts, label, lines: lines.collect() }
+    Figure { file, title, facts, across: "time t [s]", label, lines: lines.collect() }
 }
 
 fn table_5(r: &mut Reproduction, figures: &mut Vec<Figure>) -> Result<(), SyncError> {
@@ -327,6 +333,7 @@ fn table_5(r: &mut Reproduction, figures: &mut Vec<Figure>) -> Result<(), SyncEr
         file: "figure_9b_position.svg",
         title: "Figure 9b: tool position",
         facts: "a straight line, one axis of rotation; limits 0.5 m/s, 1.5 rad/s".into(),
+        across: "time t [s]",
         label: "position [m]",
         lines,
     });

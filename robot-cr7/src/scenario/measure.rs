@@ -111,6 +111,10 @@ pub(super) fn accuracy<'c, A: PathArm<6>>(
         let (w, drive) = worst.get_or_insert((0.0, 0.0));
         let tool = |q: &Joints<6>| stage.arm.forward(q).translation.vector;
         *w = w.max((tool(&p.q) - path.pose(p.s).translation.vector).norm());
+        if slowest == 0.0 {
+            *drive = *w;
+            continue;
+        }
         let reach = 1e-4 + 8.0 * slowest * p.feed.abs();
         *drive = drive.max(nearest(stage, &tool(&cycle.joints), p.s, reach));
     }

@@ -29,6 +29,8 @@ pub struct Cycle {
     pub state: HybridState,
     /// Whether the tool is on the path.
     pub on_path: bool,
+    /// Whether it was told to hold, and stands.
+    pub holding: bool,
     /// The joints of the simulated arm at its end, rad.
     pub joints: Joints<6>,
     /// Their velocities, rad/s; 0 for a drive without lag.
@@ -146,8 +148,8 @@ impl<A: PathArm<6>> Stage<'_, A> {
                 latest = latest.max(behind);
             }
             let due = self.orders.get(given.len()).filter(|order| self.is_due(order, cycle, &motion, stood));
-            let command = due.map_or(Command::None, |order| match order.what {
-                What::Command(command) => command,
+            let command = due.map_or(Command::None, |order| match &order.what {
+                What::Command(command) => **command,
                 What::StepBackBy(way) => Command::StepBack((motion.feed().position() - way).max(0.0)),
             });
             let before = Instant::now();
@@ -166,6 +168,7 @@ impl<A: PathArm<6>> Stage<'_, A> {
                 setpoint: step.setpoint,
                 state: step.state,
                 on_path: step.on_path,
+                holding: step.holding,
                 joints,
                 velocity: drive.velocity(),
                 following_error: drive.following_error(),

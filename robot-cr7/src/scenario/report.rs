@@ -64,7 +64,7 @@ pub struct RunReport {
 /// A stretch of time in one state.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct StateSpan {
-    /// The state, in words.
+    /// The state, in words; on the task path also "holding" and "stepping back".
     pub state: String,
     /// When it begins, s.
     pub from_s: f64,
@@ -217,9 +217,11 @@ impl<A: PathArm<6>> Stage<'_, A> {
     }
 }
 
-fn label(state: HybridState) -> String {
-    match state {
+fn label(cycle: &Cycle) -> String {
+    match cycle.state {
         HybridState::JointMove(point) => format!("joint move {}", point + 1),
+        HybridState::TaskPath if cycle.holding => "holding".to_owned(),
+        HybridState::TaskPath if cycle.setpoint.feed < 0.0 => "stepping back".to_owned(),
         other => other.name().to_owned(),
     }
 }
@@ -229,7 +231,7 @@ fn spans(played: &Played) -> Vec<StateSpan> {
     let mut before = 0.0;
     for cycle in &played.cycles {
         // The last cycle of a state brings the next one.
-        let (state, t) = (label(cycle.state), cycle.setpoint.t);
+        let (state, t) = (label(cycle), cycle.setpoint.t);
         match spans.last_mut() {
             Some(span) if span.state == state => span.to_s = t,
             _ => spans.push(StateSpan { state, from_s: before, to_s: t }),
@@ -366,9 +368,8 @@ impl Display for RunReport {
             writeln!(f, "\n  went round {from} to {to} mm, {off} mm off the path at most, in {time} s: {}", way.why)?;
         }
         writeln!(f, "\n  {:<24}{:>20}{:>20}", "distance from the path", "setpoints [mm]", "simulated arm [mm]")?;
-        for (name, accuracy) in
-            [("before leaving it", self.accuracy_before), ("after resuming it", self.accuracy_after)]
-        {
+        let first = if self.excursions.is_empty() { "all the way" } else { "before leaving it" };
+        for (name, accuracy) in [(first, self.accuracy_before), ("after resuming it", self.accuracy_after)] {
             if let Some(a) = accuracy {
                 writeln!(f, "  {name:<24}{:>20.2e}{:>20.5}", a.setpoints_m * 1e3, a.simulated_arm_m * 1e3)?;
             }

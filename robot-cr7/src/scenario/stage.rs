@@ -24,16 +24,15 @@ pub struct Stage<'a, A> {
 }
 
 /// An event, with all that it needs.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct Order {
     pub when: When,
     pub what: What,
 }
 
-#[derive(Debug, Clone, Copy)]
-#[allow(clippy::large_enum_variant, reason = "a handful of events, each given by value to the motion")]
+#[derive(Debug, Clone)]
 pub(super) enum What {
-    Command(Command),
+    Command(Box<Command>),
     /// The place depends on where the tool is by then.
     StepBackBy(f64),
 }
@@ -223,7 +222,7 @@ impl Scenario {
                 Action::Return => Command::Return,
                 Action::Stop => Command::Stop,
             };
-            orders.push(Order { when: event.when, what: What::Command(command) });
+            orders.push(Order { when: event.when, what: What::Command(Box::new(command)) });
         }
         Ok(orders)
     }
