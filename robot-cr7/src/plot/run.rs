@@ -142,9 +142,9 @@ fn space_picture<A: PathArm<6>>(
             // The way back lies on the way there where it goes through the same points: a thin line on a wide one.
             let returns = state == HybridState::Returning;
             if returns {
-                canvas.line(&run, Pen::solid(RGBColor(255, 255, 255), 3.2))?;
+                canvas.line(&run, Pen::solid(RGBColor(255, 255, 255), 4.2))?;
             }
-            let width = if returns { 1.8 } else { 4.6 };
+            let width = if returns { 2.0 } else { 7.0 };
             canvas.line(&run, Pen::solid(colour_of(state.name()), width))?;
             from = to;
         }
