@@ -78,7 +78,7 @@ pub use error::FeedError;
 pub use grid_plan::{GridCursor, GridPlan};
 pub use jerk_limited::JerkLimited;
 pub use limits::MotionLimits;
-pub use live::{FeedSection, LiveCurve, LiveFeed, LiveStatus, LiveStep, MAX_SECTIONS};
+pub use live::{LiveCurve, LiveFeed, LiveSection, LiveStatus, LiveStep, MAX_SECTIONS};
 pub use online::{Adoption, FeedLimits, FeedScheduler, FeedStatus, FeedStep};
 pub use plan::{Cursor, SpeedPlan};
 pub use problem::{FeedPlanner, FeedProblem};

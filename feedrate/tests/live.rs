@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use arcfeed_feedrate::{FeedSection, LiveCurve, LiveFeed, LiveStatus, LiveStep, MotionState};
+use arcfeed_feedrate::{LiveCurve, LiveFeed, LiveSection, LiveStatus, LiveStep, MotionState};
 use proptest::prelude::*;
 
 /// What an operator does in a cycle.
@@ -126,7 +126,7 @@ proptest! {
                     Act::Back(part) => feed.step_back(part * feed.position()).expect("valid"),
                     Act::Section(s, l, v) => {
                         let from = s * scenario.length;
-                        feed.set_sections(&[FeedSection { from, to: from + l * scenario.length, feed: v }]).expect("valid");
+                        feed.set_sections(&[LiveSection { from, to: from + l * scenario.length, feed: v }]).expect("valid");
                     }
                 }
             }

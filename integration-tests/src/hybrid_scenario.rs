@@ -1,7 +1,7 @@
 //! Random scenarios for motion in both spaces, by seed: a random smooth path in the workspace of an arm, random limits, and an operator
 //! who does random things at random cycles. Every cycle is held against every limit with nothing but the setpoints.
 
-use arcfeed_feedrate::FeedSection;
+use arcfeed_feedrate::LiveSection;
 use arcfeed_geometry::{ArcLengthCurve, NurbsCurve, OrientationPath, PosePath};
 use arcfeed_interp::{
     Command, Excursion, HybridMotion, HybridState, HybridStep, LeaveBy, LivePath, Planner, Setpoint, ToolLimits,
@@ -113,7 +113,7 @@ impl Stage {
             2 => Command::Feed(r.log(0.005, 0.6)),
             3 => {
                 let from = r.between(0.0, length);
-                Command::Section(FeedSection {
+                Command::Section(LiveSection {
                     from,
                     to: from + r.between(0.01, 0.5) * length,
                     feed: r.log(0.005, 0.3),

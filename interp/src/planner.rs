@@ -262,8 +262,8 @@ where
         let begin = Instant::now();
         let knots = path.knots();
         let feed = Feeds { elsewhere: self.tool.feed, sections: &sections }.highest();
-        // Chord segments matter to the scan that stops accelerating at each of them.
-        let mut places = if matches!(self.scan, Scan::PerSegment { .. }) { breaks.clone() } else { Vec::new() };
+        // Chord segments matter to the scans, which know one box for each interval.
+        let mut places = if self.scan == Scan::JerkLimited { Vec::new() } else { breaks.clone() };
         places.extend(sections.iter().flat_map(|section| [section.from, section.to]));
         let grid = grid::build(&path, &knots, &places, &self.tool.at_feed(feed));
         sections::snap(&mut sections, &grid);

@@ -1,7 +1,7 @@
 //! The motion along a live curve, cycle by cycle.
 
 use super::curve::{LiveCurve, ROOM};
-use super::sections::{FeedSection, Feeds};
+use super::sections::{Feeds, LiveSection};
 use crate::error::{FeedError, finite, not_negative, positive};
 use crate::online::{FeedLimits, FeedScheduler, FeedStatus};
 use crate::scurve::change::SpeedChange;
@@ -157,7 +157,7 @@ impl<'a> LiveFeed<'a> {
     ///
     /// # Errors
     /// [`FeedError::AboveLimit`] for too many, [`FeedError::NotFinite`], [`FeedError::NotPositive`], [`FeedError::BelowLimit`].
-    pub fn set_sections(&mut self, sections: &[FeedSection]) -> Result<(), FeedError> {
+    pub fn set_sections(&mut self, sections: &[LiveSection]) -> Result<(), FeedError> {
         self.braking_for = None;
         self.feeds.set_sections(sections)
     }

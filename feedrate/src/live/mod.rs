@@ -20,4 +20,4 @@ mod sections;
 
 pub use curve::LiveCurve;
 pub use feed::{LiveFeed, LiveStatus, LiveStep};
-pub use sections::{FeedSection, MAX_SECTIONS};
+pub use sections::{LiveSection, MAX_SECTIONS};

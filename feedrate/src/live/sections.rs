@@ -7,7 +7,7 @@ pub const MAX_SECTIONS: usize = 16;
 
 /// A stretch of a path on which another feed is asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FeedSection {
+pub struct LiveSection {
     /// Where it begins (m).
     pub from: f64,
     /// Where it ends (m).
@@ -20,13 +20,13 @@ pub struct FeedSection {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Feeds {
     base: f64,
-    sections: [FeedSection; MAX_SECTIONS],
+    sections: [LiveSection; MAX_SECTIONS],
     count: usize,
 }
 
 impl Feeds {
     pub fn new(base: f64) -> Result<Self, FeedError> {
-        let none = FeedSection { from: 0.0, to: 0.0, feed: 0.0 };
+        let none = LiveSection { from: 0.0, to: 0.0, feed: 0.0 };
         Ok(Self { base: positive("feed", base)?, sections: [none; MAX_SECTIONS], count: 0 })
     }
 
@@ -39,7 +39,7 @@ impl Feeds {
         self.base
     }
 
-    pub fn set_sections(&mut self, sections: &[FeedSection]) -> Result<(), FeedError> {
+    pub fn set_sections(&mut self, sections: &[LiveSection]) -> Result<(), FeedError> {
         if sections.len() > MAX_SECTIONS {
             let (value, limit) = (sections.len() as f64, MAX_SECTIONS as f64);
             return Err(FeedError::AboveLimit { what: "number of feed sections", value, limit });
@@ -73,7 +73,7 @@ impl Feeds {
         self.list().iter().filter(move |section| section.to > s).map(|section| (section.to, self.at(section.to)))
     }
 
-    fn list(&self) -> &[FeedSection] {
+    fn list(&self) -> &[LiveSection] {
         &self.sections[..self.count]
     }
 }

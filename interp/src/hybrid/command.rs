@@ -1,6 +1,6 @@
 //! What the motion is told.
 
-use arcfeed_feedrate::FeedSection;
+use arcfeed_feedrate::LiveSection;
 use arcfeed_kinematics::Joints;
 
 use super::state::HybridError;
@@ -59,7 +59,7 @@ pub enum Command<const N: usize = 6> {
     /// Feed override, 1 for 100 %; 0 holds.
     Override(f64),
     /// A feed of its own on a stretch of the path, besides those set before.
-    Section(FeedSection),
+    Section(LiveSection),
     /// No more stretches with feeds of their own.
     ClearSections,
     /// Brake and stay, on the path or in joint space.

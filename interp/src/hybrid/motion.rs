@@ -1,6 +1,6 @@
 //! The executor: one step a cycle.
 
-use arcfeed_feedrate::{FeedSection, LiveFeed, LiveStatus, MAX_SECTIONS, MotionState};
+use arcfeed_feedrate::{LiveFeed, LiveSection, LiveStatus, MAX_SECTIONS, MotionState};
 use arcfeed_kinematics::Joints;
 
 use super::command::{Command, Excursion, LeaveBy, MAX_POINTS};
@@ -63,7 +63,7 @@ pub struct HybridMotion<'a, A: ?Sized, const N: usize = 6> {
     /// Parts of the path after this one, each reached through joint space.
     ahead: &'a [LivePath<N>],
     feed: LiveFeed<'a>,
-    sections: [FeedSection; MAX_SECTIONS],
+    sections: [LiveSection; MAX_SECTIONS],
     section_count: usize,
     joints: JointSpace<N>,
     state: HybridState,
@@ -106,7 +106,7 @@ where
         let feed = LiveFeed::new(live.curve(), live.period(), feed)?;
         let start = live.joint_path().nodes()[0];
         let joints = JointSpace::new(live.joints(), live.period(), &start.q)?;
-        let none = FeedSection { from: 0.0, to: 0.0, feed: 0.0 };
+        let none = LiveSection { from: 0.0, to: 0.0, feed: 0.0 };
         let still = Joints::zeros();
         let pose = live.path().jet(start.s).pose;
         let last = Setpoint {
@@ -217,7 +217,7 @@ where
         HybridError::NotNow { command, state: self.state.name(), rule }
     }
 
-    fn add_section(&mut self, section: FeedSection) -> Result<(), HybridError> {
+    fn add_section(&mut self, section: LiveSection) -> Result<(), HybridError> {
         let mut all = self.sections;
         let Some(place) = all.get_mut(self.section_count) else {
             let (value, limit) = ((MAX_SECTIONS + 1) as f64, MAX_SECTIONS as f64);

@@ -20,7 +20,7 @@ mod stage;
 
 use std::path::PathBuf;
 
-use arcfeed_feedrate::FeedSection;
+use arcfeed_feedrate::LiveSection;
 use arcfeed_interp::{LeaveBy, SingularityPolicy};
 use nalgebra::Isometry3;
 
@@ -103,7 +103,7 @@ enum When {
 enum Action {
     Feed(f64),
     Override(f64),
-    Section(FeedSection),
+    Section(LiveSection),
     ClearSections,
     Hold,
     Resume,

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use arcfeed_feedrate::FeedSection;
+use arcfeed_feedrate::LiveSection;
 use arcfeed_interp::{Command, DriveLag, HybridMotion, HybridState, HybridStep, PathArm, PlanError, Setpoint};
 use arcfeed_kinematics::Joints;
 use serde::Serialize;
@@ -98,7 +98,7 @@ impl Played {
 struct Asked {
     feed: f64,
     factor: f64,
-    sections: Vec<FeedSection>,
+    sections: Vec<LiveSection>,
 }
 
 impl Asked {

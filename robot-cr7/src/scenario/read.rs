@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use arcfeed_feedrate::{FeedSection, MAX_SECTIONS};
+use arcfeed_feedrate::{LiveSection, MAX_SECTIONS};
 use arcfeed_interp::{LeaveBy, MAX_POINTS, SingularityPolicy};
 use nalgebra::{Isometry3, Translation3};
 
@@ -258,7 +258,7 @@ fn event_of(check: &Check<'_>, i: usize, raw: &RawEvent) -> Result<Event, InputE
                 let rule = "a section ends behind its start";
                 return Err(check.wrong(&key("to_mm"), value, rule, "raise to_mm"));
             }
-            Action::Section(FeedSection { from, to, feed: feed()? })
+            Action::Section(LiveSection { from, to, feed: feed()? })
         }
         RawAction::ClearSections => Action::ClearSections,
         RawAction::Hold => Action::Hold,
