@@ -5,7 +5,11 @@
 
 use std::time::Instant;
 
+use integration_tests::counting::Counting;
 use integration_tests::hybrid_scenario::Stage;
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
 
 fn main() {
     let mut arguments = std::env::args().skip(1).map(|text| text.parse::<u64>());
@@ -23,7 +27,7 @@ fn main() {
             refused += 1;
             continue;
         };
-        match ready.play(seed) {
+        match ready.play(seed, Counting::count) {
             Ok(result) => {
                 played += 1;
                 cycles += result.cycles;

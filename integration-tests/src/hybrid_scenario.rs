@@ -138,11 +138,11 @@ impl Stage {
         }
     }
 
-    /// Plays the scenario that belongs to `seed`.
+    /// Plays the scenario that belongs to `seed`; `allocations` counts those of this thread, which no step may add to.
     ///
     /// # Errors
     /// What went wrong, and in which cycle.
-    pub fn play(&self, seed: u64) -> Result<Played, String> {
+    pub fn play(&self, seed: u64, allocations: impl Fn() -> usize) -> Result<Played, String> {
         let r = &mut Random::new(seed);
         let feed = r.log(0.01, 0.5);
         let mut motion = HybridMotion::new(&self.arm, &self.live, feed).map_err(|e| e.to_string())?;
@@ -171,7 +171,11 @@ impl Stage {
                 }
                 _ => Command::None,
             };
+            let before = allocations();
             let step = motion.step(&command);
+            if allocations() != before {
+                return Err(format!("cycle {cycle}, state {:?}: the step allocates", step.state));
+            }
             watch.look(&step).map_err(|what| format!("cycle {cycle}, state {:?}: {what}", step.state))?;
             played.left_path |= !step.on_path;
             match step.state {

@@ -221,10 +221,15 @@ pub fn jacobian(args: &JacobianArgs) -> Result<(), Failure> {
     let robot = args.robot.load()?;
     let q = args.angles.of(&robot)?;
     let at = robot.any().dexterity(&q).map_err(undoable)?;
+    let near = robot.any().nearest_singular_pose(&q).map_err(undoable)?;
     if args.json {
         let object = serde_json::json!({
             "columns": at.jacobian, "smallest_singular_value": at.sigma_min, "condition": at.condition,
             "manipulability": at.manipulability, "nearest_singularity": at.singularities.map(|d| d.nearest.to_string()),
+            "nearest_singular_pose": near.as_ref().map(|pose| serde_json::json!({
+                "joints_rad": pose.q, "distance_rad": pose.distance, "kind": pose.kind.map(|kind| kind.to_string()),
+                "lost_direction": pose.lost,
+            })),
         });
         say!("{object}");
         return Ok(());
@@ -235,6 +240,11 @@ pub fn jacobian(args: &JacobianArgs) -> Result<(), Failure> {
         say!("  {name:<3}{cells}");
     }
     print_dexterity(&at);
+    if let Some(pose) = near {
+        let joints: String = pose.q.iter().map(|q| format!(" {:.3}", q.to_degrees())).collect();
+        let kind = pose.kind.map_or("of no named kind".to_owned(), |kind| kind.to_string());
+        say!("               singular pose {:.3} deg away ({kind}):{joints} deg", pose.distance.to_degrees());
+    }
     Ok(())
 }
 
