@@ -104,7 +104,7 @@ fn check(curve: &LiveCurve, period: f64, before: MotionState, step: &LiveStep) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 300, max_shrink_iters: 200, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 200, max_shrink_iters: 200, ..ProptestConfig::default() })]
 
     #[test]
     fn keeps_every_bound_whatever_the_operator_does(scenario in scenario()) {

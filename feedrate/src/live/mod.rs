@@ -16,6 +16,8 @@
 
 mod curve;
 mod feed;
+mod follow;
+mod landing;
 mod sections;
 
 pub use curve::LiveCurve;
