@@ -1,15 +1,14 @@
 //! What speed planning along a path costs: six joints, velocity and acceleration (and jerk), rows included.
 //!
-//! N intervals of the spline through 20 way-points on a 2-core AMD EPYC VM with other work on both cores: least of many runs up
-//! to N = 1000, of a few runs above, where the work around makes it up to 2.5 times what an idle core needs:
+//! N intervals of the spline through 20 way-points, medians on an idle 2-core AMD EPYC VM (the last line: single runs on a loaded one):
 //!
-//! | N | rows alone | both ends | reachability | certified | jerk-limited |
-//! |---|---|---|---|---|---|
-//! | 100 | 4.1 us | 9.4 us | 16 us | 0.13 ms | 1.6 ms |
-//! | 1000 | 39 us | 90 us | 0.13 ms | 1.2 ms | 15 ms |
-//! | 10 000 | 0.39 ms | 0.89 ms | 1.3 ms | 12 ms | 0.27 s |
-//! | 100 000 | 60 ms | 70 ms | 90 ms | 0.53 s | 5.4 s |
-//! | 1 000 000 | 0.77 s | 1.2 s | 1.3 s | 6.5 s | refused |
+//! | N | both ends | reachability | certified | jerk-limited |
+//! |---|---|---|---|---|
+//! | 100 | 11.4 us | 19.2 us | 0.16 ms | 1.6 ms |
+//! | 1000 | 111 us | 174 us | 1.5 ms | 18.6 ms |
+//! | 10 000 | 1.08 ms | 1.50 ms | 19 ms | 0.25 s |
+//! | 100 000 | 34 ms | 37 ms | 0.18 s | 4.1 s |
+//! | 1 000 000 | 1.2 s | 1.3 s | 6.5 s | refused |
 //!
 //! Per interval the work of rows and scans is constant; what makes 100 000 intervals dearer is memory, 39 MB of rows that the system hands
 //! out page by page. The jerk-limited planner needs 13 iterations for 1000 intervals, 15 for 10 000 and 23 for 100 000 here.

@@ -2,6 +2,8 @@
 //!
 //! A cycle is the speed under the limit curve, the pose on the path, the inverse kinematics and three derivatives of six joints. Besides the
 //! mean that criterion gives, the times of all cycles of one motion are sorted: median, 99th percentile, worst.
+//!
+//! On an idle 2-core AMD EPYC VM: median 1.8 us, 99 % 2.9 us, 99.9 % 3.2 to 6.2 us, worst 25 to 38 us of 16 690 cycles; ready in 0.19 s.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};

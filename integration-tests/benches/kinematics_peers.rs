@@ -4,15 +4,15 @@
 //!
 //! | KR 6 R700 | arcfeed | rs-opw-kinematics 3.0.0 | k 0.32.0 |
 //! |---|---|---|---|
-//! | forward | 104 ns | 162 ns | 369 ns |
-//! | forward and Jacobian | 136 ns | | 1.08 us |
-//! | all inverse solutions | 0.67 us | 3.61 us | |
-//! | torque (Newton-Euler) | 218 ns | | |
-//! | mass matrix | 260 ns | | |
-//! | all torque coefficients along a path | 0.57 us | | |
+//! | forward | 78 ns | 161 ns | 356 ns |
+//! | forward and Jacobian | 121 ns | | 1.08 us |
+//! | all inverse solutions | 0.73 us | 3.53 us | |
+//! | torque (Newton-Euler) | 220 ns | | |
+//! | mass matrix | 274 ns | | |
+//! | all torque coefficients along a path | 0.59 us | | |
 //!
-//! All solutions of the Puma 560 0.74 us, of the UR5e 0.58 us. The Panda's inverse from a seed 0.01 rad away: 1.63 us to
-//! 1e-11 m and rad, k 22 us to 1e-3 m and 5e-3 rad.
+//! All solutions of the Puma 560 0.79 us, of the UR5e 0.62 us. The Panda's inverse from a seed 0.01 rad away: 1.57 us to
+//! 1e-11 m and rad, k 21 us to 1e-3 m and 5e-3 rad.
 
 use arcfeed_kinematics::{
     AnalyticInverse, ArmDynamics, Dynamics, ForwardKinematics, InverseKinematics, JointRange, Joints, models,

@@ -4,11 +4,11 @@
 //!
 //! | | |
 //! |---|---|
-//! | arc-length map of the butterfly, to 1e-12 mm | 0.73 ms |
+//! | arc-length map of the butterfly, to 1e-12 mm | 0.70 ms |
 //! | choice of the start (all branches walked) | 2.2 ms |
-//! | plan without verification, scanned: 1174 chord segments, joint path, four scans | 10.2 ms |
-//! | plan without verification, jerk-limited, on 1192 intervals, with other work on both cores | 166 ms |
-//! | verification of 5.8 s of motion on eight samples per cycle | 88 ms |
+//! | plan without verification, scanned: 1174 chord segments, joint path, four scans | 13.9 ms |
+//! | plan without verification, jerk-limited, on 1192 intervals | 155 ms |
+//! | verification of 5.8 s of motion on eight samples per cycle | 91 ms |
 //! | one cycle of sampling with inverse kinematics | 1.52 us |
 //! | one S-profile | 56 ns |
 

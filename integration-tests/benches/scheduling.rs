@@ -1,14 +1,13 @@
 //! Speed planning beside COPP 0.2 and clarabel 0.11 in one run: six joints, velocity and acceleration (and jerk), from
 //! the path's derivatives to squared speeds, rows included (COPP evaluates the derivatives itself, six sines a point).
 //!
-//! Least of the samples of two runs on a 2-core AMD EPYC VM which other work loaded four times over. What takes less than a few
-//! milliseconds so is what an idle core needs; the longer ones never had a core to themselves. Medians were 2 to 2.5 times that:
+//! Medians on an idle 2-core AMD EPYC VM:
 //!
 //! | N | both ends | reachability | COPP reachability | certified | jerk-limited | COPP third order, one program | clarabel | clarabel with jerk |
 //! |---|---|---|---|---|---|---|---|---|
-//! | 100 | 9.3 us | 14 us | 118 us | 0.12 ms | 1.6 ms | 29 ms | 32 ms | 0.17 s |
-//! | 500 | 44 us | 64 us | 538 us | 0.63 ms | 5.6 ms | 281 ms | 201 ms | 1.6 s |
-//! | 1000 | 90 us | 128 us | 999 us | 1.7 ms | 13 ms | 857 ms | 346 ms | 2.3 s |
+//! | 100 | 10.2 us | 15.3 us | 129 us | 0.14 ms | 1.4 ms | 24 ms | 26 ms | 0.16 s |
+//! | 500 | 48.6 us | 69.6 us | 595 us | 0.66 ms | 6.9 ms | 203 ms | 137 ms | 1.1 s |
+//! | 1000 | 99.2 us | 140 us | 1154 us | 1.39 ms | 13.1 ms | 477 ms | 282 ms | 2.5 s |
 //!
 //! Durations at N = 1000: reachability 13.63565 s by both, clarabel's optimum the same, certified 13.63201 s; jerk-limited 13.73663 s,
 //! clarabel in sequence (up to eight programs of the same rows) 13.73614 s, COPP 13.78687 s after two programs (which do not keep

@@ -1,18 +1,17 @@
 //! What scheduling between poses costs, from two poses to a plan: the composite motion of Table 3 of Electronics 2025, 14,
 //! 3869 under velocity, acceleration and torque limits (the paper: 5.63 ms, grid not stated).
 //!
-//! On a 2-core AMD EPYC VM that other work loaded several times over, best of 60 runs; medians of the same hour are 2 to 3 times
-//! that (both ends at N = 100: 0.59 ms):
+//! Medians on an idle 2-core AMD EPYC VM:
 //!
 //! | N | both ends | reachability | certified |
 //! |---|---|---|---|
-//! | 100 | 0.27 ms | 0.41 ms | 0.88 ms |
-//! | 200 | 0.55 ms | 0.83 ms | 1.7 ms |
-//! | 500 | 1.3 ms | 2.0 ms | 4.6 ms |
-//! | 1000 | 2.5 ms | 3.9 ms | 10 ms (median) |
+//! | 100 | 0.29 ms | 0.44 ms | 0.89 ms |
+//! | 200 | 0.56 ms | 0.85 ms | 1.8 ms |
+//! | 500 | 1.4 ms | 2.2 ms | 4.3 ms |
+//! | 1000 | 2.7 ms | 4.0 ms | 9.4 ms |
 //!
 //! Of the 2.5 us a point both ends takes, the inverse kinematics has 1.0, path derivatives 0.5, torque terms 0.5, rows and scan
-//! the rest. Jerk-limited at N = 1000: 38 ms (median).
+//! the rest. Jerk-limited at N = 1000: 33 ms.
 #![allow(missing_docs)]
 use std::hint::black_box;
 
