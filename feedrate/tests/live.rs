@@ -66,21 +66,38 @@ fn scenario() -> impl Strategy<Value = Scenario> {
 }
 
 impl Scenario {
-    fn curve(&self) -> LiveCurve {
-        let grid: Vec<f64> = (0..=POINTS).map(|i| self.length * i as f64 / POINTS as f64).collect();
+    fn caps(&self) -> Vec<f64> {
         let cap = |i: usize| {
             let x = (i as f64 + 0.5) / POINTS as f64;
             let sum: f64 = self.waves.iter().map(|&(size, n, phase)| size * (TAU * n * x + phase).sin()).sum();
             0.15 * (1.0 + sum).max(0.05)
         };
-        let caps: Vec<f64> = (0..POINTS).map(cap).collect();
+        (0..POINTS).map(cap).collect()
+    }
+
+    /// The cap at `p`, without the curve's help.
+    fn cap_at(&self, caps: &[f64], p: f64) -> f64 {
+        let i = (p / self.length * POINTS as f64).floor();
+        // A place on a border to within rounding may be in either interval.
+        let near = |i: f64| caps[(i.max(0.0) as usize).min(POINTS - 1)];
+        let border = (p / self.length * POINTS as f64).round();
+        if (p / self.length * POINTS as f64 - border).abs() < 1e-9 {
+            near(border - 1.0).max(near(border))
+        } else {
+            near(i)
+        }
+    }
+
+    fn curve(&self) -> LiveCurve {
+        let grid: Vec<f64> = (0..=POINTS).map(|i| self.length * i as f64 / POINTS as f64).collect();
+        let caps = self.caps();
         LiveCurve::new(&grid, &caps, &self.stops, self.acceleration, self.acceleration / self.build_up)
             .expect("a curve")
     }
 }
 
 /// Holds a cycle against the bounds.
-fn check(curve: &LiveCurve, period: f64, before: MotionState, step: &LiveStep) {
+fn check(curve: &LiveCurve, cap_at: impl Fn(f64) -> f64, period: f64, before: MotionState, step: &LiveStep) {
     let now = step.state;
     let (a, j) = (curve.acceleration(), curve.jerk());
     assert!(now.a.abs() <= a * (1.0 + 1e-9), "acceleration {} of {a} at {}", now.a, now.p);
@@ -92,7 +109,7 @@ fn check(curve: &LiveCurve, period: f64, before: MotionState, step: &LiveStep) {
         let v = before.v + x * (now.v - before.v);
         let inside = before.p + period * x * (before.v + 0.5 * x * (now.v - before.v));
         let p = if i == 8 { now.p } else { inside };
-        let cap = curve.lowest_cap(p, p);
+        let cap = cap_at(p);
         let slack = if i == 8 { 0.0 } else { bow + 1e-3 * cap };
         assert!(v.abs() <= cap + slack, "speed {v} over the curve {cap} at {p}");
     }
@@ -108,7 +125,7 @@ proptest! {
 
     #[test]
     fn keeps_every_bound_whatever_the_operator_does(scenario in scenario()) {
-        let curve = scenario.curve();
+        let (curve, caps) = (scenario.curve(), scenario.caps());
         let mut feed = LiveFeed::new(&curve, scenario.period, 0.1).expect("valid");
         let mut acts = scenario.acts.clone();
         acts.sort_by_key(|act| act.0);
@@ -137,7 +154,7 @@ proptest! {
                 feed.resume();
             }
             let step = feed.step();
-            check(&curve, scenario.period, before, &step);
+            check(&curve, |p| scenario.cap_at(&caps, p), scenario.period, before, &step);
             before = step.state;
             if step.status == LiveStatus::Finished {
                 finished = true;
@@ -147,4 +164,67 @@ proptest! {
         }
         prop_assert!(finished, "did not arrive: {:?}", before);
     }
+}
+
+/// A straight path of 0.5 m at 0.1 m/s, 1 m/s^2 and 20 m/s^3.
+fn straight() -> LiveCurve {
+    let grid: Vec<f64> = (0..=100).map(|i| 0.005 * f64::from(i)).collect();
+    LiveCurve::new(&grid, &[0.1; 100], &[], 1.0, 20.0).expect("a curve")
+}
+
+#[test]
+fn a_hold_brakes_in_the_time_that_the_limits_take() {
+    let curve = straight();
+    let mut feed = LiveFeed::new(&curve, 1e-3, 0.08).expect("valid");
+    for _ in 0..1500 {
+        feed.step();
+    }
+    assert!((feed.step().state.v - 0.08).abs() < 1e-12);
+    feed.hold();
+    let cycles = (1..1000).find(|_| feed.step().state.v == 0.0).expect("it stops");
+    // From constant speed: v / a + a / j.
+    let wanted = 0.08 / 1.0 + 1.0 / 20.0;
+    assert!((f64::from(cycles) * 1e-3 - wanted).abs() <= 1e-3, "{cycles} cycles, {wanted} s");
+}
+
+#[test]
+fn a_section_asked_for_in_time_is_entered_at_its_feed() {
+    let curve = straight();
+    for override_factor in [0.5, 1.0, 1.2] {
+        let mut feed = LiveFeed::new(&curve, 1e-3, 0.08).expect("valid");
+        feed.set_override(override_factor).expect("valid");
+        feed.set_sections(&[LiveSection { from: 0.2, to: 0.3, feed: 0.02 }]).expect("valid");
+        let (mut inside, mut fastest, mut top) = (0, 0.0_f64, 0.0_f64);
+        loop {
+            let step = feed.step();
+            if (0.2..0.3).contains(&step.state.p) {
+                inside += 1;
+                fastest = fastest.max(step.state.v);
+            }
+            top = top.max(step.state.v);
+            if step.status == LiveStatus::Finished {
+                break;
+            }
+        }
+        let (within, elsewhere) = (0.02 * override_factor, 0.08 * override_factor);
+        assert!(
+            inside > 100 && (fastest / within - 1.0).abs() <= 1e-6,
+            "{fastest} at an override of {override_factor}"
+        );
+        assert!(
+            top <= elsewhere * (1.0 + 1e-9) && top >= 0.99 * elsewhere,
+            "{top} at an override of {override_factor}"
+        );
+    }
+}
+
+#[test]
+fn at_full_feed_the_way_takes_as_long_as_the_fastest_law() {
+    let curve = straight();
+    let mut feed = LiveFeed::new(&curve, 1e-3, 1.0).expect("valid");
+    let cycles = (1..100_000).find(|_| feed.step().status == LiveStatus::Finished).expect("it arrives");
+    // The law itself: rest to rest over 0.5 m at 0.997 of the cap, L / v + v / a + a / j with 0.99 of a and j.
+    let closed_form = 0.5 / 0.0997 + 0.0997 / 0.99 + 1.0 / 20.0;
+    assert!((curve.duration() / closed_form - 1.0).abs() < 1e-3, "{} s, {closed_form} s", curve.duration());
+    assert!((f64::from(cycles) * 1e-3 / closed_form - 1.0).abs() < 0.01, "{cycles} cycles, {closed_form} s");
 }

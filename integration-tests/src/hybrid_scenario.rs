@@ -188,7 +188,7 @@ impl Stage {
                     if step.state == HybridState::Done && s.s != self.live.path().length() {
                         return Err(format!("done at s = {} of {}", s.s, self.live.path().length()));
                     }
-                    if (step.state == HybridState::Stopped) != (stops && after.is_some()) && after.is_some() && !stops {
+                    if step.state == HybridState::Stopped && !stops {
                         return Err(format!("stopped without being told: {:?}", step.state));
                     }
                     played.worst = watch.worst;
@@ -217,13 +217,12 @@ struct Watch<'a> {
     stage: &'a Stage,
     before: Setpoint,
     on_path: bool,
-    speed: f64,
     worst: f64,
 }
 
 impl<'a> Watch<'a> {
     fn new(stage: &'a Stage, start: Setpoint) -> Self {
-        Self { stage, before: start, on_path: true, speed: 0.0, worst: 0.0 }
+        Self { stage, before: start, on_path: true, worst: 0.0 }
     }
 
     fn see(&mut self, what: &str, value: f64, limit: f64) -> Result<(), String> {
@@ -291,7 +290,7 @@ impl<'a> Watch<'a> {
         } else if !self.on_path && before.s != now.s {
             return Err("the place on the path was lost".to_owned());
         }
-        (self.before, self.on_path, self.speed) = (now, step.on_path, speed);
+        (self.before, self.on_path) = (now, step.on_path);
         Ok(())
     }
 }

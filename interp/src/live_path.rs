@@ -92,7 +92,7 @@ where
     ///
     /// # Errors
     /// [`PlanError::Arm`] or [`PlanError::BranchChange`] where the arm cannot follow, [`PlanError::JointRange`] where a joint leaves its
-    /// range. [`Planner::route`] goes round such places.
+    /// range; [`Planner::route`] goes round such places. [`PlanError::Feed`] for a planner that was asked for speeds at the ends.
     pub fn live(&self, path: PosePath, start: &Joints<N>) -> Result<LivePath<N>, PlanError> {
         let to = path.length();
         self.live_between(path, start, 0.0, to)
@@ -106,6 +106,10 @@ where
         from: f64,
         to: f64,
     ) -> Result<LivePath<N>, PlanError> {
+        if let Some(&value) = self.ends.iter().find(|v| **v > 0.0) {
+            let what = "speed at an end of a path that may be changed while it runs, from rest to rest";
+            return Err(FeedError::AboveLimit { what, value, limit: 0.0 }.into());
+        }
         let segmentation =
             path.curve().curve().segment(SegmentationMethod::Longest { across_knots: false }, self.chord_tolerance)?;
         let mut breaks: Vec<f64> = segmentation.breaks().iter().map(|&u| path.curve().arc_length_at(u)).collect();

@@ -90,7 +90,7 @@ pub struct Planner<'a, A: ?Sized, const N: usize = 6> {
     pub(crate) torque: Option<TorqueLimits<'a, N>>,
     pub(crate) sections: Vec<FeedSection>,
     /// Speeds at the start and at the end, m/s.
-    ends: [f64; 2],
+    pub(crate) ends: [f64; 2],
     pub(crate) chord_tolerance: f64,
     pub(crate) period: f64,
     scan: Scan,

@@ -124,3 +124,14 @@ fn a_path_that_ends_out_of_reach_has_no_way_round() {
     let error = planner.route(path, &start, SingularityPolicy::GoRound { stall: 0.1 }).expect_err("out of reach");
     assert!(error.to_string().contains("no way round"), "{error}");
 }
+
+#[test]
+fn a_live_path_runs_from_rest_to_rest() {
+    let arm = common::arm();
+    let path = common::tool_down(common::analytic());
+    let limits = common::limits(&arm);
+    let start = arcfeed_interp::best_start(&arm, &path, limits.lower(), limits.upper()).expect("in reach");
+    let planner = Planner::new(&arm, limits, common::TOOL).and_then(|p| p.with_end_speeds(0.0, 0.02)).expect("valid");
+    let error = planner.live(path, &start).expect_err("it ends at rest");
+    assert!(error.to_string().contains("from rest to rest"), "{error}");
+}

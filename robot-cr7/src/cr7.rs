@@ -25,7 +25,7 @@ pub(crate) const ARC_LENGTH_TOLERANCE: f64 = 1e-15;
 /// How closely a tool that follows the tangent does so, rad.
 const HEADING_TOLERANCE: f64 = 1e-3;
 /// Degree of curves laid through points.
-pub(crate) const FIT_DEGREE: usize = 3;
+const FIT_DEGREE: usize = 3;
 /// A path this far out of reach is probably given in another unit than meant, m.
 const FAR_OUT: f64 = 2.0;
 
@@ -201,25 +201,8 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
     ) -> Result<Self, Cr7Error> {
         let begin = Instant::now();
         let shown = file.file.display().to_string();
-        let curve_error = |source| Cr7Error::Curve { file: shown.clone(), source };
-        let curve = file
-            .curve_with(|points| {
-                let degree = FIT_DEGREE.min(points.len().saturating_sub(1));
-                Ok(NurbsCurve::approximate(points, degree, Spacing::default(), job.fit_tolerance)?.curve)
-            })?
-            .transformed(&job.workpiece)
-            .map_err(curve_error)?;
-        let curve = ArcLengthCurve::new(curve, ARC_LENGTH_TOLERANCE).map_err(curve_error)?;
-        let orientation = orientation_of(job, &curve).map_err(curve_error)?;
-        let path = PosePath::new(curve, orientation);
-        let tool = ToolLimits {
-            feed: job.feed.feed,
-            tangential_acceleration: job.feed.tangential_acceleration,
-            tangential_jerk: job.feed.tangential_jerk,
-            normal_acceleration: job.feed.normal_acceleration,
-            normal_jerk: job.feed.normal_jerk,
-            angular_speed: job.feed.angular_speed,
-        };
+        let path = path_of(job, file)?;
+        let tool = tool_of(job);
         let scan = match (job.scan, job.lookahead) {
             (Scan::JerkLimited, _) => PlanScan::JerkLimited,
             (Scan::Joined, _) => PlanScan::Joined,
@@ -324,7 +307,34 @@ fn plan_error(file: &str, source: PlanError) -> Cr7Error {
     Cr7Error::Plan { file: file.to_owned(), source: Box::new(source), hint }
 }
 
-pub(crate) fn orientation_of(job: &Job, curve: &ArcLengthCurve<3>) -> Result<OrientationPath, GeometryError> {
+/// The path of a file where the job places it, with the orientation that the job asks for.
+pub(crate) fn path_of(job: &Job, file: &PathFile) -> Result<PosePath, Cr7Error> {
+    let curve_error = |source| Cr7Error::Curve { file: file.file.display().to_string(), source };
+    let curve = file
+        .curve_with(|points| {
+            let degree = FIT_DEGREE.min(points.len().saturating_sub(1));
+            Ok(NurbsCurve::approximate(points, degree, Spacing::default(), job.fit_tolerance)?.curve)
+        })?
+        .transformed(&job.workpiece)
+        .map_err(curve_error)?;
+    let curve = ArcLengthCurve::new(curve, ARC_LENGTH_TOLERANCE).map_err(curve_error)?;
+    let orientation = orientation_of(job, &curve).map_err(curve_error)?;
+    Ok(PosePath::new(curve, orientation))
+}
+
+/// The limits of the tool in a job.
+pub(crate) fn tool_of(job: &Job) -> ToolLimits {
+    ToolLimits {
+        feed: job.feed.feed,
+        tangential_acceleration: job.feed.tangential_acceleration,
+        tangential_jerk: job.feed.tangential_jerk,
+        normal_acceleration: job.feed.normal_acceleration,
+        normal_jerk: job.feed.normal_jerk,
+        angular_speed: job.feed.angular_speed,
+    }
+}
+
+fn orientation_of(job: &Job, curve: &ArcLengthCurve<3>) -> Result<OrientationPath, GeometryError> {
     let frame = job.workpiece.rotation;
     match job.orientation {
         ToolOrientation::Constant(rotation) => Ok(OrientationPath::Constant(frame * rotation)),

@@ -24,7 +24,7 @@
 //! (module `between`). On other paths (inverse kinematics, torque) the same holds for the rows as interpolated through both ends
 //! and the middle of each interval.
 // Knots, values, coefficients and rows run in step.
-#![allow(clippy::needless_range_loop)]
+#![allow(clippy::needless_range_loop, reason = "rows of several arrays are read side by side")]
 mod band;
 mod between;
 #[cfg(feature = "clarabel")]

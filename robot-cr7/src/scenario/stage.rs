@@ -1,11 +1,11 @@
 //! Path, arm and limits of a scenario made ready, and its events as commands.
 
-use arcfeed_geometry::{ArcLengthCurve, NurbsCurve, OrientationPath, PosePath, Spacing};
-use arcfeed_interp::{Command, Excursion, LivePath, LiveRoute, PathArm, PlanError, Planner, ToolLimits, best_start};
+use arcfeed_geometry::{ArcLengthCurve, NurbsCurve, OrientationPath, PosePath};
+use arcfeed_interp::{Command, Excursion, LivePath, LiveRoute, PathArm, PlanError, Planner, best_start};
 use arcfeed_kinematics::{AnalyticInverse, JointLimits, Joints};
 
 use super::{Action, Place, Scenario, ScenarioPath, When};
-use crate::cr7::{ARC_LENGTH_TOLERANCE, Cr7Error, FIT_DEGREE, orientation_of, unit_hint};
+use crate::cr7::{ARC_LENGTH_TOLERANCE, Cr7Error, path_of, tool_of, unit_hint};
 use crate::error::InputError;
 use crate::job::JointValues;
 use crate::path_file::PathFile;
@@ -85,15 +85,7 @@ impl Scenario {
             (None, None) => best_start(arm, &path, limits.lower(), limits.upper()).map_err(plan_error)?,
         };
         let job = &self.job;
-        let tool = ToolLimits {
-            feed: job.feed.feed,
-            tangential_acceleration: job.feed.tangential_acceleration,
-            tangential_jerk: job.feed.tangential_jerk,
-            normal_acceleration: job.feed.normal_acceleration,
-            normal_jerk: job.feed.normal_jerk,
-            angular_speed: job.feed.angular_speed,
-        };
-        let route = Planner::new(arm, *limits, tool)
+        let route = Planner::new(arm, *limits, tool_of(job))
             .and_then(|p| p.with_chord_tolerance(job.chord_tolerance))
             .and_then(|p| p.with_period(job.period))
             .and_then(|p| p.with_sections(job.sections.clone()).route(path, &start, self.singularities))
@@ -132,17 +124,8 @@ impl Scenario {
         };
         warnings.extend(file.warnings.iter().cloned());
         let shown = file.file.display().to_string();
-        let wrong = |source| Cr7Error::Curve { file: shown.clone(), source };
-        let curve = file
-            .curve_with(|points| {
-                let degree = FIT_DEGREE.min(points.len().saturating_sub(1));
-                Ok(NurbsCurve::approximate(points, degree, Spacing::default(), job.fit_tolerance)?.curve)
-            })?
-            .transformed(&job.workpiece)
-            .map_err(wrong)?;
-        let curve = ArcLengthCurve::new(curve, ARC_LENGTH_TOLERANCE).map_err(wrong)?;
-        let turn = orientation_of(job, &curve).map_err(wrong)?;
-        Ok((file.name, shown, PosePath::new(curve, turn), warnings, None))
+        let path = path_of(job, &file)?;
+        Ok((file.name, shown, path, warnings, None))
     }
 
     fn values(&self, key: &str, values: &JointValues) -> Result<Joints<6>, InputError> {
