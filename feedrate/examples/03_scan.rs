@@ -1,5 +1,5 @@
 //! Speed over a path of many short segments: one S-profile per segment against joined segments, under the cap.
-use arcfeed_feedrate::{MotionLaw, Segment, SpeedPlan, boundaries, plan_joined, plan_per_segment, plan_windowed};
+use arcfeed_feedrate::{MotionLaw, Segment, SpeedLaw, boundaries, plan_joined, plan_per_segment, plan_windowed};
 
 mod common;
 use common::{Curve, Panel};
@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let s = boundaries(&segments);
     let cap = segments.iter().enumerate().flat_map(|(i, x)| [(s[i], x.v_max()), (s[i + 1], x.v_max())]).collect();
-    let curve = |name, colour, plan: &SpeedPlan, f: fn(&arcfeed_feedrate::MotionState) -> f64| Curve {
+    let curve = |name, colour, plan: &SpeedLaw, f: fn(&arcfeed_feedrate::MotionState) -> f64| Curve {
         name,
         colour,
         points: (0..=8000)

@@ -1,7 +1,7 @@
 //! Three joints on one path: how fast may `s` grow? Speed profiles under the limit curve, with and without a limit on jerk.
 use arcfeed_feedrate::constraint::{JointAcceleration, JointJerk, JointVelocity, PathDerivatives};
 use arcfeed_feedrate::{
-    BothEndsScan, CertifiedReachability, FeedPlanner, FeedProblem, GridPlan, JerkLimited, MotionLaw, MotionState,
+    BothEndsScan, CertifiedReachability, FeedPlanner, FeedProblem, JerkLimited, MotionLaw, MotionState, SpeedLaw,
 };
 
 mod common;
@@ -57,7 +57,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let rows = problem.rows(i).iter().map(|row| row.hi / row.b.abs());
         (grid[i], rows.fold(problem.cap(i).0, f64::min).sqrt())
     });
-    let curve = |name, colour, plan: &GridPlan, f: &dyn Fn(&MotionState) -> f64| {
+    let curve = |name, colour, plan: &SpeedLaw, f: &dyn Fn(&MotionState) -> f64| {
         let states = (0..=6000).map(|i| plan.at(plan.duration() * f64::from(i) / 6000.0));
         Curve { name, colour, points: states.map(|state| (state.p, f(&state))).collect() }
     };

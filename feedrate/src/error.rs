@@ -221,6 +221,18 @@ pub enum FeedError {
         /// The limit that holds it.
         row: RowSource,
     },
+    /// Two neighbouring knots of a speed law are both at rest: the motion does not get from one to the other.
+    #[error(
+        "knot {index} at s = {s} and the next at s = {next} are both at rest; give one of them a speed, or drop one"
+    )]
+    StandsStill {
+        /// Index of the first knot.
+        index: usize,
+        /// Position (m).
+        s: f64,
+        /// Position of the next knot (m).
+        next: f64,
+    },
     /// No limit bounds the speed.
     #[error("at s = {s} (grid point {index}): nothing limits the speed; give a feed or a limit on velocity")]
     Unbounded {

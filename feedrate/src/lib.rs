@@ -19,7 +19,7 @@
 //!
 //! Where the limits are not one number per segment but belong to joints, motors and tool, each is a [`Row`] in `sdot^2` and
 //! `sddot` ([`constraint`], [`FeedProblem`]), and a [`FeedPlanner`] finds the law: [`BothEndsScan`], [`Reachability`],
-//! [`CertifiedReachability`] and, with jerk, [`JerkLimited`]. All read the same rows and yield a [`GridPlan`].
+//! [`CertifiedReachability`] and, with jerk, [`JerkLimited`]. All read the same rows and yield a [`SpeedLaw`].
 //!
 //! # The rooms
 //! | module | holds |
@@ -32,13 +32,12 @@
 //! | [`scan`] | [`Segment`], the scans per segment and joined; the scans over rows and reachability |
 //! | [`row`], [`problem`], [`constraint`] | limits as rows on a grid, where each comes from |
 //! | [`jerk_limited`] | the third-order planner |
-//! | [`grid_plan`] | [`GridPlan`]: the planned speed with its planner's own interpolation |
 //! | `baseline` (feature `clarabel`) | the conic optimum of the same rows and its bound; with jerk, programs in sequence |
 //! | [`online`] | [`FeedScheduler`]: speed towards the end of a path under limits that change while it runs |
 //! | [`live`] | [`LiveFeed`]: speed under a limit curve, changed by an operator while it runs |
 //! | [`StateToState`] | time-optimal motion from any position, speed and acceleration to any other, or to a speed, or to a stop |
 //! | [`AxisProblem`], [`Durations`] | the durations between two states that are possible, and a motion in each of them |
-//! | [`plan`] | [`SpeedPlan`]: phases, sampling, position to speed |
+//! | [`speed_law`] | [`SpeedLaw`]: what every planner returns, sampled by time or by position |
 //! | [`error`] | [`FeedError`] |
 //!
 //! # Units
@@ -58,29 +57,26 @@ pub mod baseline;
 pub mod caps;
 pub mod constraint;
 pub mod error;
-pub mod grid_plan;
 pub mod jerk_limited;
 pub mod limits;
 pub mod live;
 mod lp2;
 pub mod online;
-pub mod plan;
 pub mod problem;
 pub mod row;
 pub mod scan;
 pub mod scurve;
+pub mod speed_law;
 pub mod state;
 pub mod state_to_state;
 
 #[cfg(feature = "clarabel")]
 pub use baseline::{Bounded, ClarabelBaseline};
 pub use error::FeedError;
-pub use grid_plan::{GridCursor, GridPlan};
 pub use jerk_limited::JerkLimited;
 pub use limits::MotionLimits;
 pub use live::{LiveCurve, LiveFeed, LiveSection, LiveStatus, LiveStep, MAX_SECTIONS};
 pub use online::{Adoption, FeedLimits, FeedScheduler, FeedStatus, FeedStep};
-pub use plan::{Cursor, SpeedPlan};
 pub use problem::{FeedPlanner, FeedProblem};
 pub use row::{JerkRow, Quantity, Row, RowSource};
 pub use scan::both_ends::{BothEndsScan, PublishedScan};
@@ -93,6 +89,7 @@ pub use scurve::change::SpeedChange;
 pub use scurve::phases::Phase;
 pub use scurve::profile::{Adjust, Adjusted, SProfile};
 pub use scurve::solve::{distance_for_change, highest_speed_over, lowest_speed_over};
+pub use speed_law::{Cursor, SpeedLaw};
 pub use state::{MotionLaw, MotionState};
 pub use state_to_state::{
     AxisLimits, AxisProblem, AxisState, Durations, PositionRange, StateToState, StateToStateError,

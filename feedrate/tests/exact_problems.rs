@@ -4,8 +4,8 @@ use arcfeed_feedrate::constraint::{
     Feed, JointAcceleration, JointTorque, JointVelocity, PathDerivatives, SpeedCap, TangentialAcceleration,
 };
 use arcfeed_feedrate::{
-    BothEndsScan, CertifiedReachability, FeedError, FeedPlanner, FeedProblem, GridPlan, MotionLaw, Quantity,
-    Reachability,
+    BothEndsScan, CertifiedReachability, FeedError, FeedPlanner, FeedProblem, MotionLaw, Quantity, Reachability,
+    SpeedLaw,
 };
 
 #[path = "common/spline_paths.rs"]
@@ -49,7 +49,7 @@ fn a_triangle_is_exact() {
     }
 }
 
-fn pendulum(limit: f64) -> Result<GridPlan, FeedError> {
+fn pendulum(limit: f64) -> Result<SpeedLaw, FeedError> {
     let grid = uniform(1000, std::f64::consts::PI);
     let (one, none) = (vec![1.0; 1001], vec![0.0; 1001]);
     let gravity: Vec<f64> = grid.iter().map(|q| q.sin()).collect();

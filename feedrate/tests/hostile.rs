@@ -5,8 +5,8 @@ use arcfeed_feedrate::constraint::{
     TangentialAcceleration, TangentialJerk,
 };
 use arcfeed_feedrate::{
-    BothEndsScan, CertifiedReachability, FeedError, FeedPlanner, FeedProblem, GridPlan, JerkLimited, MotionLaw,
-    PublishedScan, Quantity, Reachability,
+    BothEndsScan, CertifiedReachability, FeedError, FeedPlanner, FeedProblem, JerkLimited, MotionLaw, PublishedScan,
+    Quantity, Reachability, SpeedLaw,
 };
 use proptest::prelude::*;
 
@@ -24,7 +24,7 @@ fn planners() -> Vec<Box<dyn FeedPlanner>> {
 }
 
 /// A plan that runs forward from the first to the last grid point in a finite time.
-fn assert_sound(plan: &GridPlan, grid: &[f64]) {
+fn assert_sound(plan: &SpeedLaw, grid: &[f64]) {
     assert!(plan.duration() > 0.0 && plan.duration().is_finite());
     let mut last = f64::NEG_INFINITY;
     for i in 0..=200 {
@@ -106,7 +106,7 @@ proptest! {
 }
 
 /// Every row and cap behind every grid point, as far as numbers can be told apart at all.
-fn assert_kept(problem: &FeedProblem, plan: &GridPlan, which: usize) {
+fn assert_kept(problem: &FeedProblem, plan: &SpeedLaw, which: usize) {
     let apart = |i: usize| problem.rows(i).iter().any(|row| row.a.abs().max(row.b.abs()).max(row.c.abs()) > 1e9);
     if (0..=problem.intervals()).any(apart) {
         return;

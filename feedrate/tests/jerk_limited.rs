@@ -4,7 +4,7 @@ use arcfeed_feedrate::constraint::{
     Feed, JointAcceleration, JointJerk, JointVelocity, PathDerivatives, Stop, TangentialAcceleration, TangentialJerk,
 };
 use arcfeed_feedrate::{
-    FeedError, FeedPlanner, FeedProblem, GridPlan, JerkLimited, MotionLaw, MotionLimits, Reachability, SProfile,
+    FeedError, FeedPlanner, FeedProblem, JerkLimited, MotionLaw, MotionLimits, Reachability, SProfile, SpeedLaw,
 };
 
 #[path = "common/spline_paths.rs"]
@@ -28,7 +28,7 @@ fn problem(path: &Path, case: char, grid: &[f64], ends: [f64; 2]) -> FeedProblem
     problem.with_end_speeds(ends[0], ends[1]).unwrap()
 }
 
-fn assert_inside(path: &Path, case: char, grid: &[f64], plan: &GridPlan) {
+fn assert_inside(path: &Path, case: char, grid: &[f64], plan: &SpeedLaw) {
     let ratios = worst(&path.spline, grid, plan, 20, velocity(case), &jerk());
     assert!(ratios.iter().all(|ratio| *ratio <= 1.0 + 1e-6), "seed {} {case}: {ratios:?}", path.seed);
 }

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::neg_cmp_op_on_partial_ord)]
 use arcfeed_feedrate::constraint::{JointAcceleration, JointTorque, JointVelocity};
 use arcfeed_feedrate::{
-    BothEndsScan, CertifiedReachability, FeedPlanner, FeedProblem, GridPlan, PublishedScan, Reachability,
+    BothEndsScan, CertifiedReachability, FeedPlanner, FeedProblem, PublishedScan, Reachability, SpeedLaw,
 };
 
 #[path = "common/spline_paths.rs"]
@@ -27,7 +27,7 @@ fn problem(path: &Path, case: char, grid: &[f64], between: bool) -> FeedProblem 
 }
 
 /// Worst excess over a row at both ends of every interval, in units of its limit.
-fn excess_at_grid(problem: &FeedProblem, plan: &GridPlan) -> f64 {
+fn excess_at_grid(problem: &FeedProblem, plan: &SpeedLaw) -> f64 {
     let mut states: Vec<_> = plan.knots().map(|(_, state)| state).collect();
     states.push(plan.end());
     let mut worst = 0.0_f64;

@@ -3,12 +3,12 @@
 mod common;
 
 use arcfeed_feedrate::{
-    FeedError, MotionLaw, Segment, SpeedPlan, boundaries, boundary_speeds, plan_joined, plan_per_segment, plan_windowed,
+    FeedError, MotionLaw, Segment, SpeedLaw, boundaries, boundary_speeds, plan_joined, plan_per_segment, plan_windowed,
 };
 use common::{Rng, curve_like, judge, lower_bound};
 use proptest::prelude::*;
 
-fn hold(plan: &SpeedPlan, segments: &[Segment], v0: f64, v1: f64) {
+fn hold(plan: &SpeedLaw, segments: &[Segment], v0: f64, v1: f64) {
     let w = judge(plan, segments, v0, v1);
     assert!(w.v <= 1.0 + 1e-9 && w.a <= 1.0 + 1e-9 && w.j <= 1.0 + 1e-9 && w.gap <= 1e-9, "{w:?}");
     let end = plan.at(plan.duration());

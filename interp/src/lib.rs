@@ -29,7 +29,6 @@
 //! | `torque` | torque limits along the path: [`TorqueLimits`] |
 //! | `rows` | all of those as rows, for the planners of the feedrate crate |
 //! | `planner`, `plan` | the way from path to verified plan, and what came out |
-//! | `speed` | the motion law of a plan, whichever planner made it: [`SpeedLaw`] |
 //! | `schedule` | from pose to pose and through joint way-points, torque included: [`Scheduler`] |
 //! | `sampler`, `trajectory` | setpoints at the control period, without allocation |
 //! | `verify` | the independent check |
@@ -61,7 +60,6 @@ mod sampler;
 mod schedule;
 mod sections;
 mod singular;
-mod speed;
 mod torque;
 mod trajectory;
 mod verify;
@@ -84,7 +82,6 @@ pub use schedule::{
 };
 pub use sections::{Extent, FeedSection, Section};
 pub use singular::{Detour, LiveRoute, SingularityPolicy, Stretch, Trouble};
-pub use speed::{SpeedCursor, SpeedLaw};
 pub use torque::TorqueLimits;
 pub use trajectory::Setpoint;
 pub use verify::{Check, Quantity, Requirement, Verification, verify};

@@ -1,6 +1,6 @@
 //! A path made ready for a motion that is changed while it runs.
 
-use arcfeed_feedrate::{FeedError, LiveCurve, MotionLaw, Segment, SpeedPlan, plan_joined_at_once};
+use arcfeed_feedrate::{FeedError, LiveCurve, Segment, SpeedLaw, plan_joined_at_once};
 use arcfeed_geometry::{PosePath, SegmentationMethod};
 use arcfeed_kinematics::{JointLimits, Joints};
 
@@ -244,9 +244,9 @@ fn duration(grid: &[f64], caps: &[f64], stops: &[usize], acceleration: f64, jerk
         .collect::<Option<_>>()?;
     let starts = std::iter::once(0).chain(stops.iter().copied());
     let ends = stops.iter().copied().chain(std::iter::once(caps.len()));
-    let parts: Option<Vec<SpeedPlan>> =
+    let parts: Option<Vec<SpeedLaw>> =
         starts.zip(ends).map(|(from, to)| plan_joined_at_once(&segments[from..to], 0.0, 0.0).ok().flatten()).collect();
-    Some(SpeedPlan::chain(parts?).duration())
+    Some(SpeedLaw::chain(0.0, parts?).duration())
 }
 
 fn check_range<const N: usize>(

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::time::Duration;
 
-use arcfeed_feedrate::{FeedError, GridPlan, MotionLaw};
+use arcfeed_feedrate::{FeedError, SpeedLaw};
 use arcfeed_geometry::{PosePath, Segmentation};
 use arcfeed_kinematics::JointLimits;
 
@@ -13,7 +13,6 @@ use crate::joint_path::JointPath;
 use crate::limits::{ToolLimits, positive};
 use crate::sampler::Sampler;
 use crate::sections::{Feeds, Section};
-use crate::speed::SpeedLaw;
 use crate::verify::{Requirement, Verification, verify};
 
 /// Who made the speed law of a plan.
@@ -178,9 +177,9 @@ impl<const N: usize> Plan<N> {
 
     /// The same path with another motion law, not verified: for the comparison of planners. The law has to run from 0 to
     /// the length of the path.
-    pub fn with_speed(&self, speed: GridPlan) -> Self {
+    pub fn with_speed(&self, speed: SpeedLaw) -> Self {
         let made_by = MadeBy { method: Method::Given, fallback: None, ..self.made_by };
-        Self { speed: SpeedLaw::Grid(speed), made_by, verification: None, ..self.clone() }
+        Self { speed, made_by, verification: None, ..self.clone() }
     }
 
     /// Duration, s.

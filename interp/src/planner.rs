@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use arcfeed_feedrate::{
-    BothEndsScan, FeedError, FeedPlanner, FeedProblem, JerkLimited, MotionLaw, Segment, SpeedPlan, plan_joined,
+    BothEndsScan, FeedError, FeedPlanner, FeedProblem, JerkLimited, Segment, SpeedLaw, plan_joined,
     plan_joined_at_once, plan_per_segment, plan_windowed,
 };
 use arcfeed_geometry::{PosePath, SegmentationMethod};
@@ -18,7 +18,6 @@ use crate::limits::{ToolLimits, positive};
 use crate::plan::{Fallback, MadeBy, Method, Plan, Timings};
 use crate::rows;
 use crate::sections::{self, FeedSection, Feeds};
-use crate::speed::SpeedLaw;
 use crate::torque::{TorqueLimits, TorquePath};
 use crate::verify::{Requirement, Verification};
 
@@ -281,7 +280,7 @@ where
             stops,
             sections,
             caps: Vec::new(),
-            speed: SpeedLaw::Phases(SpeedPlan::chain([])),
+            speed: SpeedLaw::chain(0.0, []),
             made_by: MadeBy { method: Method::Given, fallback: None, rounds: 0, scale: 1.0 },
             end_speeds: self.ends,
             chord_tolerance: self.chord_tolerance,
@@ -356,12 +355,12 @@ where
 
     fn speed(&self, plan: &Plan<N>, ground: &Ground<N>, scale: f64) -> Result<Law, PlanError> {
         let scanned = self.scan(ground, &plan.stops, scale);
-        let own = |(boxes, speed): (Vec<Segment>, SpeedPlan), fallback| {
+        let own = |(boxes, speed): (Vec<Segment>, SpeedLaw), fallback| {
             let method = match self.scan {
                 Scan::PerSegment { .. } => Method::PerSegment,
                 Scan::JerkLimited | Scan::Joined => Method::Joined,
             };
-            (boxes.iter().map(Segment::v_max).collect(), SpeedLaw::Phases(speed), method, fallback)
+            (boxes.iter().map(Segment::v_max).collect(), speed, method, fallback)
         };
         let rows = |jerk: bool| {
             let bounds = self.bounds(ground, SHARES[0], scale);
@@ -397,7 +396,7 @@ where
             (Ok((law, _)), Ok(scanned)) if law.duration() >= scanned.1.duration() => {
                 Ok(own(scanned, Some(Fallback::Slower { duration: law.duration() })))
             }
-            (Ok((law, caps)), _) => Ok((caps, SpeedLaw::Grid(law), Method::JerkLimited, None)),
+            (Ok((law, caps)), _) => Ok((caps, law, Method::JerkLimited, None)),
             (Err(error), Ok(scanned)) => Ok(own(scanned, Some(Fallback::Failed(error)))),
             // Where neither finds a motion, the rows name the limit.
             (Err(error), Err(_)) => {
@@ -409,11 +408,11 @@ where
     }
 
     /// The fastest of the scans over the ways to share the limits, using the fraction `scale` of each.
-    fn scan(&self, ground: &Ground<N>, stops: &[usize], scale: f64) -> Result<(Vec<Segment>, SpeedPlan), PlanError> {
+    fn scan(&self, ground: &Ground<N>, stops: &[usize], scale: f64) -> Result<(Vec<Segment>, SpeedLaw), PlanError> {
         let with = |shares| ground.reaches.boxes(&self.bounds(ground, shares, scale));
         // The joined scans that go through at once are the quick ones, and the fastest plans are among them; the thorough
         // scan is for where none does.
-        let mut best: Option<(Vec<Segment>, SpeedPlan)> = None;
+        let mut best: Option<(Vec<Segment>, SpeedLaw)> = None;
         for shares in SHARES {
             let boxes = with(shares)?;
             if let Some(speed) = self.scan_at_once(&boxes, stops)?
@@ -430,7 +429,7 @@ where
         Ok((boxes, speed))
     }
 
-    fn scan_at_once(&self, boxes: &[Segment], stops: &[usize]) -> Result<Option<SpeedPlan>, PlanError> {
+    fn scan_at_once(&self, boxes: &[Segment], stops: &[usize]) -> Result<Option<SpeedLaw>, PlanError> {
         if matches!(self.scan, Scan::PerSegment { .. }) {
             return self.scan_thoroughly(boxes, stops).map(Some);
         }
@@ -439,10 +438,10 @@ where
             let Some(plan) = plan_joined_at_once(part, v_start, v_end)? else { return Ok(None) };
             parts.push(plan);
         }
-        Ok(Some(SpeedPlan::chain(parts)))
+        Ok(Some(SpeedLaw::chain(0.0, parts)))
     }
 
-    fn scan_thoroughly(&self, boxes: &[Segment], stops: &[usize]) -> Result<SpeedPlan, PlanError> {
+    fn scan_thoroughly(&self, boxes: &[Segment], stops: &[usize]) -> Result<SpeedLaw, PlanError> {
         if let (Scan::PerSegment { window: Some(_) }, true) = (self.scan, self.ends[1] > 0.0) {
             return Err(PlanError::WindowEndSpeed { speed: self.ends[1] });
         }
@@ -451,7 +450,7 @@ where
             Scan::PerSegment { window: None } => plan_per_segment(part, v_start, v_end),
             Scan::PerSegment { window: Some(n) } => plan_windowed(part, v_start, n),
         });
-        Ok(SpeedPlan::chain(parts.collect::<Result<Vec<_>, _>>()?))
+        Ok(SpeedLaw::chain(0.0, parts.collect::<Result<Vec<_>, _>>()?))
     }
 }
 

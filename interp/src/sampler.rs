@@ -1,13 +1,12 @@
 //! From a plan to setpoints at the control period.
 
-use arcfeed_feedrate::MotionLaw;
+use arcfeed_feedrate::Cursor;
 use arcfeed_kinematics::Joints;
 
 use crate::arm::PathArm;
 use crate::error::PlanError;
 use crate::joint_path::joint_jet;
 use crate::plan::Plan;
-use crate::speed::SpeedCursor;
 use crate::trajectory::Setpoint;
 
 /// Yields the setpoints of a plan, one per control period and one exactly at the end.
@@ -18,7 +17,7 @@ use crate::trajectory::Setpoint;
 pub struct Sampler<'a, A: ?Sized, const N: usize = 6> {
     plan: &'a Plan<N>,
     arm: &'a A,
-    cursor: SpeedCursor<'a>,
+    cursor: Cursor<'a>,
     period: f64,
     cycle: usize,
     cycles: usize,

@@ -9,10 +9,10 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use arcfeed_feedrate::{
-    BothEndsScan, CertifiedReachability, FeedError, FeedPlanner, FeedProblem, GridPlan, JerkLimited, MotionLaw,
-    PublishedScan, Reachability, caps,
+    BothEndsScan, CertifiedReachability, FeedError, FeedPlanner, FeedProblem, JerkLimited, PublishedScan, Reachability,
+    SpeedLaw, caps,
 };
-use arcfeed_interp::{JointJet, PathArm, Plan, PlanError, Scan, SpeedLaw, joint_jet};
+use arcfeed_interp::{JointJet, PathArm, Plan, PlanError, Scan, joint_jet};
 use arcfeed_kinematics::{Dynamics, Joints};
 use serde::Serialize;
 
@@ -113,16 +113,13 @@ pub fn compare<A: PathArm<N>, const N: usize>(
                        problem: &FeedProblem,
                        rows: Duration,
                        jerk,
-                       run: &mut dyn FnMut(&FeedProblem) -> Result<GridPlan, FeedError>| {
+                       run: &mut dyn FnMut(&FeedProblem) -> Result<SpeedLaw, FeedError>| {
         progress(name);
         let begin = Instant::now();
         let result = run(problem);
         let time = rows + begin.elapsed();
         entries.push(match result {
-            Ok(law) => {
-                let law = SpeedLaw::Grid(law);
-                finished(name, jerk, time, &law, worst(task, &ground, &samples, &law, jerk), drawn(&law))
-            }
+            Ok(law) => finished(name, jerk, time, &law, worst(task, &ground, &samples, &law, jerk), drawn(&law)),
             Err(error) => failed(name, jerk, time, error.to_string()),
         });
     };

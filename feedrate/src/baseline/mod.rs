@@ -20,10 +20,10 @@
 pub(crate) mod program;
 
 use crate::error::FeedError;
-use crate::grid_plan::GridPlan;
 use crate::jerk_limited::conic;
 use crate::problem::{FeedPlanner, FeedProblem};
 use crate::scan::both_ends::squared_speeds;
+use crate::speed_law::SpeedLaw;
 use program::Program;
 
 /// The optimum by clarabel; hundreds of milliseconds to seconds, needed for comparison only.
@@ -40,7 +40,7 @@ pub struct ClarabelBaseline;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bounded {
     /// The plan: with limits on jerk the best of the sequence, a local optimum.
-    pub plan: GridPlan,
+    pub plan: SpeedLaw,
     /// No plan with constant acceleration on every interval that keeps the rows at both ends of each takes less than this
     /// (s), to the solver's tolerance.
     ///
@@ -54,7 +54,7 @@ pub struct Bounded {
 
 impl FeedPlanner for ClarabelBaseline {
     /// [`ClarabelBaseline::solve`] without its bound.
-    fn plan(&self, problem: &FeedProblem) -> Result<GridPlan, FeedError> {
+    fn plan(&self, problem: &FeedProblem) -> Result<SpeedLaw, FeedError> {
         if problem.has_jerk() {
             return conic::solve(problem).map(|(plan, _)| plan);
         }
@@ -137,6 +137,6 @@ fn second_order(problem: &FeedProblem) -> Result<Bounded, FeedError> {
     let optimum = program.solve()?;
     let mut x: Vec<f64> = optimum.variables[..=n].iter().map(|x| x.max(0.0) * x_unit).collect();
     (x[0], x[n]) = (problem.v_start().powi(2), problem.v_end().powi(2));
-    let plan = GridPlan::from_squared_speeds(grid, &x)?;
+    let plan = SpeedLaw::from_squared_speeds(grid, &x)?;
     Ok(Bounded { plan, lower_bound: optimum.dual * time, accurate: optimum.accurate })
 }

@@ -8,9 +8,9 @@ use std::ops::Range;
 use super::spline::Values;
 use super::stretch::Stretch;
 use crate::constraint::Within;
-use crate::grid_plan::GridPlan;
 use crate::problem::{FeedProblem, matching, quadratic};
 use crate::row::Row;
+use crate::speed_law::SpeedLaw;
 use crate::state::MotionState;
 
 /// By how much the parabola through three equidistant values leaves the range of both ends, below and above.
@@ -143,7 +143,7 @@ impl Scale {
 
 /// The greatest factor on `x`, `u` and `w` of a plan, 1 at most, at which everything is kept in the given intervals, between
 /// the grid points too.
-pub(super) fn largest_scale(problem: &FeedProblem, plan: &GridPlan, intervals: Range<usize>) -> f64 {
+pub(super) fn largest_scale(problem: &FeedProblem, plan: &SpeedLaw, intervals: Range<usize>) -> f64 {
     let mut scale = Scale(1.0);
     for k in intervals {
         let h = problem.h(k);
@@ -192,7 +192,7 @@ pub(super) fn largest_scale(problem: &FeedProblem, plan: &GridPlan, intervals: R
     scale.0
 }
 
-fn keep_jerk(problem: &FeedProblem, plan: &GridPlan, k: usize, scale: &mut Scale) {
+fn keep_jerk(problem: &FeedProblem, plan: &SpeedLaw, k: usize, scale: &mut Scale) {
     let h = problem.h(k);
     let states: [MotionState; SAMPLES + 1] = std::array::from_fn(|i| plan.within(k, h * i as f64 / SAMPLES as f64));
     let [near, middle, far] = [Within::Start, Within::Middle, Within::End].map(|within| problem.jerk_rows(k, within));

@@ -10,8 +10,8 @@ use crate::baseline::program::{Optimum, Program};
 use crate::baseline::straight;
 use crate::constraint::Within;
 use crate::error::FeedError;
-use crate::grid_plan::GridPlan;
 use crate::problem::FeedProblem;
+use crate::speed_law::SpeedLaw;
 
 /// More programs than are needed.
 const MOST_PROGRAMS: usize = 8;
@@ -20,7 +20,7 @@ const MOST_PROGRAMS: usize = 8;
 const GAIN: f64 = 1e-5;
 
 /// The best plan of the sequence, and whether the solver was accurate in every program.
-pub(crate) fn solve(problem: &FeedProblem) -> Result<(GridPlan, bool), FeedError> {
+pub(crate) fn solve(problem: &FeedProblem) -> Result<(SpeedLaw, bool), FeedError> {
     straight(problem)?;
     let Prepared { problem, fastest, parts } = &prepare(problem)?;
     let mut solutions = Vec::with_capacity(parts.len());

@@ -39,10 +39,10 @@ use std::ops::Range;
 
 use crate::constraint::Within;
 use crate::error::{FeedError, positive};
-use crate::grid_plan::{Builder, GridPlan};
 use crate::problem::{FeedPlanner, FeedProblem};
 use crate::scan::both_ends::{moves, squared_speeds};
 use crate::scan::reachability::Reachability;
+use crate::speed_law::{Builder, SpeedLaw};
 use between::largest_scale;
 use interior_point::Solver;
 use refine::refined;
@@ -167,7 +167,7 @@ impl Solution {
         }
         for k in 0..m {
             let h = stretch.knots.h[k];
-            builder.push_slope(grid[a + k], h, values.x[k], values.u[k], values.w[k], values.x[k + 1]);
+            builder.push_slope(grid[a + k], h, [values.x[k], values.x[k + 1]], values.u[k], values.w[k]);
         }
         if let End::Rest { h } = stretch.ends[1] {
             builder.push_to_rest(grid[a + m], h, values.x[m]);
@@ -175,7 +175,7 @@ impl Solution {
     }
 }
 
-fn assemble(problem: &FeedProblem, solutions: &[Solution]) -> Result<GridPlan, FeedError> {
+fn assemble(problem: &FeedProblem, solutions: &[Solution]) -> Result<SpeedLaw, FeedError> {
     let mut builder = Builder::with_capacity(problem.intervals());
     let mut values = Values::default();
     for solution in solutions {
@@ -290,7 +290,7 @@ const TAKEN_OFF: f64 = 1e-3;
 const EXCEEDED: f64 = 1e-7;
 
 impl FeedPlanner for JerkLimited {
-    fn plan(&self, problem: &FeedProblem) -> Result<GridPlan, FeedError> {
+    fn plan(&self, problem: &FeedProblem) -> Result<SpeedLaw, FeedError> {
         let Prepared { problem, fastest, parts } = &prepare(problem)?;
         let mut solver = Solver::default();
         let mut solutions = Vec::with_capacity(parts.len());

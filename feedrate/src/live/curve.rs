@@ -2,13 +2,12 @@
 
 use crate::constraint::{Feed, PathConstraint, Stop, TangentialAcceleration, TangentialJerk};
 use crate::error::{FeedError, positive};
-use crate::grid_plan::GridPlan;
 use crate::jerk_limited::JerkLimited;
-use crate::plan::SpeedPlan;
 use crate::problem::{FeedPlanner, FeedProblem};
 use crate::scan::Segment;
 use crate::scan::joined::plan_joined;
-use crate::state::{MotionLaw, MotionState};
+use crate::speed_law::SpeedLaw;
+use crate::state::MotionState;
 
 /// Part of speed, and of acceleration and jerk, that the fastest law uses: what is kept back is the room in which it is followed.
 const USED: (f64, f64) = (0.997, 0.99);
@@ -36,14 +35,7 @@ pub struct LiveCurve {
     stops: Vec<f64>,
     acceleration: f64,
     jerk: f64,
-    law: Law,
-}
-
-/// The fastest law, by whichever planner found it.
-#[derive(Debug, Clone)]
-enum Law {
-    Grid(GridPlan),
-    Phases(SpeedPlan),
+    law: SpeedLaw,
 }
 
 impl LiveCurve {
@@ -110,22 +102,13 @@ impl LiveCurve {
 
     /// How long the whole path takes at full speed (s).
     pub fn duration(&self) -> f64 {
-        match &self.law {
-            Law::Grid(plan) => plan.duration(),
-            Law::Phases(plan) => plan.duration(),
-        }
+        self.law.duration()
     }
 
     /// The fastest law at `s`, clamped to the path.
     #[inline]
     pub fn fastest(&self, s: f64) -> MotionState {
-        match &self.law {
-            Law::Grid(plan) => plan.at_position(s),
-            Law::Phases(plan) => {
-                let state = plan.at_position(s - self.grid[0]);
-                MotionState { p: s, ..state }
-            }
-        }
+        self.law.at_position(s)
     }
 
     /// The least cap between two places in increasing order (m/s).
@@ -153,7 +136,7 @@ fn lowest(caps: &[f64]) -> Vec<Vec<f64>> {
 }
 
 /// The faster of what the jerk-limited planner and the joined scan find.
-fn fastest(grid: &[f64], caps: &[f64], stops: &[usize], acceleration: f64, jerk: f64) -> Result<Law, FeedError> {
+fn fastest(grid: &[f64], caps: &[f64], stops: &[usize], acceleration: f64, jerk: f64) -> Result<SpeedLaw, FeedError> {
     let caps: Vec<f64> = caps.iter().map(|v| USED.0 * v).collect();
     let segments = grid
         .windows(2)
@@ -162,9 +145,9 @@ fn fastest(grid: &[f64], caps: &[f64], stops: &[usize], acceleration: f64, jerk:
         .collect::<Result<Vec<_>, _>>()?;
     let starts = std::iter::once(0).chain(stops.iter().copied());
     let ends = stops.iter().copied().chain(std::iter::once(caps.len()));
-    let parts: Vec<SpeedPlan> =
+    let parts: Vec<SpeedLaw> =
         starts.zip(ends).map(|(from, to)| plan_joined(&segments[from..to], 0.0, 0.0)).collect::<Result<_, _>>()?;
-    let joined = SpeedPlan::chain(parts);
+    let joined = SpeedLaw::chain(grid[0], parts);
 
     let feed = Feed::new(&caps)?;
     let (tangential, change) = (TangentialAcceleration::new(acceleration)?, TangentialJerk::new(jerk)?);
@@ -173,7 +156,7 @@ fn fastest(grid: &[f64], caps: &[f64], stops: &[usize], acceleration: f64, jerk:
     constraints.extend(stops.iter().map(|stop| stop as &dyn PathConstraint));
     // It may not do (a stretch too short for its grid, a method that does not converge): the scan always does.
     match FeedProblem::between_points(grid, &constraints).and_then(|problem| JerkLimited::default().plan(&problem)) {
-        Ok(plan) if plan.duration() < joined.duration() => Ok(Law::Grid(plan)),
-        _ => Ok(Law::Phases(joined)),
+        Ok(plan) if plan.duration() < joined.duration() => Ok(plan),
+        _ => Ok(joined),
     }
 }

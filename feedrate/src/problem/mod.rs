@@ -7,6 +7,7 @@ pub(crate) use inside::{InnerRow, matching, quadratic};
 use crate::constraint::{PathConstraint, Place, RowSink, Within};
 use crate::error::{FeedError, not_negative};
 use crate::row::{JerkRow, Quantity, Row, RowSource};
+use crate::speed_law::SpeedLaw;
 
 /// Rows of one place after the other.
 #[derive(Debug, Clone, Default)]
@@ -304,5 +305,5 @@ pub trait FeedPlanner {
     ///
     /// # Errors
     /// Why there is none: where, which row and by how much.
-    fn plan(&self, problem: &FeedProblem) -> Result<crate::grid_plan::GridPlan, FeedError>;
+    fn plan(&self, problem: &FeedProblem) -> Result<SpeedLaw, FeedError>;
 }

@@ -14,9 +14,9 @@
 //! So `m` is in every `R_k`. This needs no convexity, only segments along the axes: it holds for viscous friction too.
 
 use crate::error::FeedError;
-use crate::grid_plan::GridPlan;
 use crate::problem::{FeedPlanner, FeedProblem};
 use crate::row::{Quantity, Row, RowSource};
+use crate::speed_law::SpeedLaw;
 
 /// The bidirectional scan of Electronics 2025, 14, 3869 with every row tested at both ends of an interval.
 ///
@@ -35,22 +35,22 @@ pub struct BothEndsScan;
 pub struct PublishedScan;
 
 impl FeedPlanner for BothEndsScan {
-    fn plan(&self, problem: &FeedProblem) -> Result<GridPlan, FeedError> {
+    fn plan(&self, problem: &FeedProblem) -> Result<SpeedLaw, FeedError> {
         plan(problem, true)
     }
 }
 
 impl FeedPlanner for PublishedScan {
-    fn plan(&self, problem: &FeedProblem) -> Result<GridPlan, FeedError> {
+    fn plan(&self, problem: &FeedProblem) -> Result<SpeedLaw, FeedError> {
         plan(problem, false)
     }
 }
 
-fn plan(problem: &FeedProblem, both_ends: bool) -> Result<GridPlan, FeedError> {
+fn plan(problem: &FeedProblem, both_ends: bool) -> Result<SpeedLaw, FeedError> {
     let limit = static_limits(problem)?;
     let x = scan(problem, &limit, both_ends)?;
     moves(problem, &x)?;
-    GridPlan::from_squared_speeds(problem.grid(), &x)
+    SpeedLaw::from_squared_speeds(problem.grid(), &x)
 }
 
 /// Squared speeds at the grid points, and the static limits they stay below.

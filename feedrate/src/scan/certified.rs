@@ -9,8 +9,8 @@
 use super::both_ends::moves;
 use super::reachability::{Solver, solve};
 use crate::error::FeedError;
-use crate::grid_plan::{Builder, GridPlan};
 use crate::problem::{FeedPlanner, FeedProblem};
+use crate::speed_law::{Builder, SpeedLaw};
 
 /// Reachability that keeps the limits between the grid points too; needs [`FeedProblem::between_points`].
 ///
@@ -21,7 +21,7 @@ use crate::problem::{FeedPlanner, FeedProblem};
 pub struct CertifiedReachability;
 
 impl FeedPlanner for CertifiedReachability {
-    fn plan(&self, problem: &FeedProblem) -> Result<GridPlan, FeedError> {
+    fn plan(&self, problem: &FeedProblem) -> Result<SpeedLaw, FeedError> {
         if !problem.is_between_points() {
             return Err(FeedError::Empty { what: "rows between the grid points (FeedProblem::between_points)" });
         }
@@ -35,7 +35,7 @@ impl FeedPlanner for CertifiedReachability {
         sloped.or_else(|_| {
             let x = solve(problem, true)?;
             moves(problem, &x)?;
-            GridPlan::from_squared_speeds(problem.grid(), &x)
+            SpeedLaw::from_squared_speeds(problem.grid(), &x)
         })
     }
 }
@@ -56,13 +56,13 @@ fn slopes(problem: &FeedProblem, x: &[f64]) -> Vec<f64> {
     (0..n).map(slope).collect()
 }
 
-fn sloped_plan(problem: &FeedProblem, x: &[f64], slopes: &[f64]) -> Result<GridPlan, FeedError> {
+fn sloped_plan(problem: &FeedProblem, x: &[f64], slopes: &[f64]) -> Result<SpeedLaw, FeedError> {
     let (n, grid) = (problem.intervals(), problem.grid());
     let mut builder = Builder::with_capacity(n);
     for k in 0..n {
         let h = problem.h(k);
         let u = 0.5 * (x[k + 1] - x[k]) / h;
-        builder.push_slope(grid[k], h, x[k], u - 0.5 * h * slopes[k], slopes[k], x[k + 1]);
+        builder.push_slope(grid[k], h, [x[k], x[k + 1]], u - 0.5 * h * slopes[k], slopes[k]);
     }
     builder.finish(grid[n], x[n].sqrt())
 }

@@ -12,9 +12,9 @@ use super::segment::{boundary_speeds, checked_caps};
 use super::{Segment, boundaries};
 use crate::error::FeedError;
 use crate::limits::MotionLimits;
-use crate::plan::{PlanBuilder, SpeedPlan};
 use crate::scurve::phases::Phase;
 use crate::scurve::profile::{Adjusted, SProfile};
+use crate::speed_law::{Builder, SpeedLaw};
 
 /// Plans with continuous acceleration over the segments: everywhere, inside the segments too, speed, acceleration and
 /// jerk keep the bounds of the segment where the motion is.
@@ -36,16 +36,16 @@ use crate::scurve::profile::{Adjusted, SProfile};
 ///
 /// # Errors
 /// As [`super::segment::plan_per_segment`].
-pub fn plan_joined(segments: &[Segment], v_start: f64, v_end: f64) -> Result<SpeedPlan, FeedError> {
+pub fn plan_joined(segments: &[Segment], v_start: f64, v_end: f64) -> Result<SpeedLaw, FeedError> {
     let caps = checked_caps(segments, v_start, v_end)?;
     let s = boundaries(segments);
-    let mut plan = PlanBuilder::with_capacity(2 * segments.len());
+    let mut plan = Builder::with_capacity(2 * segments.len());
     if v_start > caps[0] || !join(segments, 0.0, v_start, v_end, &mut plan) {
         // Between halves, the speed and the zero acceleration of the per-segment plan.
         let speeds = boundary_speeds(segments, v_start, v_end)?;
         split(segments, &s, &speeds, &mut plan);
     }
-    plan.finish(s[segments.len()], v_end).checked()
+    plan.finish(s[segments.len()], v_end)
 }
 
 /// Like [`plan_joined`], if the whole path can be joined at the first attempt, else `None`: a fraction of the time, for
@@ -53,25 +53,25 @@ pub fn plan_joined(segments: &[Segment], v_start: f64, v_end: f64) -> Result<Spe
 ///
 /// # Errors
 /// When there is no segment, or a speed is negative, not finite or above the cap at its end of the path.
-pub fn plan_joined_at_once(segments: &[Segment], v_start: f64, v_end: f64) -> Result<Option<SpeedPlan>, FeedError> {
+pub fn plan_joined_at_once(segments: &[Segment], v_start: f64, v_end: f64) -> Result<Option<SpeedLaw>, FeedError> {
     let caps = checked_caps(segments, v_start, v_end)?;
     if v_start > caps[0] {
         return Ok(None);
     }
     let s = boundaries(segments);
     let Some(steps) = attempt(segments, &s, v_start, v_end, SLACKS[0], None) else { return Ok(None) };
-    let mut plan = PlanBuilder::with_capacity(steps.len());
+    let mut plan = Builder::with_capacity(steps.len());
     for step in &steps {
-        plan.push(step.phase.s, step.phase.v, step.phase.a, step.phase.j, step.dt);
+        plan.push_phase(step.phase.s, step.phase.v, step.phase.a, step.phase.j, step.dt);
     }
-    plan.finish(s[segments.len()], v_end).checked().map(Some)
+    plan.finish(s[segments.len()], v_end).map(Some)
 }
 
 /// How far the lines of the ceiling may lie below the caps, relative in v^2; the first is the usual one.
 const SLACKS: [f64; 3] = [0.01, 0.02, 0.005];
 
 /// Appends the joined motion over `segments`, which start at `s0`; `false`, and nothing appended, if no join is found.
-fn join(segments: &[Segment], s0: f64, v_start: f64, v_end: f64, plan: &mut PlanBuilder) -> bool {
+fn join(segments: &[Segment], s0: f64, v_start: f64, v_end: f64, plan: &mut Builder) -> bool {
     let s = boundaries(segments);
     let least = segments.iter().map(|segment| segment.j_max).fold(f64::INFINITY, f64::min);
     // A join can fail where bounds change in an unlucky place; another set of lines has other places.
@@ -81,7 +81,7 @@ fn join(segments: &[Segment], s0: f64, v_start: f64, v_end: f64, plan: &mut Plan
         if let Some(steps) = attempt(segments, &s, v_start, v_end, slack, jerk) {
             for step in &steps {
                 let p = step.phase;
-                plan.push(s0 + p.s, p.v, p.a, p.j, step.dt);
+                plan.push_phase(s0 + p.s, p.v, p.a, p.j, step.dt);
             }
             return true;
         }
@@ -91,7 +91,7 @@ fn join(segments: &[Segment], s0: f64, v_start: f64, v_end: f64, plan: &mut Plan
 
 /// Joins each part of a path that cannot be joined as a whole: cut where the per-segment plan is slowest, away from the
 /// ends, down to single segments. `s` and `speeds` are those of the boundaries.
-fn split(segments: &[Segment], s: &[f64], speeds: &[f64], plan: &mut PlanBuilder) {
+fn split(segments: &[Segment], s: &[f64], speeds: &[f64], plan: &mut Builder) {
     let n = segments.len();
     if n == 1 {
         let limits = MotionLimits::trusted(segments[0].v_max, segments[0].a_max, segments[0].j_max);

@@ -11,10 +11,10 @@
 use super::both_ends::{moves, squared_speeds};
 use crate::constraint::Within;
 use crate::error::FeedError;
-use crate::grid_plan::GridPlan;
 use crate::lp2::{Band, Greatest, NoOptimum, gap, greatest_x, least_x};
 use crate::problem::{FeedPlanner, FeedProblem};
 use crate::row::{Quantity, Row, RowSource};
+use crate::speed_law::SpeedLaw;
 
 /// Reachability: the optimum of the rows at the grid points to 0.01 % at N = 1000, and complete: where it finds no
 /// motion there is none on this grid. Passes points at which standing still is impossible.
@@ -26,10 +26,10 @@ use crate::row::{Quantity, Row, RowSource};
 pub struct Reachability;
 
 impl FeedPlanner for Reachability {
-    fn plan(&self, problem: &FeedProblem) -> Result<GridPlan, FeedError> {
+    fn plan(&self, problem: &FeedProblem) -> Result<SpeedLaw, FeedError> {
         let x = self.squared_speeds(problem)?;
         moves(problem, &x)?;
-        GridPlan::from_squared_speeds(problem.grid(), &x)
+        SpeedLaw::from_squared_speeds(problem.grid(), &x)
     }
 }
 

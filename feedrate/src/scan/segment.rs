@@ -3,9 +3,9 @@
 use super::{Segment, boundaries, boundary_caps};
 use crate::error::{FeedError, not_negative};
 use crate::limits::MotionLimits;
-use crate::plan::{PlanBuilder, SpeedPlan};
 use crate::scurve::profile::{Adjusted, SProfile};
 use crate::scurve::solve::{distance, fits, lower, lowest, raise};
+use crate::speed_law::{Builder, SpeedLaw};
 
 /// Plans one S-profile per segment with the whole path in view: acceleration is zero at every boundary.
 ///
@@ -18,7 +18,7 @@ use crate::scurve::solve::{distance, fits, lower, lowest, raise};
 /// # Errors
 /// [`FeedError::Empty`] without segments; [`FeedError::StartTooFast`] and [`FeedError::EndTooFast`], before anything is planned, if
 /// the speeds at the ends cannot be kept; [`FeedError::Negative`] or [`FeedError::NotFinite`] for invalid speeds.
-pub fn plan_per_segment(segments: &[Segment], v_start: f64, v_end: f64) -> Result<SpeedPlan, FeedError> {
+pub fn plan_per_segment(segments: &[Segment], v_start: f64, v_end: f64) -> Result<SpeedLaw, FeedError> {
     let speeds = boundary_speeds(segments, v_start, v_end)?;
     assemble(segments, &speeds)
 }
@@ -56,7 +56,7 @@ pub fn boundary_speeds(segments: &[Segment], v_start: f64, v_end: f64) -> Result
 ///
 /// # Errors
 /// As [`plan_per_segment`], the start being judged by the first window; [`FeedError::NotPositive`] if `window` is 0.
-pub fn plan_windowed(segments: &[Segment], v_start: f64, window: usize) -> Result<SpeedPlan, FeedError> {
+pub fn plan_windowed(segments: &[Segment], v_start: f64, window: usize) -> Result<SpeedLaw, FeedError> {
     if window == 0 {
         return Err(FeedError::NotPositive { what: "window", value: 0.0 });
     }
@@ -171,13 +171,12 @@ fn check_start(segments: &[Segment], caps: &[f64], bound: &[f64], v_start: f64) 
 }
 
 /// One S-profile per segment between speeds that are known to be feasible.
-fn assemble(segments: &[Segment], speeds: &[f64]) -> Result<SpeedPlan, FeedError> {
+fn assemble(segments: &[Segment], speeds: &[f64]) -> Result<SpeedLaw, FeedError> {
     let s = boundaries(segments);
-    let mut plan = PlanBuilder::with_capacity(7 * segments.len());
+    let mut plan = Builder::with_capacity(7 * segments.len());
     for (k, segment) in segments.iter().enumerate() {
         let limits = MotionLimits::trusted(segment.v_max, segment.a_max, segment.j_max);
         plan.push_profile(s[k], &SProfile::build(segment.length, speeds[k], speeds[k + 1], &limits, Adjusted::No));
     }
-    let plan = plan.finish(s[segments.len()], speeds[segments.len()]);
-    plan.checked()
+    plan.finish(s[segments.len()], speeds[segments.len()])
 }

@@ -3,7 +3,7 @@
 
 pub mod axis;
 
-use arcfeed_feedrate::{MotionLaw, Segment, SpeedPlan};
+use arcfeed_feedrate::{Phase, Segment, SpeedLaw};
 
 /// SplitMix64, uniform in [0, 1).
 pub struct Rng(pub u64);
@@ -95,7 +95,7 @@ pub struct Verdict {
     pub at: f64,
 }
 
-pub fn judge(plan: &SpeedPlan, segments: &[Segment], v0: f64, v1: f64) -> Verdict {
+pub fn judge(plan: &SpeedLaw, segments: &[Segment], v0: f64, v1: f64) -> Verdict {
     let mut b = vec![0.0];
     for s in segments {
         b.push(b[b.len() - 1] + s.length());
@@ -104,7 +104,8 @@ pub fn judge(plan: &SpeedPlan, segments: &[Segment], v0: f64, v1: f64) -> Verdic
     let v_scale = segments.iter().map(Segment::v_max).fold(0.0, f64::max);
     let a_scale = segments.iter().map(Segment::a_max).fold(0.0, f64::max);
     let mut w = Verdict { v: 0.0, a: 0.0, j: 0.0, gap: 0.0, at: 0.0 };
-    let phases = plan.phases();
+    let phase = |(t, m): (f64, arcfeed_feedrate::MotionState)| Phase { t, s: m.p, v: m.v, a: m.a, j: m.j };
+    let phases: Vec<Phase> = plan.knots().map(phase).collect();
     let mut before = (0.0, v0, 0.0);
     for (i, p) in phases.iter().enumerate() {
         let gap = ((p.s - before.0).abs() / total)

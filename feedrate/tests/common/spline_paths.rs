@@ -194,7 +194,7 @@ impl Samples {
 pub fn worst(
     spline: &Spline,
     grid: &[f64],
-    plan: &arcfeed_feedrate::GridPlan,
+    plan: &arcfeed_feedrate::SpeedLaw,
     per: usize,
     v: &[f64; JOINTS],
     jerk: &[f64; JOINTS],

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use arcfeed_feedrate::{FeedProblem, GridCursor, GridPlan, MotionState, Row, RowSource};
+use arcfeed_feedrate::{Cursor, FeedProblem, MotionState, Row, RowSource, SpeedLaw};
 use arcfeed_kinematics::{Dynamics, ForwardKinematics, Joints};
 
 use super::scheduler::Scheduler;
@@ -19,7 +19,7 @@ pub struct Schedule<'p, P: ?Sized, const N: usize = 6> {
     path: &'p P,
     nodes: Vec<JointJet<N>>,
     problem: FeedProblem,
-    plan: GridPlan,
+    plan: SpeedLaw,
     times: [Duration; 2],
 }
 
@@ -40,7 +40,7 @@ impl<'p, P: SchedulePath<N> + ?Sized, const N: usize> Schedule<'p, P, N> {
         path: &'p P,
         nodes: Vec<JointJet<N>>,
         problem: FeedProblem,
-        plan: GridPlan,
+        plan: SpeedLaw,
         times: [Duration; 2],
     ) -> Self {
         Self { scheduler, path, nodes, problem, plan, times }
@@ -57,7 +57,7 @@ impl<'p, P: SchedulePath<N> + ?Sized, const N: usize> Schedule<'p, P, N> {
     }
 
     /// The motion law s(t), with the planner's own interpolation.
-    pub fn law(&self) -> &GridPlan {
+    pub fn law(&self) -> &SpeedLaw {
         &self.plan
     }
 
@@ -215,7 +215,7 @@ fn first_conflict(rows: &[Row], x: f64) -> Option<RowSource> {
 #[derive(Debug, Clone)]
 pub struct ScheduleSampler<'s, 'p, P: ?Sized, const N: usize> {
     schedule: &'s Schedule<'p, P, N>,
-    cursor: GridCursor<'s>,
+    cursor: Cursor<'s>,
     last: JointJet<N>,
     period: f64,
     cycle: usize,

@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use arcfeed_feedrate::constraint::{JointAcceleration, JointJerk, JointVelocity, PathConstraint, PathDerivatives};
 use arcfeed_feedrate::{
-    BothEndsScan, CertifiedReachability, FeedError, FeedPlanner, FeedProblem, GridPlan, JerkLimited, PublishedScan,
-    Quantity, Reachability,
+    BothEndsScan, CertifiedReachability, FeedError, FeedPlanner, FeedProblem, JerkLimited, PublishedScan, Quantity,
+    Reachability, SpeedLaw,
 };
 use arcfeed_kinematics::{Dynamics, ForwardKinematics, Joints};
 
@@ -85,7 +85,7 @@ pub enum RowsNeeded {
 }
 
 impl FeedPlanner for SpeedPlanner {
-    fn plan(&self, problem: &FeedProblem) -> Result<GridPlan, FeedError> {
+    fn plan(&self, problem: &FeedProblem) -> Result<SpeedLaw, FeedError> {
         match self {
             Self::BothEnds => BothEndsScan.plan(problem),
             Self::Published => PublishedScan.plan(problem),
