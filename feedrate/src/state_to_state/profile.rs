@@ -136,13 +136,10 @@ impl StateToState {
         if t <= self.duration || t.is_nan() {
             return self.at(t);
         }
-        let (fading, lasting) = self.fading();
-        let since = t - self.duration;
-        if since < lasting {
-            return fading.after(since);
-        }
-        let end = fading.after(lasting);
-        MotionState { p: end.p + (since - lasting) * end.v, v: end.v, a: 0.0, j: 0.0 }
+        // Zero acceleration times an infinite time would be no number.
+        let t = t.min(f64::MAX);
+        let (phase, lasting, _) = self.phase_at(t);
+        phase.after((t - phase.t).min(lasting))
     }
 
     /// The phase that acts at time `t` (s), its duration, and the time at which the next one begins, infinite for the last one:
