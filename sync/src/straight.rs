@@ -50,8 +50,9 @@ impl<const N: usize> Line<N> {
         let (s, t) = (start, target);
         let velocity = |k: usize| limits[k].v_max().max(-limits[k].v_min());
         let acceleration = |k: usize| limits[k].a_max().max(-limits[k].a_min());
+        let place = s.iter().chain(t).fold(0.0, |m: f64, x| m.max(x.p.abs()));
         let parts: [Part<N>; 5] = [
-            Part::new(|k| t[k].p - s[k].p, |k| s[k].p.abs() + t[k].p.abs()),
+            Part::new(|k| t[k].p - s[k].p, |_| place),
             Part::new(|k| s[k].v, velocity),
             Part::new(|k| t[k].v, velocity),
             Part::new(|k| s[k].a, acceleration),
@@ -71,8 +72,8 @@ impl<const N: usize> Line<N> {
         for w in &parts {
             for k in 0..N {
                 let off = (w.values[k] - ratios[k] * w.values[reference]).abs();
-                let most = w.round_off[k] + ratios[k].abs() * w.round_off[reference];
-                if off.is_nan() || off > most {
+                // Of this component and, in proportion, of the one it is compared with.
+                if off.is_nan() || off > 2.0 * w.round_off[k] {
                     return Err(k);
                 }
             }

@@ -30,12 +30,6 @@ pub struct Events<const N: usize> {
 
 impl<const N: usize> Default for Events<N> {
     fn default() -> Self {
-        Self {
-            reached: false,
-            arrived: [false; N],
-            replanned: false,
-            outside_limits: false,
-            range_ends: [false; N],
-        }
+        Self { reached: false, arrived: [false; N], replanned: false, outside_limits: false, range_ends: [false; N] }
     }
 }

@@ -41,11 +41,7 @@ impl Axis {
 
 impl<const N: usize> Following<N> {
     /// Goes on from `start` without a target.
-    pub fn coasting(
-        start: &[AxisState; N],
-        limits: &[AxisLimits; N],
-        ranges: &[Range; N],
-    ) -> Result<Self, SyncError> {
+    pub fn coasting(start: &[AxisState; N], limits: &[AxisLimits; N], ranges: &[Range; N]) -> Result<Self, SyncError> {
         let mut motions = [StateToState::default(); N];
         let mut axes = [Axis::new(0.0, false, Coast::default()); N];
         for k in 0..N {

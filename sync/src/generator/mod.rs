@@ -243,8 +243,7 @@ impl<const N: usize> OnlineGenerator<N> {
             return Ok(false);
         }
         let (from, to, within) = (group.map(|k| self.state[k]), group.map(|k| target[k]), group.map(|k| limits[k]));
-        let plan =
-            Trajectory::<M>::new(&from, &to, &within, &self.options).map_err(|e| e.of_axis(|k| group[k]))?;
+        let plan = Trajectory::<M>::new(&from, &to, &within, &self.options).map_err(|e| e.of_axis(|k| group[k]))?;
         let left = group.iter().fold(0.0, |t: f64, &k| t.max(self.time_left_of(k)));
         if same_target && plan.duration() >= left && group.iter().all(|&k| self.plan_keeps(k, &limits[k])) {
             for &k in &group {

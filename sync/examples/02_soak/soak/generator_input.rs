@@ -28,8 +28,7 @@ pub enum Kind {
     Single,
 }
 
-const KINDS: [Kind; 7] =
-    [Kind::Rest, Kind::Moving, Kind::Wave, Kind::Limits, Kind::Tiny, Kind::StopHere, Kind::Single];
+const KINDS: [Kind; 7] = [Kind::Rest, Kind::Moving, Kind::Wave, Kind::Limits, Kind::Tiny, Kind::StopHere, Kind::Single];
 
 /// The circumstances of one case.
 #[derive(Debug, Clone, Copy)]

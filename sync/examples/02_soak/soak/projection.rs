@@ -67,10 +67,12 @@ fn play(rng: &mut Rng, outcome: &mut Outcome) -> Result<(), (String, f64, String
     let mut limits = any_limits(hostile, rng);
     let mut now = start(&limits, hostile, rng);
     let mut target = Joints::from_fn(|_, _| rng.within(-2.0, 2.0));
-    let refused = |what: &str, e: &dyn std::fmt::Display, input: String| (format!("{what} refused"), 1.0, format!("{e}\n{input}"));
+    let refused = |what: &str, e: &dyn std::fmt::Display, input: String| {
+        (format!("{what} refused"), 1.0, format!("{e}\n{input}"))
+    };
     let show = |s: &JointState<AXES>, t: &Joints, l: &AxisLimits<AXES>| format!("from {s:?}\nto {t:?}\nwithin {l:?}");
-    let mut sync = ProjectionSync::new(&now, target, &limits)
-        .map_err(|e| refused("start", &e, show(&now, &target, &limits)))?;
+    let mut sync =
+        ProjectionSync::new(&now, target, &limits).map_err(|e| refused("start", &e, show(&now, &target, &limits)))?;
     let period = rng.one_of(&[1e-4, 1e-3, 2e-3, 8e-3]);
     let follows = rng.chance(0.3);
     let (mut begun, mut reached) = (now, false);
