@@ -64,6 +64,75 @@ pub enum SyncError {
         /// Index of the first axis that is off the line, from 0.
         axis: usize,
     },
+    /// A motion that has to be straight would exceed the limits of an axis.
+    #[error(
+        "axis {} would exceed its limits on the straight line: together the axes have less jerk to take back its \
+         acceleration than it has alone; wait until its acceleration is lower, or synchronise by time",
+        axis + 1
+    )]
+    LineExceeds {
+        /// Index of the first such axis, from 0.
+        axis: usize,
+    },
+    /// The range of an axis is no interval.
+    #[error("axis {}: its range is [{lower}, {upper}]; the lower end must be below the upper one", axis + 1)]
+    Range {
+        /// Index of the axis, from 0.
+        axis: usize,
+        /// The lower end given.
+        lower: f64,
+        /// The upper end given.
+        upper: f64,
+    },
+    /// A start or a target lies outside the range of an axis.
+    #[error(
+        "axis {}: the {what} is at {position}, outside its range [{lower}, {upper}]; move it inside",
+        axis + 1
+    )]
+    OutsideRange {
+        /// Index of the axis, from 0.
+        axis: usize,
+        /// `"start"` or `"target"`.
+        what: &'static str,
+        /// The position given (rad or m).
+        position: f64,
+        /// Lower end of the range.
+        lower: f64,
+        /// Upper end of the range.
+        upper: f64,
+    },
+    /// The motion to the target leaves the range of an axis between.
+    #[error(
+        "axis {} would be at {position} after {time} s, beyond {limit}, the end of its range; \
+         stop it first, move its target away from that end, or raise its acceleration and jerk limits",
+        axis + 1
+    )]
+    LeavesRange {
+        /// Index of the axis, from 0.
+        axis: usize,
+        /// The farthest position (rad or m).
+        position: f64,
+        /// When it is there, from now on (s).
+        time: f64,
+        /// The end of the range it passes.
+        limit: f64,
+    },
+    /// An axis that goes on after its target, or where it is now, cannot stop before its range ends.
+    #[error(
+        "axis {} goes on from its {what} and cannot stop before {limit}, the end of its range: it would be at \
+         {position}; lower the velocity of its {what} or move that away from the end",
+        axis + 1
+    )]
+    CannotStop {
+        /// Index of the axis, from 0.
+        axis: usize,
+        /// `"present state"` or `"target"`.
+        what: &'static str,
+        /// The farthest position (rad or m).
+        position: f64,
+        /// The end of the range it passes.
+        limit: f64,
+    },
     /// The period of a cycle is NaN, infinite or negative.
     #[error("the period is {value} s; it must be finite and not negative")]
     Period {
@@ -78,4 +147,14 @@ pub enum SyncError {
     /// The scalar motion along the line cannot be built.
     #[error("along the line: {0}")]
     Line(#[from] arcfeed_feedrate::FeedError),
+}
+
+impl SyncError {
+    /// The same error where the axes have other indices.
+    pub(crate) fn of_axis(mut self, index: impl Fn(usize) -> usize) -> Self {
+        if let Self::State { axis, .. } | Self::NotStraight { axis } | Self::LineExceeds { axis } = &mut self {
+            *axis = index(*axis);
+        }
+        self
+    }
 }

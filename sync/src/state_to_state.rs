@@ -5,7 +5,7 @@ use arcfeed_feedrate::{AxisLimits, AxisProblem, AxisState, MotionLaw, StateToSta
 use crate::error::SyncError;
 use crate::mode::{MotionOptions, Synchronisation};
 use crate::point_to_point::JointState;
-use crate::sampler::{Sampler, Window};
+use crate::sampler::Sampler;
 use crate::straight::Line;
 
 /// The shortest common motion of `N` axes, each from a state to a state within its own limits.
@@ -39,7 +39,9 @@ impl<const N: usize> Trajectory<N> {
     /// The shortest motion from `start` to `target` within `limits`, as told by `options`.
     ///
     /// # Errors
-    /// [`SyncError::State`] naming the axis, [`SyncError::NotStraight`] with [`Synchronisation::ForcedStraight`].
+    /// [`SyncError::State`] naming the axis; with [`Synchronisation::None`] also if an axis that arrives before the others
+    /// cannot go on within its velocity limits; with [`Synchronisation::ForcedStraight`] [`SyncError::NotStraight`] and
+    /// [`SyncError::LineExceeds`].
     pub fn new(
         start: &[AxisState; N],
         target: &[AxisState; N],
@@ -49,24 +51,30 @@ impl<const N: usize> Trajectory<N> {
         match options.synchronisation() {
             Synchronisation::None => Self::each(start, target, limits, options),
             Synchronisation::Time => Self::together(start, target, limits, options),
-            mode => match Line::new(start, target) {
-                Ok(line) => Self::straight(&line, start, target, limits, options),
-                Err(axis) if mode == Synchronisation::ForcedStraight => Err(SyncError::NotStraight { axis }),
-                Err(_) => Self::together(start, target, limits, options),
-            },
+            Synchronisation::ForcedStraight => Self::straight(start, target, limits, options),
+            Synchronisation::StraightLine => Self::straight(start, target, limits, options)
+                .or_else(|_| Self::together(start, target, limits, options)),
         }
     }
 
-    /// No target: the velocity stays what it is once the acceleration is zero and the velocity inside its limits.
-    pub(crate) fn coasting(start: &[AxisState; N], limits: &[AxisLimits; N]) -> Result<Self, SyncError> {
-        let mut all = Self { axes: [StateToState::default(); N], duration: 0.0, straight: false };
-        for (axis, ((s, l), out)) in start.iter().zip(limits).zip(&mut all.axes).enumerate() {
-            let jerk = if s.a > 0.0 { -l.j_min() } else { -l.j_max() };
-            let v = (s.v + 0.5 * s.a * s.a / jerk).clamp(l.v_min(), l.v_max());
-            *out = StateToState::to_velocity(s, v, 0.0, l).map_err(|source| SyncError::State { axis, source })?;
-            all.duration = all.duration.max(out.duration());
+    /// Of motions that belong to no line.
+    pub(crate) fn of(axes: [StateToState; N]) -> Self {
+        let duration = axes.iter().fold(0.0, |t: f64, a| t.max(a.duration()));
+        Self { axes, duration, straight: false }
+    }
+
+    /// Another motion for one axis.
+    pub(crate) fn replace(&mut self, axis: usize, motion: &StateToState) {
+        self.take(&[axis], &Trajectory::of([*motion]));
+    }
+
+    /// The motions of another plan for those axes.
+    pub(crate) fn take<const M: usize>(&mut self, axes: &[usize; M], plan: &Trajectory<M>) {
+        for (&k, motion) in axes.iter().zip(&plan.axes) {
+            self.axes[k] = *motion;
         }
-        Ok(all)
+        self.duration = self.axes.iter().fold(0.0, |t: f64, a| t.max(a.duration()));
+        self.straight = plan.straight && M == N;
     }
 
     fn each(
@@ -77,13 +85,13 @@ impl<const N: usize> Trajectory<N> {
     ) -> Result<Self, SyncError> {
         let mut axes = [StateToState::default(); N];
         for axis in 0..N {
-            let motion = AxisProblem::new(&start[axis], &target[axis], &limits[axis])
+            axes[axis] = AxisProblem::new(&start[axis], &target[axis], &limits[axis])
                 .and_then(|problem| lasting_at_least(&problem, options))
+                // The others may arrive later.
+                .and_then(|motion| limits[axis].check_leaving(&target[axis]).map(|()| motion))
                 .map_err(|source| SyncError::State { axis, source })?;
-            axes[axis] = motion;
         }
-        let duration = axes.iter().fold(0.0, |t: f64, a| t.max(a.duration()));
-        Ok(Self { axes, duration, straight: false })
+        Ok(Self::of(axes))
     }
 
     fn together(
@@ -128,12 +136,12 @@ impl<const N: usize> Trajectory<N> {
     }
 
     fn straight(
-        line: &Line<N>,
         start: &[AxisState; N],
         target: &[AxisState; N],
         limits: &[AxisLimits; N],
         options: &MotionOptions,
     ) -> Result<Self, SyncError> {
+        let line = Line::new(start, target, limits).map_err(|axis| SyncError::NotStraight { axis })?;
         let m = line.reference;
         let out_of_range = SyncError::State { axis: m, source: StateToStateError::OutOfRange };
         let motion = line.limits(limits).ok_or(out_of_range).and_then(|shared| {
@@ -147,7 +155,12 @@ impl<const N: usize> Trajectory<N> {
             Err(e) => return Self::each(start, target, limits, &MotionOptions::default()).and(Err(e)),
         };
         let axes = std::array::from_fn(|k| motion.in_proportion(line.ratios[k], &start[k], &target[k]));
-        Ok(Self { axes, duration: motion.duration(), straight: true })
+        // All axes share the least of their jerk limits: an axis that alone would stay inside can overshoot with it.
+        let exceeds = |k: &usize| limits[*k].contain(&start[*k]) && !keeps(&axes[*k], 0.0, &limits[*k]);
+        match (0..N).find(exceeds) {
+            Some(axis) => Err(SyncError::LineExceeds { axis }),
+            None => Ok(Self { axes, duration: motion.duration(), straight: true }),
+        }
     }
 
     /// Duration (s): when the last axis arrives.
@@ -166,7 +179,8 @@ impl<const N: usize> Trajectory<N> {
     }
 
     /// The state at time `t` (s). Before 0 it is the start; an axis that has arrived goes on with the velocity of its
-    /// target. Allocates nothing. For samples in the order of time see [`Trajectory::sampler`].
+    /// target, once the acceleration of the target is brought to zero with the largest jerk
+    /// ([`StateToState::at_or_after`]). Allocates nothing. For samples in the order of time see [`Trajectory::sampler`].
     pub fn at(&self, t: f64) -> JointState<N> {
         let mut state = JointState::default();
         for (k, axis) in self.axes.iter().enumerate() {
@@ -178,7 +192,7 @@ impl<const N: usize> Trajectory<N> {
 
     /// Samples in a few ns as long as no axis passes on to its next phase.
     pub fn sampler(&self) -> Sampler<'_, N> {
-        Sampler { motion: self, window: Window::default() }
+        Sampler::new(self)
     }
 }
 
@@ -193,6 +207,23 @@ fn lasting_at_least(problem: &AxisProblem, options: &MotionOptions) -> Result<St
     }
     Err(StateToStateError::OutOfRange)
 }
+
+/// Whether a motion stays within the limits from `now` on.
+pub(crate) fn keeps(motion: &StateToState, now: f64, l: &AxisLimits) -> bool {
+    motion.phases().filter(|(phase, dt)| phase.t + dt > now).all(|(phase, dt)| {
+        let from = (now - phase.t).max(0.0);
+        let top = -phase.a / phase.j;
+        let top = if top > from && top < dt { top } else { from };
+        let jerk = phase.j >= l.j_min() * ROUNDED && phase.j <= l.j_max() * ROUNDED;
+        jerk && [from, top, dt].into_iter().all(|t| {
+            let s = phase.after(t);
+            l.contain_now(&AxisState::new(s.p, s.v, s.a))
+        })
+    }) && motion.duration() >= now
+}
+
+/// Limits are kept up to this factor of round-off.
+const ROUNDED: f64 = 1.0 + 16.0 * f64::EPSILON;
 
 /// More blocked intervals than an axis has.
 const ROUNDS: usize = 8;

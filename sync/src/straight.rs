@@ -2,8 +2,8 @@
 
 use arcfeed_feedrate::{AxisLimits, AxisState};
 
-/// How many times the round-off of the numbers themselves a state may be off the line.
-const SLACK: f64 = 16.0 * f64::EPSILON;
+/// Round-off of a number, relative to the size of the numbers it is computed from.
+const ROUND_OFF: f64 = 16.0 * f64::EPSILON;
 
 /// A line through both states: all axes move in proportion to the one that moves farthest.
 pub(crate) struct Line<const N: usize> {
@@ -11,33 +11,69 @@ pub(crate) struct Line<const N: usize> {
     pub ratios: [f64; N],
 }
 
+/// A vector of both states that must point along the line, and the round-off in each of its components.
+struct Part<const N: usize> {
+    values: [f64; N],
+    round_off: [f64; N],
+}
+
+impl<const N: usize> Part<N> {
+    fn new(values: impl Fn(usize) -> f64, sizes: impl Fn(usize) -> f64) -> Self {
+        let values: [f64; N] = std::array::from_fn(values);
+        // A component can be what two large numbers leave: its round-off is that of the limit, not its own.
+        let round_off = std::array::from_fn(|k| ROUND_OFF * sizes(k).max(values[k].abs()));
+        Self { values, round_off }
+    }
+
+    /// Index of the largest component.
+    fn largest(&self) -> usize {
+        (0..N).fold(0, |m, k| if self.values[k].abs() > self.values[m].abs() { k } else { m })
+    }
+
+    /// How many times its round-off the vector is long.
+    fn certainty(&self) -> f64 {
+        if N == 0 {
+            return 0.0;
+        }
+        let m = self.largest();
+        if self.values[m] == 0.0 { 0.0 } else { self.values[m].abs() / self.round_off[m] }
+    }
+}
+
 impl<const N: usize> Line<N> {
     /// The line, or the first axis that is off it.
-    pub fn new(start: &[AxisState; N], target: &[AxisState; N]) -> Result<Self, usize> {
-        let pairs = || start.iter().zip(target);
-        let vectors: [[f64; N]; 5] = [
-            from(pairs().map(|(s, t)| t.p - s.p)),
-            from(start.iter().map(|s| s.v)),
-            from(target.iter().map(|t| t.v)),
-            from(start.iter().map(|s| s.a)),
-            from(target.iter().map(|t| t.a)),
+    ///
+    /// The direction is that of the vector (displacement, velocities, accelerations) that is the longest against its own
+    /// round-off: a displacement of round-off has no direction. Every other vector must be on that line up to the round-off of
+    /// its numbers.
+    pub fn new(start: &[AxisState; N], target: &[AxisState; N], limits: &[AxisLimits; N]) -> Result<Self, usize> {
+        let (s, t) = (start, target);
+        let velocity = |k: usize| limits[k].v_max().max(-limits[k].v_min());
+        let acceleration = |k: usize| limits[k].a_max().max(-limits[k].a_min());
+        let place = s.iter().chain(t).fold(0.0, |m: f64, x| m.max(x.p.abs()));
+        let parts: [Part<N>; 5] = [
+            Part::new(|k| t[k].p - s[k].p, |_| place),
+            Part::new(|k| s[k].v, velocity),
+            Part::new(|k| t[k].v, velocity),
+            Part::new(|k| s[k].a, acceleration),
+            Part::new(|k| t[k].a, acceleration),
         ];
-        // What the first one is off by round-off: the difference of two positions has that of the positions.
-        let blur: [f64; N] = from(pairs().map(|(s, t)| s.p.abs() + t.p.abs()));
-        let Some(along) = vectors.iter().position(|w| w.iter().any(|x| *x != 0.0)) else {
-            return Ok(Self { reference: 0, ratios: [0.0; N] });
-        };
-        let direction = &vectors[along];
-        let reference = (0..N).fold(0, |m, k| if direction[k].abs() > direction[m].abs() { k } else { m });
-        let size = direction[reference];
-        let ratios = direction.map(|x| x / size);
-        let off = |k: usize| if along == 0 { (blur[k] + blur[reference]) / size.abs() } else { 0.0 };
-        for w in &vectors[along + 1..] {
-            let largest = w.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        let best = |m: usize, i: usize| if parts[i].certainty() > parts[m].certainty() { i } else { m };
+        let along = &parts[(1..parts.len()).fold(0, best)];
+        if along.certainty() == 0.0 {
+            // Nothing moves, or a number is none.
+            return match (0..N).find(|&k| parts.iter().any(|w| w.values[k] != 0.0)) {
+                Some(k) => Err(k),
+                None => Ok(Self { reference: 0, ratios: [0.0; N] }),
+            };
+        }
+        let reference = along.largest();
+        let ratios = along.values.map(|x| x / along.values[reference]);
+        for w in &parts {
             for k in 0..N {
-                let slack = SLACK * (largest + w[reference].abs() * off(k));
-                let distance = (w[k] - ratios[k] * w[reference]).abs();
-                if distance.is_nan() || distance > slack {
+                let off = (w.values[k] - ratios[k] * w.values[reference]).abs();
+                // Of this component and, in proportion, of the one it is compared with.
+                if off.is_nan() || off > 2.0 * w.round_off[k] {
                     return Err(k);
                 }
             }
@@ -61,8 +97,4 @@ impl<const N: usize> Line<N> {
         }
         AxisLimits::new(all[0], all[1], all[2]).ok()
     }
-}
-
-fn from<const N: usize>(mut values: impl Iterator<Item = f64>) -> [f64; N] {
-    std::array::from_fn(|_| values.next().unwrap_or(0.0))
 }

@@ -180,7 +180,10 @@ fn straight_whenever_the_states_lie_on_a_line() {
                 for k in 1..4 {
                     let off = (s.q[k] - problem.start[k].p) * way(0) - (s.q[0] - problem.start[0].p) * way(k);
                     let size: f64 = (s.q[k].abs() + 3.0) * way(0).abs() + (s.q[0].abs() + 3.0) * way(k).abs();
-                    assert!(off.abs() <= 1e-13 * size, "case {i}: {off:e}: {problem:?}");
+                    // The direction of the way has the round-off of the positions, and states that move lead far beyond its ends.
+                    let far = (s.q[k] - problem.start[k].p).abs() + (s.q[0] - problem.start[0].p).abs();
+                    let blur = 3.0 * f64::EPSILON * far;
+                    assert!(off.abs() <= 1e-13 * size + blur, "case {i}: {off:e}: {problem:?}");
                 }
             }
             let together = problem.solve(Synchronisation::Time).unwrap();

@@ -45,6 +45,21 @@ pub enum StateToStateError {
         /// The limit it breaks (m/s).
         limit: f64,
     },
+    /// Every motion that has arrived in the target state breaks a velocity limit right after it.
+    #[error(
+        "after arriving at v = {v} with a = {a} the velocity goes on to {after}, outside the limit {limit}; \
+         lower the target's acceleration or move its velocity away from that limit"
+    )]
+    TargetOvershoots {
+        /// Velocity of the target (m/s).
+        v: f64,
+        /// Acceleration of the target (m/s²).
+        a: f64,
+        /// Velocity no motion on from the target can avoid (m/s).
+        after: f64,
+        /// The limit it breaks (m/s).
+        limit: f64,
+    },
     /// No motion takes this long: too short, or inside a blocked interval.
     #[error(
         "no motion takes exactly {duration} s; {}{above} s is the next one that is possible",

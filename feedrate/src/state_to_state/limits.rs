@@ -84,8 +84,36 @@ impl AxisLimits {
     /// Whether velocity and acceleration of a state are inside, but for round-off, and will stay inside: the velocity, too, with
     /// which the acceleration can be zero at the soonest.
     pub fn contain(&self, s: &AxisState) -> bool {
+        self.contain_now(s) && inside(self.velocity_after(s), self.v)
+    }
+
+    /// Whether a motion that has arrived in `target` can go on within its velocity limits: at the soonest the acceleration is zero
+    /// at another velocity.
+    ///
+    /// # Errors
+    /// [`StateToStateError::TargetOvershoots`] with that velocity.
+    ///
+    /// ```
+    /// use arcfeed_feedrate::{AxisLimits, AxisState};
+    /// let limits = AxisLimits::symmetric(1.0, 5.0, 50.0)?;
+    /// assert!(limits.check_leaving(&AxisState::new(0.0, 0.9, 2.0)).is_ok());
+    /// // With jerk -50 the velocity rises to 0.9 + 4² / 100 = 1.06 before the acceleration is zero.
+    /// assert!(limits.check_leaving(&AxisState::new(0.0, 0.9, 4.0)).is_err());
+    /// # Ok::<(), arcfeed_feedrate::StateToStateError>(())
+    /// ```
+    pub fn check_leaving(&self, target: &AxisState) -> Result<(), StateToStateError> {
+        let after = self.velocity_after(target);
+        if inside(after, self.v) {
+            return Ok(());
+        }
+        let limit = if after > 0.0 { self.v.1 } else { self.v.0 };
+        Err(StateToStateError::TargetOvershoots { v: target.v, a: target.a, after, limit })
+    }
+
+    /// The velocity with which the acceleration of `s` can be zero at the soonest.
+    pub fn velocity_after(&self, s: &AxisState) -> f64 {
         let jerk = if s.a > 0.0 { -self.j.0 } else { -self.j.1 };
-        self.contain_now(s) && inside(s.v + 0.5 * s.a * s.a / jerk, self.v)
+        s.v + 0.5 * s.a * s.a / jerk
     }
 
     /// Whether velocity and acceleration of a state are inside, but for round-off.

@@ -11,7 +11,6 @@ use super::profile::StateToState;
 use super::scale::Units;
 use super::solve::{Direct, Shape, solve, starts_too_fast};
 use super::writer::{Writer, end_of};
-use crate::state::MotionState;
 
 /// A motion of one axis from state to state whose duration is not decided yet.
 ///
@@ -34,8 +33,9 @@ use crate::state::MotionState;
 pub struct AxisProblem {
     entry: Entry,
     units: Option<Units>,
-    /// The target in the caller's units.
+    /// The target in the caller's units, and the jerk limits.
     target: AxisState,
+    jerk: (f64, f64),
     /// How long the shortest motion takes, in the caller's units.
     duration: f64,
     shortest: Shortest,
@@ -94,7 +94,7 @@ impl AxisProblem {
         };
         let shortest = entry.solve();
         let duration = units.map_or(shortest.duration, |u| u.time_back(shortest.duration));
-        let problem = Self { entry, units, target: *target, duration, shortest };
+        let problem = Self { entry, units, target: *target, jerk: limits.j, duration, shortest };
         if units.is_some() {
             problem.shortest().check_sound()?;
         }
@@ -105,15 +105,14 @@ impl AxisProblem {
     pub(super) fn direct(s: &AxisState, t: &AxisState, l: &AxisLimits) -> Result<StateToState, StateToStateError> {
         let mut motion = StateToState::default();
         let Some(units) = Units::choose(s, t, l) else {
-            Entry::new(s, t, l)?.direct(&mut motion);
+            let p = Entry::new(s, t, l)?.direct(&mut motion);
+            motion.set_target(&AxisState { p, ..*t }, l.j);
             return Ok(motion);
         };
-        let (s, t, l) = (units.state_into(s), units.state_into(t), units.limits_into(l));
-        Entry::new(&s, &t, &l).map_err(|e| rescaled_error(e, units))?.direct(&mut motion);
+        let entry = Entry::new(&units.state_into(s), &units.state_into(t), &units.limits_into(l));
+        let p = entry.map_err(|e| rescaled_error(e, units))?.direct(&mut motion);
         motion.rescale(units);
-        let end = motion.target;
-        motion.target =
-            MotionState { p: units.back(end.p, 0), v: units.back(end.v, 1), a: units.back(end.a, 2), j: 0.0 };
+        motion.set_target(&AxisState { p: units.back(p, 0), ..*t }, l.j);
         motion.check_sound().map(|()| motion)
     }
 
@@ -132,7 +131,8 @@ impl AxisProblem {
     pub(super) fn write_shortest(&self, out: &mut StateToState) {
         let mut writer = self.entry.writer(out);
         self.entry.write(&self.shortest, &mut writer);
-        writer.finish(self.shortest.duration, at_target(&self.target));
+        writer.finish(self.shortest.duration);
+        out.set_target(&self.target, self.jerk);
         if let Some(u) = self.units {
             out.rescale(u);
         }
@@ -186,7 +186,7 @@ impl AxisProblem {
                 return Err(StateToStateError::OutOfRange);
             }
         }
-        out.target = at_target(&self.target);
+        out.set_target(&self.target, self.jerk);
         if let Some(u) = self.units {
             out.rescale(u);
             out.check_sound()?;
@@ -269,15 +269,16 @@ impl Entry {
         }
     }
 
-    /// The shortest change of velocity and acceleration, wherever it ends.
-    fn direct(&self, out: &mut StateToState) {
+    /// The shortest change of velocity and acceleration; where it ends.
+    fn direct(&self, out: &mut StateToState) -> f64 {
         let p = &self.problem;
         let direct = Direct::new(p);
         let to = self.from + direct.displacement;
         let mut writer = self.writer(out);
         writer.write(p, &direct.shape, false, self.from, to);
         let duration = writer.t;
-        writer.finish(duration, MotionState { p: to, v: p.vf, a: p.af, j: 0.0 });
+        writer.finish(duration);
+        to
     }
 
     /// The frame in which the velocity starts above its limit, and whether it is the mirrored one.
@@ -310,7 +311,7 @@ impl Entry {
         let Some(shape) = cruise::solve(&self.problem, duration - self.lead_time) else { return false };
         let mut writer = self.writer(out);
         writer.write(&self.problem, &shape, false, self.from, self.to);
-        writer.finish(duration, MotionState::default());
+        writer.finish(duration);
         true
     }
 
@@ -320,7 +321,7 @@ impl Entry {
         let mut writer = self.writer(out);
         let done = between(&self.problem, left, self.noise, (self.from, self.to), &mut writer)
             || self.between_after_braking(left, &mut writer);
-        writer.finish(duration, MotionState::default());
+        writer.finish(duration);
         done
     }
 
@@ -363,10 +364,6 @@ fn between(p: &Problem, t: f64, noise: f64, ends: (f64, f64), writer: &mut Write
 }
 
 const ROUND_OFF: f64 = 1e-13;
-
-const fn at_target(t: &AxisState) -> MotionState {
-    MotionState { p: t.p, v: t.v, a: t.a, j: 0.0 }
-}
 
 pub(super) fn check_target(target: &AxisState, limits: &AxisLimits) -> Result<(), StateToStateError> {
     check_inside("v", target.v, limits.v)?;

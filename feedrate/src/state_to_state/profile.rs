@@ -32,6 +32,8 @@ pub struct StateToState {
     pub(super) count: usize,
     pub(super) duration: f64,
     pub(super) target: MotionState,
+    /// Jerk that brings the acceleration of the target to zero after the end.
+    pub(super) fade: f64,
 }
 
 /// Lowest and highest position of a motion, and when it is there first.
@@ -89,7 +91,7 @@ impl StateToState {
         AxisProblem::new(start, target, limits)?.lasting(duration)
     }
 
-    /// Out of working units, the target excepted.
+    /// Out of working units, the target and what follows it excepted.
     pub(super) fn rescale(&mut self, units: Units) {
         for (p, dt) in self.phases[..self.count].iter_mut().zip(&mut self.lasting) {
             *dt = units.time_back(*dt);
@@ -104,6 +106,19 @@ impl StateToState {
         self.duration = units.time_back(self.duration);
     }
 
+    /// Ends in `target`; the jerk limits are those of the way on.
+    pub(super) fn set_target(&mut self, t: &AxisState, jerk: (f64, f64)) {
+        self.target = MotionState { p: t.p, v: t.v, a: t.a, j: 0.0 };
+        self.fade = if t.a > 0.0 { jerk.0 } else { jerk.1 };
+    }
+
+    /// The phase after the end, which brings the acceleration of the target to zero, and its duration.
+    fn fading(&self) -> (Phase, f64) {
+        let MotionState { p, v, a, .. } = self.target;
+        let lasting = if a == 0.0 || self.fade == 0.0 { 0.0 } else { (-a / self.fade).max(0.0) };
+        (Phase { t: self.duration, s: p, v, a, j: self.fade }, lasting)
+    }
+
     pub(super) fn check_sound(&self) -> Result<(), StateToStateError> {
         let sum: f64 = self.phases[..self.count].iter().map(|p| 0.0 * (p.t + p.s + p.v + p.a + p.j)).sum();
         if sum == 0.0 && self.duration.is_finite() { Ok(()) } else { Err(StateToStateError::OutOfRange) }
@@ -114,24 +129,33 @@ impl StateToState {
         self.phases[..self.count].iter().copied().zip(self.lasting.iter().copied())
     }
 
-    /// As [`MotionLaw::at`], but beyond the end the motion goes on with the velocity it arrived with.
+    /// As [`MotionLaw::at`], but beyond the end the motion goes on: the acceleration of the target is brought to zero with the
+    /// largest jerk, and the velocity stays what it is then. [`AxisLimits::check_leaving`] says whether that velocity is within
+    /// its limits.
     pub fn at_or_after(&self, t: f64) -> MotionState {
-        if t > self.duration {
-            let end = self.target;
-            return MotionState { p: end.p + (t - self.duration) * end.v, v: end.v, a: 0.0, j: 0.0 };
+        if t <= self.duration || t.is_nan() {
+            return self.at(t);
         }
-        self.at(t)
+        // Zero acceleration times an infinite time would be no number.
+        let t = t.min(f64::MAX);
+        let (phase, lasting, _) = self.phase_at(t);
+        phase.after((t - phase.t).min(lasting))
     }
 
-    /// The phase that acts at time `t` (s), its duration, and the time at which the next one begins, infinite after the end:
-    /// between the phase's start and that time [`Phase::after`] gives the state.
+    /// The phase that acts at time `t` (s), its duration, and the time at which the next one begins, infinite for the last one:
+    /// between the phase's start and that time [`Phase::after`] gives the state of [`StateToState::at_or_after`].
     pub fn phase_at(&self, t: f64) -> (Phase, f64, f64) {
         if t >= self.duration || self.count == 0 {
-            let MotionState { p, v, a, .. } = self.target;
-            if t > self.duration {
-                return (Phase { t: self.duration, s: p, v, a: 0.0, j: 0.0 }, f64::INFINITY, f64::INFINITY);
+            let (fading, lasting) = self.fading();
+            if t <= self.duration || t.is_nan() {
+                return (Phase { j: 0.0, ..fading }, 0.0, self.duration);
             }
-            return (Phase { t: self.duration, s: p, v, a, j: 0.0 }, 0.0, self.duration);
+            if t - self.duration < lasting {
+                return (fading, lasting, self.duration + lasting);
+            }
+            let end = fading.after(lasting);
+            let on = Phase { t: self.duration + lasting, s: end.p, v: end.v, a: 0.0, j: 0.0 };
+            return (on, f64::INFINITY, f64::INFINITY);
         }
         let i = (1..self.count).take_while(|&i| self.phases[i].t <= t).count();
         let next = if i + 1 < self.count { self.phases[i + 1].t } else { self.duration };
@@ -146,7 +170,9 @@ impl StateToState {
         for p in &mut other.phases[..self.count] {
             *p = Phase { t: p.t, s: start.p + ratio * (p.s - from), v: ratio * p.v, a: ratio * p.a, j: ratio * p.j };
         }
+        // A ratio below zero exchanges the jerk limits, and the sign of the acceleration with them.
         other.target = MotionState { p: target.p, v: target.v, a: target.a, j: 0.0 };
+        other.fade = ratio * self.fade;
         other
     }
 
@@ -177,7 +203,8 @@ impl StateToState {
 /// Only phases that are in use count.
 impl PartialEq for StateToState {
     fn eq(&self, other: &Self) -> bool {
-        self.duration == other.duration && self.target == other.target && self.phases().eq(other.phases())
+        let ends = self.duration == other.duration && self.target == other.target;
+        ends && (self.target.a == 0.0 || self.fade == other.fade) && self.phases().eq(other.phases())
     }
 }
 

@@ -5,7 +5,6 @@ use super::outside::Brake;
 use super::profile::{PHASES, StateToState};
 use super::solve::Shape;
 use crate::scurve::phases::Phase;
-use crate::state::MotionState;
 
 /// Writes phases into a motion; `side` is -1 while the problem is written in the mirrored frame.
 pub(super) struct Writer<'a> {
@@ -33,10 +32,9 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// The motion lasts `duration` and ends in `target`.
-    pub fn finish(self, duration: f64, target: MotionState) {
+    /// The motion lasts `duration`; its target is still to be set.
+    pub fn finish(self, duration: f64) {
         self.out.duration = duration;
-        self.out.target = target;
     }
 
     /// Writes the phases of `brake`, which belongs to the frame of the problem or to the mirrored one, and returns where they

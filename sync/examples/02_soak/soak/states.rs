@@ -1,33 +1,17 @@
-//! Random motions by seed, judged phase by phase: `02_soak [count] [seed] [threads]`.
+//! One axis from state to state, and four of them in a common time.
 //!
-//! Every case is one axis, and in every eighth four axes in a common time. Checked: no calculation fails; the end state is met to
-//! 1e-8; velocity, acceleration and jerk stay within their limits to 1e-12 once they are inside; a motion of a random longer
-//! duration exists exactly where it is said to; and for a sample that the mirrored and, from inside the limits, the time-reversed
-//! problem takes the same time and that rest to rest takes what the closed form says. Prints the first failing input.
+//! Judged phase by phase: no calculation fails; the end state is met to 1e-8; velocity, acceleration and jerk stay within their
+//! limits to 1e-12 once they are inside; a motion of a random longer duration exists exactly where it is said to; the mirrored and,
+//! from inside the limits, the time-reversed problem takes the same time; rest to rest takes what the closed form says.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
+
 use arcfeed_sync::feedrate::{AxisLimits, AxisProblem, AxisState, MotionLaw, Phase, StateToState};
 use arcfeed_sync::{MotionOptions, Trajectory};
 
-/// SplitMix64, uniform in [0, 1).
-struct Rng(u64);
-impl Rng {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-    fn log(&mut self, lo: f64, hi: f64) -> f64 {
-        lo * (hi / lo).powf(self.unit())
-    }
-    fn sign(&mut self) -> f64 {
-        if self.unit() < 0.5 { -1.0 } else { 1.0 }
-    }
-}
+use super::{Failure, Outcome, Rng};
 
 #[derive(Debug, Clone, Copy)]
-struct Case {
+struct Input {
     start: AxisState,
     target: AxisState,
     v: (f64, f64),
@@ -35,9 +19,16 @@ struct Case {
     j: (f64, f64),
 }
 
-impl Case {
+impl Input {
     fn limits(&self) -> AxisLimits {
         AxisLimits::new(self.v, self.a, self.j).expect("limits on both sides of zero")
+    }
+
+    fn code(&self) -> String {
+        let state = |s: &AxisState| format!("AxisState::new({:?}, {:?}, {:?})", s.p, s.v, s.a);
+        let (v, a, j) = (self.v, self.a, self.j);
+        let limits = format!("AxisLimits::new({v:?}, {a:?}, {j:?})?");
+        format!("AxisProblem::new(&{}, &{}, &{limits})?", state(&self.start), state(&self.target))
     }
 
     fn mirrored(&self) -> Self {
@@ -66,7 +57,7 @@ fn within(rng: &mut Rng, (lo, hi): (f64, f64)) -> f64 {
 }
 
 /// The families in which libraries of this kind are known to fail.
-fn case(rng: &mut Rng) -> (Case, &'static str) {
+fn any_input(rng: &mut Rng) -> (Input, &'static str) {
     let family = (rng.unit() * 6.0) as u32;
     let (jerk, reach, name) = match family {
         0 => ((1e9, 1e12), (1e-9, 10.0), "jerk 1e9 to 1e12"),
@@ -95,11 +86,11 @@ fn case(rng: &mut Rng) -> (Case, &'static str) {
     };
     let from = if rng.unit() < 0.5 { 0.0 } else { 2.0 * rng.unit() - 1.0 };
     let to = from + rng.sign() * rng.log(reach.0, reach.1);
-    (Case { start: AxisState::new(from, v0, a0), target: AxisState::new(to, vf, af), v, a, j }, name)
+    (Input { start: AxisState::new(from, v0, a0), target: AxisState::new(to, vf, af), v, a, j }, name)
 }
 
 /// Adds up the phases.
-fn judge(case: &Case, motion: &StateToState) -> Result<(), String> {
+fn judge(case: &Input, motion: &StateToState) -> Result<(), String> {
     let l = case.limits();
     let (mut p, mut v, mut a) = (case.start.p, case.start.v, case.start.a);
     let span = |l: (f64, f64)| l.1 - l.0;
@@ -137,7 +128,7 @@ fn judge(case: &Case, motion: &StateToState) -> Result<(), String> {
 }
 
 /// Whether two durations agree, where a change of the displacement by round-off does not make the duration jump.
-fn agree(case: &Case, t: f64, other: f64) -> bool {
+fn agree(case: &Input, t: f64, other: f64) -> bool {
     let close = |x: f64, y: f64| (x - y).abs() <= 1e-9 * x.max(y);
     if close(t, other) {
         return true;
@@ -170,7 +161,7 @@ fn rest_to_rest(d: f64, v: f64, a: f64, j: f64) -> f64 {
     if d >= 2.0 * a.powi(3) / (j * j) { a / j + ((a / j).powi(2) + 4.0 * d / a).sqrt() } else { (32.0 * d / j).cbrt() }
 }
 
-fn check(i: u64, case: &Case, name: &str, rng: &mut Rng) -> Result<(), String> {
+fn check(i: u64, case: &Input, name: &str, rng: &mut Rng) -> Result<(), String> {
     let l = case.limits();
     let problem = AxisProblem::new(&case.start, &case.target, &l).map_err(|e| e.to_string())?;
     let motion = problem.shortest();
@@ -211,7 +202,7 @@ fn check(i: u64, case: &Case, name: &str, rng: &mut Rng) -> Result<(), String> {
     Ok(())
 }
 
-fn together(cases: &[Case; 4]) -> Result<(), String> {
+fn together(cases: &[Input; 4]) -> Result<(), String> {
     let limits = cases.map(|c| c.limits());
     let motion = Trajectory::new(&cases.map(|c| c.start), &cases.map(|c| c.target), &limits, &MotionOptions::default())
         .map_err(|e| e.to_string())?;
@@ -224,37 +215,24 @@ fn together(cases: &[Case; 4]) -> Result<(), String> {
     Ok(())
 }
 
-fn run(count: u64, seed: u64) -> Result<(), String> {
-    let mut rng = Rng(seed);
-    let mut last = [case(&mut rng).0; 4];
-    for i in 0..count {
-        let (case, name) = case(&mut rng);
-        check(i, &case, name, &mut rng).map_err(|e| format!("{name}, case {i}: {e}\n{case:?}"))?;
-        last[(i % 4) as usize] = case;
-        if i % 8 == 7 {
-            together(&last).map_err(|e| format!("case {i}: {e}\n{last:?}"))?;
+/// The case of a seed: one axis, and four axes for every eighth seed.
+pub fn case(seed: u64) -> Outcome {
+    let mut rng = Rng::new(seed);
+    let mut outcome = Outcome { counted: 1, ..Outcome::default() };
+    let mut fail = |name: &str, e: String, input: String| {
+        let kind: String = e.chars().map(|c| if c.is_ascii_digit() { '#' } else { c }).collect();
+        let failure = Failure { size: 1.0, seed, input: format!("{e}\n{input}") };
+        outcome.failure = Some((format!("{name}: {}", kind.split("##").next().unwrap_or("")), failure));
+    };
+    let (input, name) = any_input(&mut rng);
+    if let Err(e) = check(seed, &input, name, &mut rng) {
+        fail(name, e, input.code());
+    } else if seed.is_multiple_of(8) {
+        let inputs = [input, any_input(&mut rng).0, any_input(&mut rng).0, any_input(&mut rng).0];
+        if let Err(e) = together(&inputs) {
+            fail("together", e, inputs.map(|i| i.code()).join("\n"));
         }
     }
-    Ok(())
-}
-
-fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let numbers: Vec<u64> = std::env::args().skip(1).map(|x| x.parse()).collect::<Result<_, _>>()?;
-    let count = numbers.first().copied().unwrap_or(20_000);
-    let seed = numbers.get(1).copied().unwrap_or(1);
-    let threads = numbers.get(2).copied().unwrap_or(2).max(1);
-    let clock = std::time::Instant::now();
-    let workers: Vec<_> = (0..threads)
-        .map(|k| std::thread::spawn(move || run(count / threads, seed.wrapping_mul(0x1_0000_0000).wrapping_add(k))))
-        .collect();
-    let failures: Vec<String> = workers
-        .into_iter()
-        .filter_map(|w| w.join().map_or(Some("panicked".into()), |r: Result<(), String>| r.err()))
-        .collect();
-    println!("{count} cases of seed {seed} on {threads} threads in {:.1} s", clock.elapsed().as_secs_f64());
-    if failures.is_empty() {
-        println!("no failure");
-        return Ok(());
-    }
-    Err(failures.join("\n").into())
+    outcome.see(name);
+    outcome
 }

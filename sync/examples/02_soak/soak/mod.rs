@@ -1,0 +1,152 @@
+//! What the families have in common: random numbers, failures, and their count.
+// Shared with a test, which uses a part of it.
+#![allow(dead_code)]
+
+pub mod generator;
+mod generator_input;
+pub mod judge;
+pub mod projection;
+pub mod states;
+
+use std::collections::BTreeMap;
+
+/// A kind of motion that is tried at random.
+pub struct Family {
+    pub name: &'static str,
+    /// Plays the case of a seed.
+    pub case: fn(u64) -> Outcome,
+}
+
+pub const FAMILIES: [Family; 3] = [
+    Family { name: "states", case: states::case },
+    Family { name: "generator", case: generator::case },
+    Family { name: "projection", case: projection::case },
+];
+
+/// What one case gave.
+#[derive(Default)]
+pub struct Outcome {
+    /// Cases or cycles.
+    pub counted: u64,
+    /// What is worth counting, and how often it was.
+    pub facts: BTreeMap<String, u64>,
+    /// A case ends with its first failure.
+    pub failure: Option<(String, Failure)>,
+}
+
+impl Outcome {
+    pub fn see(&mut self, fact: &str) {
+        *self.facts.entry(fact.to_owned()).or_default() += 1;
+    }
+}
+
+/// The input that failed, and by how much.
+pub struct Failure {
+    pub size: f64,
+    pub seed: u64,
+    pub input: String,
+}
+
+/// The sum of many cases: of every kind of failure the number and the worst.
+#[derive(Default)]
+pub struct Tally {
+    pub counted: u64,
+    pub panicked: u64,
+    pub facts: BTreeMap<String, u64>,
+    pub failures: BTreeMap<String, (u64, Failure)>,
+}
+
+impl Tally {
+    pub fn add(&mut self, other: Self) {
+        self.counted += other.counted;
+        self.panicked += other.panicked;
+        for (fact, count) in other.facts {
+            *self.facts.entry(fact).or_default() += count;
+        }
+        for (kind, (count, failure)) in other.failures {
+            self.fail(kind, count, failure);
+        }
+    }
+
+    fn fail(&mut self, kind: String, count: u64, failure: Failure) {
+        match self.failures.get_mut(&kind) {
+            None => {
+                self.failures.insert(kind, (count, failure));
+            }
+            Some(known) => {
+                known.0 += count;
+                if failure.size > known.1.size {
+                    known.1 = failure;
+                }
+            }
+        }
+    }
+}
+
+/// Plays cases of the seeds `first`, `first + stride`, ... until `count` is reached.
+pub fn play(family: &Family, count: u64, first: u64, stride: u64) -> Tally {
+    let mut tally = Tally::default();
+    let mut seed = first;
+    while tally.counted < count {
+        let outcome = (family.case)(seed);
+        tally.counted += outcome.counted.max(1);
+        for (fact, count) in outcome.facts {
+            *tally.facts.entry(fact).or_default() += count;
+        }
+        if let Some((kind, failure)) = outcome.failure {
+            tally.fail(kind, 1, failure);
+        }
+        seed = seed.wrapping_add(stride);
+    }
+    tally
+}
+
+/// SplitMix64.
+pub struct Rng(u64);
+
+impl Rng {
+    /// Neighbouring seeds give unrelated numbers.
+    pub fn new(seed: u64) -> Self {
+        let mut rng = Self(seed);
+        rng.0 = rng.next();
+        rng
+    }
+
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    /// Uniform in [0, 1).
+    pub fn unit(&mut self) -> f64 {
+        (self.next() >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    pub fn within(&mut self, lo: f64, hi: f64) -> f64 {
+        lo + (hi - lo) * self.unit()
+    }
+
+    /// Uniform in its logarithm.
+    pub fn log(&mut self, lo: f64, hi: f64) -> f64 {
+        lo * (hi / lo).powf(self.unit())
+    }
+
+    pub fn sign(&mut self) -> f64 {
+        if self.unit() < 0.5 { -1.0 } else { 1.0 }
+    }
+
+    pub fn chance(&mut self, of: f64) -> bool {
+        self.unit() < of
+    }
+
+    pub fn below(&mut self, n: usize) -> usize {
+        ((self.unit() * n as f64) as usize).min(n - 1)
+    }
+
+    pub fn one_of<T: Copy>(&mut self, all: &[T]) -> T {
+        all[self.below(all.len())]
+    }
+}

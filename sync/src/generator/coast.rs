@@ -1,0 +1,75 @@
+//! How an axis goes on without a target: at constant velocity, and to a stop before its range ends.
+
+use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, StateToState, StateToStateError};
+
+/// What differs by less, relative to the size of the numbers, differs by round-off.
+const ROUND_OFF: f64 = 64.0 * f64::EPSILON;
+
+/// The positions an axis may take.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Range {
+    pub lower: f64,
+    pub upper: f64,
+}
+
+impl Range {
+    pub const ALL: Self = Self { lower: f64::NEG_INFINITY, upper: f64::INFINITY };
+
+    pub fn contains(&self, position: f64) -> bool {
+        self.lower <= position && position <= self.upper
+    }
+
+    /// Whether a motion stays inside but for round-off, and otherwise the farthest position, its time and the end passed.
+    pub fn check(&self, motion: &StateToState) -> Result<(), (f64, f64, f64)> {
+        let way = motion.position_range();
+        let size = [self.lower, self.upper].into_iter().filter(|x| x.is_finite()).fold(0.0, |m: f64, x| m.max(x.abs()));
+        let slack = ROUND_OFF * (size + way.max - way.min);
+        if way.max > self.upper + slack {
+            Err((way.max, way.t_max, self.upper))
+        } else if way.min < self.lower - slack {
+            Err((way.min, way.t_min, self.lower))
+        } else {
+            Ok(())
+        }
+    }
+
+    /// A position inside but for round-off, without it.
+    pub const fn cut(&self, position: f64) -> f64 {
+        position.max(self.lower).min(self.upper)
+    }
+}
+
+/// The motion of an axis that has no target to go to.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Coast {
+    pub motion: StateToState,
+    /// When it begins to brake because its range ends (s).
+    pub brakes_from: f64,
+}
+
+impl Coast {
+    /// From `s` the acceleration is brought to zero, and the velocity inside its limits; then it stays what it is. Where the range
+    /// ends ahead, the axis brakes so that it stands at that end.
+    pub fn new(s: &AxisState, l: &AxisLimits, range: &Range) -> Result<Self, StateToStateError> {
+        let v = l.velocity_after(s).clamp(l.v_min(), l.v_max());
+        let end = if v > 0.0 { range.upper } else { range.lower };
+        if v == 0.0 || !end.is_finite() {
+            let motion = StateToState::to_velocity(s, v, 0.0, l)?;
+            return Ok(Self { motion, brakes_from: f64::INFINITY });
+        }
+        // The shortest way to a standstill there, no faster than the axis goes anyway.
+        let velocity = if v > 0.0 { (l.v_min(), v) } else { (v, l.v_max()) };
+        let limits = AxisLimits::new(velocity, (l.a_min(), l.a_max()), (l.j_min(), l.j_max()))?;
+        let motion = StateToState::new(s, &AxisState::rest(end), &limits)?;
+        let brakes_from = motion
+            .phases()
+            .find(|(phase, _)| phase.a == 0.0 && phase.j == 0.0)
+            .map_or(0.0, |(phase, lasting)| phase.t + lasting);
+        Ok(Self { motion, brakes_from })
+    }
+
+    /// Whether the range makes the axis brake at some time between `from` and `to` (s).
+    pub fn brakes_between(&self, from: f64, to: f64) -> bool {
+        self.brakes_from < to && from < self.motion.duration()
+    }
+}

@@ -1,0 +1,139 @@
+//! The motions that are being followed, axis by axis.
+
+use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, MotionState, StateToState};
+
+use super::coast::{Coast, Range};
+use crate::error::SyncError;
+use crate::sampler::Window;
+use crate::state_to_state::Trajectory;
+
+/// Every axis on the way to its target, or going on without one.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Following<const N: usize> {
+    pub plan: Trajectory<N>,
+    pub axes: [Axis; N],
+}
+
+/// One axis: how far it is on its motion and how it goes on after that.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Axis {
+    /// Cycles since its motion began, and until the target.
+    pub steps: f64,
+    pub planned: f64,
+    /// The motion leads to the target; otherwise it is `after`.
+    pub underway: bool,
+    pub after: Coast,
+    window: Window,
+}
+
+/// What one axis does in a cycle.
+pub(super) struct AxisStep {
+    pub state: MotionState,
+    pub arrived: bool,
+    pub range_ends: bool,
+}
+
+impl Axis {
+    fn new(planned: f64, underway: bool, after: Coast) -> Self {
+        Self { steps: 0.0, planned, underway, after, window: Window::default() }
+    }
+}
+
+impl<const N: usize> Following<N> {
+    /// Goes on from `start` without a target.
+    pub fn coasting(start: &[AxisState; N], limits: &[AxisLimits; N], ranges: &[Range; N]) -> Result<Self, SyncError> {
+        let mut motions = [StateToState::default(); N];
+        let mut axes = [Axis::new(0.0, false, Coast::default()); N];
+        for k in 0..N {
+            axes[k].after = coast(k, "present state", &start[k], &limits[k], &ranges[k])?;
+            motions[k] = axes[k].after.motion;
+        }
+        Ok(Self { plan: Trajectory::of(motions), axes })
+    }
+
+    /// Axis `k` goes on from `state` without a target.
+    pub fn coast(&mut self, k: usize, state: &AxisState, l: &AxisLimits, range: &Range) -> Result<(), SyncError> {
+        let after = coast(k, "present state", state, l, range)?;
+        self.go_on(k, &after);
+        Ok(())
+    }
+
+    /// Axis `k` follows its motion of the plan, which leads to `target` in so many cycles.
+    pub fn lead(
+        &mut self,
+        k: usize,
+        planned: f64,
+        target: &AxisState,
+        l: &AxisLimits,
+        range: &Range,
+    ) -> Result<(), SyncError> {
+        range.check(&self.plan.axes()[k]).map_err(|(position, time, limit)| SyncError::LeavesRange {
+            axis: k,
+            position,
+            time,
+            limit,
+        })?;
+        self.axes[k] = Axis::new(planned, true, self.axes[k].after);
+        self.arrange_after(k, target, l, range)
+    }
+
+    /// How axis `k` goes on after `target`.
+    pub fn arrange_after(
+        &mut self,
+        k: usize,
+        target: &AxisState,
+        l: &AxisLimits,
+        range: &Range,
+    ) -> Result<(), SyncError> {
+        l.check_leaving(target).map_err(|source| SyncError::State { axis: k, source })?;
+        self.axes[k].after = coast(k, "target", target, l, range)?;
+        Ok(())
+    }
+
+    /// Moves axis `k` on by one cycle.
+    pub fn step(&mut self, k: usize, cycle: f64, target: &AxisState) -> AxisStep {
+        let mut arrived = self.axes[k].underway && self.axes[k].planned == 0.0;
+        if arrived {
+            self.arrive(k);
+        }
+        let axis = &mut self.axes[k];
+        axis.steps += 1.0;
+        let t = axis.steps * cycle;
+        let mut state = axis.window.sample(&self.plan.axes()[k], t);
+        let mut range_ends = false;
+        if !axis.underway {
+            range_ends = axis.after.brakes_between(t - cycle, t);
+        } else if axis.steps >= axis.planned {
+            arrived = true;
+            self.arrive(k);
+            let j = self.plan.axes()[k].at(0.0).j;
+            state = MotionState { p: target.p, v: target.v, a: target.a, j };
+        }
+        AxisStep { state, arrived, range_ends }
+    }
+
+    fn arrive(&mut self, k: usize) {
+        let after = self.axes[k].after;
+        self.go_on(k, &after);
+    }
+
+    fn go_on(&mut self, k: usize, after: &Coast) {
+        self.plan.replace(k, &after.motion);
+        self.axes[k] = Axis::new(0.0, false, *after);
+    }
+}
+
+/// Going on from `state`, checked against the range.
+fn coast(
+    axis: usize,
+    what: &'static str,
+    state: &AxisState,
+    l: &AxisLimits,
+    range: &Range,
+) -> Result<Coast, SyncError> {
+    let after = Coast::new(state, l, range).map_err(|source| SyncError::State { axis, source })?;
+    match range.check(&after.motion) {
+        Ok(()) => Ok(after),
+        Err((position, _, limit)) => Err(SyncError::CannotStop { axis, what, position, limit }),
+    }
+}

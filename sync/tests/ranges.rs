@@ -1,0 +1,110 @@
+//! The ranges of the online generator: nothing leaves them, and what would is refused.
+#![allow(clippy::unwrap_used)]
+use arcfeed_sync::feedrate::{AxisLimits, AxisState};
+use arcfeed_sync::{OnlineGenerator, SyncError, Synchronisation};
+
+const CYCLE: f64 = 1e-3;
+const MODES: [Synchronisation; 3] = [Synchronisation::Time, Synchronisation::None, Synchronisation::StraightLine];
+
+fn generator(mode: Synchronisation) -> OnlineGenerator<2> {
+    let limits = [AxisLimits::symmetric(1.0, 5.0, 50.0).unwrap(); 2];
+    OnlineGenerator::new([AxisState::rest(0.0); 2], limits, CYCLE, mode)
+        .unwrap()
+        .with_ranges([(-1.0, 1.0), (-2.0, f64::INFINITY)])
+        .unwrap()
+}
+
+/// A target of 1000 degrees was followed to 625 % of the joint's range.
+#[test]
+fn a_target_outside_the_range_was_followed() {
+    for mode in MODES {
+        let mut g = generator(mode);
+        let e = g.set_target([AxisState::rest(1000f64.to_radians()), AxisState::rest(0.0)]).unwrap_err();
+        assert!(matches!(e, SyncError::OutsideRange { axis: 0, what: "target", upper: 1.0, .. }), "{e}");
+        assert!(e.to_string().contains("outside its range [-1, 1]"), "{e}");
+        assert!(matches!(
+            g.set_axis_target(1, AxisState::rest(-2.1)),
+            Err(SyncError::OutsideRange { axis: 1, lower: -2.0, .. })
+        ));
+        assert!(!g.is_underway());
+        g.set_target([AxisState::rest(1.0), AxisState::rest(1e3)]).unwrap();
+    }
+}
+
+#[test]
+fn starts_and_ranges_that_do_not_fit_are_refused() {
+    let limits = [AxisLimits::symmetric(1.0, 5.0, 50.0).unwrap()];
+    let at = |s: AxisState| OnlineGenerator::new([s], limits, CYCLE, Synchronisation::Time).unwrap();
+    let outside = at(AxisState::rest(3.0)).with_ranges([(-1.0, 1.0)]).unwrap_err();
+    assert!(matches!(outside, SyncError::OutsideRange { axis: 0, what: "start", .. }), "{outside}");
+    for range in [(1.0, -1.0), (0.0, 0.0), (f64::NAN, 1.0), (-1.0, f64::NAN)] {
+        assert!(matches!(at(AxisState::rest(0.0)).with_ranges([range]), Err(SyncError::Range { axis: 0, .. })));
+    }
+    // 1 / s takes 0.15 to stop: 1 (1 / 5 + 5 / 50) / 2.
+    let fast = at(AxisState::new(0.86, 1.0, 0.0)).with_ranges([(-1.0, 1.0)]).unwrap_err();
+    assert!(matches!(fast, SyncError::CannotStop { axis: 0, limit: 1.0, .. }), "{fast}");
+    assert!(at(AxisState::new(0.84, 1.0, 0.0)).with_ranges([(-1.0, 1.0)]).is_ok());
+    // Under way already: what is left counts.
+    let mut g = at(AxisState::rest(0.0));
+    g.set_target([AxisState::new(0.5, 0.3, 0.0)]).unwrap();
+    g.step();
+    assert!(matches!(g.clone().with_ranges([(-1.0, 0.4)]), Err(SyncError::OutsideRange { what: "target", .. })));
+    assert!(matches!(g.clone().with_ranges([(-1.0, 0.501)]), Err(SyncError::CannotStop { what: "target", .. })));
+    let mut g = g.with_ranges([(-1.0, 0.6)]).unwrap();
+    while !g.step().events.reached {}
+    assert_eq!(g.state()[0], AxisState::new(0.5, 0.3, 0.0));
+}
+
+#[test]
+fn a_motion_that_leaves_the_range_between_is_refused_and_the_old_one_goes_on() {
+    for mode in MODES {
+        let mut g = generator(mode);
+        g.set_target([AxisState::rest(1.0), AxisState::rest(0.0)]).unwrap();
+        while g.state()[0].p < 0.7 {
+            g.step();
+        }
+        // At full speed towards the end of its range; half the acceleration would not stop it in time.
+        let mut same = g.clone();
+        let slow = [AxisLimits::symmetric(1.0, 2.0, 50.0).unwrap(), *g.limits().last().unwrap()];
+        let e = g.set_limits(slow).unwrap_err();
+        assert!(matches!(e, SyncError::LeavesRange { axis: 0, limit: 1.0, .. }), "{e}");
+        assert!(e.to_string().contains("stop it first"), "{e}");
+        loop {
+            let (step, other) = (g.step(), same.step());
+            assert_eq!(step, other);
+            assert!(step.state.q[0] <= 1.0);
+            if step.events.reached {
+                break;
+            }
+        }
+        assert_eq!(g.state()[0], AxisState::rest(1.0));
+    }
+}
+
+#[test]
+fn an_axis_that_goes_on_brakes_before_its_range_ends() {
+    for mode in MODES {
+        let mut g = generator(mode);
+        let e = g.set_target([AxisState::new(0.9, 0.9, 0.0), AxisState::rest(0.0)]).unwrap_err();
+        assert!(matches!(e, SyncError::CannotStop { axis: 0, what: "target", .. }), "{e}");
+        g.set_target([AxisState::new(0.3, 0.4, 0.5), AxisState::rest(0.5)]).unwrap();
+        let (mut was, mut braking, mut arrived) = (*g.state(), 0, false);
+        for _ in 0..6000 {
+            let step = g.step();
+            let now = g.state()[0];
+            assert!((now.a - was[0].a).abs() / CYCLE <= 50.0 * (1.0 + 1e-6) && now.p <= 1.0);
+            braking += usize::from(step.events.range_ends[0]);
+            assert!(!step.events.range_ends[1]);
+            if arrived && braking == 0 {
+                assert!(now.v >= was[0].v - 1e-15);
+            }
+            arrived |= step.events.arrived[0];
+            was = *g.state();
+        }
+        assert!(arrived && braking > 50, "{mode:?}: {braking}");
+        assert_eq!(g.state()[0], AxisState::rest(1.0));
+        // From there it can be sent back.
+        g.set_target([AxisState::rest(-1.0), AxisState::rest(0.5)]).unwrap();
+        while !g.step().events.reached {}
+    }
+}
