@@ -2,17 +2,14 @@
 
 use arcfeed_geometry::PosePath;
 use arcfeed_kinematics::{
-    AnalyticInverse, Arm, Configuration, ForwardKinematics, InverseKinematics, InverseMethod, JointDerivatives, Joints,
-    KinematicsError, Solutions, ToolDerivatives, Twist, joint_derivatives,
+    AnalyticInverse, Arm, Configuration, ForwardKinematics, InverseKinematics, JointDerivatives, Joints,
+    KinematicsError, PoseResidual, Solutions, ToolDerivatives, joint_derivatives,
 };
 use nalgebra::Isometry3;
 
 use crate::arm::{MIN_SINGULAR_VALUE, PathArm};
 use crate::error::PlanError;
 use crate::joint_path::{best_start, best_start_of};
-
-/// Newton steps from the end of a search to rounding.
-const POLISH: usize = 2;
 
 /// An arm of seven joints one of which is held, so that a tool pose determines the others.
 ///
@@ -109,20 +106,12 @@ impl ForwardKinematics<7> for LockedArm {
 
 impl InverseKinematics<7> for LockedArm {
     fn inverse(&self, target: &Isometry3<f64>, seed: &Joints<7>) -> Result<Joints<7>, KinematicsError> {
-        let mut q = self.six.inverse(target, &self.others(seed))?;
-        if self.six.method() == InverseMethod::Numeric {
-            // The search ends at a tolerance; a trajectory has to be smooth to rounding.
-            for _ in 0..POLISH {
-                let at = self.six.forward(&q);
-                let shift = target.translation.vector - at.translation.vector;
-                let turn = (target.rotation * at.rotation.inverse()).scaled_axis();
-                let first = Twist::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z);
-                let step = ToolDerivatives { first, second: Twist::zeros(), third: Twist::zeros() };
-                let Ok(step) = joint_derivatives(&self.six, &q, &step, MIN_SINGULAR_VALUE) else { break };
-                q += step.first;
-            }
-        }
+        let q = self.six.inverse(target, &self.others(seed))?;
         Ok(self.with_held(&q, self.value))
+    }
+
+    fn residual(&self, q: &Joints<7>) -> PoseResidual {
+        self.six.residual(&self.others(q))
     }
 }
 

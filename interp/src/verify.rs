@@ -3,14 +3,18 @@
 //! Nothing here knows how the trajectory was planned. Setpoints are sampled several times per control period; positions,
 //! velocities and accelerations of the tool are recomputed from the joints by forward kinematics; jerk comes from
 //! differences of the accelerations, which are averages of the true jerk and so never exceed its maximum; and each
-//! position and velocity is held against the one before, so that a jump cannot hide between samples.
+//! position and velocity is held against the one before, so that a jump cannot hide between samples. What rounding may
+//! add to a joint position follows from the residual that the arm's inverse states, see [`InverseKinematics::residual`].
+//!
+//! [`InverseKinematics::residual`]: arcfeed_kinematics::InverseKinematics::residual
 
 use std::collections::VecDeque;
 
 use arcfeed_geometry::PosePath;
-use arcfeed_kinematics::{ForwardKinematics, JointLimits, Joints};
+use arcfeed_kinematics::{ForwardKinematics, JointLimits, Joints, PoseResidual, ToolDerivatives, Twist};
 use nalgebra::Vector3;
 
+use crate::arm::PathArm;
 use crate::error::PlanError;
 use crate::limits::ToolLimits;
 use crate::sections::{Feeds, Section};
@@ -260,7 +264,7 @@ pub fn verify<A, const N: usize>(
     mut setpoint: impl FnMut(f64) -> Result<Setpoint<N>, PlanError>,
 ) -> Result<Verification, PlanError>
 where
-    A: ForwardKinematics<N> + ?Sized,
+    A: PathArm<N> + ?Sized,
 {
     if !(duration.is_finite() && duration >= 0.0) {
         return Err(PlanError::Limit { what: "duration", value: duration });
@@ -286,7 +290,8 @@ where
             tally.end(&sample, requirement.path.length(), requirement.end_speeds[1], requirement);
         }
         if let (Some(first), Some(before)) = (ring.front(), ring.back()) {
-            tally.compare(first, before, &sample, requirement);
+            let rounding = |at: &Setpoint<N>| joint_rounding(arm, requirement.path, &at.q);
+            tally.compare([first, before, &sample], requirement, rounding);
         }
         if ring.len() > density {
             ring.pop_front();
@@ -301,6 +306,27 @@ where
     let last = ring.len().saturating_sub(steps % density + 2);
     tally.chord(&ring.make_contiguous()[last..]);
     Ok(Verification { checks: tally.worst.into_iter().map(|w| w.check).collect(), samples: steps + 2 })
+}
+
+/// How far rounding may have moved each joint of a setpoint at `q` on `path`: the residual of the inverse and the rounding
+/// of the path itself, carried to the joints, and the rounding of the joint values.
+fn joint_rounding<A: PathArm<N> + ?Sized, const N: usize>(arm: &A, path: &PosePath, q: &Joints<N>) -> Joints<N> {
+    /// Units in the last place of an arc length and of a coordinate that a path may be off by.
+    const PATH: f64 = 16.0 * f64::EPSILON;
+    let PoseResidual { position, orientation } = arm.residual(q);
+    let reach = arm.configuration(q).position().norm();
+    let position = position + PATH * (path.length() + reach);
+    let orientation = orientation + PATH;
+    let mut moved = q.map(|value| PATH * value.abs());
+    for row in 0..6 {
+        let mut first = Twist::zeros();
+        first[row] = if row < 3 { position } else { orientation };
+        let tool = ToolDerivatives { first, second: Twist::zeros(), third: Twist::zeros() };
+        // At a singular pose nothing is allowed: no plan leads there.
+        let Ok(step) = arm.derivatives(q, &tool) else { return moved };
+        moved += step.first.abs();
+    }
+    moved
 }
 
 /// A setpoint with what the tool really does there.
@@ -487,8 +513,14 @@ impl<const N: usize> Tally<N> {
         self.see(Self::ENDS, (speed + acceleration + place) / ZERO, at);
     }
 
-    /// Limits on what happens from one sample to the next; `first` is the one a control period ago.
-    fn compare(&mut self, first: &Sample<N>, before: &Sample<N>, now: &Sample<N>, r: &Requirement<'_, N>) {
+    /// Limits on what happens from one sample to the next; the first sample is the one a control period ago. `rounding`
+    /// tells by how much rounding may have moved the joints of a setpoint.
+    fn compare(
+        &mut self,
+        [first, before, now]: [&Sample<N>; 3],
+        r: &Requirement<'_, N>,
+        rounding: impl Fn(&Setpoint<N>) -> Joints<N>,
+    ) {
         let (a, b) = (&before.at, &now.at);
         let dt = b.t - a.t;
         if dt <= 0.0 {
@@ -510,14 +542,19 @@ impl<const N: usize> Tally<N> {
         // A motion with jerk below J satisfies |q1 - q0 - dt (v0 + v1) / 2| <= J dt^3 / 12 and
         // |v1 - v0 - dt (a0 + a1) / 2| <= J dt^2 / 4; an acceleration step within a period adds J period to that.
         let step = if jumped { r.period } else { 0.0 };
+        let mut rounded: Option<Joints<N>> = None;
         for k in 0..N {
             let limit = r.joints.jerk()[k];
-            let q = b.q[k] - a.q[k] - 0.5 * dt * (a.qd[k] + b.qd[k]);
+            let q = (b.q[k] - a.q[k] - 0.5 * dt * (a.qd[k] + b.qd[k])).abs();
             let v = b.qd[k] - a.qd[k] - 0.5 * dt * (a.qdd[k] + b.qdd[k]);
-            // Rounding of q and of v, which are sums of terms larger than themselves.
-            let noise_q = 1e-13;
+            let allowed_q = limit * (dt / 12.0 + step / 8.0) * dt * dt;
+            // What rounding adds is small against that, and dear to know: it is asked for where it decides.
+            let ratio_q = match q > allowed_q {
+                true => q / (allowed_q + rounded.get_or_insert_with(|| rounding(a) + rounding(b))[k]),
+                false => q / allowed_q,
+            };
+            // Rounding of v, which is a sum of terms larger than itself.
             let noise_v = 1e-12 + SPEED * b.qd[k].abs();
-            let ratio_q = q.abs() / (limit * (dt / 12.0 + step / 8.0) * dt * dt + noise_q);
             let ratio_v = v.abs() / (limit * (dt / 4.0 + step / 2.0) * dt + noise_v);
             self.see(Self::CONTINUITY, ratio_q.max(ratio_v), b);
         }

@@ -12,7 +12,7 @@ use crate::{
     numeric::{NumericArm, NumericSettings, size},
     singular_pose::{Search, SingularPose},
     singularity::{SingularityDistances, SingularityKind},
-    traits::{AnalyticInverse, ForwardKinematics, InverseKinematics},
+    traits::{AnalyticInverse, ForwardKinematics, InverseKinematics, PoseResidual},
 };
 use nalgebra::Isometry3;
 
@@ -378,6 +378,10 @@ impl<const N: usize> InverseKinematics<N> for Arm<N> {
             Solver::SphericalWrist(arm) => arm.inverse(target, &renamed(seed)).map(|q| renamed(&q)),
             Solver::Numeric(arm) => arm.inverse(target, seed),
         }
+    }
+
+    fn residual(&self, q: &Joints<N>) -> PoseResidual {
+        self.chain.residual(q)
     }
 }
 

@@ -3,9 +3,9 @@
 use crate::{
     error::KinematicsError,
     jacobian::{Configuration, quaternion},
-    joint::{Joint, Joints, checked_pose},
+    joint::{Joint, JointKind, Joints, checked_pose},
     normalised::Normalised,
-    traits::ForwardKinematics,
+    traits::{ForwardKinematics, PoseResidual},
 };
 use nalgebra::{Isometry3, Matrix3};
 
@@ -33,6 +33,8 @@ pub struct Chain<const N: usize> {
     joints: [Joint; N],
     flange: Isometry3<f64>,
     tool: Isometry3<f64>,
+    /// Sum of all lengths from the origin of the working frame to the tool, m.
+    lengths: f64,
     fast: Normalised<N>,
 }
 
@@ -77,7 +79,9 @@ impl<const N: usize> Chain<N> {
         tool: Isometry3<f64>,
     ) -> Result<Self, KinematicsError> {
         let (fast, _) = Normalised::new(&base, &joints, &(flange * tool));
-        let chain = Self { base, joints, flange, tool, fast };
+        let parts = joints.iter().map(Joint::origin).chain([&base, &flange, &tool]);
+        let lengths = parts.map(|part| part.translation.vector.norm()).sum();
+        let chain = Self { base, joints, flange, tool, lengths, fast };
         let zero = chain.configuration(&Joints::zeros());
         if !zero.tool.iter().chain(zero.points.iter().flatten()).all(|v| v.is_finite()) {
             return Err(KinematicsError::NotFinite { what: "the sum of the chain's lengths" });
@@ -105,6 +109,18 @@ impl<const N: usize> Chain<N> {
     /// The form the arithmetic runs in, and the orientation of its link frames in those of the joints.
     pub(crate) fn normalised(&self) -> (Normalised<N>, [Matrix3<f64>; N]) {
         Normalised::new(&self.base, &self.joints, &(self.flange * self.tool))
+    }
+
+    /// The distance from an inverse's target that rounding alone leaves at `q`.
+    pub(crate) fn residual(&self, q: &Joints<N>) -> PoseResidual {
+        let (mut extent, mut angles) = (self.lengths, 0.0);
+        for (joint, value) in self.joints.iter().zip(q.iter()) {
+            match joint.kind() {
+                JointKind::Revolute => angles += value.abs(),
+                JointKind::Prismatic => extent += value.abs(),
+            }
+        }
+        PoseResidual::of_rounding(extent, angles)
     }
 
     /// Where the arm stands in the working frame.

@@ -5,11 +5,11 @@ use crate::{
     branch::{Candidate, nearest_solution},
     chain::Chain,
     error::KinematicsError,
-    jacobian::{Configuration, pose_error},
+    jacobian::{Configuration, Target},
     joint::{JointRange, Joints, check_finite},
     lu::Lu6,
     singularity::{SingularityDistances, SingularityKind},
-    traits::{AnalyticInverse, ForwardKinematics, InverseKinematics},
+    traits::{AnalyticInverse, ForwardKinematics, InverseKinematics, PoseResidual},
 };
 use nalgebra::Isometry3;
 
@@ -120,20 +120,25 @@ impl<S: ClosedForm> ClosedFormArm<S> {
         Ok(solutions)
     }
 
-    /// Newton steps from a solution of the ideal geometry to one of the real chain.
+    /// Newton steps from a solution of the ideal geometry to one of the real chain, until rounding ends them.
     fn polish(&self, target: &Isometry3<f64>, start: &Joints<6>) -> Option<Joints<6>> {
         const STEPS: usize = 8;
-        const DONE: f64 = 1e-13;
+        const DONE: f64 = 1e-12;
+        let target = Target::new(target);
+        let rounding = self.chain.residual(start);
         let mut q = *start;
-        let mut last = f64::INFINITY;
+        let mut last = (f64::INFINITY, q);
         for _ in 0..STEPS {
             let at = self.chain.configuration(&q);
-            let error = pose_error(target, &at);
-            let size = error.amax();
-            if size < DONE || (size < 1e-12 && size >= last) {
+            let error = target.error(&at);
+            if rounding.covers(error.fixed_rows::<3>(0).norm(), error.fixed_rows::<3>(3).norm()) {
                 return Some(q);
             }
-            last = size;
+            let size = error.amax();
+            if size < DONE && size > 0.5 * last.0 {
+                return Some(if size < last.0 { q } else { last.1 });
+            }
+            last = (size, q);
             q += Lu6::new(&at.jacobian())?.solve(&error);
         }
         None
@@ -180,5 +185,9 @@ impl<S: ClosedForm> InverseKinematics<6> for ClosedFormArm<S> {
             }
             found => found,
         }
+    }
+
+    fn residual(&self, q: &Joints<6>) -> PoseResidual {
+        self.chain.residual(q)
     }
 }

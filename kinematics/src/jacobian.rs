@@ -147,16 +147,33 @@ fn stack(linear: &Vector3<f64>, angular: &Vector3<f64>) -> Twist {
     Twist::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
 }
 
-/// The twist that leads from `at` to `target`, to first order.
-pub(crate) fn pose_error<const N: usize>(target: &Isometry3<f64>, at: &Configuration<N>) -> Twist {
-    let linear = target.translation.vector - at.position();
-    let wanted = target.rotation.to_rotation_matrix();
-    let angular: Vector3<f64> = (0..3)
-        .map(|i| {
-            let is: Vector3<f64> = at.rotation().column(i).into();
-            let should: Vector3<f64> = wanted.matrix().column(i).into();
-            is.cross(&should) * 0.5
-        })
-        .sum();
-    Twist::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
+/// A target pose in the form errors are measured in.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Target {
+    rotation: Matrix3<f64>,
+    position: Vector3<f64>,
+}
+
+impl Target {
+    pub(crate) fn new(pose: &Isometry3<f64>) -> Self {
+        Self { rotation: pose.rotation.to_rotation_matrix().into_inner(), position: pose.translation.vector }
+    }
+
+    /// The twist that leads from `at` to here, to first order: its angular part is as long as the sine of the angle.
+    pub(crate) fn error<const N: usize>(&self, at: &Configuration<N>) -> Twist {
+        let linear = self.position - at.position();
+        let angular: Vector3<f64> = (0..3)
+            .map(|i| {
+                let is: Vector3<f64> = at.rotation().column(i).into();
+                let should: Vector3<f64> = self.rotation.column(i).into();
+                is.cross(&should) * 0.5
+            })
+            .sum();
+        stack(&linear, &angular)
+    }
+
+    /// Cosine of the angle between `at` and here.
+    pub(crate) fn cosine<const N: usize>(&self, at: &Configuration<N>) -> f64 {
+        0.5 * (at.rotation().component_mul(&self.rotation).sum() - 1.0)
+    }
 }

@@ -93,4 +93,4 @@ pub use singular_pose::{SingularPose, WeakestMotion, weakest_motion};
 pub use singularity::{
     SingularityDistances, SingularityKind, condition_number, manipulability, singular_values, smallest_singular_value,
 };
-pub use traits::{AnalyticInverse, ForwardKinematics, InverseKinematics};
+pub use traits::{AnalyticInverse, ForwardKinematics, InverseKinematics, PoseResidual};

@@ -4,16 +4,19 @@
 //! "Solvability-unconcerned inverse kinematics by the Levenberg-Marquardt method"): far from the target and at singular
 //! poses it cannot blow up, near the target it becomes Newton's method. A joint at a limit that the step would push
 //! outwards is taken out and the step solved again, so that the others make up for it.
+//!
+//! The tolerances say when a target counts as reached. From there on the steps continue until rounding ends them: Newton's
+//! method needs one or two, and solutions along a path are then as smooth as those of a closed form.
 
 use crate::{
     analytic::Solutions,
     branch::nearest_turns,
     chain::Chain,
     error::KinematicsError,
-    jacobian::{Configuration, Jacobian, Twist, pose_error},
+    jacobian::{Configuration, Jacobian, Target, Twist},
     joint::{JointKind, JointRange, Joints, check_finite, checked_pose},
     lu::solve_positive,
-    traits::{AnalyticInverse, ForwardKinematics, InverseKinematics},
+    traits::{AnalyticInverse, ForwardKinematics, InverseKinematics, PoseResidual},
     trig::principal,
 };
 use nalgebra::Isometry3;
@@ -21,6 +24,8 @@ use std::f64::consts::TAU;
 
 /// Steps without gain after which an attempt is given up.
 const PATIENCE: usize = 8;
+/// Steps from the tolerances to rounding, at most: each halves the miss or is the last.
+const POLISH: usize = 20;
 /// Restarts over which the search moves away from the seed.
 const NEAR_RESTARTS: f64 = 10.0;
 /// Attempts that are made to find several solutions.
@@ -43,7 +48,7 @@ pub enum NullSpace<const N: usize> {
 /// How hard to try.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NumericSettings<const N: usize> {
-    /// Error of position that counts as reached, m.
+    /// Error of position that counts as reached, m. A target that is reached is then met to rounding.
     pub position: f64,
     /// Error of orientation that counts as reached, rad.
     pub orientation: f64,
@@ -110,6 +115,14 @@ struct Attempt<const N: usize> {
     orientation: f64,
     converged: bool,
     steps: usize,
+}
+
+/// How far the tool is from its target.
+struct Miss {
+    position: f64,
+    orientation: f64,
+    /// The twist that leads there.
+    error: Twist,
 }
 
 impl<const N: usize> NumericArm<N> {
@@ -186,10 +199,15 @@ impl<const N: usize> NumericArm<N> {
     /// [`KinematicsError::NotFinite`] or [`KinematicsError::NotUnit`] for a target that is none,
     /// [`KinematicsError::JointNotFinite`] for such a seed.
     pub fn search(&self, target: &Isometry3<f64>, seed: &Joints<N>) -> Result<NumericSolution<N>, KinematicsError> {
-        let target = checked_pose("target", target)?;
+        let target = Target::new(&checked_pose("target", target)?);
         check_finite("the seed", seed)?;
-        let mut best = self.attempt(&target, seed);
-        let (mut steps, mut restarts) = (best.steps, 0);
+        let moved = self.moved_to_posture(&target, seed);
+        let mut best = self.attempt(&target, moved.as_ref().unwrap_or(seed));
+        let (mut steps, mut restarts) = (best.steps + usize::from(moved.is_some()), 0);
+        if moved.is_some() && !best.converged {
+            best = self.attempt(&target, seed);
+            steps += best.steps;
+        }
         while !best.converged && restarts < self.settings.restarts {
             restarts += 1;
             let away = (restarts as f64 / NEAR_RESTARTS).min(1.0);
@@ -230,43 +248,50 @@ impl<const N: usize> NumericArm<N> {
         Joints::from_fn(|i, _| if self.chain.joints()[i].kind() == JointKind::Revolute { turned[i] } else { q[i] })
     }
 
-    /// Steps from `start` until the target is reached or nothing is gained any more.
-    fn attempt(&self, target: &Isometry3<f64>, start: &Joints<N>) -> Attempt<N> {
-        let (lower, upper) = (self.range.lower(), self.range.upper());
-        let inside = |q: Joints<N>| q.zip_zip_map(lower, upper, f64::clamp);
-        let mut q = inside(*start);
+    /// `q` inside the joint range.
+    fn inside(&self, q: &Joints<N>) -> Joints<N> {
+        q.zip_zip_map(self.range.lower(), self.range.upper(), f64::clamp)
+    }
+
+    /// `seed` after a step that also moves redundant joints towards the preferred posture, if there is one: it is made where
+    /// the tool stands at its target, too.
+    fn moved_to_posture(&self, target: &Target, seed: &Joints<N>) -> Option<Joints<N>> {
+        let NullSpace::Towards { posture, gain } = self.settings.null_space else { return None };
+        if N <= 6 {
+            return None;
+        }
+        let q = self.inside(seed);
+        let at = self.chain.configuration(&q);
+        let wish = (self.inside(&posture) - q) * gain;
+        let dq = self.step(&q, &at.jacobian(), &Miss::new(target, &at).error, &wish)?;
+        Some(self.inside(&(q + dq)))
+    }
+
+    /// Steps from `start` until the target is met to rounding or nothing is gained any more.
+    fn attempt(&self, target: &Target, start: &Joints<N>) -> Attempt<N> {
+        let mut q = self.inside(start);
         let mut best = Attempt { q, position: f64::NAN, orientation: f64::NAN, converged: false, steps: 0 };
         let (mut least, mut stalled) = (f64::INFINITY, 0);
-        for step in 0..=self.settings.steps {
+        for step in 0..=self.settings.steps + POLISH {
             let at = self.chain.configuration(&q);
-            let mut error = pose_error(target, &at);
-            let position = error.fixed_rows::<3>(0).norm();
-            let orientation = angle(target, &at, &error);
-            // The error holds the sine of the angle, which falls off beyond a right angle: stretch it to the angle.
-            let sine = error.fixed_rows::<3>(3).norm();
-            if orientation > 0.1 && sine > 1e-9 {
-                let stretch = orientation / sine;
-                error.fixed_rows_mut::<3>(3).scale_mut(stretch);
-            }
+            let Miss { position, orientation, error } = Miss::new(target, &at);
             let miss = position + self.size * orientation;
-            if miss < least {
-                best = Attempt { q, position, orientation, ..best };
+            let reached = position <= self.settings.position && orientation <= self.settings.orientation;
+            // Once it is reached, only what halves the miss is worth a step.
+            let gains = miss < if best.converged { 0.5 } else { 0.95 } * least;
+            let ends = best.converged && !gains;
+            if miss < least && (reached || !best.converged) {
+                best = Attempt { q, position, orientation, converged: reached, ..best };
             }
             best.steps = step;
-            if position <= self.settings.position && orientation <= self.settings.orientation {
-                return Attempt { q, position, orientation, converged: true, steps: step };
-            }
-            stalled = if miss < 0.95 * least { 0 } else { stalled + 1 };
+            stalled = if gains { 0 } else { stalled + 1 };
             least = least.min(miss);
-            if stalled > PATIENCE || step == self.settings.steps {
+            let done = reached && self.chain.residual(&q).covers(position, orientation);
+            if ends || done || stalled > PATIENCE || (step >= self.settings.steps && !best.converged) {
                 return best;
             }
-            let wish = match self.settings.null_space {
-                NullSpace::Towards { posture, gain } if N > 6 && step == 0 => (inside(posture) - q) * gain,
-                _ => Joints::zeros(),
-            };
-            let Some(dq) = self.step(&q, &at.jacobian(), &error, &wish) else { return best };
-            q = inside(q + dq);
+            let Some(dq) = self.step(&q, &at.jacobian(), &error, &Joints::zeros()) else { return best };
+            q = self.inside(&(q + dq));
         }
         best
     }
@@ -330,12 +355,18 @@ fn damped<const N: usize>(j: &Jacobian<N>, e: &Twist, damping: f64) -> Option<Jo
     }
 }
 
-/// The angle between tool and target, rad: `error` holds its sine.
-fn angle<const N: usize>(target: &Isometry3<f64>, at: &Configuration<N>, error: &Twist) -> f64 {
-    let sine = error.fixed_rows::<3>(3).norm();
-    let wanted = target.rotation.to_rotation_matrix();
-    let cosine = 0.5 * (at.rotation().component_mul(wanted.matrix()).sum() - 1.0);
-    sine.atan2(cosine)
+impl Miss {
+    fn new<const N: usize>(target: &Target, at: &Configuration<N>) -> Self {
+        let mut error = target.error(at);
+        let position = error.fixed_rows::<3>(0).norm();
+        // The error holds the sine of the angle, which falls off beyond a right angle: stretch it to the angle.
+        let sine = error.fixed_rows::<3>(3).norm();
+        let orientation = sine.atan2(target.cosine(at));
+        if orientation > 0.1 && sine > 1e-9 {
+            error.fixed_rows_mut::<3>(3).scale_mut(orientation / sine);
+        }
+        Self { position, orientation, error }
+    }
 }
 
 impl<const N: usize> ForwardKinematics<N> for NumericArm<N> {
@@ -361,6 +392,10 @@ impl<const N: usize> InverseKinematics<N> for NumericArm<N> {
             return Ok(end.q);
         }
         Err(end.failure())
+    }
+
+    fn residual(&self, q: &Joints<N>) -> PoseResidual {
+        self.chain.residual(q)
     }
 }
 

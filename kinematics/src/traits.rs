@@ -59,6 +59,38 @@ pub trait InverseKinematics<const N: usize> {
     /// [`KinematicsError::Unreachable`], [`KinematicsError::OutsideLimits`]; [`KinematicsError::NotFinite`] and
     /// [`KinematicsError::NotUnit`] for a target that is none, [`KinematicsError::JointNotFinite`] for such a seed.
     fn inverse(&self, target: &Isometry3<f64>, seed: &Joints<N>) -> Result<Joints<N>, KinematicsError>;
+
+    /// The distance from its target at which a solution `q` may leave the tool, by rounding alone. Solutions along a smooth
+    /// path are smooth up to this much, carried to the joints by the inverse of the Jacobian.
+    ///
+    /// Unless an arm says otherwise, that of six joints within a metre.
+    fn residual(&self, q: &Joints<N>) -> PoseResidual {
+        PoseResidual::of_rounding(1.0, q.iter().map(|value| value.abs()).sum())
+    }
+}
+
+/// How far from its target an inverse leaves the tool.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PoseResidual {
+    /// Distance of the tool point from the target, m.
+    pub position: f64,
+    /// Angle between the tool and the target, rad.
+    pub orientation: f64,
+}
+
+impl PoseResidual {
+    /// What rounding leaves at an arm whose coordinates are at most `extent` (m) and whose turning joints stand at angles
+    /// with absolute values of the sum `angles` (rad): each step along the arm rounds once, each angle by its own size.
+    pub(crate) fn of_rounding(extent: f64, angles: f64) -> Self {
+        const STEPS: f64 = 16.0;
+        let orientation = f64::EPSILON * (STEPS + angles);
+        Self { position: orientation * extent, orientation }
+    }
+
+    /// Whether a miss of `position` (m) and `orientation` (rad) is no more than this.
+    pub(crate) fn covers(&self, position: f64, orientation: f64) -> bool {
+        position <= self.position && orientation <= self.orientation
+    }
 }
 
 /// From a tool pose to all joint values that reach it.

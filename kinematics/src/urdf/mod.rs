@@ -1,0 +1,126 @@
+//! Arms from URDF.
+//!
+//! The chain between two links is taken; fixed joints are folded into the joints and links around them, as is whatever
+//! hangs on a link by fixed joints alone. Limits of 0 (and the absent ones, which read as 0) count as unknown.
+
+mod file;
+mod markup;
+mod tree;
+
+use crate::{
+    description::{ArmDescription, JointDescription},
+    error::KinematicsError,
+    joint::JointKind,
+};
+use file::{Joint, JointType, Robot};
+use nalgebra::Isometry3;
+use std::collections::HashSet;
+use tree::{Tree, broken};
+
+impl ArmDescription {
+    /// Reads the chain from link `base` to link `tip` of a URDF text. Without a base the root is taken; without a tip,
+    /// the last link if there is only one. A link `world` that joints start from need not be in the file.
+    ///
+    /// Only links, joints and inertials are read: what a file says of meshes, materials or simulators has no influence.
+    /// No other file is opened.
+    ///
+    /// # Errors
+    /// [`KinematicsError::Unreadable`] if the text is no URDF, with the line; otherwise what is wrong, with the name of
+    /// the joint or link: [`KinematicsError::Structure`], [`KinematicsError::Mimic`],
+    /// [`KinematicsError::UnsupportedJoint`], [`KinematicsError::InvalidInertial`] and others. Where the tree branches
+    /// and no tip is named, the error lists the links at which the arm may end.
+    pub fn from_urdf(text: &str, base: Option<&str>, tip: Option<&str>) -> Result<Self, KinematicsError> {
+        let robot = Robot::read(text)?;
+        let tree = Tree::new(&robot)?;
+        let base = base.map_or_else(|| tree.root(), |name| tree.link(name))?;
+        let tip = tip.map_or_else(|| tree.tip(base), |name| tree.link(name))?;
+        let ends = || format!("{}, {}", tree.name(base), tree.name(tip));
+        let way = match tree.way(base, tip) {
+            Some(way) if base != tip => way,
+            _ => return Err(broken("the tip link must be below the base link", ends())),
+        };
+        let (joints, flange) = folded(&tree, &way)?;
+        if joints.is_empty() {
+            return Err(broken("there must be a moving joint between base and tip", ends()));
+        }
+        Ok(Self {
+            name: robot.name.clone(),
+            source: format!("URDF, link '{}' to link '{}'", tree.name(base), tree.name(tip)),
+            licence: String::new(),
+            notes: Vec::new(),
+            base: Isometry3::identity(),
+            joints,
+            flange,
+        })
+    }
+}
+
+/// The moving joints of a way, the fixed ones folded into them, and what fixed joints add behind the last.
+fn folded(tree: &Tree<'_>, way: &[usize]) -> Result<(Vec<JointDescription>, Isometry3<f64>), KinematicsError> {
+    let on_way: HashSet<usize> = way.iter().copied().collect();
+    let mut joints: Vec<JointDescription> = Vec::new();
+    // From the last moving joint on.
+    let mut carried = Isometry3::identity();
+    for number in way {
+        let joint = tree.joint(*number);
+        let origin = carried * joint.origin()?;
+        carried = match moving(joint)? {
+            None => origin,
+            Some(described) => {
+                joints.push(JointDescription { origin, ..described });
+                Isometry3::identity()
+            }
+        };
+        // The link moves with the last moving joint, if there is one.
+        if let Some(last) = joints.last_mut() {
+            tree.join_rigid(tree.child(*number), carried, &on_way, &mut last.inertial)?;
+        }
+    }
+    Ok((joints, carried))
+}
+
+/// A moving joint, or none if it is fixed; its origin is the file's.
+fn moving(joint: &Joint) -> Result<Option<JointDescription>, KinematicsError> {
+    let fail = |error| Err(joint.wrong(error));
+    if let Some(of) = &joint.mimic {
+        return fail(KinematicsError::Mimic { of: of.clone() });
+    }
+    let (kind, limited) = match joint.kind {
+        JointType::Fixed => return Ok(None),
+        JointType::Revolute => (JointKind::Revolute, true),
+        JointType::Continuous => (JointKind::Revolute, false),
+        JointType::Prismatic => (JointKind::Prismatic, true),
+        JointType::Other(kind) => return fail(KinematicsError::UnsupportedJoint { kind: kind.to_owned() }),
+    };
+    let limit = joint.limit();
+    for (what, value) in [
+        ("lower limit", limit.lower),
+        ("upper limit", limit.upper),
+        ("velocity", limit.velocity),
+        ("effort", limit.effort),
+        ("acceleration", limit.acceleration),
+        ("jerk", limit.jerk),
+    ] {
+        if value.is_nan() {
+            return fail(KinematicsError::InvalidSetting { what, value, rule: "a number" });
+        }
+    }
+    let given = |value: f64| (value.is_finite() && value != 0.0).then_some(value);
+    let known =
+        limited && (limit.lower, limit.upper) != (0.0, 0.0) && limit.lower.is_finite() && limit.upper.is_finite();
+    Ok(Some(JointDescription {
+        name: joint.name.clone(),
+        link: joint.child.clone(),
+        origin: Isometry3::identity(),
+        axis: joint.axis(),
+        kind,
+        range: known.then_some([limit.lower, limit.upper]),
+        velocity: given(limit.velocity),
+        acceleration: given(limit.acceleration),
+        jerk: given(limit.jerk),
+        torque: given(limit.effort),
+        inertial: None,
+        rotor_inertia: None,
+        friction: joint.dynamics.map(|[damping, friction]| [damping, friction, friction]),
+    }))
+}

@@ -1,0 +1,235 @@
+//! The links and joints of a file, which make a tree.
+//!
+//! Links and joints are numbers here, and every walk takes time in proportion to the file.
+
+use super::file::{Joint, JointType, Robot};
+use crate::{
+    dynamics::Inertial,
+    error::{KinematicsError, Part},
+};
+use nalgebra::Isometry3;
+use std::collections::{HashMap, HashSet};
+
+/// How many names an error lists.
+const MAX_NAMES: usize = 20;
+
+pub(super) struct Tree<'a> {
+    robot: &'a Robot,
+    links: HashMap<&'a str, usize>,
+    /// The joint above each link.
+    above: Vec<Option<usize>>,
+    /// The joints below each link.
+    below: Vec<Vec<usize>>,
+    /// The links of each joint.
+    ends: Vec<Ends>,
+}
+
+#[derive(Clone, Copy)]
+struct Ends {
+    parent: usize,
+    child: usize,
+}
+
+/// What a link has above it, up to the base.
+#[derive(Clone, Copy, Default)]
+struct Way {
+    /// The nearest moving joint.
+    moving: Option<usize>,
+    /// Whether some joint is of a kind that no arm has, or follows another one.
+    unusable: bool,
+}
+
+pub(super) fn broken(rule: &'static str, found: impl Into<String>) -> KinematicsError {
+    KinematicsError::Structure { rule, found: found.into() }
+}
+
+fn listed<'n>(names: impl Iterator<Item = &'n str>) -> String {
+    let names: Vec<&str> = names.collect();
+    let shown = names[..names.len().min(MAX_NAMES)].join(", ");
+    match names.len().checked_sub(MAX_NAMES) {
+        None | Some(0) => shown,
+        Some(more) => format!("{shown} and {more} more"),
+    }
+}
+
+impl<'a> Tree<'a> {
+    pub(super) fn new(robot: &'a Robot) -> Result<Self, KinematicsError> {
+        let mut links = HashMap::new();
+        for (number, link) in robot.links.iter().enumerate() {
+            if links.insert(link.name.as_str(), number).is_some() {
+                return Err(broken("each link must have a name of its own", &link.name));
+            }
+        }
+        let mut names = HashSet::new();
+        let mut above = vec![None; robot.links.len()];
+        let mut below = vec![Vec::new(); robot.links.len()];
+        let mut ends = Vec::with_capacity(robot.joints.len());
+        for (number, joint) in robot.joints.iter().enumerate() {
+            if !names.insert(joint.name.as_str()) {
+                return Err(broken("each joint must have a name of its own", &joint.name));
+            }
+            let link = |name: &String| {
+                let rule = "the links that a joint connects must be in the file";
+                links.get(name.as_str()).copied().ok_or_else(|| joint.wrong(broken(rule, name)))
+            };
+            let (parent, child) = (link(&joint.parent)?, link(&joint.child)?);
+            if let Some(other) = above[child].replace(number) {
+                let found = format!("{}, {}", robot.joints[other].name, joint.name);
+                let source = broken("a link must have one parent joint", found);
+                return Err(source.in_part(Part::Link, &joint.child));
+            }
+            below[parent].push(number);
+            ends.push(Ends { parent, child });
+        }
+        let tree = Self { robot, links, above, below, ends };
+        tree.check_loops()?;
+        Ok(tree)
+    }
+
+    /// Every link must be below a link without parent.
+    fn check_loops(&self) -> Result<(), KinematicsError> {
+        let mut reached = vec![false; self.above.len()];
+        let mut open: Vec<usize> = (0..self.above.len()).filter(|link| self.above[*link].is_none()).collect();
+        while let Some(link) = open.pop() {
+            reached[link] = true;
+            open.extend(self.below[link].iter().map(|joint| self.ends[*joint].child));
+        }
+        match reached.iter().position(|reached| !reached).and_then(|link| self.above[link]) {
+            None => Ok(()),
+            Some(joint) => {
+                let joint = &self.robot.joints[joint];
+                Err(joint.wrong(broken("the links must not form a loop", &joint.child)))
+            }
+        }
+    }
+
+    /// The number of the link called `name`.
+    pub(super) fn link(&self, name: &str) -> Result<usize, KinematicsError> {
+        let rule = "the link must be one of the file's";
+        let unknown = || broken(rule, listed(self.names())).in_part(Part::Link, name);
+        self.links.get(name).copied().ok_or_else(unknown)
+    }
+
+    pub(super) fn name(&self, link: usize) -> &'a str {
+        &self.robot.links[link].name
+    }
+
+    fn names(&self) -> impl Iterator<Item = &'a str> {
+        self.robot.links.iter().map(|link| link.name.as_str())
+    }
+
+    pub(super) fn joint(&self, number: usize) -> &'a Joint {
+        &self.robot.joints[number]
+    }
+
+    pub(super) fn child(&self, joint: usize) -> usize {
+        self.ends[joint].child
+    }
+
+    /// The joints from `base` to `tip`; none if `tip` is not below.
+    pub(super) fn way(&self, base: usize, tip: usize) -> Option<Vec<usize>> {
+        let mut way = Vec::new();
+        let mut at = tip;
+        while at != base {
+            let joint = self.above[at]?;
+            way.push(joint);
+            at = self.ends[joint].parent;
+        }
+        way.reverse();
+        Some(way)
+    }
+
+    /// The one link without parent.
+    pub(super) fn root(&self) -> Result<usize, KinematicsError> {
+        let roots: Vec<usize> = (0..self.above.len()).filter(|link| self.above[*link].is_none()).collect();
+        match roots[..] {
+            [root] => Ok(root),
+            _ => {
+                let rule = "there must be one link without parent, or the base link must be named";
+                Err(broken(rule, listed(roots.iter().map(|link| self.name(*link)))))
+            }
+        }
+    }
+
+    /// The link at the end of the one chain of moving joints: the only one, or else `tool0`, the customary name of the
+    /// mounting face.
+    ///
+    /// # Errors
+    /// Lists the links at which an arm may end, in the order of the file.
+    pub(super) fn tip(&self, base: usize) -> Result<usize, KinematicsError> {
+        let ways = self.ways(base);
+        let moving = |link: usize| ways[link].and_then(|way| way.moving);
+        let is_end = |link: &usize| self.below[*link].is_empty() && moving(*link).is_some();
+        let ends: Vec<usize> = (0..self.above.len()).filter(is_end).collect();
+        let one_chain = ends.iter().all(|end| moving(*end) == moving(ends[0]));
+        match (&ends[..], ends.iter().find(|end| self.name(**end) == "tool0")) {
+            ([], _) => return Err(broken("there must be a moving joint below the base link", self.name(base))),
+            ([tip], _) => return Ok(*tip),
+            (_, Some(tool0)) if one_chain => return Ok(*tool0),
+            _ => {}
+        }
+        let offered = self.before_branches(|link| moving(link).is_some());
+        let usable = |link: &usize| ways[*link].is_some_and(|way| !way.unusable);
+        let tips = (0..self.above.len()).filter(|link| offered[*link] || ends.contains(link)).filter(usable);
+        let rule = "there must be one link at the end, or the tip link must be named, one of these";
+        Err(broken(rule, listed(tips.map(|link| self.name(link)))))
+    }
+
+    /// What is above each link that is below `base`, or is it.
+    fn ways(&self, base: usize) -> Vec<Option<Way>> {
+        let mut ways = vec![None; self.above.len()];
+        let mut open = vec![(base, Way::default())];
+        while let Some((link, way)) = open.pop() {
+            ways[link] = Some(way);
+            for number in &self.below[link] {
+                let joint = self.joint(*number);
+                let unusable = way.unusable || joint.mimic.is_some() || matches!(joint.kind, JointType::Other(_));
+                let moving = if joint.kind == JointType::Fixed { way.moving } else { Some(*number) };
+                open.push((self.child(*number), Way { moving, unusable }));
+            }
+        }
+        ways
+    }
+
+    /// The links that carry a branching of the tree: those from which two or more joints go on, and those that such a link is
+    /// fixed to. A hand between two fingers is one, and so is the flange that carries it.
+    fn before_branches(&self, is_below: impl Fn(usize) -> bool) -> Vec<bool> {
+        let mut offered = vec![false; self.above.len()];
+        for link in (0..self.above.len()).filter(|link| self.below[*link].len() > 1) {
+            let mut at = link;
+            while is_below(at) && !offered[at] {
+                offered[at] = true;
+                match self.above[at].filter(|joint| self.joint(*joint).kind == JointType::Fixed) {
+                    Some(joint) => at = self.ends[joint].parent,
+                    None => break,
+                }
+            }
+        }
+        offered
+    }
+
+    /// Joins to `found` what hangs on `link` by fixed joints, those of `way` left out; `link` stands at `at` in the frame
+    /// of the body.
+    pub(super) fn join_rigid(
+        &self,
+        link: usize,
+        at: Isometry3<f64>,
+        way: &HashSet<usize>,
+        found: &mut Option<Inertial>,
+    ) -> Result<(), KinematicsError> {
+        let mut open = vec![(link, at)];
+        while let Some((link, at)) = open.pop() {
+            if let Some(body) = self.robot.links[link].body()? {
+                let body = body.seen_from(&at);
+                *found = Some(found.map_or(body, |found| found.joined(&body)));
+            }
+            for number in self.below[link].iter().filter(|number| !way.contains(number)) {
+                let joint = self.joint(*number);
+                if joint.kind == JointType::Fixed {
+                    open.push((self.child(*number), at * joint.origin()?));
+                }
+            }
+        }
+        Ok(())
+    }
+}
