@@ -18,11 +18,10 @@ use serde::Serialize;
 
 use crate::cr7::{Cr7Error, Task};
 use crate::report::clip;
+use crate::verdict::TOLERANCE;
 
 /// Places looked at in every interval of the grid.
 const DENSITY: usize = 20;
-/// A limit that is exceeded by less than this is kept.
-const ROUNDING: f64 = 1e-6;
 /// Places of the path at which profiles are drawn.
 const DRAWN: usize = 3000;
 
@@ -64,7 +63,7 @@ pub struct Entry {
 impl Entry {
     /// Whether every limit it is to keep is kept.
     pub fn keeps(&self) -> bool {
-        self.duration_s.is_some() && self.worst.iter().all(|worst| worst.ratio <= 1.0 + ROUNDING)
+        self.duration_s.is_some() && self.worst.iter().all(|worst| worst.ratio <= 1.0 + TOLERANCE)
     }
 }
 
@@ -343,7 +342,7 @@ impl Display for Comparison {
             let worst = entry.worst.first().map_or(String::new(), |worst| {
                 let joint = worst.joint.map(|joint| format!(" J{joint}")).unwrap_or_default();
                 let place = format!("{}{joint} at {:.2} mm", worst.limit, worst.at_s_m * 1e3);
-                if worst.ratio > 1.0 + ROUNDING {
+                if worst.ratio > 1.0 + TOLERANCE {
                     format!("BROKEN by {:.3} %: {place}", 100.0 * (worst.ratio - 1.0))
                 } else {
                     format!("kept, {:.2} % of {place}", 100.0 * worst.ratio)

@@ -1,5 +1,6 @@
 //! From a job and a path file to a verified motion of the CR7, in one call.
 
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use arcfeed_geometry::{
@@ -18,6 +19,7 @@ use crate::model::Cr7;
 use crate::path_file::PathFile;
 use crate::report::{LimitLine, LimitUnit, Report, SegmentCount};
 use crate::robot::Robot;
+use crate::samples::TooManySamples;
 use crate::trajectory_csv::TrajectoryRow;
 
 /// Positions along the path are good to this, m: far below what any encoder resolves.
@@ -82,6 +84,26 @@ pub enum Cr7Error {
         missing: &'static str,
         /// What to do.
         remedy: &'static str,
+    },
+    /// A motion between poses does not start or end in the joints asked for: exit code 1.
+    #[error("{}{}: {key}: {problem}", file.display(), line.map(|l| format!(":{l}")).unwrap_or_default())]
+    Configuration {
+        /// The file.
+        file: PathBuf,
+        /// Line of the key, if it is known.
+        line: Option<usize>,
+        /// The key, such as `goal.q_deg`.
+        key: &'static str,
+        /// Where the motion leads instead, why, and what to do.
+        problem: String,
+    },
+    /// The motion has more samples than are written: exit code 1.
+    #[error("{file}: {source}")]
+    TooManySamples {
+        /// The file.
+        file: String,
+        /// How many, and what to change.
+        source: TooManySamples,
     },
     /// The path cannot be planned: exit code 1.
     #[error("{file}: {source}{hint}")]

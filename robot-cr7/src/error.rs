@@ -29,6 +29,12 @@ pub enum InputError {
         /// What the operating system said.
         source: std::io::Error,
     },
+    /// A file that is read has the name of one that is to be written.
+    #[error("{}: is read, and would be overwritten: choose another folder with --out", file.display())]
+    Overwritten {
+        /// The file.
+        file: PathBuf,
+    },
     /// The file is not UTF-8 text.
     #[error("{}:{line}: the line is not UTF-8 text: save the file as plain UTF-8 text", file.display())]
     NotText {

@@ -1,23 +1,11 @@
-//! A motion in joint space, sampled and checked: what `cr7 move` and `cr7 online` have in common.
+//! The report of a motion in joint space: what `cr7 move` and `cr7 online` have in common.
 
 use std::fmt::{self, Display, Formatter};
 use std::path::PathBuf;
 
 use serde::Serialize;
 
-use crate::report::{LimitLine, LimitUnit, clip, limit_table, number};
-use crate::trajectory_csv::TrajectoryRow;
-
-/// What the joints may do at one moment, for both signs; SI.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Rates<const N: usize> {
-    /// Velocity, rad/s.
-    pub velocity: [f64; N],
-    /// Acceleration, rad/s^2.
-    pub acceleration: [f64; N],
-    /// Jerk, rad/s^3.
-    pub jerk: [f64; N],
-}
+use crate::report::{LimitLine, clip, limit_table, number};
 
 /// Something that happened during a motion.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -88,74 +76,4 @@ impl Display for JointReport {
         }
         Ok(())
     }
-}
-
-/// Holds a sampled motion against its limits, without the help of whatever made it: velocity and acceleration as they
-/// are, jerk as the difference of accelerations over the time between samples (the mean of the true jerk, which never
-/// exceeds its maximum), and each sample against the one before, so that a jump cannot hide between two of them.
-///
-/// `rates` gives the limits in force from row `i` to the next; `range` the joint range (lower, upper) in rad.
-pub fn check_joints<const N: usize>(
-    rows: &[TrajectoryRow<N>],
-    rates: impl Fn(usize) -> Rates<N>,
-    range: (&[f64; N], &[f64; N]),
-) -> Vec<LimitLine> {
-    let names = ["joint position", "joint velocity", "joint acceleration", "joint jerk", "continuity"];
-    let units = [
-        LimitUnit::Radian,
-        LimitUnit::RadianPerSecond,
-        LimitUnit::RadianPerSecond2,
-        LimitUnit::RadianPerSecond3,
-        LimitUnit::One,
-    ];
-    let mut lines: Vec<LimitLine> = Vec::with_capacity(5 * N);
-    for (name, unit) in names.into_iter().zip(units) {
-        lines.extend((0..N).map(|k| LimitLine {
-            name: name.to_owned(),
-            joint: Some(k + 1),
-            unit,
-            value: 0.0,
-            limit: 1.0,
-            ratio: 0.0,
-            at_s_m: None,
-            at_t_s: 0.0,
-        }));
-    }
-    let mut see = |kind: usize, k: usize, value: f64, limit: f64, t: f64| {
-        let line = &mut lines[kind * N + k];
-        let ratio = value.abs() / limit;
-        // A NaN, once seen, stays.
-        if !line.ratio.is_nan() && (ratio >= line.ratio || ratio.is_nan()) {
-            (line.value, line.limit, line.ratio, line.at_t_s) = (value, limit, ratio, t);
-        }
-    };
-    for (i, row) in rows.iter().enumerate() {
-        let at = rates(i);
-        for k in 0..N {
-            let middle = 0.5 * (range.0[k] + range.1[k]);
-            see(0, k, row.q[k] - middle, range.1[k] - middle, row.t);
-            see(1, k, row.qd[k], at.velocity[k], row.t);
-            see(2, k, row.qdd[k], at.acceleration[k], row.t);
-        }
-        let Some(before) = i.checked_sub(1).map(|i| &rows[i]) else { continue };
-        let dt = row.t - before.t;
-        if dt <= 0.0 {
-            continue;
-        }
-        let during = rates(i - 1);
-        for k in 0..N {
-            let limit = during.jerk[k];
-            // Rounding of an acceleration over a short time is no jerk.
-            let noise = 4.0 * f64::EPSILON * (row.qdd[k].abs() + before.qdd[k].abs()) / dt;
-            let jerk = (row.qdd[k] - before.qdd[k]) / dt;
-            see(3, k, jerk.signum() * (jerk.abs() - noise).max(0.0), limit, row.t);
-            // With the jerk below J: |q1 - q0 - dt (v0 + v1) / 2| <= J dt^3 / 12, |v1 - v0 - dt (a0 + a1) / 2| <= J dt^2 / 4.
-            let q = row.q[k] - before.q[k] - 0.5 * dt * (row.qd[k] + before.qd[k]);
-            let v = row.qd[k] - before.qd[k] - 0.5 * dt * (row.qdd[k] + before.qdd[k]);
-            let by_position = q.abs() / (limit * dt * dt * dt / 12.0 + 1e-14 * (1.0 + row.q[k].abs()));
-            let by_velocity = v.abs() / (limit * dt * dt / 4.0 + 1e-14 * (1.0 + row.qd[k].abs()));
-            see(4, k, by_position.max(by_velocity), 1.0, row.t);
-        }
-    }
-    lines
 }

@@ -6,6 +6,7 @@ mod cr7;
 mod error;
 mod job;
 mod job_file;
+mod joint_check;
 mod joint_run;
 mod model;
 mod online_scenario;
@@ -16,25 +17,34 @@ mod report;
 pub mod reproduce;
 mod robot;
 mod sample_paths;
+mod samples;
 mod scenario;
 mod schedule_figure;
 mod schedule_file;
+mod schedule_plan;
+mod schedule_rows;
 mod schedule_run;
+mod schedule_way;
+mod series;
+mod staging;
 mod toml_check;
 mod trajectory_csv;
 mod unit;
+mod verdict;
 
 pub use compare::{Comparison, Entry, Use, compare};
 pub use cr7::{Cr7Error, Drives, Motion, Task, drawn_segments, plan, plan_with, trajectory_row};
 pub use error::InputError;
 pub use job::{FeedLimits, Job, JointOverrides, JointValues, Payload, Scan, ToolOrientation, TorqueJob};
-pub use joint_run::{Happening, JointReport, Rates, check_joints};
+pub use joint_check::{JointCheck, Rates};
+pub use joint_run::{Happening, JointReport};
 pub use model::{ACCELERATION, Cr7, JERK, VELOCITY};
 pub use online_scenario::{OnlineRun, OnlineScenario, ScenarioError};
 pub use path_file::{PathFile, PathGeometry};
 pub use report::{LimitLine, LimitUnit, Report, SegmentCount};
 pub use robot::Robot;
 pub use sample_paths::{SamplePath, butterfly};
+pub use samples::{MOST_CYCLES, MOST_SAMPLES, TooManySamples, few_enough, sample_times};
 pub use scenario::{
     Accuracy, Clock, Cycle, DetourLine, EventLine, ExcursionLine, Played, RunReport, Scenario, Stage, StateSpan,
     StepTimes,
@@ -42,5 +52,8 @@ pub use scenario::{
 pub use schedule_figure::{BindingBar, JointFigure, JointPanel, ShareFigure, SharePanel, SpeedFigure};
 pub use schedule_file::{ScheduleFile, SchedulePlace, ScheduleWay};
 pub use schedule_run::{BindingLine, ScheduleReport, ScheduleRun, run_schedule};
+pub use series::Series;
+pub use staging::{Staging, interrupt};
 pub use trajectory_csv::{TrajectoryRow, TrajectoryWriter, read_trajectory, trajectory_columns, write_trajectory};
 pub use unit::LengthUnit;
+pub use verdict::{Exceeded, LimitsHold};

@@ -11,7 +11,9 @@ use thiserror::Error;
 use crate::error::{InputError, read_text};
 use crate::job::{JointOverrides, JointValues};
 use crate::job_file::{PerJoint, RawJoints, RawSampling};
-use crate::joint_run::{Happening, Rates};
+use crate::joint_check::Rates;
+use crate::joint_run::Happening;
+use crate::samples::MOST_CYCLES;
 use crate::toml_check::{Check, read_toml};
 
 const EXPECTED: &str = "a TOML scenario such as scenarios/online.toml";
@@ -126,6 +128,16 @@ pub enum ScenarioError {
         file: PathBuf,
         /// Longest motion, s.
         longest: f64,
+        /// What is missing, s.
+        left: f64,
+    },
+    /// The motion has more control cycles than are simulated.
+    #[error("{}: after {MOST_CYCLES} cycles of sampling.period_ms = {period_ms} the target is not reached, {left:.3} s are missing: raise sampling.period_ms, or the limits of the joints", file.display())]
+    TooManyCycles {
+        /// The file.
+        file: PathBuf,
+        /// Control period, ms.
+        period_ms: f64,
         /// What is missing, s.
         left: f64,
     },
@@ -265,11 +277,7 @@ impl OnlineScenario {
             place: place.to_owned(),
             source,
         };
-        let mut rates = Rates::<N> {
-            velocity: (*limits.velocity()).into(),
-            acceleration: (*limits.acceleration()).into(),
-            jerk: (*limits.jerk()).into(),
-        };
+        let mut rates = Rates::from(limits);
         let mut target = self.states::<N>("target", &self.target)?;
         let start = self.states::<N>("start", &self.start)?;
         let axes = axis_limits(&rates).map_err(|e| refused("joints", "joints", e))?;
@@ -277,12 +285,15 @@ impl OnlineScenario {
             .map_err(|e| refused("start", "start", e))?;
         generator.set_target(target).map_err(|e| refused("target", "target", e))?;
         let mut run = OnlineRun {
+            start,
+            target,
             samples: vec![(0.0, state_of(generator.state()), rates)],
             events: vec![Happening { t_s: 0.0, what: format!("off to the target, {:.4} s", generator.time_left()) }],
         };
         let mut changes = self.changes.iter().enumerate().peekable();
         let mut outside = false;
-        let most = (self.longest / self.period).ceil() as usize;
+        let longest = (self.longest / self.period).ceil();
+        let most = longest.min(MOST_CYCLES as f64) as usize;
         for cycle in 0.. {
             let now = cycle as f64 * self.period;
             // A change takes effect with the first cycle that begins at its time or later.
@@ -303,6 +314,10 @@ impl OnlineScenario {
             }
             if cycle >= most {
                 let left = generator.time_left();
+                if longest > MOST_CYCLES as f64 {
+                    let (file, period_ms) = (self.file.clone(), self.period * 1e3);
+                    return Err(ScenarioError::TooManyCycles { file, period_ms, left });
+                }
                 return Err(ScenarioError::TooLong { file: self.file.clone(), longest: self.longest, left });
             }
             let step = generator.step();
@@ -320,6 +335,7 @@ impl OnlineScenario {
                 run.events.push(Happening { t_s: t, what: "target reached".to_owned() });
             }
             if !generator.is_underway() && changes.peek().is_none() {
+                run.target = target;
                 return Ok(run);
             }
         }
@@ -373,6 +389,10 @@ impl Change {
 /// A simulated scenario.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OnlineRun<const N: usize> {
+    /// The state it starts in.
+    pub start: [AxisState; N],
+    /// The target that is set in the end.
+    pub target: [AxisState; N],
     /// Time, state, and the limits in force from this sample to the next.
     pub samples: Vec<(f64, JointState<N>, Rates<N>)>,
     /// What happened.

@@ -5,6 +5,8 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
+use crate::verdict::TOLERANCE;
+
 /// Unit of a limited quantity; [`Report`] keeps SI, its text shows millimetres and degrees.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum LimitUnit {
@@ -42,7 +44,7 @@ pub enum LimitUnit {
 
 impl LimitUnit {
     /// Factor and unit for people: mm and degrees.
-    fn for_people(self) -> (f64, &'static str) {
+    pub(crate) fn for_people(self) -> (f64, &'static str) {
         let degrees = 180.0 / std::f64::consts::PI;
         match self {
             Self::Metre => (1e3, "mm"),
@@ -244,7 +246,7 @@ pub(crate) fn limit_table(f: &mut Formatter<'_>, limits: &[LimitLine]) -> fmt::R
         writeln!(
             f,
             "{} {:<24}{joint:<6}{:>12}{:>12}  {unit:<9}{:>8}{:>12}{:>10}",
-            if badness(worst) > 1.0 + 1e-6 { "!" } else { " " },
+            if worst.holds() { " " } else { "!" },
             clip(name, 23),
             number(worst.value * factor),
             number(worst.limit * factor),
@@ -323,13 +325,10 @@ pub(crate) fn number(v: f64) -> String {
     }
 }
 
-/// What a verified ratio may exceed 1 by through rounding.
-const ROUNDING: f64 = 1e-6;
-
 /// A share in percent, rounded so that what is above 100 % by more than rounding is never shown as 100 %.
 pub(crate) fn percent(ratio: f64) -> String {
     let p = ratio * 100.0;
-    if ratio > 1.0 + ROUNDING && p < 100.01 {
+    if ratio > 1.0 + TOLERANCE && p < 100.01 {
         ">100 %".to_owned()
     } else if p < 1000.0 {
         format!("{p:.2} %")

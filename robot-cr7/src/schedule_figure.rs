@@ -1,5 +1,8 @@
 //! What is drawn of a scheduled motion, as plain numbers in the units of the labels.
 
+use arcfeed_feedrate::RowSource;
+use arcfeed_interp::{LimitPoint, Schedule, ScheduleCheck, ScheduleParameter, SchedulePath};
+
 /// Speed along a motion, under the curves that limit it, with what binds below.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpeedFigure {
@@ -80,4 +83,60 @@ pub struct JointPanel {
     pub limit: f64,
     /// The points of each line: time in s, value.
     pub lines: Vec<Vec<(f64, f64)>>,
+}
+
+/// Factor and unit in which people read the parameter.
+fn shown(parameter: ScheduleParameter) -> (f64, &'static str) {
+    match parameter {
+        ScheduleParameter::ArcLength => (1e3, "mm"),
+        _ => (1f64.to_degrees(), "deg"),
+    }
+}
+
+pub(crate) fn speed_figure<P: SchedulePath<N>, const N: usize>(
+    schedule: &Schedule<'_, P, N>,
+    check: &ScheduleCheck,
+    name: &str,
+    facts: &str,
+) -> SpeedFigure {
+    let parameter = schedule.path().parameter();
+    let (factor, unit) = shown(parameter);
+    let end = schedule.path().end();
+    let points = 2000;
+    let speed = (0..=points).map(|i| {
+        let s = end * f64::from(i) / f64::from(points);
+        (s * factor, schedule.law().at_position(s).v * factor)
+    });
+    let curve = |points: &mut dyn Iterator<Item = LimitPoint>| {
+        points.map(|p| (p.s * factor, p.speed * factor)).collect::<Vec<_>>()
+    };
+    SpeedFigure {
+        file: "speed.svg".to_owned(),
+        title: format!("{name}: speed along the motion"),
+        facts: facts.to_owned(),
+        x_label: format!("{parameter} s [{unit}]"),
+        y_label: format!("speed [{unit}/s]"),
+        speeds: vec![("speed".to_owned(), speed.collect())],
+        initial: curve(&mut schedule.initial_velocity_limit()),
+        ceiling: curve(&mut schedule.maximum_velocity_curve()),
+        bindings: binding_bars(check, factor),
+    }
+}
+
+/// The limits that bind, as bars along the motion.
+pub(crate) fn binding_bars(check: &ScheduleCheck, factor: f64) -> Vec<BindingBar> {
+    let bar = |b: &arcfeed_interp::Binding| BindingBar {
+        name: short(b.source),
+        joint: b.source.joint.map(usize::from),
+        intervals: b.intervals.iter().map(|&(from, to)| (from * factor, to * factor)).collect(),
+    };
+    check.bindings.iter().map(bar).collect()
+}
+
+/// "J3 torque".
+fn short(source: RowSource) -> String {
+    match source.joint {
+        Some(joint) => format!("J{} {}", joint + 1, source.quantity),
+        None => source.quantity.to_string(),
+    }
 }

@@ -190,6 +190,11 @@ impl ScheduleFile {
         })
     }
 
+    /// Line of a key, from 1, where it is known.
+    pub(crate) fn line_of(&self, key: &str) -> Option<usize> {
+        Check::new(&self.text, &self.file).line_of(key)
+    }
+
     /// The values for an arm of `N` joints.
     ///
     /// # Errors

@@ -3,24 +3,24 @@
 use std::fmt::{self, Display, Formatter};
 use std::path::PathBuf;
 
-use arcfeed_feedrate::{Quantity, RowSource};
-use arcfeed_geometry::PoseMotion;
 use arcfeed_interp::{
-    ArmMotion, JointSpline, PlanError, Schedule, ScheduleCheck, ScheduleLimits, ScheduleParameter, SchedulePath,
-    Scheduler, Setpoint, SpeedPlanner,
+    ArmMotion, JointSpline, PlanError, ScheduleCheck, ScheduleLimits, ScheduleParameter, SchedulePath, SpeedPlanner,
 };
-use arcfeed_kinematics::{Arm, ArmDynamics, ForwardKinematics, Joints};
-use nalgebra::Isometry3;
+use arcfeed_kinematics::{Arm, ArmDynamics, Joints};
 use serde::Serialize;
 
 use crate::cr7::Cr7Error;
-use crate::report::{LimitLine, LimitUnit, clip, duration, limit_table, number};
+use crate::error::InputError;
+use crate::report::{LimitLine, clip, duration, limit_table, number};
 use crate::robot::Robot;
-use crate::schedule_figure::{BindingBar, ShareFigure, SharePanel, SpeedFigure};
-use crate::schedule_file::{ScheduleFile, SchedulePlace, ScheduleWay};
+use crate::samples::few_enough;
+use crate::schedule_figure::{ShareFigure, SpeedFigure, speed_figure};
+use crate::schedule_file::{ScheduleFile, ScheduleWay};
+use crate::schedule_plan::{CheckedSchedule, SpeedTask};
+use crate::schedule_rows::ScheduleRows;
+use crate::schedule_way::PoseWay;
+use crate::trajectory_csv::TrajectoryRow;
 
-/// Dense samples of the check in every interval of the grid.
-const SAMPLES: usize = 20;
 const WIDTH: usize = 100;
 
 /// Where one limit binds.
@@ -77,26 +77,27 @@ pub struct ScheduleReport {
 
 /// A schedule with all that is written and drawn of it.
 #[derive(Debug, Clone)]
-pub struct ScheduleRun<const N: usize> {
-    /// The report.
+pub struct ScheduleRun {
+    /// The report; its limits hold or the motion is not to be run: see [`LimitsHold`](crate::LimitsHold).
     pub report: ScheduleReport,
-    /// Setpoints at the control period.
-    pub setpoints: Vec<Setpoint<N>>,
     /// Speed over the limit curve, with what binds.
     pub speed: SpeedFigure,
     /// Joint curves in units of their limits.
     pub shares: ShareFigure,
 }
 
-/// A motion between poses for an arm of six joints, or through way-points for any.
+/// A motion between poses for an arm of six joints, or through way-points for any. `write` is given the rows of the
+/// trajectory in their order.
 ///
 /// # Errors
-/// [`Cr7Error::Input`] for what the file says wrongly, [`Cr7Error::Plan`] for what cannot be planned, with the place.
+/// [`Cr7Error::Input`] for what the file says wrongly, [`Cr7Error::Plan`] for what cannot be planned, with the place,
+/// [`Cr7Error::Configuration`] for joints that the motion does not lead to.
 pub fn run_schedule<const N: usize>(
     file: &ScheduleFile,
     robot: &Robot,
     planner: SpeedPlanner,
-) -> Result<ScheduleRun<N>, Cr7Error> {
+    write: impl FnMut(&TrajectoryRow<N>) -> Result<(), InputError>,
+) -> Result<ScheduleRun, Cr7Error> {
     let arm = robot.arm::<N>(file.tool)?;
     let setting = Setting::new(file, robot, &arm, planner)?;
     match &file.way {
@@ -108,12 +109,10 @@ pub fn run_schedule<const N: usize>(
             let spline = JointSpline::through(&points.collect::<Result<Vec<_>, Cr7Error>>()?);
             let spline = spline.map_err(|e| setting.failed(e))?;
             spline.within(arm.range()).map_err(|e| setting.failed(e))?;
-            setting.run(&arm, &spline, "joint way-points", None)
+            let ends = [spline.points().first().copied(), spline.points().last().copied()];
+            setting.run(&arm, (&spline, ends), ("joint way-points", None), write)
         }
         ScheduleWay::Poses { start, goal, near } => {
-            let motion = PoseMotion::new(&pose(file, &arm, "start", start)?, &pose(file, &arm, "goal", goal)?);
-            let motion = motion.map_err(|e| setting.failed(e.into()))?;
-            let near = near.as_ref().map(|near| file.of::<N>("start.near_deg", near)).transpose()?;
             // A pose has six freedoms: the arm is one of six joints by another name.
             let six = robot.arm::<6>(file.tool).map_err(|_| {
                 setting.failed(PlanError::Missing {
@@ -122,14 +121,11 @@ pub fn run_schedule<const N: usize>(
                     remedy: "take another --robot, or give joint way-points",
                 })
             })?;
-            let path = match near {
-                Some(near) => {
-                    ArmMotion::new(&six, motion, &Joints::from_fn(|i, _| near.get(i).copied().unwrap_or(0.0)))
-                }
-                None => ArmMotion::from_best_start(&six, motion, six.range()),
-            };
-            let path = path.map_err(|e| setting.failed(e))?;
-            setting.run(&arm, &Renamed(path), &motion.kind().to_string(), Some(motion.angle()))
+            let way = PoseWay::new(file, &six, [start, goal], near.as_ref())?;
+            let ends = way.ends.map(|q| q.map(|q| renamed(&q)));
+            let motion = *way.path.motion();
+            let words = motion.kind().to_string();
+            setting.run(&arm, (&Renamed(way.path), ends), (&words, Some(motion.angle())), write)
         }
     }
 }
@@ -159,18 +155,6 @@ impl<const N: usize> SchedulePath<N> for Renamed<'_> {
 
 fn renamed<const N: usize, const M: usize>(q: &Joints<N>) -> Joints<M> {
     Joints::from_fn(|i, _| q.get(i).copied().unwrap_or(0.0))
-}
-
-fn pose<const N: usize>(
-    file: &ScheduleFile,
-    arm: &Arm<N>,
-    section: &str,
-    place: &SchedulePlace,
-) -> Result<Isometry3<f64>, Cr7Error> {
-    Ok(match place {
-        SchedulePlace::Pose(pose) => *pose,
-        SchedulePlace::Joints(q) => arm.forward(&Joints::from(file.of::<N>(&format!("{section}.q_deg"), q)?)),
-    })
 }
 
 /// Everything but the path.
@@ -221,44 +205,44 @@ impl<'a, const N: usize> Setting<'a, N> {
         Cr7Error::Plan { file: self.file.file.display().to_string(), source: Box::new(source), hint: String::new() }
     }
 
+    /// `ends` are the joints asked for at start and end, where they are.
     fn run<P: SchedulePath<N>>(
         self,
         arm: &Arm<N>,
-        path: &P,
-        motion: &str,
-        rotation: Option<f64>,
-    ) -> Result<ScheduleRun<N>, Cr7Error> {
+        (path, ends): (&P, [Option<Joints<N>>; 2]),
+        (motion, rotation): (&str, Option<f64>),
+        write: impl FnMut(&TrajectoryRow<N>) -> Result<(), InputError>,
+    ) -> Result<ScheduleRun, Cr7Error> {
         let failed = |e| self.failed(e);
         let parameter = path.parameter();
         let to_si = if parameter == ScheduleParameter::ArcLength { 1e-3 } else { 1f64.to_radians() };
-        let [start, end] = self.file.speeds.map(|v| v * to_si);
-        let mut scheduler = Scheduler::new(arm, self.limits)
-            .and_then(|s| s.with_intervals(self.file.intervals))
-            .and_then(|s| s.with_end_speeds(start, end))
-            .map_err(failed)?;
-        if let Some(dynamics) = &self.dynamics {
-            scheduler = scheduler.with_dynamics(dynamics);
-        }
-        let schedule = scheduler.plan(path, self.planner).map_err(failed)?;
-        let check = schedule.check(SAMPLES).map_err(failed)?;
-        // A period far below the motion's own would fill the memory.
-        let sampler = schedule.sampler(self.file.period).map_err(failed)?;
-        if sampler.samples() > 20_000_000 {
-            let longest = 2e7 * self.file.period;
-            return Err(failed(PlanError::TooLong { duration: schedule.duration(), longest }));
-        }
-        let setpoints = sampler.collect::<Result<Vec<_>, _>>().map_err(failed)?;
+        let task = SpeedTask {
+            arm,
+            dynamics: self.dynamics.as_ref(),
+            limits: self.limits,
+            intervals: self.file.intervals,
+            speeds: self.file.speeds.map(|v| v * to_si),
+            planner: self.planner,
+            period: self.file.period,
+        };
+        let CheckedSchedule { schedule, check, limits, notes } = task.plan(path).map_err(failed)?;
+        few_enough(schedule.duration(), self.file.period, "the [limits] of the file")
+            .map_err(|source| Cr7Error::TooManySamples { file: self.file.file.display().to_string(), source })?;
+        let facts = format!(
+            "{motion}, {} planner: {} s; {} on {}",
+            self.planner.name(),
+            number(schedule.duration()),
+            used_most(&check),
+            self.robot
+        );
+        let name = self.file.file.display().to_string();
+        let mut rows = ScheduleRows::new(&schedule, &self.limits, arm.range(), self.file.period).map_err(failed)?;
+        rows.write(write, failed)?;
+        rows.see_ends(ends, self.file.speeds);
+        let samples = rows.samples();
+        let (checked, shares) = rows.finish(&name, &facts);
         let [following, planning] = schedule.timings().map(|t| t.as_secs_f64());
-        let mut warnings = self.warnings.clone();
-        if check.worst_ratio() > 1.0 + 1e-3 {
-            let worst = check.worst().map_or(String::new(), |w| w.source.to_string());
-            warnings.push(format!(
-                "{worst} exceeds its limit by {} % between the grid points: take --planner certified or jerk-limited, or more intervals",
-                number((check.worst_ratio() - 1.0) * 100.0)
-            ));
-        }
         let report = ScheduleReport {
-            name: self.file.file.display().to_string(),
             robot: self.robot.clone(),
             motion: motion.to_owned(),
             parameter: parameter.to_string(),
@@ -268,11 +252,11 @@ impl<'a, const N: usize> Setting<'a, N> {
             planner: self.planner.name(),
             intervals: schedule.problem().intervals(),
             duration_s: schedule.duration(),
-            samples: setpoints.len(),
+            samples,
             period_s: self.file.period,
             following_time_s: following,
             planning_time_s: planning,
-            limits: limit_lines(&check, parameter),
+            limits: joined(limits, checked),
             checked_samples: check.samples,
             binding: check
                 .bindings
@@ -282,135 +266,31 @@ impl<'a, const N: usize> Setting<'a, N> {
                     intervals: b.intervals.iter().map(|&(from, to)| [from, to]).collect(),
                 })
                 .collect(),
-            warnings,
+            warnings: self.warnings.iter().cloned().chain(notes).collect(),
             files: Vec::new(),
+            name,
         };
-        let facts = format!(
-            "{motion}, {} planner: {} s; {} on {}",
-            self.planner.name(),
-            number(schedule.duration()),
-            used_most(&check),
-            self.robot
-        );
         let speed = speed_figure(&schedule, &check, &report.name, &facts);
-        let shares = share_figure(&schedule, &setpoints, &report.name, &facts);
-        Ok(ScheduleRun { report, setpoints, speed, shares })
+        Ok(ScheduleRun { report, speed, shares })
     }
+}
+
+/// The limits of both checks: of each limit that is in both the worse line.
+fn joined(mut lines: Vec<LimitLine>, others: Vec<LimitLine>) -> Vec<LimitLine> {
+    for other in others {
+        match lines.iter_mut().find(|line| line.name == other.name && line.joint == other.joint) {
+            Some(line) if other.ratio > line.ratio || other.ratio.is_nan() => *line = other,
+            Some(_) => {}
+            None => lines.push(other),
+        }
+    }
+    lines
 }
 
 fn used_most(check: &ScheduleCheck) -> String {
     check.worst().map_or("nothing is limited".to_owned(), |worst| {
         format!("{} uses {}", worst.source, crate::report::percent(worst.ratio))
     })
-}
-
-fn limit_lines(check: &ScheduleCheck, parameter: ScheduleParameter) -> Vec<LimitLine> {
-    let line = |u: &arcfeed_interp::LimitUse| {
-        let (name, unit) = match u.source.quantity {
-            Quantity::JointVelocity => ("joint velocity", LimitUnit::RadianPerSecond),
-            Quantity::JointAcceleration => ("joint acceleration", LimitUnit::RadianPerSecond2),
-            Quantity::JointJerk => ("joint jerk", LimitUnit::RadianPerSecond3),
-            Quantity::JointTorque => ("joint torque", LimitUnit::NewtonMetre),
-            Quantity::LinearSpeed => ("linear speed of the tool", LimitUnit::MetrePerSecond),
-            _ => ("angular speed of the tool", LimitUnit::RadianPerSecond),
-        };
-        LimitLine {
-            name: name.to_owned(),
-            joint: u.source.joint.map(|j| usize::from(j) + 1),
-            unit,
-            value: u.value,
-            limit: u.limit,
-            ratio: u.ratio,
-            at_s_m: (parameter == ScheduleParameter::ArcLength).then_some(u.s),
-            at_t_s: u.t,
-        }
-    };
-    check.uses.iter().map(line).collect()
-}
-
-/// Factor and unit in which people read the parameter.
-fn shown(parameter: ScheduleParameter) -> (f64, &'static str) {
-    match parameter {
-        ScheduleParameter::ArcLength => (1e3, "mm"),
-        _ => (1f64.to_degrees(), "deg"),
-    }
-}
-
-fn speed_figure<P: SchedulePath<N>, const N: usize>(
-    schedule: &Schedule<'_, P, N>,
-    check: &ScheduleCheck,
-    name: &str,
-    facts: &str,
-) -> SpeedFigure {
-    let parameter = schedule.path().parameter();
-    let (factor, unit) = shown(parameter);
-    let end = schedule.path().end();
-    let points = 2000;
-    let speed = (0..=points).map(|i| {
-        let s = end * f64::from(i) / f64::from(points);
-        (s * factor, schedule.law().at_position(s).v * factor)
-    });
-    let curve = |points: &mut dyn Iterator<Item = arcfeed_interp::LimitPoint>| {
-        points.map(|p| (p.s * factor, p.speed * factor)).collect::<Vec<_>>()
-    };
-    SpeedFigure {
-        file: "speed.svg".to_owned(),
-        title: format!("{name}: speed along the motion"),
-        facts: facts.to_owned(),
-        x_label: format!("{parameter} s [{unit}]"),
-        y_label: format!("speed [{unit}/s]"),
-        speeds: vec![("speed".to_owned(), speed.collect())],
-        initial: curve(&mut schedule.initial_velocity_limit()),
-        ceiling: curve(&mut schedule.maximum_velocity_curve()),
-        bindings: binding_bars(check, factor),
-    }
-}
-
-/// The limits that bind, as bars along the motion.
-pub(crate) fn binding_bars(check: &ScheduleCheck, factor: f64) -> Vec<BindingBar> {
-    let bar = |b: &arcfeed_interp::Binding| BindingBar {
-        name: short(b.source),
-        joint: b.source.joint.map(usize::from),
-        intervals: b.intervals.iter().map(|&(from, to)| (from * factor, to * factor)).collect(),
-    };
-    check.bindings.iter().map(bar).collect()
-}
-
-/// "J3 torque".
-fn short(source: RowSource) -> String {
-    match source.joint {
-        Some(joint) => format!("J{} {}", joint + 1, source.quantity),
-        None => source.quantity.to_string(),
-    }
-}
-
-fn share_figure<P: SchedulePath<N>, const N: usize>(
-    schedule: &Schedule<'_, P, N>,
-    setpoints: &[Setpoint<N>],
-    name: &str,
-    facts: &str,
-) -> ShareFigure {
-    let limits = schedule.limits();
-    let torque = |p: &Setpoint<N>| schedule.torque(p).unwrap_or(Joints::zeros());
-    type Value<'v, const N: usize> = &'v dyn Fn(&Setpoint<N>) -> Joints<N>;
-    let kinds: [(&str, Option<Joints<N>>, Value<'_, N>); 4] = [
-        ("velocity", limits.velocity, &|p| p.qd),
-        ("acceleration", limits.acceleration, &|p| p.qdd),
-        ("torque", limits.torque, &torque),
-        ("jerk", limits.jerk, &|p| p.jerk),
-    ];
-    let panels = kinds.into_iter().filter_map(|(label, limits, value)| {
-        let limits = limits?;
-        let values: Vec<Joints<N>> = setpoints.iter().map(value).collect();
-        let line = |j: usize| setpoints.iter().zip(&values).map(|(p, v)| (p.t, v[j] / limits[j])).collect();
-        Some(SharePanel { label: label.to_owned(), joints: (0..N).map(line).collect() })
-    });
-    ShareFigure {
-        file: "joints.svg".to_owned(),
-        title: format!("{name}: joints in units of their limits"),
-        facts: facts.to_owned(),
-        panels: panels.collect(),
-    }
 }
 
 impl ScheduleReport {

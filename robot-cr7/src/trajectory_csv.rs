@@ -1,10 +1,10 @@
 //! Trajectories as CSV: one sample a line, units in the names of the columns.
 
-use std::fs::File;
 use std::io::{Read, Write};
 use std::path::Path;
 
 use crate::error::InputError;
+use crate::staging::write_whole;
 
 /// Names of the columns for an arm of `joints` joints: `t_s`, then `q`, `qd`, `qdd` and `jerk` of every joint, then the
 /// tool pose.
@@ -70,7 +70,7 @@ impl<W: Write, const N: usize> TrajectoryWriter<W, N> {
     }
 }
 
-/// Writes a whole trajectory to a file.
+/// Writes a trajectory to a file, whole or not at all.
 ///
 /// # Errors
 /// When the file cannot be written.
@@ -78,14 +78,20 @@ pub fn write_trajectory<I, const N: usize>(file: &Path, rows: I) -> Result<(), I
 where
     I: IntoIterator<Item = TrajectoryRow<N>>,
 {
-    let write = || {
-        let mut writer = TrajectoryWriter::new(File::create(file)?)?;
-        for row in rows {
-            writer.write(&row)?;
-        }
-        writer.finish()
-    };
-    write().map_err(|source| InputError::Write { file: file.to_owned(), source })
+    write_whole(file, |part| write_rows(part, rows))
+        .map_err(|source| InputError::Write { file: file.to_owned(), source })
+}
+
+/// Header and rows, to the last byte.
+pub(crate) fn write_rows<W: Write, const N: usize>(
+    writer: W,
+    rows: impl IntoIterator<Item = TrajectoryRow<N>>,
+) -> std::io::Result<()> {
+    let mut writer = TrajectoryWriter::new(writer)?;
+    for row in rows {
+        writer.write(&row)?;
+    }
+    writer.finish()
 }
 
 /// Reads a trajectory back; `file` is the name used in messages.

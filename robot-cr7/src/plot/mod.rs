@@ -9,11 +9,13 @@ mod decimate;
 mod run;
 mod schedule;
 
-use std::io;
+use std::io::{self, Write};
 use std::path::Path;
 
 use crate::error::InputError;
 use crate::report::{number, percent};
+use crate::staging::write_whole;
+use crate::verdict::TOLERANCE;
 pub use run::{Picture, run_pictures};
 pub use schedule::{joint_panels_picture, shares_picture, speed_picture};
 
@@ -122,12 +124,13 @@ pub struct Line<'a> {
     pub points: &'a [(f64, f64)],
 }
 
-/// Saves a picture.
+/// Saves a picture, whole or not at all.
 ///
 /// # Errors
 /// When the file cannot be written.
 pub fn save_picture(file: &Path, svg: &str) -> Result<(), InputError> {
-    std::fs::write(file, svg).map_err(|source| InputError::Write { file: file.to_owned(), source })
+    write_whole(file, |mut part| part.write_all(svg.as_bytes()))
+        .map_err(|source| InputError::Write { file: file.to_owned(), source })
 }
 
 /// The path with its segments coloured in turn, at equal scale of both axes, and the deviation of every segment below.
@@ -371,7 +374,7 @@ pub fn joint_picture(
             };
             canvas.text(&words, beside(1.0), Anchor::Left)?;
             let text = format!("used {}", percent(used[j]));
-            if used[j] > 1.0 + 1e-6 {
+            if used[j] > 1.0 + TOLERANCE {
                 canvas.alarm(&text, beside(2.0), Anchor::Left)?;
             } else {
                 canvas.text(&text, beside(2.0), Anchor::Left)?;

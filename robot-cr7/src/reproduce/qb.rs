@@ -11,8 +11,7 @@ use serde::Deserialize;
 use thiserror::Error;
 
 use super::Reproduction;
-use crate::schedule_figure::{JointFigure, JointPanel, SpeedFigure};
-use crate::schedule_run::binding_bars;
+use crate::schedule_figure::{JointFigure, JointPanel, SpeedFigure, binding_bars};
 use crate::toml_check::rotation;
 
 /// The grid of the plans whose places are compared: fine enough for three digits.

@@ -6,30 +6,22 @@ use nalgebra::Vector3;
 
 use super::play::{Cycle, Played};
 use super::stage::Stage;
-use crate::cr7::trajectory_row;
-use crate::joint_run::{Rates, check_joints};
+use crate::joint_check::{JointCheck, Rates};
 use crate::report::{LimitLine, LimitUnit};
-use crate::trajectory_csv::TrajectoryRow;
 
 /// On the path the tool of the setpoints is nearer to it than this, m: what is left to rounding.
 pub(super) const ON_PATH: f64 = 1e-9;
-
-/// Rows of the trajectory: setpoints, the start included.
-pub(super) fn rows(played: &Played) -> Vec<TrajectoryRow> {
-    std::iter::once(&played.start).chain(played.cycles.iter().map(|c| &c.setpoint)).map(trajectory_row).collect()
-}
 
 /// Every limit with its worst place: those of the joints all the time, those of the tool on the path.
 pub(super) fn limits<A: PathArm<6>>(stage: &Stage<'_, A>, played: &Played) -> Vec<LimitLine> {
     let live = stage.live();
     let joints = live.joints();
-    let rates = Rates {
-        velocity: (*joints.velocity()).into(),
-        acceleration: (*joints.acceleration()).into(),
-        jerk: (*joints.jerk()).into(),
-    };
-    let (lower, upper) = ((*joints.lower()).into(), (*joints.upper()).into());
-    let mut lines = check_joints(&rows(played), |_| rates, (&lower, &upper));
+    let rates = Rates::from(joints);
+    let mut check = JointCheck::new((*joints.lower()).into(), (*joints.upper()).into());
+    for row in played.rows() {
+        check.see(&row, live.period(), &rates);
+    }
+    let mut lines = check.into_lines();
     let tool = live.tool();
     let mut worst = [
         Worst::new("feed", LimitUnit::MetrePerSecond, tool.feed),

@@ -18,7 +18,7 @@ mod read;
 mod report;
 mod stage;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use arcfeed_feedrate::LiveSection;
 use arcfeed_interp::{LeaveBy, SingularityPolicy};
@@ -160,6 +160,14 @@ impl Scenario {
     /// Frames, orientation, limits, tolerance and period. `feed.feed` is the highest feed that any override leads to.
     pub fn job(&self) -> &Job {
         &self.job
+    }
+
+    /// The file of the path, where it comes from one.
+    pub fn path_file(&self) -> Option<&Path> {
+        match &self.path {
+            ScenarioPath::File(file) => Some(file),
+            _ => None,
+        }
     }
 
     /// The programmed feed at the start, m/s.

@@ -10,6 +10,7 @@ use serde::Serialize;
 use super::stage::{Order, Stage, What};
 use super::{Action, When};
 use crate::cr7::Cr7Error;
+use crate::samples::MOST_CYCLES;
 
 /// How time passes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -134,7 +135,8 @@ impl<A: PathArm<6>> Stage<'_, A> {
         let start = *motion.setpoint();
         let mut drive = DriveLag::new(start.q, self.drive, period).map_err(failed)?;
         let mut asked = Asked { feed: scenario.feed, factor: 1.0, sections: Vec::new() };
-        let most = (scenario.longest / period).ceil() as usize;
+        let longest = (scenario.longest / period).ceil();
+        let most = longest.min(MOST_CYCLES as f64) as usize;
         let foreseen = ((1.5 * self.live().curve().duration() / period) as usize + 10_000).min(most);
         let mut cycles: Vec<Cycle> = Vec::with_capacity(foreseen);
         let mut times: Vec<f64> = Vec::with_capacity(foreseen);
@@ -184,6 +186,12 @@ impl<A: PathArm<6>> Stage<'_, A> {
             }
         }
         let state = motion.state().name();
+        if longest > MOST_CYCLES as f64 {
+            let value = format!("{} ms, and after {MOST_CYCLES} cycles the state is \"{state}\"", period * 1e3);
+            let rule = "a scenario has no more cycles than that";
+            let remedy = "raise it, or the feeds, or let the scenario end earlier";
+            return Err(scenario.check().wrong("sampling.period_ms", value, rule, remedy).into());
+        }
         let value = format!("{} s, and the motion is still in the state \"{state}\"", scenario.longest);
         let rule = "a scenario ends within it";
         let remedy = "raise it, or look in the events for what keeps the arm from the end of its path";

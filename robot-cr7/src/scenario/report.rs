@@ -10,11 +10,9 @@ use super::measure::{self, ON_PATH};
 use super::play::{Cycle, Played, StepTimes};
 use super::stage::Stage;
 use super::{Action, Event, When};
+use crate::cr7::trajectory_row;
 use crate::report::{LimitLine, clip, limit_table, number};
 use crate::trajectory_csv::TrajectoryRow;
-
-/// What a limit may seem to be exceeded by through rounding.
-const ROUNDING: f64 = 1e-6;
 
 /// The result of a run. Its fields are the keys of the JSON form, SI units in their names.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -137,8 +135,7 @@ impl RunReport {
         let cycles = &played.cycles;
         let limits = measure::limits(stage, played);
         let excursions = excursions(stage, played);
-        // NaN does not hold.
-        let holds = limits.iter().all(|l| l.ratio <= 1.0 + ROUNDING);
+        let holds = limits.iter().all(LimitLine::holds);
         let left = cycles.iter().position(|c| !c.on_path).unwrap_or(cycles.len());
         let back = cycles[left..].iter().position(|c| c.on_path).map_or(cycles.len(), |n| left + n);
         let accuracy = |cycles: &[Cycle]| {
@@ -191,15 +188,15 @@ impl RunReport {
 
 impl Played {
     /// Rows of the trajectory file: the setpoints, the start included.
-    pub fn rows(&self) -> Vec<TrajectoryRow> {
-        measure::rows(self)
+    pub fn rows(&self) -> impl Iterator<Item = TrajectoryRow> + '_ {
+        std::iter::once(&self.start).chain(self.cycles.iter().map(|c| &c.setpoint)).map(trajectory_row)
     }
 }
 
 impl<A: PathArm<6>> Stage<'_, A> {
     /// Rows of the simulated arm, behind its setpoints: positions and velocities of its joints, the pose of its tool; accelerations and
     /// jerks are left at 0.
-    pub fn simulated_rows(&self, played: &Played) -> Vec<TrajectoryRow> {
+    pub fn simulated_rows<'p>(&'p self, played: &'p Played) -> impl Iterator<Item = TrajectoryRow> + 'p {
         let row = |c: &Cycle| {
             let pose = self.arm.forward(&c.joints);
             let rotation = pose.rotation.quaternion();
@@ -213,7 +210,7 @@ impl<A: PathArm<6>> Stage<'_, A> {
                 quaternion: [rotation.i, rotation.j, rotation.k, rotation.w],
             }
         };
-        played.cycles.iter().map(row).collect()
+        played.cycles.iter().map(row)
     }
 }
 

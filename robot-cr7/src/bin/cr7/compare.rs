@@ -8,7 +8,8 @@ use robot_cr7::{Cr7Error, InputError, Job, Task, compare};
 
 use crate::Failure;
 use crate::output::{say, say_as_is};
-use crate::plan::{read_path, spinner};
+use crate::plan::read_path;
+use crate::progress::Progress;
 use crate::robots::RobotArgs;
 
 /// Arguments of `cr7 compare`.
@@ -65,14 +66,14 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 }
 
 fn finish<A: PathArm<N>, const N: usize>(args: &Args, task: &Task<A, N>) -> Result<(), Failure> {
-    let bar = spinner("joint path");
-    let mut comparison = compare(task, |planner| bar.set_message(planner))?;
-    bar.set_message("drawing");
+    let progress = Progress::new("joint path");
+    let mut comparison = compare(task, |planner| progress.step(planner))?;
+    progress.step("drawing");
     let picture = args.out.join("compare.svg");
     let svg = compare_picture(&comparison).map_err(|source| InputError::Write { file: picture.clone(), source })?;
     save_picture(&picture, &svg)?;
     comparison.files.push(picture);
-    bar.finish_and_clear();
+    drop(progress);
     if args.json {
         say!("{}", comparison.to_json());
     } else {

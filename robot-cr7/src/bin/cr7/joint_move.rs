@@ -6,11 +6,11 @@ use std::time::Instant;
 use arcfeed_feedrate::{AxisState, MotionLaw};
 use arcfeed_kinematics::JointLimits;
 use arcfeed_sync::{MotionOptions, Synchronisation, Trajectory};
-use robot_cr7::{Cr7Error, InputError, Job, JointReport, Robot, check_joints, write_trajectory};
+use robot_cr7::{Cr7Error, Job, JointReport, Rates, Robot, Staging, few_enough, sample_times};
 
 use crate::Failure;
-use crate::joint_space::{axis_limits, draw, for_joints, numbers, rates_of, row};
-use crate::output::{say, say_as_is};
+use crate::joint_space::{FILES, JointWriter, axes_of, axis_limits, conclude, for_joints, numbers, row};
+use crate::progress::Progress;
 use crate::robots::RobotArgs;
 
 /// Arguments of `cr7 move`.
@@ -79,6 +79,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 }
 
 fn run_with<const N: usize>(args: &Args, robot: &Robot) -> Result<(), Failure> {
+    let mut staging = Staging::new(&args.out, &FILES, args.job.as_deref().as_slice())?;
     let job = args.job.as_deref().map_or_else(|| Ok(Job::default()), Job::read)?;
     let (joint_limits, assumed) = robot.limits::<N>(&job.joints)?;
     let arm = robot.arm::<N>(job.tool).map_err(Cr7Error::from)?;
@@ -106,29 +107,30 @@ fn run_with<const N: usize>(args: &Args, robot: &Robot) -> Result<(), Failure> {
         options = options.with_cycle(job.period).map_err(usage)?;
     }
     let limits = axis_limits(&joint_limits).map_err(|e| Failure::BadInput(e.to_string()))?;
-    std::fs::create_dir_all(&args.out).map_err(|source| InputError::Write { file: args.out.clone(), source })?;
+    staging.clear()?;
 
     let begin = Instant::now();
     let motion =
         Trajectory::new(&from, &to, &limits, &options).map_err(|e| Failure::Undoable(format!("the move: {e}")))?;
     let computing = begin.elapsed();
+    few_enough(motion.duration(), job.period, "the limits in [joints] of the job, or lower --least-s")?;
 
-    let cycles = (motion.duration() / job.period * (1.0 - 1e-12)).floor() as usize + 1;
-    let rows: Vec<_> = (0..=cycles)
-        .map(|i| {
-            let t = if i == cycles { motion.duration() } else { i as f64 * job.period };
-            row(&arm, t, &motion.at(t))
-        })
-        .collect();
-    let rates = rates_of(&joint_limits);
-    let (lower, upper) = (*joint_limits.lower(), *joint_limits.upper());
-    let checks = check_joints(&rows, |_| rates, (&lower.into(), &upper.into()));
-    let slowest = motion.axes().iter().map(MotionLaw::duration).enumerate().fold(
-        (0, 0.0),
-        |a: (usize, f64), (k, d)| {
-            if d > a.1 { (k, d) } else { a }
-        },
-    );
+    let progress = Progress::new("checking and writing");
+    let rates = Rates::from(&joint_limits);
+    let times = sample_times(motion.duration(), job.period);
+    let mut writer = JointWriter::new(&mut staging, &joint_limits, times.len())?;
+    for t in times {
+        let before = writer.last().map_or(t, |row| row.t);
+        writer.write(&row(&arm, t, &motion.at(t)), t - before, &rates)?;
+    }
+    writer.see_end("start", 0.0, &axes_of(&motion.at(0.0)), &from);
+    let arrivals: [f64; N] = std::array::from_fn(|k| motion.axes()[k].duration());
+    let arrived = std::array::from_fn(|k| axes_of(&motion.at(arrivals[k]))[k]);
+    writer.see_end("end", motion.duration(), &arrived, &to);
+    let samples = writer.rows();
+    let checks = writer.finish("joint move", &[])?;
+    let slowest =
+        arrivals.iter().enumerate().fold((0, 0.0), |a: (usize, f64), (k, &d)| if d > a.1 { (k, d) } else { a });
     let mut facts = vec![
         ("line".to_owned(), if motion.is_straight() { "straight in joint space" } else { "not straight" }.to_owned()),
         ("computing".to_owned(), format!("{:.1} us", computing.as_secs_f64() * 1e6)),
@@ -137,35 +139,19 @@ fn run_with<const N: usize>(args: &Args, robot: &Robot) -> Result<(), Failure> {
     if args.mode == Mode::None {
         facts.push(("slowest joint".to_owned(), format!("J{}", slowest.0 + 1)));
     }
-    let mut report = JointReport {
+    let report = JointReport {
         name: "joint move".to_owned(),
         duration_s: motion.duration(),
-        samples: rows.len(),
+        samples,
         period_s: job.period,
         facts,
         events: Vec::new(),
         limits: checks,
         files: Vec::new(),
     };
-    let trajectory = args.out.join("trajectory.csv");
-    write_trajectory(&trajectory, rows.iter().copied())?;
-    report.files.push(trajectory);
-    report.files.extend(draw("joint move", &args.out, &rows, &joint_limits, |_| rates, &[])?);
-    if args.json {
-        say!("{}", report.to_json());
-    } else {
-        say_as_is!("{report}");
-    }
-    // The position range is the one thing that the move itself was not planned for.
-    let outside = report.limits.iter().find(|l| l.name == "joint position" && l.ratio.is_nan() | (l.ratio > 1.0));
-    match outside {
-        Some(line) => Err(Failure::Undoable(format!(
-            "joint {} leaves its range on the way, at t = {:.4} s: move in two steps, or start and end slower",
-            line.joint.unwrap_or(0),
-            line.at_t_s
-        ))),
-        None => Ok(()),
-    }
+    drop(progress);
+    // The position range is the one thing that the move itself is not planned for.
+    conclude(report, staging, args.json, "move in two steps, or start and end slower")
 }
 
 fn inside_range<const N: usize>(limits: &JointLimits<N>, flag: &str, state: &[AxisState; N]) -> Result<(), Failure> {

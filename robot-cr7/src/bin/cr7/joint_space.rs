@@ -1,14 +1,17 @@
-//! What the commands in joint space share: limits, rows and pictures.
+//! What the commands in joint space share: limits, rows, files and pictures.
 
-use std::path::{Path, PathBuf};
+use std::fs::File;
 
-use arcfeed_feedrate::{AxisLimits, StateToStateError};
+use arcfeed_feedrate::{AxisLimits, AxisState, StateToStateError};
 use arcfeed_kinematics::{ForwardKinematics, JointLimits};
 use arcfeed_sync::JointState;
-use robot_cr7::plot::{Bound, JointQuantity, joint_picture, save_picture};
-use robot_cr7::{InputError, Rates, Robot, TrajectoryRow};
+use robot_cr7::plot::{Bound, JointQuantity, joint_picture};
+use robot_cr7::{
+    JointCheck, JointReport, LimitLine, LimitsHold, Rates, Robot, Series, Staging, TrajectoryRow, TrajectoryWriter,
+};
 
 use crate::Failure;
+use crate::output::{say, say_as_is};
 use crate::robots::joint_values;
 
 /// Calls the generic function with the number of joints of the robot.
@@ -43,15 +46,6 @@ pub fn axis_limits<const N: usize>(limits: &JointLimits<N>) -> Result<[AxisLimit
     Ok(axes)
 }
 
-/// The same as plain numbers.
-pub fn rates_of<const N: usize>(limits: &JointLimits<N>) -> Rates<N> {
-    Rates {
-        velocity: (*limits.velocity()).into(),
-        acceleration: (*limits.acceleration()).into(),
-        jerk: (*limits.jerk()).into(),
-    }
-}
-
 /// A sample with the tool pose that belongs to it.
 pub fn row<A: ForwardKinematics<N>, const N: usize>(arm: &A, t: f64, state: &JointState<N>) -> TrajectoryRow<N> {
     let pose = arm.forward(&state.q);
@@ -67,43 +61,113 @@ pub fn row<A: ForwardKinematics<N>, const N: usize>(arm: &A, t: f64, state: &Joi
     }
 }
 
-/// A column of a trajectory, and the limit that belongs to it.
-type Column<const N: usize> = fn(&TrajectoryRow<N>) -> &[f64; N];
-type Limit<const N: usize> = fn(&Rates<N>) -> &[f64; N];
+/// A joint motion on its way into its files: each row is checked, written and kept for the pictures.
+pub struct JointWriter<'s, const N: usize> {
+    staging: &'s mut Staging,
+    trajectory: TrajectoryWriter<File, N>,
+    check: JointCheck<N>,
+    series: Series,
+    limits: JointLimits<N>,
+    rates: Option<Rates<N>>,
+    last: Option<TrajectoryRow<N>>,
+    rows: usize,
+}
 
-/// Pictures of position, velocity, acceleration and jerk of every joint: positions with the ranges of `limits`, the others
-/// with the `rates` in force at each row; `marks` are the times of events.
-pub fn draw<const N: usize>(
-    name: &str,
-    out: &Path,
-    rows: &[TrajectoryRow<N>],
-    limits: &JointLimits<N>,
-    rates: impl Fn(usize) -> Rates<N>,
-    marks: &[f64],
-) -> Result<Vec<PathBuf>, Failure> {
-    let t: Vec<f64> = rows.iter().map(|r| r.t).collect();
-    let mut files = Vec::new();
-    let pictures: [(&str, JointQuantity, Column<N>, Option<Limit<N>>); 4] = [
-        ("joint_position.svg", JointQuantity::Position, |r| &r.q, None),
-        ("joint_velocity.svg", JointQuantity::Velocity, |r| &r.qd, Some(|r| &r.velocity)),
-        ("joint_acceleration.svg", JointQuantity::Acceleration, |r| &r.qdd, Some(|r| &r.acceleration)),
-        ("joint_jerk.svg", JointQuantity::Jerk, |r| &r.jerk, Some(|r| &r.jerk)),
-    ];
-    for (file, quantity, of, limit) in pictures {
-        let columns: [Vec<f64>; N] = std::array::from_fn(|k| rows.iter().map(|r| of(r)[k]).collect());
-        let values = columns.each_ref().map(Vec::as_slice);
-        let over_time: [Vec<f64>; N] = std::array::from_fn(|k| {
-            limit.map_or_else(Vec::new, |limit| (0..rows.len()).map(|i| limit(&rates(i))[k]).collect())
-        });
-        let bounds = std::array::from_fn::<_, N, _>(|k| match limit {
-            Some(_) => Bound::OverTime(&over_time[k]),
-            None => Bound::Between(limits.lower()[k], limits.upper()[k]),
-        });
-        let path = out.join(file);
-        let svg = joint_picture(name, quantity, &t, &values, &bounds, marks)
-            .map_err(|source| InputError::Write { file: path.clone(), source })?;
-        save_picture(&path, &svg)?;
-        files.push(path);
+/// What the commands in joint space write.
+pub const FILES: [&str; 5] =
+    [TRAJECTORY, "joint_position.svg", "joint_velocity.svg", "joint_acceleration.svg", "joint_jerk.svg"];
+const TRAJECTORY: &str = "trajectory.csv";
+
+/// Columns of the series: time, then four quantities of every joint, then the limits of three of them.
+const QUANTITIES: [JointQuantity; 4] =
+    [JointQuantity::Position, JointQuantity::Velocity, JointQuantity::Acceleration, JointQuantity::Jerk];
+
+impl<'s, const N: usize> JointWriter<'s, N> {
+    /// Begins the files, for about `samples` rows.
+    pub fn new(staging: &'s mut Staging, limits: &JointLimits<N>, samples: usize) -> Result<Self, Failure> {
+        let file = staging.create(TRAJECTORY)?;
+        let trajectory = TrajectoryWriter::new(file).map_err(|source| staging.failed(TRAJECTORY, source))?;
+        Ok(Self {
+            staging,
+            trajectory,
+            check: JointCheck::new((*limits.lower()).into(), (*limits.upper()).into()),
+            series: Series::new(1 + 7 * N, samples),
+            limits: *limits,
+            rates: None,
+            last: None,
+            rows: 0,
+        })
     }
-    Ok(files)
+
+    /// The next row, `dt` (s) after the one before; `rates` are in force from it on.
+    pub fn write(&mut self, row: &TrajectoryRow<N>, dt: f64, rates: &Rates<N>) -> Result<(), Failure> {
+        self.check.see(row, dt, rates);
+        self.trajectory.write(row).map_err(|source| self.staging.failed(TRAJECTORY, source))?;
+        if self.rates.is_some_and(|before| before != *rates) {
+            self.series.cut();
+        }
+        let (r, l) = (row, rates);
+        let joints = [&r.q, &r.qd, &r.qdd, &r.jerk, &l.velocity, &l.acceleration, &l.jerk];
+        self.series.push(std::iter::once(r.t).chain(joints.into_iter().flatten().copied()));
+        (self.rates, self.last) = (Some(*rates), Some(*row));
+        self.rows += 1;
+        Ok(())
+    }
+
+    /// Number of rows so far.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// The last row.
+    pub fn last(&self) -> Option<&TrajectoryRow<N>> {
+        self.last.as_ref()
+    }
+
+    /// Holds the states of the joints at one end of the motion against those asked for.
+    pub fn see_end(&mut self, end: &str, t: f64, states: &[AxisState; N], wanted: &[AxisState; N]) {
+        self.check.see_end(end, t, states, wanted);
+    }
+
+    /// Ends the trajectory, draws the pictures with `marks` at the times of events, and returns every limit.
+    pub fn finish(self, name: &str, marks: &[f64]) -> Result<Vec<LimitLine>, Failure> {
+        let Self { staging, trajectory, check, mut series, limits, .. } = self;
+        trajectory.finish().map_err(|source| staging.failed(TRAJECTORY, source))?;
+        series.cut();
+        for (i, (quantity, file)) in QUANTITIES.into_iter().zip(&FILES[1..]).enumerate() {
+            let values: [&[f64]; N] = std::array::from_fn(|k| series.column(1 + i * N + k));
+            let bounds: [Bound<'_>; N] = std::array::from_fn(|k| match i {
+                0 => Bound::Between(limits.lower()[k], limits.upper()[k]),
+                _ => Bound::OverTime(series.column(1 + (3 + i) * N + k)),
+            });
+            let svg = joint_picture(name, quantity, series.column(0), &values, &bounds, marks)
+                .map_err(|source| staging.failed(file, source))?;
+            staging.write(file, &svg)?;
+        }
+        Ok(check.into_lines())
+    }
+}
+
+/// Joint by joint, of a state.
+pub fn axes_of<const N: usize>(state: &JointState<N>) -> [AxisState; N] {
+    std::array::from_fn(|k| AxisState::new(state.q[k], state.qd[k], state.qdd[k]))
+}
+
+/// Prints the report, and publishes the files if every limit holds.
+pub fn conclude(mut report: JointReport, staging: Staging, json: bool, remedy: &str) -> Result<(), Failure> {
+    let held = LimitsHold::of(&report.limits);
+    let published = match &held {
+        Ok(hold) => {
+            report.files = staging.files();
+            staging.publish(hold)
+        }
+        Err(_) => Ok(drop(staging)),
+    };
+    published?;
+    if json {
+        say!("{}", report.to_json());
+    } else {
+        say_as_is!("{report}");
+    }
+    held.map(drop).map_err(|error| Failure::exceeded(&error, remedy))
 }

@@ -8,6 +8,7 @@ mod online;
 mod output;
 mod plan;
 mod pose;
+mod progress;
 mod reproduce;
 mod robots;
 mod run;
@@ -21,7 +22,8 @@ use robot_cr7::Cr7Error;
 /// Plans tool paths for the Dobot CR7 and other robot arms: NURBS paths cut within a chord tolerance, speed planned under tool and
 /// joint limits, every result verified before it is handed out.
 ///
-/// Exit codes: 0 done, 1 cannot be planned (or a guarantee does not hold), 2 bad usage or input.
+/// Exit codes: 0 done, 1 cannot be planned (or a limit or guarantee does not hold), 2 bad usage or input, 130 interrupted.
+/// With another code than 0 no trajectory stands in the folder: neither a new one nor that of an earlier run.
 #[derive(Debug, Parser)]
 #[command(name = "cr7", version, arg_required_else_help = true, after_help = EXAMPLES)]
 struct Cli {
@@ -87,9 +89,24 @@ enum Failure {
 impl From<Cr7Error> for Failure {
     fn from(error: Cr7Error) -> Self {
         match error {
-            Cr7Error::Plan { .. } => Self::Undoable(error.to_string()),
+            Cr7Error::Plan { .. } | Cr7Error::Configuration { .. } | Cr7Error::TooManySamples { .. } => {
+                Self::Undoable(error.to_string())
+            }
             _ => Self::BadInput(error.to_string()),
         }
+    }
+}
+
+impl From<robot_cr7::TooManySamples> for Failure {
+    fn from(error: robot_cr7::TooManySamples) -> Self {
+        Self::Undoable(error.to_string())
+    }
+}
+
+impl Failure {
+    /// A limit that the motion exceeds, and the way out.
+    fn exceeded(error: &robot_cr7::Exceeded, remedy: &str) -> Self {
+        Self::Undoable(format!("{error}; no file is written: {remedy}"))
     }
 }
 
@@ -99,8 +116,15 @@ impl From<robot_cr7::InputError> for Failure {
     }
 }
 
+/// What a shell reports for a program that Ctrl-C ended.
+const INTERRUPTED: i32 = 130;
+
 fn main() -> ExitCode {
-    let outcome = match Cli::parse().command {
+    let command = Cli::parse().command;
+    if let Err(error) = ctrlc::set_handler(|| robot_cr7::interrupt(INTERRUPTED)) {
+        eprintln!("cr7: no handler for Ctrl-C: {error}; an interrupted run may leave hidden files");
+    }
+    let outcome = match command {
         Command::Plan(args) => plan::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Inspect(args) => inspect::run(&args),

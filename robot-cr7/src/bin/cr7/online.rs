@@ -3,15 +3,15 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
+use arcfeed_feedrate::AxisState;
+use arcfeed_sync::Synchronisation;
 use nalgebra::Isometry3;
-use robot_cr7::{
-    Cr7Error, InputError, JointReport, OnlineScenario, Rates, Robot, ScenarioError, TrajectoryRow, check_joints,
-    write_trajectory,
-};
+use robot_cr7::{Cr7Error, JointReport, OnlineScenario, Robot, ScenarioError, Staging};
 
 use crate::Failure;
-use crate::joint_space::{draw, for_joints, row};
-use crate::output::{say, say_as_is};
+use crate::joint_space::{FILES, JointWriter, axes_of, conclude, for_joints, row};
+use crate::output::say_as_is;
+use crate::progress::Progress;
 use crate::robots::RobotArgs;
 
 /// Arguments of `cr7 online`.
@@ -47,6 +47,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 }
 
 fn run_with<const N: usize>(args: &Args, robot: &Robot) -> Result<(), Failure> {
+    let mut staging = Staging::new(&args.out, &FILES, args.scenario.as_deref().as_slice())?;
     let scenario = match &args.scenario {
         Some(file) => OnlineScenario::read(file)?,
         None => OnlineScenario::parse(OnlineScenario::EXAMPLE, "online.toml".as_ref())?,
@@ -54,8 +55,9 @@ fn run_with<const N: usize>(args: &Args, robot: &Robot) -> Result<(), Failure> {
     let name = args.scenario.as_ref().map_or("online.toml".to_owned(), |file| file.display().to_string());
     let (limits, assumed) = robot.limits::<N>(&scenario.joints)?;
     let arm = robot.arm::<N>(Isometry3::identity()).map_err(Cr7Error::from)?;
-    std::fs::create_dir_all(&args.out).map_err(|source| InputError::Write { file: args.out.clone(), source })?;
+    staging.clear()?;
 
+    let progress = Progress::new("simulating");
     let begin = Instant::now();
     let run = scenario.run(&limits).map_err(|e| match e {
         ScenarioError::Input(e) => Failure::BadInput(e.to_string()),
@@ -63,33 +65,51 @@ fn run_with<const N: usize>(args: &Args, robot: &Robot) -> Result<(), Failure> {
     })?;
     let computing = begin.elapsed();
 
-    let rows: Vec<TrajectoryRow<N>> = run.samples.iter().map(|(t, state, _)| row(&arm, *t, state)).collect();
-    let rates = |i: usize| -> Rates<N> { run.samples[i].2 };
-    let (lower, upper) = (*limits.lower(), *limits.upper());
-    let checks = check_joints(&rows, rates, (&lower.into(), &upper.into()));
+    progress.step("checking and writing");
+    let mut writer = JointWriter::new(&mut staging, &limits, run.samples.len())?;
+    for (t, state, rates) in &run.samples {
+        writer.write(&row(&arm, *t, state), scenario.period, rates)?;
+    }
+    if let (Some((_, first, _)), Some((t, last, _))) = (run.samples.first(), run.samples.last()) {
+        writer.see_end("start", 0.0, &axes_of(first), &run.start);
+        let wanted = passed(&run.target, &axes_of(last), scenario.synchronisation);
+        writer.see_end("end", *t, &axes_of(last), &wanted);
+    }
+    let duration = writer.last().map_or(0.0, |r| r.t);
+    let samples = writer.rows();
     let marks: Vec<f64> = run.events.iter().map(|e| e.t_s).filter(|&t| t > 0.0).collect();
-    let duration = rows.last().map_or(0.0, |r| r.t);
-    let per_cycle = format!("{:.2} us a cycle", computing.as_secs_f64() * 1e6 / rows.len() as f64);
+    let limits = writer.finish(&name, &marks)?;
+    let per_cycle = format!("{:.2} us a cycle", computing.as_secs_f64() * 1e6 / samples as f64);
     let mut facts = vec![("computing".to_owned(), per_cycle)];
     facts.extend(assumed.into_iter().map(|text| ("warning".to_owned(), text)));
-    let mut report = JointReport {
+    let report = JointReport {
         name: format!("online motion of {name}"),
         duration_s: duration,
-        samples: rows.len(),
+        samples,
         period_s: scenario.period,
         facts,
-        events: run.events.clone(),
-        limits: checks,
+        events: run.events,
+        limits,
         files: Vec::new(),
     };
-    let trajectory = args.out.join("trajectory.csv");
-    write_trajectory(&trajectory, rows.iter().copied())?;
-    report.files.push(trajectory);
-    report.files.extend(draw(&name, &args.out, &rows, &limits, rates, &marks)?);
-    if args.json {
-        say!("{}", report.to_json());
-    } else {
-        say_as_is!("{report}");
-    }
-    Ok(())
+    drop(progress);
+    conclude(report, staging, args.json, "change the target, the limits or the mode")
+}
+
+/// Where the joints are to be at the end, when they are at `last`.
+///
+/// Joints that arrive one by one go on with the velocity of their target until the last one arrives.
+fn passed<const N: usize>(
+    target: &[AxisState; N],
+    last: &[AxisState; N],
+    synchronisation: Synchronisation,
+) -> [AxisState; N] {
+    std::array::from_fn(|k| {
+        let (target, last) = (target[k], last[k]);
+        let ahead = (last.p - target.p) * target.v > 0.0;
+        match synchronisation {
+            Synchronisation::None if ahead => AxisState::new(last.p, target.v, 0.0),
+            _ => target,
+        }
+    })
 }

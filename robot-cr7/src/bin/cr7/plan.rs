@@ -1,19 +1,18 @@
 //! `cr7 plan`: from a path file to trajectory, pictures and report.
 
-use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-use arcfeed_interp::{LockedArm, PathArm, Setpoint, best_start};
-use indicatif::{ProgressBar, ProgressStyle};
-use robot_cr7::plot::{Along, Bound, JointQuantity, feed_picture, joint_picture, path_picture, save_picture};
+use arcfeed_interp::{LockedArm, PathArm, best_start};
+use robot_cr7::plot::{Along, Bound, JointQuantity, feed_picture, joint_picture, path_picture};
 use robot_cr7::{
-    Cr7Error, InputError, Job, LengthUnit, Motion, PathFile, Task, butterfly, drawn_segments, trajectory_row,
-    write_trajectory,
+    Cr7Error, Job, LengthUnit, LimitsHold, Motion, PathFile, Series, Staging, Task, TrajectoryWriter, butterfly,
+    drawn_segments, few_enough, trajectory_row,
 };
 
 use crate::Failure;
 use crate::output::{say, say_as_is};
+use crate::progress::Progress;
 use crate::robots::RobotArgs;
 
 /// Arguments of `cr7 plan`.
@@ -45,41 +44,41 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
+    let inputs: Vec<&Path> = [&args.path, &args.job].into_iter().filter_map(|file| file.as_deref()).collect();
+    let mut staging = Staging::new(&args.out, &FILES, &inputs)?;
     let job = match &args.job {
         Some(file) => Job::read(file)?,
         None => Job::default(),
     };
+    if let Some(path) = &job.path_file {
+        staging.reads(path)?;
+    }
     let file = read_path(args.path.as_deref().or(job.path_file.as_deref()), args.unit.as_deref(), job.csv_unit)?;
 
-    // Before the work, not after it.
-    std::fs::create_dir_all(&args.out).map_err(|source| InputError::Write { file: args.out.clone(), source })?;
-
-    let bar = spinner("planning");
+    staging.clear()?;
+    let progress = Progress::new("planning");
     if args.robot.is_default() {
-        return finish(args, &job, &robot_cr7::plan(&job, &file)?, &bar);
+        return finish(args, &job, Task::of_cr7(&job, &file)?, (staging, progress), []);
     }
     let robot = args.robot.load()?;
     match robot.joints() {
         6 => {
             let (limits, assumed) = robot.limits::<6>(&job.joints)?;
             let arm = robot.arm::<6>(job.tool).map_err(Cr7Error::from)?;
-            let mut motion = Task::new(&job, &file, &limits, robot.drives::<6>(&job)?, |path| {
+            let task = Task::new(&job, &file, &limits, robot.drives::<6>(&job)?, |path| {
                 let start = best_start(&arm, path, limits.lower(), limits.upper())?;
                 Ok((arm, start))
-            })?
-            .plan()?;
-            motion.warn(assumed);
-            finish(args, &job, &motion, &bar)
+            })?;
+            finish(args, &job, task, (staging, progress), assumed)
         }
         7 => {
             let (limits, assumed) = robot.limits::<7>(&job.joints)?;
             let arm = robot.arm::<7>(job.tool).map_err(Cr7Error::from)?;
             let drives = robot.drives::<7>(&job)?;
-            let mut motion = Task::new(&job, &file, &limits, drives, |path| LockedArm::for_path(&arm, path))?.plan()?;
-            let (joint, value) = motion.arm().held();
-            motion.warn([format!("joint {} is held at {:.3} deg all the way", joint + 1, value.to_degrees())]);
-            motion.warn(assumed);
-            finish(args, &job, &motion, &bar)
+            let task = Task::new(&job, &file, &limits, drives, |path| LockedArm::for_path(&arm, path))?;
+            let (joint, value) = task.arm().held();
+            let held = format!("joint {} is held at {:.3} deg all the way", joint + 1, value.to_degrees());
+            finish(args, &job, task, (staging, progress), std::iter::once(held).chain(assumed))
         }
         n => Err(Failure::Undoable(format!(
             "{} has {n} joints: a tool path with its orientation needs six, or seven of which one is held",
@@ -88,33 +87,60 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
 }
 
-/// Samples the motion and writes all there is to write.
+/// What the command writes.
+const FILES: [&str; 7] = [
+    "trajectory.csv",
+    "path.svg",
+    "feed.svg",
+    "feed_time.svg",
+    "joint_velocity.svg",
+    "joint_acceleration.svg",
+    "joint_jerk.svg",
+];
+/// What makes a motion faster that has too many samples.
+const LEVERS: &str = "feed.feed_mm_s and the limits of the job";
+
+/// Plans and samples the motion, and writes all there is to write.
 fn finish<A: PathArm<N>, const N: usize>(
     args: &Args,
     job: &Job,
-    motion: &Motion<A, N>,
-    bar: &ProgressBar,
+    task: Task<A, N>,
+    (mut staging, progress): (Staging, Progress),
+    warnings: impl IntoIterator<Item = String>,
 ) -> Result<(), Failure> {
-    bar.set_message("sampling");
+    // A lower bound of the duration, before the work.
+    let fastest = job.sections.iter().fold(job.feed.feed, |feed, section| feed.max(section.feed));
+    few_enough(task.path().length() / fastest, job.period, LEVERS)?;
+    let mut motion = task.plan()?;
+    motion.warn(warnings);
+    few_enough(motion.plan().duration(), motion.plan().period(), LEVERS)?;
+
+    progress.step("sampling and writing");
     let begin = Instant::now();
-    let mut setpoints = Vec::new();
-    for setpoint in motion.sampler().map_err(|e| Failure::Undoable(e.to_string()))? {
-        setpoints.push(setpoint.map_err(|e| Failure::Undoable(e.to_string()))?);
+    let sampler = motion.sampler().map_err(|e| Failure::Undoable(e.to_string()))?;
+    let samples = sampler.samples();
+    let mut series = Series::new(3 + 3 * N, samples);
+    let name = FILES[0];
+    let mut trajectory = TrajectoryWriter::new(staging.create(name)?).map_err(|e| staging.failed(name, e))?;
+    for setpoint in sampler {
+        let p = setpoint.map_err(|e| Failure::Undoable(e.to_string()))?;
+        trajectory.write(&trajectory_row(&p)).map_err(|e| staging.failed(name, e))?;
+        series.push([p.t, p.s, p.feed].into_iter().chain([p.qd, p.qdd, p.jerk].iter().flatten().copied()));
     }
+    trajectory.finish().map_err(|e| staging.failed(name, e))?;
+    series.cut();
     let sampling = begin.elapsed();
 
-    bar.set_message("writing");
-    let mut report = motion.report(setpoints.len(), sampling);
-    let trajectory = args.out.join("trajectory.csv");
-    write_trajectory(&trajectory, setpoints.iter().map(trajectory_row))?;
-    report.files.push(trajectory);
-    for (name, svg) in pictures(motion, job, &setpoints) {
-        let svg = svg.map_err(|source| InputError::Write { file: args.out.join(name), source })?;
-        let picture = args.out.join(name);
-        save_picture(&picture, &svg)?;
-        report.files.push(picture);
+    progress.step("drawing");
+    for (name, svg) in pictures(&motion, job, &series) {
+        staging.write(name, &svg.map_err(|source| staging.failed(name, source))?)?;
     }
-    bar.finish_and_clear();
+    let mut report = motion.report(samples, sampling);
+    report.files = staging.files();
+    let hold = LimitsHold::of(&report.limits)
+        .map_err(|e| Failure::exceeded(&e, "lower the feed, or give the limits of the job more distance"))?;
+    staging.publish(&hold)?;
+    drop(progress);
     if args.json {
         say!("{}", report.to_json());
     } else {
@@ -137,31 +163,15 @@ pub fn read_path(file: Option<&Path>, unit: Option<&str>, job_unit: Option<Lengt
     })
 }
 
-/// A spinner on stderr when that is a terminal; nothing otherwise.
-pub fn spinner(message: &'static str) -> ProgressBar {
-    if !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new_spinner().with_message(message);
-    if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} {elapsed}") {
-        bar.set_style(style);
-    }
-    bar.enable_steady_tick(Duration::from_millis(100));
-    bar
-}
-
 type Picture = (&'static str, Result<String, std::io::Error>);
 
-fn pictures<A: PathArm<N>, const N: usize>(
-    motion: &Motion<A, N>,
-    job: &Job,
-    setpoints: &[Setpoint<N>],
-) -> Vec<Picture> {
+/// Pictures of a motion whose time, place, feed and joint rates are the columns of `series`.
+fn pictures<A: PathArm<N>, const N: usize>(motion: &Motion<A, N>, job: &Job, series: &Series) -> Vec<Picture> {
     let plan = motion.plan();
     let name = motion.name();
     let segments = drawn_segments(plan, &job.workpiece);
-    let by_length: Vec<_> = setpoints.iter().map(|p| (p.s, p.feed)).collect();
-    let by_time: Vec<_> = setpoints.iter().map(|p| (p.t, p.feed)).collect();
+    let [t, s, feed] = [0, 1, 2].map(|column| series.column(column));
+    let pairs = |x: &[f64], y: &[f64]| x.iter().copied().zip(y.iter().copied()).collect::<Vec<_>>();
     // The limit curve is constant on every interval: a step at each grid point.
     let mut limit: Vec<(f64, f64)> = Vec::new();
     for (s, v) in plan.limit_curve() {
@@ -170,24 +180,20 @@ fn pictures<A: PathArm<N>, const N: usize>(
         }
         limit.push((s, v));
     }
-    let limit_by_time: Vec<_> =
-        setpoints.iter().map(|p| (p.t, limit[limit.partition_point(|l| l.0 <= p.s).saturating_sub(1)].1)).collect();
-    let t: Vec<f64> = setpoints.iter().map(|p| p.t).collect();
+    let limit_at = |s: f64| limit[limit.partition_point(|l| l.0 <= s).saturating_sub(1)].1;
+    let limit_by_time: Vec<_> = t.iter().zip(s).map(|(&t, &s)| (t, limit_at(s))).collect();
     let joints = motion.joint_limits();
-    let picture = |quantity, of: fn(&Setpoint<N>) -> [f64; N], limits: [f64; N]| {
-        let columns: [Vec<f64>; N] = std::array::from_fn(|k| setpoints.iter().map(|p| of(p)[k]).collect());
-        let values: [&[f64]; N] = std::array::from_fn(|k| columns[k].as_slice());
-        joint_picture(name, quantity, &t, &values, &limits.map(Bound::Constant), &[])
+    let picture = |quantity, column: usize, limits: [f64; N]| {
+        let values: [&[f64]; N] = std::array::from_fn(|k| series.column(column + k));
+        joint_picture(name, quantity, t, &values, &limits.map(Bound::Constant), &[])
     };
+    let rates = [joints.velocity(), joints.acceleration(), joints.jerk()].map(|limits| (*limits).into());
     vec![
         ("path.svg", path_picture(name, &segments, plan.segmentation().deviations(), plan.chord_tolerance())),
-        ("feed.svg", feed_picture(name, Along::Length, &by_length, &limit)),
-        ("feed_time.svg", feed_picture(name, Along::Time, &by_time, &limit_by_time)),
-        ("joint_velocity.svg", picture(JointQuantity::Velocity, |p| p.qd.into(), (*joints.velocity()).into())),
-        (
-            "joint_acceleration.svg",
-            picture(JointQuantity::Acceleration, |p| p.qdd.into(), (*joints.acceleration()).into()),
-        ),
-        ("joint_jerk.svg", picture(JointQuantity::Jerk, |p| p.jerk.into(), (*joints.jerk()).into())),
+        ("feed.svg", feed_picture(name, Along::Length, &pairs(s, feed), &limit)),
+        ("feed_time.svg", feed_picture(name, Along::Time, &pairs(t, feed), &limit_by_time)),
+        ("joint_velocity.svg", picture(JointQuantity::Velocity, 3, rates[0])),
+        ("joint_acceleration.svg", picture(JointQuantity::Acceleration, 3 + N, rates[1])),
+        ("joint_jerk.svg", picture(JointQuantity::Jerk, 3 + 2 * N, rates[2])),
     ]
 }

@@ -11,7 +11,7 @@ use robot_cr7::reproduce::{
 
 use crate::Failure;
 use crate::output::{say, say_as_is};
-use crate::plan::spinner;
+use crate::progress::Progress;
 
 /// Arguments of `cr7 reproduce`.
 #[derive(Debug, clap::Args)]
@@ -48,7 +48,7 @@ enum Paper {
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let bar = spinner("reproducing");
+    let progress = Progress::new("reproducing");
     let (mut figures, mut schedules) = (Vec::new(), ScheduleFigures::default());
     let reproduction: Reproduction = match args.paper {
         Paper::Pn => liu_2023()?,
@@ -75,7 +75,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         }
         None => Vec::new(),
     };
-    bar.finish_and_clear();
+    drop(progress);
     if args.json {
         say!("{}", reproduction.to_json());
     } else if args.markdown {
@@ -100,9 +100,9 @@ fn verdict(broken: usize) -> Result<(), Failure> {
 }
 
 fn all(args: &Args) -> Result<(), Failure> {
-    let bar = spinner("reproducing all papers");
+    let progress = Progress::new("reproducing all papers");
     let overview = Overview::new()?;
-    bar.finish_and_clear();
+    drop(progress);
     if args.json {
         say!("{}", overview.to_json());
     } else if args.markdown {

@@ -4,12 +4,12 @@ use std::path::PathBuf;
 
 use arcfeed_interp::PathArm;
 use arcfeed_kinematics::{AnalyticInverse, JointLimits};
-use robot_cr7::plot::{run_pictures, save_picture};
-use robot_cr7::{Clock, Cr7, Cr7Error, InputError, RunReport, Scenario, write_trajectory};
+use robot_cr7::plot::run_pictures;
+use robot_cr7::{Clock, Cr7, Cr7Error, LimitsHold, RunReport, Scenario, Staging};
 
 use crate::Failure;
 use crate::output::{say, say_as_is};
-use crate::plan::spinner;
+use crate::progress::Progress;
 use crate::robots::RobotArgs;
 
 /// Arguments of `cr7 run`.
@@ -50,13 +50,18 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         say_as_is!("{text}");
         return Ok(());
     }
+    let mut staging = Staging::new(&args.out, &FILES, args.scenario.as_deref().as_slice())?;
     let scenario = match &args.scenario {
         Some(file) => Scenario::read(file)?,
         None => Scenario::parse(Scenario::EXAMPLE, "event.toml".as_ref())?,
     };
+    if let Some(path) = scenario.path_file() {
+        staging.reads(path)?;
+    }
+    staging.clear()?;
     if args.robot.is_default() {
         let cr7 = Cr7::of(scenario.job())?;
-        return play(args, &scenario, cr7.arm(), cr7.limits(), Vec::new());
+        return play(args, staging, &scenario, (cr7.arm(), cr7.limits()), Vec::new());
     }
     let robot = args.robot.load()?;
     if robot.joints() != 6 {
@@ -68,55 +73,56 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     let (limits, assumed) = robot.limits::<6>(&scenario.job().joints)?;
     let arm = robot.arm::<6>(scenario.job().tool).map_err(Cr7Error::from)?;
-    play(args, &scenario, &arm, &limits, assumed)
+    play(args, staging, &scenario, (&arm, &limits), assumed)
 }
+
+/// What the command writes.
+const FILES: [&str; 8] = [
+    "trajectory.csv",
+    "simulated.csv",
+    "tool_path.svg",
+    "joints.svg",
+    "timeline.svg",
+    "feed.svg",
+    "report.json",
+    "report.txt",
+];
 
 fn play<A>(
     args: &Args,
+    mut staging: Staging,
     scenario: &Scenario,
-    arm: &A,
-    limits: &JointLimits<6>,
+    (arm, limits): (&A, &JointLimits<6>),
     assumed: Vec<String>,
 ) -> Result<(), Failure>
 where
     A: PathArm<6> + AnalyticInverse<6>,
 {
-    let bar = spinner("making the path ready");
+    let progress = Progress::new("making the path ready");
     let mut stage = scenario.stage(arm, limits)?;
     stage.warn(assumed);
-    bar.set_message("playing");
+    progress.step("playing");
     let played = stage.play(if args.real_time { Clock::RealTime } else { Clock::Simulated })?;
-    bar.set_message("measuring and writing");
+    progress.step("measuring");
     let mut report = RunReport::new(&stage, &played);
-
-    let write = |file: PathBuf| move |source| InputError::Write { file: file.clone(), source };
-    std::fs::create_dir_all(&args.out).map_err(write(args.out.clone()))?;
-    let trajectory = args.out.join("trajectory.csv");
-    write_trajectory(&trajectory, played.rows())?;
-    report.files.push(trajectory);
-    let simulated = args.out.join("simulated.csv");
-    write_trajectory(&simulated, stage.simulated_rows(&played))?;
-    report.files.push(simulated);
-    for (name, svg) in run_pictures(&stage, &played, &report) {
-        let picture = args.out.join(name);
-        save_picture(&picture, &svg.map_err(write(picture.clone()))?)?;
-        report.files.push(picture);
+    let held = LimitsHold::of(&report.limits);
+    if let Ok(hold) = &held {
+        progress.step("writing");
+        staging.write_trajectory("trajectory.csv", played.rows())?;
+        staging.write_trajectory("simulated.csv", stage.simulated_rows(&played))?;
+        for (name, svg) in run_pictures(&stage, &played, &report) {
+            staging.write(name, &svg.map_err(|source| staging.failed(name, source))?)?;
+        }
+        report.files = FILES.iter().map(|name| args.out.join(name)).collect();
+        staging.write("report.json", &(report.to_json() + "\n"))?;
+        staging.write("report.txt", &report.to_string())?;
+        staging.publish(hold)?;
     }
-    report.files.extend(["report.json", "report.txt"].map(|name| args.out.join(name)));
-    let json = args.out.join("report.json");
-    std::fs::write(&json, report.to_json() + "\n").map_err(write(json.clone()))?;
-    let text = args.out.join("report.txt");
-    std::fs::write(&text, report.to_string()).map_err(write(text.clone()))?;
-    bar.finish_and_clear();
+    drop(progress);
     if args.json {
         say!("{}", report.to_json());
     } else {
         say_as_is!("{report}");
     }
-    if report.holds {
-        return Ok(());
-    }
-    Err(Failure::Undoable(
-        "a limit was exceeded, or the tool was off its path: see the lines marked ! above".to_owned(),
-    ))
+    held.map(drop).map_err(|error| Failure::exceeded(&error, "lower the feed, or take another path or start"))
 }

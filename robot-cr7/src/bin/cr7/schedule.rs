@@ -4,13 +4,13 @@ use std::path::PathBuf;
 
 use arcfeed_interp::SpeedPlanner;
 use clap::ValueEnum;
-use robot_cr7::plot::{save_picture, shares_picture, speed_picture};
-use robot_cr7::{InputError, Robot, ScheduleFile, run_schedule, trajectory_row, write_trajectory};
+use robot_cr7::plot::{shares_picture, speed_picture};
+use robot_cr7::{LimitsHold, Robot, ScheduleFile, Staging, TrajectoryWriter, run_schedule};
 
 use crate::Failure;
 use crate::joint_space::for_joints;
 use crate::output::{say, say_as_is};
-use crate::plan::spinner;
+use crate::progress::Progress;
 use crate::robots::RobotArgs;
 
 /// Arguments of `cr7 schedule`.
@@ -82,40 +82,49 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         (Some(Example::Waypoints), _) => say_as_is!("{}", ScheduleFile::WAYPOINTS),
         (Some(Example::Poses), _) | (None, None) => say_as_is!("{}", ScheduleFile::EXAMPLE),
         (None, Some(file)) => {
+            let staging = Staging::new(&args.out, &FILES, &[file])?;
             let file = ScheduleFile::read(file)?;
             let robot = args.robot.load()?;
-            return for_joints!(robot, run_with(args, &file, &robot));
+            return for_joints!(robot, run_with(args, &file, &robot, staging));
         }
     }
     Ok(())
 }
 
-fn run_with<const N: usize>(args: &Args, file: &ScheduleFile, robot: &Robot) -> Result<(), Failure> {
-    // Before the work, not after it.
-    std::fs::create_dir_all(&args.out).map_err(|source| InputError::Write { file: args.out.clone(), source })?;
-    let bar = spinner("scheduling");
-    let run = run_schedule::<N>(file, robot, args.planner.into())?;
-    let mut report = run.report;
+/// What the command writes.
+const FILES: [&str; 5] = ["trajectory.csv", "speed.svg", "joints.svg", "report.json", "report.txt"];
 
-    let trajectory = args.out.join("trajectory.csv");
-    write_trajectory(&trajectory, run.setpoints.iter().map(trajectory_row))?;
-    report.files.push(trajectory);
-    for (name, svg) in [(&run.speed.file, speed_picture(&run.speed)), (&run.shares.file, shares_picture(&run.shares))] {
-        let picture = args.out.join(name);
-        let svg = svg.map_err(|source| InputError::Write { file: picture.clone(), source })?;
-        save_picture(&picture, &svg)?;
-        report.files.push(picture);
+fn run_with<const N: usize>(
+    args: &Args,
+    file: &ScheduleFile,
+    robot: &Robot,
+    mut staging: Staging,
+) -> Result<(), Failure> {
+    staging.clear()?;
+    let progress = Progress::new("scheduling");
+    let name = FILES[0];
+    let mut trajectory = TrajectoryWriter::new(staging.create(name)?).map_err(|e| staging.failed(name, e))?;
+    let run = run_schedule::<N>(file, robot, args.planner.into(), |row| {
+        trajectory.write(row).map_err(|e| staging.failed(name, e))
+    })?;
+    trajectory.finish().map_err(|e| staging.failed(name, e))?;
+    let mut report = run.report;
+    let held = LimitsHold::of(&report.limits);
+    if let Ok(hold) = &held {
+        for (name, svg) in [(FILES[1], speed_picture(&run.speed)), (FILES[2], shares_picture(&run.shares))] {
+            staging.write(name, &svg.map_err(|source| staging.failed(name, source))?)?;
+        }
+        report.files = FILES.iter().map(|name| args.out.join(name)).collect();
+        staging.write("report.json", &(report.to_json() + "\n"))?;
+        staging.write("report.txt", &report.to_string())?;
+        staging.publish(hold)?;
     }
-    let (json, text) = (args.out.join("report.json"), args.out.join("report.txt"));
-    report.files.extend([json.clone(), text.clone()]);
-    for (path, content) in [(json, format!("{}\n", report.to_json())), (text, report.to_string())] {
-        std::fs::write(&path, content).map_err(|source| InputError::Write { file: path.clone(), source })?;
-    }
-    bar.finish_and_clear();
+    drop(progress);
     if args.json {
         say!("{}", report.to_json());
     } else {
         say_as_is!("{report}");
     }
-    Ok(())
+    let remedy = "take --planner certified or jerk-limited, more intervals, or lower start_speed and end_speed";
+    held.map(drop).map_err(|error| Failure::exceeded(&error, remedy))
 }
