@@ -7,7 +7,7 @@
 //! linear in `(u, x)`, so that bounding those keeps the limits everywhere on such a path.
 
 use super::both_ends::moves;
-use super::reachability::{Solver, solve};
+use super::reachability::{Solver, solve, solve_moving};
 use crate::error::FeedError;
 use crate::grid_plan::{Builder, GridPlan};
 use crate::problem::{FeedPlanner, FeedProblem};
@@ -33,8 +33,7 @@ impl FeedPlanner for CertifiedReachability {
             sloped_plan(problem, &x, &slopes)
         });
         sloped.or_else(|_| {
-            let x = solve(problem, true)?;
-            moves(problem, &x)?;
+            let x = solve_moving(problem, true)?;
             GridPlan::from_squared_speeds(problem.grid(), &x)
         })
     }
