@@ -1,7 +1,7 @@
 //! The pipeline with arms that come from files, without the crate of any robot.
 
 use arcfeed_geometry::{ArcLengthCurve, NurbsCurve, OrientationPath, PosePath};
-use arcfeed_interp::{LockedArm, PathArm, Plan, Method, Planner, ToolLimits, best_start};
+use arcfeed_interp::{LockedArm, Method, PathArm, Plan, Planner, ToolLimits, best_start};
 use arcfeed_kinematics::{Arm, ArmDescription, InverseMethod, JointLimits, Joints, models};
 use nalgebra::{UnitQuaternion, vector};
 

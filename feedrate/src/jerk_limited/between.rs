@@ -125,8 +125,44 @@ impl Stretch {
     }
 }
 
-/// Samples of an interval, its ends included, at which jerk is checked.
+/// Parts of an interval at whose ends what is no polynomial is sampled.
 const SAMPLES: usize = 8;
+
+/// Where the parabola through three equidistant values turns, in steps from the middle one, and its value there; nothing where
+/// it does not turn between them.
+fn turning([start, middle, end]: [f64; 3]) -> Option<(f64, f64)> {
+    let (slope, bend) = (0.5 * (end - start), start - 2.0 * middle + end);
+    let at = -slope / bend;
+    (at.abs() <= 1.0).then(|| (at, middle + 0.5 * slope * at))
+}
+
+/// Least and greatest value of a smooth function over 0..1 of which equidistant samples are known. Only turning points whose
+/// value is `worth` it are looked for.
+fn extremes(samples: &[f64; SAMPLES + 1], value: impl Fn(f64) -> f64, worth: impl Fn(f64) -> bool) -> [f64; 2] {
+    /// Each step is this part of the one before; a parabola's error falls with the third power.
+    const FINER: f64 = 0.125;
+    let widen = |[least, most]: [f64; 2], value: f64| [least.min(value), most.max(value)];
+    let mut range = samples.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |range, value| widen(range, *value));
+    for i in 1..SAMPLES {
+        let Some((at, peak)) = turning([samples[i - 1], samples[i], samples[i + 1]]) else { continue };
+        if !worth(peak) {
+            continue;
+        }
+        let mut step = 1.0 / SAMPLES as f64;
+        let mut centre = (i as f64 + at) * step;
+        for _ in 0..2 {
+            step *= FINER;
+            centre = centre.clamp(step, 1.0 - step);
+            let near = [-step, 0.0, step].map(|by| value(centre + by));
+            range = near.iter().fold(range, |range, value| widen(range, *value));
+            // Where it does not turn here the greatest slope leads on.
+            let (at, peak) = turning(near).unwrap_or((0.0, near[1]));
+            range = widen(range, peak);
+            centre += at * step;
+        }
+    }
+    range
+}
 
 /// The least factor by which any bound has been met so far.
 #[derive(Debug, Clone, Copy)]
@@ -146,31 +182,81 @@ impl Scale {
 pub(super) fn largest_scale(problem: &FeedProblem, plan: &SpeedLaw, intervals: Range<usize>) -> f64 {
     let mut scale = Scale(1.0);
     for k in intervals {
+        let inside = Inside::new(problem, plan, k);
+        inside.keep_rows(&mut scale);
+        inside.keep_speed(&mut scale);
+        inside.keep_jerk(&mut scale);
+    }
+    scale.0
+}
+
+/// A plan inside one interval.
+struct Inside<'a> {
+    problem: &'a FeedProblem,
+    plan: &'a SpeedLaw,
+    k: usize,
+    h: f64,
+    /// Start, middle and end.
+    edges: [Edge; 3],
+    /// Whether it is next to rest, where `x(s)` is no polynomial; at a stop round-off may leave a trace of speed.
+    rests: bool,
+}
+
+impl<'a> Inside<'a> {
+    fn new(problem: &'a FeedProblem, plan: &'a SpeedLaw, k: usize) -> Self {
         let h = problem.h(k);
         let edges = [0.0, 0.5 * h, h].map(|ds| {
             let state = plan.within(k, ds);
             Edge { x: state.v * state.v, u: state.a, root: state.v }
         });
-        // Next to rest x(s) is no polynomial, but grows steadily; at a stop round-off may leave a trace of speed.
         let rests = edges[0].root.min(edges[2].root) < 1e-4 * edges[1].root;
+        Self { problem, plan, k, h, edges, rests }
+    }
+
+    /// Equidistant states.
+    fn states(&self) -> [MotionState; SAMPLES + 1] {
+        std::array::from_fn(|i| self.state(i as f64 / SAMPLES as f64))
+    }
+
+    fn state(&self, fraction: f64) -> MotionState {
+        self.plan.within(self.k, self.h * fraction)
+    }
+
+    fn keep_rows(&self, scale: &mut Scale) {
+        let (problem, k, edges) = (self.problem, self.k, &self.edges);
         let (near, middle, far) = (problem.rows(k), problem.middle_rows(k), problem.rows(k + 1));
         for (j, row) in middle.iter().enumerate() {
-            let Some(p) = matching(near, row, j, middle.len(), false) else { continue };
-            let Some(q) = matching(far, row, j, middle.len(), true) else { continue };
-            let (values, over) = if rests {
-                let [start, mid, end] =
-                    [(&near[p], edges[0]), (row, edges[1]), (&far[q], edges[2])].map(|(row, at)| row.value(at.u, at.x));
-                let (lowest, highest) = (start.min(end), start.max(end));
-                ([start, end], [(lowest - mid).max(0.0), (mid - highest).max(0.0)])
+            let Some(p) = matching(near, row, j, middle.len(), false).map(|j| &near[j]) else { continue };
+            let Some(q) = matching(far, row, j, middle.len(), true).map(|j| &far[j]) else { continue };
+            let [least, most] = if self.rests || row.c != 0.0 {
+                self.range_of([p, row, q])
             } else {
-                let (values, slopes) = along([&near[p], row, &far[q]], [edges[0], edges[2]], h);
-                (values, cubic_overshoot(values, slopes))
+                let ([start, end], slopes) = along([p, row, q], [edges[0], edges[2]], self.h);
+                let over = cubic_overshoot([start, end], slopes);
+                [start.min(end) - over[0], start.max(end) + over[1]]
             };
-            let rest = near[p].d.max(far[q].d);
-            scale.keep(values[0].max(values[1]) + over[1] - rest, row.hi - rest);
-            let rest = near[p].d.min(far[q].d);
-            scale.keep(rest - values[0].min(values[1]) + over[0], rest - row.lo);
+            let rest = p.d.max(q.d);
+            scale.keep(most - rest, row.hi - rest);
+            let rest = p.d.min(q.d);
+            scale.keep(rest - least, rest - row.lo);
         }
+    }
+
+    /// Least and greatest value of a row, by samples.
+    fn range_of(&self, [p, m, q]: [&Row; 3]) -> [f64; 2] {
+        let value = |fraction: f64| {
+            let (mix, at) = (quadratic(fraction), self.state(fraction));
+            let of = |of: fn(&Row) -> f64| mix(of(p), of(m), of(q));
+            of(|row| row.a) * at.a + at.v * (of(|row| row.b) * at.v + of(|row| row.c)) + of(|row| row.d)
+        };
+        let samples = std::array::from_fn(|i| value(i as f64 / SAMPLES as f64));
+        let (middle, half) = (0.5 * (m.lo + m.hi), 0.5 * (m.hi - m.lo));
+        // A bound at infinity leaves no middle: then all turning points are looked for.
+        extremes(&samples, value, |peak| !((peak - middle).abs() < 0.9 * half))
+    }
+
+    fn keep_speed(&self, scale: &mut Scale) {
+        let (problem, k, edges) = (self.problem, self.k, &self.edges);
         // At a stop round-off may leave a trace of speed.
         let part = |x: f64, cap: f64| if cap < f64::INFINITY && cap > 0.0 { x / cap } else { 0.0 };
         let [start, mid, end] = [
@@ -179,43 +265,54 @@ pub(super) fn largest_scale(problem: &FeedProblem, plan: &SpeedLaw, intervals: R
             part(edges[2].x, problem.x_max(k + 1)),
         ];
         scale.keep(start.max(mid).max(end), 1.0);
-        if rests || problem.is_capped_within(k) {
+        if self.rests || problem.is_capped_within(k) {
             scale.keep(start.max(end) + parabola_overshoot(start, mid, end)[1], 1.0);
         } else {
-            let x = [edges[0].x, edges[0].x + h * edges[0].u, edges[2].x];
+            let x = [edges[0].x, edges[0].x + self.h * edges[0].u, edges[2].x];
             for weights in problem.speed_rows(k) {
                 scale.keep(weights.iter().zip(x).map(|(weight, x)| weight * x).sum(), 1.0);
             }
         }
-        keep_jerk(problem, plan, k, &mut scale);
     }
-    scale.0
+
+    fn keep_jerk(&self, scale: &mut Scale) {
+        let (problem, k, states) = (self.problem, self.k, self.states());
+        let [near, middle, far] = [Within::Start, Within::Middle, Within::End].map(|at| problem.jerk_rows(k, at));
+        for (row, (p, q)) in middle.iter().zip(near.iter().zip(far)) {
+            let value = |fraction: f64, at: &MotionState| {
+                let mix = quadratic(fraction);
+                let speed = mix(p.beta, row.beta, q.beta) * at.a + at.v * at.v * mix(p.gamma, row.gamma, q.gamma);
+                mix(p.alpha, row.alpha, q.alpha) * at.j + at.v * speed
+            };
+            let sample = |i: usize| value(i as f64 / SAMPLES as f64, &states[i]);
+            let [start, mid, end] = [sample(0), sample(SAMPLES / 2), sample(SAMPLES)];
+            // The hull of the parabola through three of them.
+            let bound = start.abs().max(end.abs()).max((2.0 * mid - 0.5 * (start + end)).abs());
+            if bound < 0.5 * row.limit {
+                continue;
+            }
+            let of = |fraction: f64| value(fraction, &self.state(fraction));
+            let samples = std::array::from_fn(sample);
+            let [least, most] = extremes(&samples, of, |peak| peak.abs() > 0.9 * row.limit);
+            // Jerk grows with the power 3/2.
+            let ratio = most.max(-least) / row.limit;
+            scale.keep((ratio * ratio).cbrt(), 1.0);
+        }
+    }
 }
 
-fn keep_jerk(problem: &FeedProblem, plan: &SpeedLaw, k: usize, scale: &mut Scale) {
-    let h = problem.h(k);
-    let states: [MotionState; SAMPLES + 1] = std::array::from_fn(|i| plan.within(k, h * i as f64 / SAMPLES as f64));
-    let [near, middle, far] = [Within::Start, Within::Middle, Within::End].map(|within| problem.jerk_rows(k, within));
-    for (row, (p, q)) in middle.iter().zip(near.iter().zip(far)) {
-        let value = |i: usize| {
-            let f = i as f64 / SAMPLES as f64;
-            let mix = quadratic(f);
-            let MotionState { v, a, j, .. } = states[i];
-            mix(p.alpha, row.alpha, q.alpha) * j
-                + v * (mix(p.beta, row.beta, q.beta) * a + v * v * mix(p.gamma, row.gamma, q.gamma))
-        };
-        let three = [value(0), value(SAMPLES / 2), value(SAMPLES)];
-        let worst = three.iter().fold(0.0, |worst: f64, value| worst.max(value.abs()));
-        if worst < 0.5 * row.limit {
-            continue;
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn extremes_of_what_is_no_polynomial() {
+        for shift in [0.01, 0.11, 0.3, 0.52, 0.77, 0.98] {
+            let value = |t: f64| (0.3 + t).sqrt() * (1.0 - 4.0 * (t - shift) * (t - shift));
+            let samples = std::array::from_fn(|i| value(i as f64 / SAMPLES as f64));
+            let most = (0..=1_000_000).map(|i| value(f64::from(i) * 1e-6)).fold(f64::MIN, f64::max);
+            let found = extremes(&samples, value, |_| true)[1];
+            assert!((found - most).abs() < 1e-9 * most, "{shift}: {found} instead of {most}");
         }
-        let worst = (1..SAMPLES).fold(worst, |worst, i| {
-            let (start, mid, end) = (value(i - 1), value(i), value(i + 1));
-            let [low, high] = parabola_overshoot(start, mid, end);
-            worst.max(start.max(end) + high).max(low - start.min(end))
-        });
-        // Jerk grows with the power 3/2.
-        let ratio = worst / row.limit;
-        scale.keep((ratio * ratio).cbrt(), 1.0);
     }
 }

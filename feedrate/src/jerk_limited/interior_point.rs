@@ -145,10 +145,12 @@ impl Solver {
             let mut sums = self.slacks(stretch, steps[1]);
             if !(sums.least > 0.0) {
                 // Only friction can do this: its rows are not straight. Back half of the way.
-                steps = [0.5 * steps[0], 0.0];
                 if !(steps[0] > 1e-6) {
+                    // Back to the iterate before, which was inside.
+                    self.c.iter_mut().zip(&self.step).for_each(|(c, d)| *c -= steps[0] * d);
                     break;
                 }
+                steps = [0.5 * steps[0], 0.0];
                 self.c.iter_mut().zip(&self.step).for_each(|(c, d)| *c -= steps[0] * d);
                 outcome.iterations += 1;
                 continue;
@@ -175,6 +177,19 @@ impl Solver {
         }
         stretch.knots.evaluate(&self.c, &mut self.values);
         outcome
+    }
+
+    /// The row that stands most against taking back what bounds are widened by.
+    pub fn binding(&self, stretch: &Stretch) -> Option<usize> {
+        let mut most = (0.0, None);
+        stretch.each_widening(|i, wider| {
+            let Some(sides) = self.barrier.get(i) else { return };
+            let against = sides[0].multiplier * wider[0] + sides[1].multiplier * wider[1];
+            if against > most.0 {
+                most = (against, Some(i));
+            }
+        });
+        most.1
     }
 
     fn drop_distant(&mut self, stretch: &mut Stretch) {

@@ -29,23 +29,21 @@ mod band;
 mod between;
 #[cfg(feature = "clarabel")]
 pub(crate) mod conic;
+mod end_speed;
 mod interior_point;
+mod parts;
 mod refine;
 mod spline;
 mod start;
 mod stretch;
 
-use std::ops::Range;
-
-use crate::constraint::Within;
 use crate::error::{FeedError, positive};
 use crate::problem::{FeedPlanner, FeedProblem};
-use crate::scan::both_ends::{moves, squared_speeds};
-use crate::scan::reachability::Reachability;
+use crate::row::RowSource;
 use crate::speed_law::{Builder, SpeedLaw};
 use between::largest_scale;
 use interior_point::Solver;
-use refine::refined;
+use parts::{Part, Prepared, prepare};
 use spline::{End, Values};
 use stretch::Stretch;
 
@@ -94,42 +92,140 @@ impl JerkLimited {
         Ok(Self { tolerance: positive("tolerance", tolerance)?.clamp(1e-8, 1e-2) })
     }
 
+    /// The fastest iterate inside all bounds, of one stretch.
     fn solve(
         &self,
-        problem: &FeedProblem,
+        prepared: &Prepared,
         solver: &mut Solver,
-        fastest: &[f64],
         part: &Part,
         attempt: Attempt<'_>,
-    ) -> Result<Solution, FeedError> {
-        let mut stretch = Stretch::new(problem, [part.grid.start, part.grid.end], part.speeds, fastest);
-        if attempt.factor < 1.0 {
-            stretch.tighten(attempt.factor);
-        }
+    ) -> Result<Solution, NotSolved> {
+        let Prepared { problem, fastest, .. } = prepared;
+        let fresh = || {
+            let mut stretch = Stretch::new(problem, [part.grid.start, part.grid.end], part.speeds, fastest);
+            if attempt.factor < 1.0 {
+                stretch.tighten(attempt.factor);
+            }
+            stretch
+        };
+        let mut stretch = fresh();
         if let Some(before) = attempt.before {
             stretch.knots.evaluate(&before.c, &mut solver.values);
             stretch.demand_margins(problem, &solver.values);
         }
         let start = start::start(problem, &mut stretch, fastest);
         let outcome = solver.minimise(problem, &mut stretch, start, self.tolerance, attempt.drop_distant);
-        let left = outcome.gap.max(outcome.ahead);
-        if outcome.wider > 10.0 * self.tolerance || !(left < CLOSE) {
-            return Err(FeedError::NotConverged {
-                what: "the jerk-limited planner",
-                iterations: outcome.iterations,
-                residual: outcome.wider.max(left),
-            });
+        if outcome.wider <= 10.0 * self.tolerance {
+            // Inside all bounds: a motion, whatever it is from the optimum.
+            return Ok(Solution { stretch, c: solver.c.clone() });
         }
-        Ok(Solution { stretch, c: solver.c.clone() })
+        if part.slows(problem) {
+            // The bounds were widened for the start and could not be taken back: from a start that is inside.
+            let mut stretch = fresh();
+            if let Some(start) = start::inside(problem, &mut stretch, fastest) {
+                solver.minimise(problem, &mut stretch, start, self.tolerance, false);
+                return Ok(Solution { stretch, c: solver.c.clone() });
+            }
+        }
+        let error = FeedError::NotConverged {
+            what: "the jerk-limited planner",
+            iterations: outcome.iterations,
+            residual: outcome.wider,
+        };
+        let binding = solver.binding(&stretch).filter(|_| !attempt.drop_distant);
+        let binding = binding.and_then(|i| stretch.limit(problem, i));
+        Err(NotSolved { error, binding })
+    }
+
+    /// The plan. Rows far from their bounds are dropped on stretches of up to `drop_up_to` intervals.
+    fn plan_or_why(&self, problem: &FeedProblem, drop_up_to: usize) -> Result<SpeedLaw, NotSolved> {
+        let prepared = &prepare(problem)?;
+        let Prepared { problem, parts, .. } = prepared;
+        let mut solver = Solver::default();
+        let mut solutions = Vec::with_capacity(parts.len());
+        for part in parts {
+            let attempt = Attempt { drop_distant: part.grid.len() <= drop_up_to, factor: 1.0, before: None };
+            solutions.push(self.solve(prepared, &mut solver, part, attempt)?);
+        }
+        let mut plan = assemble(problem, &solutions)?;
+        let mut factors = vec![1.0; parts.len()];
+        for attempt in 0..ATTEMPTS {
+            let mut changed = false;
+            for ((part, solution), factor) in parts.iter().zip(&mut solutions).zip(&mut factors) {
+                let scale = largest_scale(problem, &plan, part.grid.clone());
+                if scale >= 1.0 - ROUND_OFF {
+                    continue;
+                }
+                changed = true;
+                if scale < 1.0 - TAKEN_OFF && attempt == 0 {
+                    let careful = Attempt { drop_distant: false, factor: 1.0, before: Some(solution) };
+                    *solution = self.solve(prepared, &mut solver, part, careful)?;
+                } else if part.slows(problem) && attempt < SLOWED {
+                    solution.scale(scale);
+                } else {
+                    // With less for all rows: friction gains on the rest where the motion is slowed down.
+                    *factor *= 1.0 - 2.0 * (1.0 - scale);
+                    let lower = Attempt { drop_distant: false, factor: *factor, before: None };
+                    *solution = self.solve(prepared, &mut solver, part, lower)?;
+                }
+            }
+            if !changed {
+                return Ok(plan);
+            }
+            plan = assemble(problem, &solutions)?;
+        }
+        self.slow_down(prepared, solutions, plan)
+    }
+
+    /// Takes off the speed what is still too much, as long as that helps.
+    fn slow_down(
+        &self,
+        prepared: &Prepared,
+        mut solutions: Vec<Solution>,
+        mut plan: SpeedLaw,
+    ) -> Result<SpeedLaw, NotSolved> {
+        let Prepared { problem, parts, .. } = prepared;
+        for _ in 0..SLOWED_AT_LAST {
+            let mut changed = false;
+            for (part, solution) in parts.iter().zip(&mut solutions) {
+                let scale = largest_scale(problem, &plan, part.grid.clone());
+                if scale < 1.0 - ROUND_OFF && scale > 0.0 && part.slows(problem) {
+                    solution.scale(scale);
+                    changed = true;
+                }
+            }
+            if !changed {
+                break;
+            }
+            plan = assemble(problem, &solutions)?;
+        }
+        let left = 1.0 - largest_scale(problem, &plan, 0..problem.intervals());
+        if left <= EXCEEDED {
+            return Ok(plan);
+        }
+        Err(FeedError::NotConverged {
+            what: "the jerk-limited planner between the grid points",
+            iterations: ATTEMPTS,
+            residual: left,
+        }
+        .into())
     }
 }
 
-/// A stretch of grid between two stops, or an end of the path at a speed.
-#[derive(Debug, Clone)]
-struct Part {
-    /// First and last grid point.
-    grid: Range<usize>,
-    speeds: [f64; 2],
+/// A limit and where it stands against a motion.
+type Binding = (RowSource, f64);
+
+/// Why there is no solution.
+#[derive(Debug, Clone, Copy)]
+struct NotSolved {
+    error: FeedError,
+    binding: Option<Binding>,
+}
+
+impl From<FeedError> for NotSolved {
+    fn from(error: FeedError) -> Self {
+        Self { error, binding: None }
+    }
 }
 
 /// How a stretch is solved.
@@ -151,11 +247,6 @@ struct Solution {
 impl Solution {
     fn scale(&mut self, factor: f64) {
         self.c.iter_mut().for_each(|c| *c *= factor);
-    }
-
-    /// Whether the motion can be slowed down as a whole.
-    fn rests(&self) -> bool {
-        self.stretch.ends.iter().all(|end| matches!(end, End::Rest { .. }))
     }
 
     fn push(&self, problem: &FeedProblem, builder: &mut Builder, values: &mut Values) {
@@ -184,153 +275,28 @@ fn assemble(problem: &FeedProblem, solutions: &[Solution]) -> Result<SpeedLaw, F
     builder.finish(problem.grid()[problem.intervals()], problem.v_end())
 }
 
-/// The stretches between stops: grid points with a cap of 0.
-fn parts(problem: &FeedProblem) -> Result<Vec<Part>, FeedError> {
-    let n = problem.intervals();
-    let mut parts = Vec::new();
-    let mut from = 0;
-    for i in (1..=n).filter(|&i| i == n || problem.x_max(i) == 0.0) {
-        let speeds = [if from == 0 { problem.v_start() } else { 0.0 }, if i == n { problem.v_end() } else { 0.0 }];
-        let expected = 2 + speeds.iter().filter(|&&v| v == 0.0).count();
-        if i - from < expected {
-            return Err(FeedError::LengthMismatch {
-                what: "a stretch between two stops (intervals)",
-                got: i - from,
-                expected,
-            });
-        }
-        parts.push(Part { grid: from..i, speeds });
-        from = i;
-    }
-    Ok(parts)
-}
-
-/// Acceleration starts and ends at 0, so standing still must be possible where the motion does.
-fn stands(problem: &FeedProblem, i: usize) -> Result<(), FeedError> {
-    match problem.rows(i).iter().find(|row| !(row.lo <= row.d && row.d <= row.hi)) {
-        Some(row) => Err(FeedError::StaticallyInfeasible {
-            index: i,
-            s: problem.grid()[i],
-            row: row.source,
-            value: row.d,
-            limit: if row.d > row.hi { row.hi } else { row.lo },
-        }),
-        None => Ok(()),
-    }
-}
-
 /// Rows far from their bounds are dropped on stretches of as many intervals. On finer ones acceleration builds up over many
 /// intervals, whose rows all are distant at one time or another, and dropping them means solving twice.
 const DROP_UP_TO: usize = 2500;
 
-/// An iterate inside all bounds is a motion. One that is this close to the optimum is taken where round-off stops the iterations.
-const CLOSE: f64 = 0.02;
-
-/// As many intervals are taken on; with more of them the iterations get many.
-const MOST_INTERVALS: usize = 200_000;
-
-/// As many rows are taken on: with all that belongs to them, some two gigabytes.
-const MOST_ROWS: usize = 5_000_000;
-
-/// Refuses what would take minutes, or not fit into the memory of an ordinary machine.
-fn fits(problem: &FeedProblem) -> Result<(), FeedError> {
-    let got = problem.intervals();
-    if got > MOST_INTERVALS {
-        return Err(FeedError::TooMany { what: "intervals for the jerk-limited planner", got, most: MOST_INTERVALS });
-    }
-    // Points and both ends of every interval; those that bound the speed inside come on top.
-    let of = |k: usize| {
-        problem.rows(k).len() + 2 * (problem.middle_rows(k).len() + problem.jerk_rows(k, Within::Start).len())
-    };
-    let got = (0..problem.intervals()).map(of).sum();
-    let what = "rows of all intervals of the jerk-limited planner";
-    if got <= MOST_ROWS { Ok(()) } else { Err(FeedError::TooMany { what, got, most: MOST_ROWS }) }
-}
-
-/// A problem made ready.
-#[derive(Debug)]
-struct Prepared {
-    /// With the intervals next to rest split.
-    problem: FeedProblem,
-    /// Squared speeds of a second-order planner.
-    fastest: Vec<f64>,
-    parts: Vec<Part>,
-}
-
-fn prepare(problem: &FeedProblem) -> Result<Prepared, FeedError> {
-    if !problem.is_between_points() {
-        return Err(FeedError::Empty { what: "rows between the grid points (FeedProblem::between_points)" });
-    }
-    if !problem.has_jerk() {
-        return Err(FeedError::Empty { what: "limits on jerk" });
-    }
-    fits(problem)?;
-    let problem = refined(problem);
-    let fastest = squared_speeds(&problem).or_else(|error| match error {
-        // Reachability passes points at which standing still is impossible.
-        FeedError::StaticallyInfeasible { .. } => Reachability.squared_speeds(&problem),
-        error => Err(error),
-    })?;
-    moves(&problem, &fastest)?;
-    let parts = parts(&problem)?;
-    for part in &parts {
-        for (i, speed) in [part.grid.start, part.grid.end].into_iter().zip(part.speeds) {
-            if speed == 0.0 {
-                stands(&problem, i)?;
-            }
-        }
-    }
-    Ok(Prepared { problem, fastest, parts })
-}
-
 /// Where more than this has to be taken off the speed at the end, something was left out.
 const TAKEN_OFF: f64 = 1e-3;
 
-/// What a motion that cannot be slowed down may exceed its limits by.
+/// What has to be taken off the speed by round-off.
+const ROUND_OFF: f64 = 1e-12;
+
+/// Times that something too fast between the grid points is dealt with, and how many of them by slowing down.
+const ATTEMPTS: usize = 8;
+const SLOWED: usize = 4;
+
+/// Slowing down at last: with friction each time takes off half of what is too much.
+const SLOWED_AT_LAST: usize = 60;
+
+/// What a motion that cannot be slowed down may exceed its limits by, between the grid points.
 const EXCEEDED: f64 = 1e-7;
 
 impl FeedPlanner for JerkLimited {
     fn plan(&self, problem: &FeedProblem) -> Result<SpeedLaw, FeedError> {
-        let Prepared { problem, fastest, parts } = &prepare(problem)?;
-        let mut solver = Solver::default();
-        let mut solutions = Vec::with_capacity(parts.len());
-        for part in parts {
-            let attempt = Attempt { drop_distant: part.grid.len() <= DROP_UP_TO, factor: 1.0, before: None };
-            solutions.push(self.solve(problem, &mut solver, fastest, part, attempt)?);
-        }
-        let mut plan = assemble(problem, &solutions)?;
-        let mut factors = vec![1.0; parts.len()];
-        for attempt in 0..4 {
-            let mut changed = false;
-            for ((part, solution), factor) in parts.iter().zip(&mut solutions).zip(&mut factors) {
-                let scale = largest_scale(problem, &plan, part.grid.clone());
-                if scale < 1.0 - TAKEN_OFF && attempt == 0 {
-                    let careful = Attempt { drop_distant: false, factor: 1.0, before: Some(solution) };
-                    *solution = self.solve(problem, &mut solver, fastest, part, careful)?;
-                } else if solution.rests() && scale < 1.0 {
-                    solution.scale(scale);
-                } else if scale < 1.0 - EXCEEDED {
-                    *factor *= 1.0 - 2.0 * (1.0 - scale);
-                    let lower = Attempt { drop_distant: false, factor: *factor, before: None };
-                    *solution = self.solve(problem, &mut solver, fastest, part, lower)?;
-                } else {
-                    continue;
-                }
-                changed = true;
-            }
-            if !changed {
-                return Ok(plan);
-            }
-            plan = assemble(problem, &solutions)?;
-        }
-        let left = 1.0 - largest_scale(problem, &plan, 0..problem.intervals());
-        if left < 1e-6 {
-            return Ok(plan);
-        }
-        Err(FeedError::NotConverged {
-            what: "the jerk-limited planner between the grid points",
-            iterations: 4,
-            residual: left,
-        })
+        self.plan_or_why(problem, DROP_UP_TO).or_else(|why| Err(end_speed::explain(self, problem, why)))
     }
 }

@@ -19,11 +19,37 @@ const POINTS: usize = 1000;
 /// below a jerk-limited departure from and approach to rest. Of several windows the one is taken that has to be slowed down
 /// least as a whole. Where a speed is given at an end, slowing down is no option; there the limits are widened instead.
 pub(super) fn start(problem: &FeedProblem, stretch: &mut Stretch, limit: &[f64]) -> Vec<f64> {
+    let slowing = stretch.ends.iter().all(|end| matches!(end, End::Rest { .. })) && at_rest_inside(stretch);
+    let (mut values, c) = (Values::default(), shape(problem, stretch, limit, slowing));
+    if !slowing {
+        stretch.knots.evaluate(&c, &mut values);
+        let jerk_ratio = stretch.largest_scales(&values)[1].powf(-1.5);
+        widen(stretch, &values, jerk_ratio);
+    }
+    c
+}
+
+/// Coefficients from rest to rest that are strictly inside all bounds, slow as they may be; none where standing still is not.
+pub(super) fn inside(problem: &FeedProblem, stretch: &Stretch, limit: &[f64]) -> Option<Vec<f64>> {
+    /// Friction falls with the root of the squared speed.
+    const HALVINGS: usize = 200;
+    let (mut values, mut c) = (Values::default(), shape(problem, stretch, limit, true));
+    for _ in 0..HALVINGS {
+        stretch.knots.evaluate(&c, &mut values);
+        if stretch.is_inside(&values) {
+            return Some(c);
+        }
+        c.iter_mut().for_each(|c| *c *= 0.5);
+    }
+    None
+}
+
+/// Coefficients of a smooth law of motion; with `slowing`, friction aside, inside all bounds that hold at rest.
+fn shape(problem: &FeedProblem, stretch: &Stretch, limit: &[f64], slowing: bool) -> Vec<f64> {
     let (m, a) = (stretch.knots.intervals(), stretch.from);
     let grid = problem.grid();
     let (first, last) = (a - stretch.ends[0].rest_intervals(), a + m + stretch.ends[1].rest_intervals());
     let ratios = stretch.ratios();
-    let slowing = stretch.ends.iter().all(|end| matches!(end, End::Rest { .. })) && at_rest_inside(stretch);
     let mut departure = vec![f64::INFINITY; m + 1];
     for (i, at) in [(0, first), (1, last)] {
         if let End::Rest { h } = stretch.ends[i] {
@@ -64,11 +90,6 @@ pub(super) fn start(problem: &FeedProblem, stretch: &mut Stretch, limit: &[f64])
             }
             best = (factor, c);
         }
-    }
-    if !slowing {
-        stretch.knots.evaluate(&best.1, &mut values);
-        let jerk_ratio = stretch.largest_scales(&values)[1].powf(-1.5);
-        widen(stretch, &values, jerk_ratio);
     }
     best.1
 }

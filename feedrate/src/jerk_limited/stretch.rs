@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::spline::{End, Knots, Values};
 use crate::constraint::Within;
 use crate::problem::FeedProblem;
-use crate::row::JerkRow;
+use crate::row::{JerkRow, Row, RowSource};
 
 /// `lo <= a u + b x + c sqrt(x) <= hi`, for the time being with bounds that are `wider`.
 #[derive(Debug, Clone, Copy)]
@@ -77,6 +77,11 @@ pub(super) type Sides = [f64; 2];
 /// A row is dropped where its value is closer to the middle between its bounds than to either, by this measure.
 const DISTANT: f64 = 0.6;
 
+/// Whether a row holds whatever the motion: that of a joint that stands still. It has no inside where its limit is 0.
+fn is_nothing(row: &Row) -> bool {
+    row.a == 0.0 && row.b == 0.0 && row.c == 0.0 && row.lo <= row.d && row.d <= row.hi
+}
+
 impl PointRow {
     /// Derivative by `x`.
     pub fn slope(&self, x: f64) -> f64 {
@@ -115,7 +120,7 @@ impl Stretch {
             let given = matches!((&ends, i), ([End::Moving { .. }, _], i) if i == a)
                 || matches!((&ends, i), ([_, End::Moving { .. }], i) if i == b);
             if !given {
-                stretch.points.extend(problem.rows(i).iter().map(|row| {
+                stretch.points.extend(problem.rows(i).iter().filter(|row| !is_nothing(row)).map(|row| {
                     let (lo, hi) = (row.lo - row.d, row.hi - row.d);
                     PointRow { a: row.a, b: row.b, c: row.c, lo, hi, wider: [0.0; 2] }
                 }));
@@ -125,7 +130,7 @@ impl Stretch {
         }
         for k in a..b {
             for within in [Within::Start, Within::End] {
-                stretch.inner.extend(problem.inner_rows(k, within).map(|row| {
+                stretch.inner.extend(problem.inner_rows(k, within).filter(|row| !row.is_nothing()).map(|row| {
                     let crate::problem::InnerRow { alpha, beta, gamma, lo, hi, .. } = row;
                     InnerRow { alpha, beta, gamma, lo, hi, wider: [0.0; 2] }
                 }));
@@ -231,11 +236,15 @@ impl Stretch {
 
     /// Lowers all bounds by the factor `x`, `u` and `w` would be lowered by.
     pub fn tighten(&mut self, factor: f64) {
+        // A bound that standing still breaks moves the other way.
+        let part = 1.0 - factor;
+        let inwards = |bound: f64, sign: f64| if bound.is_finite() { bound + sign * part * bound.abs() } else { bound };
+        let tight = |lo: f64, hi: f64| (inwards(lo, 1.0), inwards(hi, -1.0));
         for row in &mut self.points {
-            (row.lo, row.hi) = (factor * row.lo, factor * row.hi);
+            (row.lo, row.hi) = tight(row.lo, row.hi);
         }
         for row in &mut self.inner {
-            (row.lo, row.hi) = (factor * row.lo, factor * row.hi);
+            (row.lo, row.hi) = tight(row.lo, row.hi);
         }
         self.caps.iter_mut().for_each(|cap| cap[0] *= factor);
         // Jerk grows with the power 3/2.
@@ -246,6 +255,13 @@ impl Stretch {
         }
         self.most /= up;
         self.rest = self.rest.map(|rest| up * rest);
+    }
+
+    /// Whether the values are strictly inside all bounds as they are widened at present.
+    pub fn is_inside(&self, values: &Values) -> bool {
+        let mut inside = values.x.iter().chain(&values.middle).all(|&x| x > 0.0);
+        self.each_slack(values, |_, slacks| inside &= slacks[0] > 0.0 && slacks[1] > 0.0);
+        inside
     }
 
     /// Takes back the given part of what bounds are widened by; the largest widening left, in units of its bound.
@@ -338,6 +354,56 @@ impl Stretch {
         }
         self.thirds.truncate(write);
         (0..2).for_each(|_| keep(true));
+    }
+
+    /// By how much every side is widened.
+    pub fn each_widening(&self, mut visit: impl FnMut(usize, Sides)) {
+        let [caps, inner, thirds, rest] = self.offsets();
+        self.points.iter().enumerate().for_each(|(i, row)| visit(i, row.wider));
+        self.caps.iter().enumerate().for_each(|(k, cap)| visit(caps + k, [0.0, cap[1]]));
+        self.inner.iter().enumerate().for_each(|(i, row)| visit(inner + i, row.wider));
+        for (_, end, _, rows) in self.places() {
+            let wider = self.jerk_wider * self.jerk_unit[end];
+            rows.for_each(|i| visit(thirds + i, [wider; 2]));
+        }
+        for (i, end) in [0, self.knots.intervals()].into_iter().enumerate() {
+            visit(rest + i, [0.0, self.jerk_wider * self.jerk_unit[end]]);
+        }
+    }
+
+    /// Which limit a row is, and where it holds, as long as no row has been dropped.
+    pub fn limit(&self, problem: &FeedProblem, i: usize) -> Option<(RowSource, f64)> {
+        let [caps, inner, thirds, rest] = self.offsets();
+        // The last of the places that begin at an index or before.
+        let place = |first: &[usize], i: usize| first.partition_point(|&from| from <= i) - 1;
+        let within = |p: usize| if p.is_multiple_of(2) { Within::Start } else { Within::End };
+        let (source, knot) = if i < caps {
+            let k = place(&self.first, i);
+            let row = problem.rows(self.from + k).iter().filter(|row| !is_nothing(row)).nth(i - self.first[k])?;
+            (row.source, k)
+        } else if i < inner {
+            (problem.cap(self.from + i - caps).1, i - caps)
+        } else if i < thirds {
+            let p = place(&self.inner_first, i - inner);
+            let k = self.from + p / 2;
+            let mut rows = problem.inner_rows(k, within(p)).filter(|row| !row.is_nothing());
+            let row = rows.nth(i - inner - self.inner_first[p]);
+            (row.map_or(problem.speed_bound(k).source, |row| row.source), p / 2 + p % 2)
+        } else if i < rest {
+            let p = place(&self.thirds_first, i - thirds);
+            let rows = problem.jerk_rows(self.from + p / 2, within(p));
+            (rows.get(self.thirds.get(i - thirds)?.id as usize)?.source, p / 2 + p % 2)
+        } else {
+            let (k, at) = if i == rest {
+                (self.from, 0)
+            } else {
+                (self.from + self.knots.intervals() - 1, self.knots.intervals())
+            };
+            let part = |row: &&JerkRow| row.alpha.abs() / row.limit;
+            let rows = problem.jerk_rows(k, if at == 0 { Within::Start } else { Within::End });
+            (rows.iter().max_by(|p, q| part(p).total_cmp(&part(q)))?.source, at)
+        };
+        Some((source, problem.grid()[self.from + knot]))
     }
 
     /// Index of the first cap, inner row, jerk row and rest interval among all rows.

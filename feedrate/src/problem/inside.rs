@@ -15,6 +15,13 @@ pub(crate) struct InnerRow {
     pub source: RowSource,
 }
 
+impl InnerRow {
+    /// Whether it holds whatever the motion.
+    pub fn is_nothing(&self) -> bool {
+        self.alpha == 0.0 && self.beta == 0.0 && self.gamma == 0.0 && self.lo <= 0.0 && 0.0 <= self.hi
+    }
+}
+
 /// What holds inside an interval, by its Bernstein coefficients.
 impl FeedProblem {
     /// Next to one end of interval `k` the inner Bernstein coefficient of every row that is a cubic there: its value at that end and
@@ -22,25 +29,22 @@ impl FeedProblem {
     /// piecewise cubic path. Rows with friction are left out.
     pub(crate) fn inner_rows(&self, k: usize, within: Within) -> impl Iterator<Item = InnerRow> + '_ {
         let h = self.h(k);
+        let straight = self.through(k).filter(|[p, _, q]| p.c == 0.0 && q.c == 0.0);
+        straight.map(move |rows| inner_row(rows, h, within))
+    }
+
+    /// The rows with friction at the start, in the middle and at the end of interval `k`.
+    pub(crate) fn friction_rows(&self, k: usize) -> impl Iterator<Item = [&Row; 3]> {
+        self.through(k).filter(|rows| rows.iter().any(|row| row.c != 0.0))
+    }
+
+    /// Every row at the start, in the middle and at the end of interval `k`.
+    fn through(&self, k: usize) -> impl Iterator<Item = [&Row; 3]> {
         let (near, middle, far) = (self.rows(k), self.middle_rows(k), self.rows(k + 1));
         middle.iter().enumerate().filter_map(move |(j, m)| {
             let p = matching(near, m, j, middle.len(), false).map(|j| &near[j])?;
             let q = matching(far, m, j, middle.len(), true).map(|j| &far[j])?;
-            if p.c != 0.0 || q.c != 0.0 {
-                return None;
-            }
-            // At the end everything runs backwards.
-            let (row, other, third) = if within == Within::End { (q, p, -h / 3.0) } else { (p, q, h / 3.0) };
-            let slope = |this: f64, middle: f64, other: f64| (4.0 * middle - 3.0 * this - other) / 3.0;
-            let d = row.d + slope(row.d, m.d, other.d);
-            Some(InnerRow {
-                alpha: third * row.a,
-                beta: row.a + slope(row.a, m.a, other.a) + 2.0 * third * row.b,
-                gamma: row.b + slope(row.b, m.b, other.b),
-                lo: row.lo - d,
-                hi: row.hi - d,
-                source: row.source,
-            })
+            Some([p, m, q])
         })
     }
 
@@ -56,6 +60,22 @@ impl FeedProblem {
             [p[4] / 15.0, 8.0 * p[3] / 15.0, 6.0 * p[2] / 15.0],
             [0.0, 2.0 * p[4] / 6.0, 4.0 * p[3] / 6.0],
         ]
+    }
+}
+
+/// The inner Bernstein coefficient next to one end of a row without friction that is a cubic on an interval of length `h`.
+pub(crate) fn inner_row([p, m, q]: [&Row; 3], h: f64, within: Within) -> InnerRow {
+    // At the end everything runs backwards.
+    let (row, other, third) = if within == Within::End { (q, p, -h / 3.0) } else { (p, q, h / 3.0) };
+    let slope = |this: f64, middle: f64, other: f64| (4.0 * middle - 3.0 * this - other) / 3.0;
+    let d = row.d + slope(row.d, m.d, other.d);
+    InnerRow {
+        alpha: third * row.a,
+        beta: row.a + slope(row.a, m.a, other.a) + 2.0 * third * row.b,
+        gamma: row.b + slope(row.b, m.b, other.b),
+        lo: row.lo - d,
+        hi: row.hi - d,
+        source: row.source,
     }
 }
 

@@ -2,7 +2,7 @@
 
 mod inside;
 
-pub(crate) use inside::{InnerRow, matching, quadratic};
+pub(crate) use inside::{InnerRow, inner_row, matching, quadratic};
 
 use crate::constraint::{PathConstraint, Place, RowSink, Within};
 use crate::error::{FeedError, not_negative};

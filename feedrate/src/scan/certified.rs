@@ -7,7 +7,7 @@
 //! linear in `(u, x)`, so that bounding those keeps the limits everywhere on such a path.
 
 use super::both_ends::moves;
-use super::reachability::{Solver, solve};
+use super::reachability::{Solver, solve, solve_moving};
 use crate::error::FeedError;
 use crate::problem::{FeedPlanner, FeedProblem};
 use crate::speed_law::{Builder, SpeedLaw};
@@ -33,8 +33,7 @@ impl FeedPlanner for CertifiedReachability {
             sloped_plan(problem, &x, &slopes)
         });
         sloped.or_else(|_| {
-            let x = solve(problem, true)?;
-            moves(problem, &x)?;
+            let x = solve_moving(problem, true)?;
             SpeedLaw::from_squared_speeds(problem.grid(), &x)
         })
     }

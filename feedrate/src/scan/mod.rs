@@ -3,6 +3,7 @@
 pub mod both_ends;
 mod ceiling;
 pub mod certified;
+mod feasible_pairs;
 pub mod joined;
 mod pass;
 pub mod reachability;

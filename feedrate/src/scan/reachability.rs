@@ -9,10 +9,11 @@
 //! if it keeps all other rows and these two exclude each other beyond. That takes one pass over the rows without a division.
 
 use super::both_ends::{moves, squared_speeds};
+use super::feasible_pairs::{FeasiblePairs, Line, greatest_beside};
 use crate::constraint::Within;
 use crate::error::FeedError;
 use crate::lp2::{Band, Greatest, NoOptimum, gap, greatest_x, least_x};
-use crate::problem::{FeedPlanner, FeedProblem};
+use crate::problem::{FeedPlanner, FeedProblem, InnerRow, inner_row};
 use crate::row::{Quantity, Row, RowSource};
 use crate::speed_law::SpeedLaw;
 
@@ -27,8 +28,7 @@ pub struct Reachability;
 
 impl FeedPlanner for Reachability {
     fn plan(&self, problem: &FeedProblem) -> Result<SpeedLaw, FeedError> {
-        let x = self.squared_speeds(problem)?;
-        moves(problem, &x)?;
+        let x = solve_moving(problem, false)?;
         SpeedLaw::from_squared_speeds(problem.grid(), &x)
     }
 }
@@ -44,6 +44,20 @@ fn has_friction(problem: &FeedProblem) -> bool {
     (0..=problem.intervals()).any(|i| problem.rows(i).iter().any(|row| row.c != 0.0))
 }
 
+/// Part of the greatest squared speed that is kept at least between two stops, where a motion at rest came out.
+const FLOOR: f64 = 0.1;
+
+/// Squared speeds of a motion that rests nowhere over a whole interval.
+///
+/// The greatest speed at one point may be such that only rest can be reached at the next, from which the end is an interval of
+/// rest away. Then a part of the speed is kept everywhere.
+pub(super) fn solve_moving(problem: &FeedProblem, between: bool) -> Result<Vec<f64>, FeedError> {
+    let x = solve(problem, between)?;
+    let Err(rests) = moves(problem, &x) else { return Ok(x) };
+    let again = Solver { floor: FLOOR, ..Solver::new(problem, between, &x, &[]) }.solve();
+    again.ok().filter(|x| moves(problem, x).is_ok()).ok_or(rests)
+}
+
 pub(super) fn solve(problem: &FeedProblem, between: bool) -> Result<Vec<f64>, FeedError> {
     let mut solver = Solver::new(problem, between, &[], &[]);
     if solver.straight {
@@ -52,16 +66,6 @@ pub(super) fn solve(problem: &FeedProblem, between: bool) -> Result<Vec<f64>, Fe
     let near = squared_speeds(problem).unwrap_or_default();
     let first = Solver::new(problem, between, &near, &[]).solve()?;
     Ok(Solver::new(problem, between, &first, &[]).solve().unwrap_or(first))
-}
-
-/// A row `lo <= a u + b x <= hi` over one interval, `x` at its start.
-#[derive(Debug, Clone, Copy)]
-struct Line {
-    a: f64,
-    b: f64,
-    lo: f64,
-    hi: f64,
-    source: RowSource,
 }
 
 pub(super) struct Solver<'a> {
@@ -79,6 +83,12 @@ pub(super) struct Solver<'a> {
     bands: Vec<Band>,
     /// The lines that bounded the last set: from above and from below in `u`.
     meeting: Option<[usize; 2]>,
+    /// Vertices of the pairs of squared speeds that keep all rows, of the last interval first; where those of each end.
+    vertices: Vec<[f64; 2]>,
+    ends: Vec<usize>,
+    pairs: FeasiblePairs,
+    /// Part of the greatest squared speed at a point that must be reached there; 0 for none.
+    floor: f64,
 }
 
 impl<'a> Solver<'a> {
@@ -93,6 +103,10 @@ impl<'a> Solver<'a> {
             lines: Vec::with_capacity(64),
             bands: Vec::with_capacity(64),
             meeting: None,
+            vertices: Vec::new(),
+            ends: Vec::new(),
+            pairs: FeasiblePairs::default(),
+            floor: 0.0,
         }
     }
 
@@ -105,7 +119,7 @@ impl<'a> Solver<'a> {
         }
         self.sets = vec![[x_end; 2]; n + 1];
         // Only the rows at the points are few enough that looking ahead pays.
-        let plain = self.straight && !self.between && self.slopes.is_empty();
+        let plain = self.straight && !self.between && self.slopes.is_empty() && self.floor == 0.0;
         let mut rests = [false, self.rests(n)];
         for k in (0..n).rev() {
             rests[0] = self.rests(k);
@@ -113,7 +127,8 @@ impl<'a> Solver<'a> {
             rests[1] = rests[0];
             self.sets[k] = match quick {
                 Some(greatest) => [0.0, greatest],
-                None => self.set(k)?,
+                None if plain => self.set(k)?,
+                None => self.set_of_pairs(k)?,
             };
         }
         let [lowest, highest] = self.sets[0];
@@ -124,9 +139,13 @@ impl<'a> Solver<'a> {
         x.push(x_start);
         for k in 0..n {
             let here = x[k];
-            let u = if plain { self.greatest_u_plain(k, here) } else { self.greatest_u(k, here) };
             let [low, high] = self.sets[k + 1];
-            x.push((here + 2.0 * problem.h(k) * u).max(low).min(high));
+            let next = if plain {
+                here + 2.0 * problem.h(k) * self.greatest_u_plain(k, here)
+            } else {
+                greatest_beside(self.vertices_of(k), here).unwrap_or(low)
+            };
+            x.push(next.max(low).min(high));
         }
         Ok(x)
     }
@@ -139,6 +158,39 @@ impl<'a> Solver<'a> {
             greatest_x(&self.bands, least, most).map_err(|why| self.explain(k, why))?;
         self.meeting = meeting.map(|bands| bands.map(|band| self.bands[band].id));
         Ok([least_x(&self.bands, least, greatest).unwrap_or(greatest), greatest])
+    }
+
+    /// The same by the pairs of squared speeds at both ends that keep all rows, whose vertices are stored.
+    fn set_of_pairs(&mut self, k: usize) -> Result<[f64; 2], FeedError> {
+        self.collect(k);
+        let (problem, h2) = (self.problem, 2.0 * self.problem.h(k));
+        let x_max = problem.x_max(k);
+        let most = if x_max < f64::INFINITY {
+            x_max
+        } else {
+            let (least, most) = self.divide(x_max, h2);
+            // Not less than the rows allow, whatever round-off says.
+            2.0 * greatest_x(&self.bands, least, most).map_err(|why| self.explain(k, why))?.x
+        };
+        let [low, high] = self.sets[k + 1];
+        let low = if k + 1 < problem.intervals() { low.max(self.floor * high) } else { low };
+        self.pairs.reset([0.0, most], [low, high]);
+        let some = self.lines.iter().all(|line| self.pairs.keep(line, h2));
+        let [least, greatest] = self.pairs.range();
+        if !(some && least <= greatest) {
+            let (least, most) = self.divide(x_max, h2);
+            let why = greatest_x(&self.bands, least, most).map_or_else(|why| why, |most| NoOptimum::Infeasible(most.x));
+            return Err(self.explain(k, why));
+        }
+        self.vertices.extend_from_slice(self.pairs.vertices());
+        self.ends.push(self.vertices.len());
+        Ok([least, greatest])
+    }
+
+    /// The stored vertices of interval `k`.
+    fn vertices_of(&self, k: usize) -> &[[f64; 2]] {
+        let i = self.ends.len() - 1 - k;
+        &self.vertices[if i > 0 { self.ends[i - 1] } else { 0 }..self.ends[i]]
     }
 
     /// Whether standing still at point `i` keeps all rows.
@@ -201,21 +253,8 @@ impl<'a> Solver<'a> {
         (id == near.len() + far.len()).then_some(ahead)
     }
 
-    /// The greatest `u` on interval `k` from squared speed `x`.
-    fn greatest_u(&mut self, k: usize, x: f64) -> f64 {
-        self.collect(k);
-        let mut u = f64::INFINITY;
-        for line in &self.lines {
-            // The least bound wins; a vanishing factor bounds nothing.
-            let bound = if line.a > 0.0 { line.hi } else { line.lo };
-            if line.a != 0.0 {
-                u = u.min((bound - line.b * x) / line.a);
-            }
-        }
-        u
-    }
-
-    /// The same for rows at the points alone: most allow what others have left, which takes no division.
+    /// The greatest `u` on interval `k` from squared speed `x`, of rows at the points alone: most allow what others have left,
+    /// which takes no division.
     fn greatest_u_plain(&self, k: usize, x: f64) -> f64 {
         let h2 = 2.0 * self.problem.h(k);
         let mut u = (self.sets[k + 1][1] - x) / h2;
@@ -265,24 +304,25 @@ impl<'a> Solver<'a> {
         let h = problem.h(k);
         let half = 0.5 * h * w;
         let lines = &mut self.lines;
-        for row in problem.inner_rows(k, Within::Start) {
-            let shift = (row.alpha - 0.5 * h * row.beta) * w;
-            let (lo, hi) = (row.lo - shift, row.hi - shift);
-            lines.push(Line { a: row.beta, b: row.gamma, lo, hi, source: row.source });
+        let mut push = |row: InnerRow, within: Within| {
+            let at_end = within == Within::End;
+            let shift = (row.alpha + if at_end { 0.5 } else { -0.5 } * h * row.beta) * w;
+            let a = row.beta + if at_end { 2.0 * h * row.gamma } else { 0.0 };
+            lines.push(Line { a, b: row.gamma, lo: row.lo - shift, hi: row.hi - shift, source: row.source });
+        };
+        for within in [Within::Start, Within::End] {
+            problem.inner_rows(k, within).for_each(|row| push(row, within));
         }
-        for row in problem.inner_rows(k, Within::End) {
-            let shift = (row.alpha + 0.5 * h * row.beta) * w;
-            let (lo, hi) = (row.lo - shift, row.hi - shift);
-            lines.push(Line { a: row.beta + 2.0 * h * row.gamma, b: row.gamma, lo, hi, source: row.source });
-        }
-        // Friction is no polynomial: in the middle alone.
-        for row in problem.middle_rows(k).iter().filter(|row| row.c != 0.0) {
-            let x_max = problem.middle_x_max(k).min(problem.x_max(k).max(problem.x_max(k + 1)));
-            let around = self.near.get(k).zip(self.near.get(k + 1)).map(|(p, q)| 0.5 * (p + q));
-            // x is x_k + h u_mean - h^2 w / 8 there.
-            let lower = row.b * 0.25 * h * half;
-            straight(row, x_max, around.as_ref(), |a, b, lo, hi| {
-                lines.push(Line { a: a + h * b, b, lo: lo + lower, hi: hi + lower, source: row.source });
+        // One straight line for the whole interval, so that what is left is a cubic; its ends are bounded here too.
+        let around = self.near.get(k).zip(self.near.get(k + 1)).map(|(p, q)| 0.5 * (p + q));
+        let x_max = problem.middle_x_max(k).max(problem.x_max(k)).max(problem.x_max(k + 1));
+        for rows in problem.friction_rows(k) {
+            straight_through(rows, x_max, around.as_ref(), |rows| {
+                for (within, row) in [(Within::Start, rows[0]), (Within::End, rows[2])] {
+                    push(inner_row([&rows[0], &rows[1], &rows[2]], h, within), within);
+                    let Row { a, b, d, lo, hi, source, .. } = row;
+                    push(InnerRow { alpha: 0.0, beta: a, gamma: b, lo: lo - d, hi: hi - d, source }, within);
+                }
             });
         }
         let source = problem.speed_bound(k).source;
@@ -358,6 +398,14 @@ impl<'a> Solver<'a> {
     }
 }
 
+/// Straight lines above and below `sqrt(x)` up to `x_max`: slope and value at 0 of a tangent near a place, slope of a chord.
+fn around_root(x_max: f64, near: Option<&f64>) -> ([f64; 2], f64) {
+    // Any place to touch is safe; without a cap there is no scale to choose one by.
+    let default = if x_max < f64::INFINITY { 0.25 * x_max } else { 1.0 };
+    let touches = near.copied().filter(|x| x.is_finite()).unwrap_or(default).max(1e-9 * default);
+    ([0.5 / touches.sqrt(), 0.5 * touches.sqrt()], 1.0 / x_max.sqrt())
+}
+
 /// Passes a row on as `lo <= a u + b x <= hi`. Friction `c sqrt(x)` is bounded by a tangent from above and, up to `x_max`, by
 /// a chord from below, so each side becomes a row of its own that is inside the true one.
 fn straight(row: &Row, x_max: f64, near: Option<&f64>, mut push: impl FnMut(f64, f64, f64, f64)) {
@@ -366,13 +414,37 @@ fn straight(row: &Row, x_max: f64, near: Option<&f64>, mut push: impl FnMut(f64,
     if c == 0.0 || x_max == 0.0 {
         return push(a, b, lo, hi);
     }
-    // Any place to touch is safe; without a cap there is no scale to choose one by.
-    let default = if x_max < f64::INFINITY { 0.25 * x_max } else { 1.0 };
-    let around = near.copied().filter(|x| x.is_finite()).unwrap_or(default).max(1e-9 * default);
-    let (slope, base, chord) = (0.5 / around.sqrt(), 0.5 * around.sqrt(), 1.0 / x_max.sqrt());
+    let ([slope, base], chord) = around_root(x_max, near);
     // Upper side: c sqrt(x) from above; lower side: from below.
     let (above, below) = ((slope, base), (chord, 0.0));
     let ((up_b, up_d), (down_b, down_d)) = if c > 0.0 { (above, below) } else { (below, above) };
     push(a, b + c * up_b, f64::NEG_INFINITY, hi - c * up_d);
     push(a, b + c * down_b, lo - c * down_d, f64::INFINITY);
+}
+
+/// Passes on the rows at the start, in the middle and at the end of an interval with straight lines in place of friction, the same
+/// at all three: once for the upper and once for the lower side.
+fn straight_through(rows: [&Row; 3], x_max: f64, near: Option<&f64>, mut push: impl FnMut([Row; 3])) {
+    let ([slope, base], chord) = around_root(x_max, near);
+    let c = rows.map(|row| row.c);
+    // Bernstein coefficients, which bound the factor of friction all over the interval.
+    let hull = [c[0], 2.0 * c[1] - 0.5 * (c[0] + c[2]), c[2]];
+    let (least, most) = hull.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(p, q), &c| (c.min(p), c.max(q)));
+    let changes = least < 0.0 && most > 0.0;
+    for (upper, bound) in [(true, most), (false, least)] {
+        let above = changes || (most > 0.0) == upper;
+        push(std::array::from_fn(|i| {
+            // Where the factor changes its sign it is small: its hull will do.
+            let c = if changes { bound } else { c[i] };
+            let (b, d) = if x_max == 0.0 {
+                (0.0, 0.0)
+            } else if above {
+                (c * slope, c * base)
+            } else {
+                (c * chord, 0.0)
+            };
+            let (lo, hi) = if upper { (f64::NEG_INFINITY, rows[i].hi) } else { (rows[i].lo, f64::INFINITY) };
+            Row { b: rows[i].b + b, c: 0.0, d: rows[i].d + d, lo, hi, ..*rows[i] }
+        }));
+    }
 }

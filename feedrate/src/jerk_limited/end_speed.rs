@@ -1,0 +1,65 @@
+//! Speeds at the ends that cannot be had: the largest that can, and the limit in the way.
+
+use super::{Binding, JerkLimited, NotSolved};
+use crate::error::FeedError;
+use crate::problem::FeedProblem;
+use crate::row::{Quantity, RowSource};
+
+/// Problems solved to find the largest speed: fewer on long grids, where one takes seconds.
+const MOST_TRIALS: usize = 14;
+const LEAST_TRIALS: usize = 4;
+
+/// Intervals that all trials together may plan on.
+const INTERVALS: usize = 100_000;
+
+/// What a planner says, or, where a speed at an end is to blame, how large that may be.
+pub(super) fn explain(planner: &JerkLimited, problem: &FeedProblem, why: NotSolved) -> FeedError {
+    let to_blame = matches!(why.error, FeedError::NotConverged { .. } | FeedError::SpeedOutOfReach { .. });
+    let asked = [problem.v_start(), problem.v_end()];
+    if !to_blame || asked == [0.0; 2] {
+        return why.error;
+    }
+    let trials = (INTERVALS / problem.intervals()).clamp(LEAST_TRIALS, MOST_TRIALS);
+    // Any tolerance will do to learn whether there is a motion.
+    let quick = JerkLimited { tolerance: planner.tolerance.max(1e-2) };
+    let search = Search { planner: quick, problem, trials };
+    // Which end alone is too fast; if neither is, the end for this start.
+    let [start, end] = asked;
+    let found = if start > 0.0 && search.is_possible([start, 0.0]).is_err() {
+        search.largest(start, |v| [v, 0.0]).map(|found| ("start speed", start, problem.grid()[0], found))
+    } else {
+        search.largest(end, |v| [start, v]).map(|found| ("end speed", end, problem.grid()[problem.intervals()], found))
+    };
+    let Some((what, speed, place, (highest, binding))) = found else { return why.error };
+    let (row, s) = binding.or(why.binding).unwrap_or((RowSource::path(Quantity::Ahead), place));
+    FeedError::SpeedOutOfReach { what, speed, lowest: 0.0, highest, row, s }
+}
+
+struct Search<'a> {
+    planner: JerkLimited,
+    problem: &'a FeedProblem,
+    trials: usize,
+}
+
+impl Search<'_> {
+    fn is_possible(&self, [start, end]: [f64; 2]) -> Result<(), NotSolved> {
+        let problem = self.problem.clone().with_end_speeds(start, end)?;
+        // With all rows, so that it shows which one binds.
+        self.planner.plan_or_why(&problem, 0).map(|_| ())
+    }
+
+    /// The largest speed below `asked` with which there is a motion, and what stands against more; nothing where even rest is
+    /// too much.
+    fn largest(&self, asked: f64, speeds: impl Fn(f64) -> [f64; 2]) -> Option<(f64, Option<Binding>)> {
+        self.is_possible(speeds(0.0)).ok()?;
+        let (mut possible, mut too_much, mut binding) = (0.0, asked, None);
+        for _ in 0..self.trials {
+            let middle = 0.5 * (possible + too_much);
+            match self.is_possible(speeds(middle)) {
+                Ok(()) => possible = middle,
+                Err(why) => (too_much, binding) = (middle, why.binding.or(binding)),
+            }
+        }
+        Some((possible, binding))
+    }
+}

@@ -1,0 +1,117 @@
+//! A problem made ready: checked, split next to rest, cut at its stops.
+
+use std::ops::Range;
+
+use super::refine::refined;
+use crate::constraint::Within;
+use crate::error::FeedError;
+use crate::problem::FeedProblem;
+use crate::scan::both_ends::{moves, squared_speeds};
+use crate::scan::reachability::Reachability;
+
+/// A stretch of grid between two stops, or an end of the path at a speed.
+#[derive(Debug, Clone)]
+pub(super) struct Part {
+    /// First and last grid point.
+    pub grid: Range<usize>,
+    pub speeds: [f64; 2],
+}
+
+impl Part {
+    /// Whether the motion can be slowed down as a whole: it starts and ends at rest, and every row holds at rest.
+    pub fn slows(&self, problem: &FeedProblem) -> bool {
+        self.speeds == [0.0; 2] && self.grid.clone().all(|i| stands(problem, i).is_ok())
+    }
+}
+
+/// The stretches between stops: grid points with a cap of 0.
+fn parts(problem: &FeedProblem) -> Result<Vec<Part>, FeedError> {
+    let n = problem.intervals();
+    let mut parts = Vec::new();
+    let mut from = 0;
+    for i in (1..=n).filter(|&i| i == n || problem.x_max(i) == 0.0) {
+        let speeds = [if from == 0 { problem.v_start() } else { 0.0 }, if i == n { problem.v_end() } else { 0.0 }];
+        let expected = 2 + speeds.iter().filter(|&&v| v == 0.0).count();
+        if i - from < expected {
+            return Err(FeedError::LengthMismatch {
+                what: "a stretch between two stops (intervals)",
+                got: i - from,
+                expected,
+            });
+        }
+        parts.push(Part { grid: from..i, speeds });
+        from = i;
+    }
+    Ok(parts)
+}
+
+/// Acceleration starts and ends at 0, so standing still must be possible where the motion does.
+fn stands(problem: &FeedProblem, i: usize) -> Result<(), FeedError> {
+    match problem.rows(i).iter().find(|row| !(row.lo <= row.d && row.d <= row.hi)) {
+        Some(row) => Err(FeedError::StaticallyInfeasible {
+            index: i,
+            s: problem.grid()[i],
+            row: row.source,
+            value: row.d,
+            limit: if row.d > row.hi { row.hi } else { row.lo },
+        }),
+        None => Ok(()),
+    }
+}
+
+/// As many intervals are taken on; with more of them the iterations get many.
+const MOST_INTERVALS: usize = 200_000;
+
+/// As many rows are taken on: with all that belongs to them, some two gigabytes.
+const MOST_ROWS: usize = 5_000_000;
+
+/// Refuses what would take minutes, or not fit into the memory of an ordinary machine.
+fn fits(problem: &FeedProblem) -> Result<(), FeedError> {
+    let got = problem.intervals();
+    if got > MOST_INTERVALS {
+        return Err(FeedError::TooMany { what: "intervals for the jerk-limited planner", got, most: MOST_INTERVALS });
+    }
+    // Points and both ends of every interval; those that bound the speed inside come on top.
+    let of = |k: usize| {
+        problem.rows(k).len() + 2 * (problem.middle_rows(k).len() + problem.jerk_rows(k, Within::Start).len())
+    };
+    let got = (0..problem.intervals()).map(of).sum();
+    let what = "rows of all intervals of the jerk-limited planner";
+    if got <= MOST_ROWS { Ok(()) } else { Err(FeedError::TooMany { what, got, most: MOST_ROWS }) }
+}
+
+/// A problem made ready.
+#[derive(Debug)]
+pub(super) struct Prepared {
+    /// With the intervals next to rest split.
+    pub problem: FeedProblem,
+    /// Squared speeds of a second-order planner.
+    pub fastest: Vec<f64>,
+    pub parts: Vec<Part>,
+}
+
+pub(super) fn prepare(problem: &FeedProblem) -> Result<Prepared, FeedError> {
+    if !problem.is_between_points() {
+        return Err(FeedError::Empty { what: "rows between the grid points (FeedProblem::between_points)" });
+    }
+    if !problem.has_jerk() {
+        return Err(FeedError::Empty { what: "limits on jerk" });
+    }
+    fits(problem)?;
+    let problem = refined(problem);
+    let fastest = squared_speeds(&problem).or_else(|error| match error {
+        // Reachability passes points at which standing still is impossible.
+        FeedError::StaticallyInfeasible { .. } => Reachability.squared_speeds(&problem),
+        error => Err(error),
+    })?;
+    moves(&problem, &fastest)?;
+    let parts = parts(&problem)?;
+    for part in &parts {
+        for (i, speed) in [part.grid.start, part.grid.end].into_iter().zip(part.speeds) {
+            if speed == 0.0 {
+                stands(&problem, i)?;
+            }
+        }
+    }
+    Ok(Prepared { problem, fastest, parts })
+}
