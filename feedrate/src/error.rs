@@ -269,6 +269,14 @@ pub enum FeedError {
         /// What is left of its measure of optimality or feasibility (relative).
         residual: f64,
     },
+    /// A scan with a look-ahead window does not know the end of the path in time to reach a speed there.
+    #[error(
+        "end speed {speed} is asked for, but a scan with a look-ahead window always plans to rest; remove the window or the end speed"
+    )]
+    WindowEndSpeed {
+        /// End speed asked for (m/s).
+        speed: f64,
+    },
     /// The end speed cannot be reached.
     #[error("end speed {speed} is out of reach: the fastest motion arrives at {highest}; ask for that or less")]
     EndTooFast {

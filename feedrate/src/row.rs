@@ -174,3 +174,46 @@ impl JerkRow {
         (self.alpha * w + self.beta * u + self.gamma * x) * x.sqrt()
     }
 }
+
+/// One limit over a whole interval of the grid, by magnitudes that its terms do not exceed anywhere on it. `v`, `u` and `j` are
+/// speed, acceleration and jerk along the path.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum IntervalBound {
+    /// `v <= most`.
+    Speed {
+        /// Greatest speed.
+        most: f64,
+        /// Where the bound comes from.
+        source: RowSource,
+    },
+    /// `a |u| + b v^2 + c v + rest <= limit`.
+    Acceleration {
+        /// Factor of the acceleration.
+        a: f64,
+        /// Factor of the squared speed.
+        b: f64,
+        /// Factor of the speed.
+        c: f64,
+        /// What remains at rest.
+        rest: f64,
+        /// Greatest value, above 0.
+        limit: f64,
+        /// Where the bound comes from.
+        source: RowSource,
+    },
+    /// `alpha |j| + beta v |u| + gamma v^3 + step v^2 <= limit`.
+    Jerk {
+        /// Factor of the jerk.
+        alpha: f64,
+        /// Factor of speed times acceleration.
+        beta: f64,
+        /// Factor of the cubed speed.
+        gamma: f64,
+        /// Jump of the acceleration at an end of the interval by the squared speed, over the time it is spread over.
+        step: f64,
+        /// Greatest value, above 0.
+        limit: f64,
+        /// Where the bound comes from.
+        source: RowSource,
+    },
+}

@@ -3,7 +3,7 @@
 use super::path::PathDerivatives;
 use super::{PathConstraint, Place, RowSink, Within};
 use crate::error::FeedError;
-use crate::row::{JerkRow, Quantity, Row, RowSource};
+use crate::row::{IntervalBound, JerkRow, Quantity, Row, RowSource};
 
 /// One limit per axis: not negative, may be infinite.
 fn per_axis(what: &'static str, path: &PathDerivatives<'_>, limits: &[f64]) -> Result<(), FeedError> {
@@ -72,6 +72,18 @@ impl PathConstraint for JointVelocity<'_> {
                 }
             }
             Place::Middle { k, h } => self.cap((0..self.path.axes()).map(|j| self.path.mid(k, h, j)[0]), out),
+        }
+    }
+
+    fn interval_bounds(&self, k: usize, h: f64, out: &mut Vec<IntervalBound>) {
+        for (j, &limit) in self.limits.iter().enumerate().filter(|(_, limit)| limit.is_finite()) {
+            let [rate, ..] = self.path.interval(k, h, j);
+            if rate > 0.0 {
+                out.push(IntervalBound::Speed {
+                    most: limit / rate,
+                    source: RowSource::joint(Quantity::JointVelocity, j),
+                });
+            }
         }
     }
 
@@ -147,6 +159,14 @@ impl PathConstraint for JointAcceleration<'_> {
             }
         }
     }
+
+    fn interval_bounds(&self, k: usize, h: f64, out: &mut Vec<IntervalBound>) {
+        for (j, &limit) in self.limits.iter().enumerate().filter(|(_, limit)| limit.is_finite()) {
+            let [a, b, _] = self.path.interval(k, h, j);
+            let source = RowSource::joint(Quantity::JointAcceleration, j);
+            out.push(IntervalBound::Acceleration { a, b, c: 0.0, rest: 0.0, limit, source });
+        }
+    }
 }
 
 /// `|(q' w + 3 q'' u + q''' x) sdot| <= jerk` for every joint.
@@ -202,6 +222,14 @@ impl PathConstraint for JointJerk<'_> {
             };
             let source = RowSource::joint(Quantity::JointJerk, j);
             out.push(JerkRow { alpha: p, beta: 3.0 * s, gamma: t, limit, source });
+        }
+    }
+
+    fn interval_bounds(&self, k: usize, h: f64, out: &mut Vec<IntervalBound>) {
+        for (j, &limit) in self.limits.iter().enumerate().filter(|(_, limit)| limit.is_finite()) {
+            let [alpha, second, gamma] = self.path.interval(k, h, j);
+            let (beta, step, source) = (3.0 * second, self.path.step(k, j), RowSource::joint(Quantity::JointJerk, j));
+            out.push(IntervalBound::Jerk { alpha, beta, gamma, step, limit, source });
         }
     }
 }

@@ -1,8 +1,9 @@
 //! Limits on joints and tool, each turned into rows along a path.
 //!
-//! A constraint yields its rows at every place of the grid: at the grid points, in the middle between two, and (jerk) at
-//! both ends of every interval, where the third derivatives of a spline jump. [`crate::FeedProblem`] collects them; nothing
-//! past that knows which constraint a row came from but by its [`RowSource`].
+//! A constraint states its limit once and answers for every use of it. It yields rows at every place of the grid: at the grid points,
+//! in the middle between two, and (jerk) at both ends of every interval, where the third derivatives of a spline jump; and it yields
+//! bounds that hold on a whole interval ([`IntervalBound`]). [`crate::FeedProblem`] collects them; nothing past that knows which
+//! constraint a row came from but by its [`RowSource`].
 
 mod joint;
 mod path;
@@ -14,7 +15,7 @@ pub use path::PathDerivatives;
 pub use tool::{Feed, SpeedCap, Stop, TangentialAcceleration, TangentialJerk};
 pub use torque::JointTorque;
 
-use crate::row::{JerkRow, Row, RowSource};
+use crate::row::{IntervalBound, JerkRow, Row, RowSource};
 
 /// A place on the grid at which rows are asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,6 +52,10 @@ pub trait PathConstraint {
 
     /// Appends its jerk rows at one place of interval `k` of length `h`, always the same number and in the same order.
     fn jerk_rows(&self, _k: usize, _h: f64, _within: Within, _out: &mut Vec<JerkRow>) {}
+
+    /// Appends what bounds the motion on the whole of interval `k` of length `h`: what the scans with S-profiles and motion that is
+    /// changed while it runs are planned by.
+    fn interval_bounds(&self, _k: usize, _h: f64, _out: &mut Vec<IntervalBound>) {}
 
     /// Speeds of axes by `s`, as Bernstein coefficients of a quadratic over interval `k` of length `h` that holds where
     /// the path is piecewise cubic; each with the limit (> 0) on the magnitude of the axis speed.

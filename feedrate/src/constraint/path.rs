@@ -15,6 +15,9 @@ pub struct PathDerivatives<'a> {
     after: [&'a [f64]; 3],
     before: [&'a [f64]; 3],
     middle: Option<[&'a [f64]; 2]>,
+    middle_third: Option<&'a [f64]>,
+    bounds: Option<[&'a [f64]; 3]>,
+    steps: Option<&'a [f64]>,
 }
 
 /// First, second and third derivative of one axis at one place.
@@ -31,7 +34,8 @@ impl<'a> PathDerivatives<'a> {
             return Err(FeedError::Empty { what: "path derivatives" });
         }
         let points = first.len() / axes;
-        let path = Self { axes, points, after: [first, second, &[]], before: [first, second, &[]], middle: None };
+        let (after, before) = ([first, second, &[] as &[f64]], [first, second, &[] as &[f64]]);
+        let path = Self { axes, points, after, before, middle: None, middle_third: None, bounds: None, steps: None };
         path.check("first derivatives", first)?;
         path.check("second derivatives", second)?;
         Ok(path)
@@ -75,15 +79,76 @@ impl<'a> PathDerivatives<'a> {
     /// # Errors
     /// [`FeedError::LengthMismatch`].
     pub fn with_middles(mut self, first: &'a [f64], second: &'a [f64]) -> Result<Self, FeedError> {
-        let expected = (self.points - 1) * self.axes;
         for (what, values) in [("first derivatives in the middle", first), ("second derivatives in the middle", second)]
         {
-            if values.len() != expected {
-                return Err(FeedError::LengthMismatch { what, got: values.len(), expected });
-            }
+            self.check_intervals(what, values)?;
         }
         self.middle = Some([first, second]);
         Ok(self)
+    }
+
+    /// Gives the third derivatives in the middle of every interval; without them the mean of both ends is taken, which is exact on a
+    /// quartic path.
+    ///
+    /// # Errors
+    /// [`FeedError::LengthMismatch`].
+    pub fn with_third_in_middles(mut self, third: &'a [f64]) -> Result<Self, FeedError> {
+        self.check_intervals("third derivatives in the middle", third)?;
+        self.middle_third = Some(third);
+        Ok(self)
+    }
+
+    /// Gives magnitudes that first, second and third derivatives do not exceed on every interval. Without them those of the
+    /// cubics through values and slopes at both ends are taken.
+    ///
+    /// # Errors
+    /// [`FeedError::LengthMismatch`].
+    pub fn with_bounds(mut self, bounds: [&'a [f64]; 3]) -> Result<Self, FeedError> {
+        let names = ["bounds of first derivatives", "bounds of second derivatives", "bounds of third derivatives"];
+        for (what, values) in names.into_iter().zip(bounds) {
+            self.check_intervals(what, values)?;
+        }
+        self.bounds = Some(bounds);
+        Ok(self)
+    }
+
+    /// Gives the magnitude by which the second derivatives jump at every grid point, over the time (s) that a controller spreads the
+    /// jump over. Only scans take such jumps while the path is in motion.
+    ///
+    /// # Errors
+    /// [`FeedError::LengthMismatch`].
+    pub fn with_steps(mut self, steps: &'a [f64]) -> Result<Self, FeedError> {
+        self.check("steps of the second derivatives", steps)?;
+        self.steps = Some(steps);
+        Ok(self)
+    }
+
+    fn check_intervals(&self, what: &'static str, values: &[f64]) -> Result<(), FeedError> {
+        let expected = (self.points - 1) * self.axes;
+        if values.len() == expected {
+            Ok(())
+        } else {
+            Err(FeedError::LengthMismatch { what, got: values.len(), expected })
+        }
+    }
+
+    /// Magnitudes that the three derivatives of axis `j` do not exceed on interval `k` of length `h`.
+    pub(super) fn interval(&self, k: usize, h: f64, j: usize) -> Jet {
+        if let Some(bounds) = self.bounds {
+            return bounds.map(|values| values[k * self.axes + j]);
+        }
+        let ([p0, s0, t0], [p1, s1, t1]) = (self.start(k, j), self.end(k + 1, j));
+        let (t0, t1) = if self.has_third() { (t0, t1) } else { ((s1 - s0) / h, (s1 - s0) / h) };
+        // The Bernstein coefficients of a cubic enclose it.
+        let enclose = |f0: f64, g0: f64, f1: f64, g1: f64| {
+            f0.abs().max((f0 + h * g0 / 3.0).abs()).max((f1 - h * g1 / 3.0).abs()).max(f1.abs())
+        };
+        [enclose(p0, s0, p1, s1), enclose(s0, t0, s1, t1), t0.abs().max(t1.abs())]
+    }
+
+    /// The larger step of axis `j` at both ends of interval `k`.
+    pub(super) fn step(&self, k: usize, j: usize) -> f64 {
+        self.steps.map_or(0.0, |steps| steps[k * self.axes + j].max(steps[(k + 1) * self.axes + j]))
     }
 
     fn check(&self, what: &'static str, values: &[f64]) -> Result<(), FeedError> {
@@ -160,7 +225,11 @@ impl<'a> PathDerivatives<'a> {
     /// Axis `j` in the middle of interval `k` of length `h`.
     pub(super) fn mid(&self, k: usize, h: f64, j: usize) -> Jet {
         let ([p0, s0, t0], [p1, s1, t1]) = (self.start(k, j), self.end(k + 1, j));
-        let third = if self.has_third() { 0.5 * (t0 + t1) } else { (s1 - s0) / h };
+        let third = match self.middle_third {
+            Some(third) => third[k * self.axes + j],
+            None if self.has_third() => 0.5 * (t0 + t1),
+            None => (s1 - s0) / h,
+        };
         if let Some([first, second]) = self.middle {
             return [first[k * self.axes + j], second[k * self.axes + j], third];
         }

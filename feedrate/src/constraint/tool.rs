@@ -2,13 +2,14 @@
 
 use super::{PathConstraint, Place, RowSink, Within};
 use crate::error::{FeedError, positive};
-use crate::row::{JerkRow, Quantity, Row, RowSource};
+use crate::row::{IntervalBound, JerkRow, Quantity, Row, RowSource};
 
 /// A cap on `ds/dt` at every grid point, from whatever source: see [`crate::caps`] for normal acceleration, normal jerk and
 /// chord error from the curvature, and divide a limit on angular speed by `|d angle / ds|`.
 #[derive(Debug, Clone, Copy)]
 pub struct SpeedCap<'a> {
     speeds: &'a [f64],
+    on_intervals: Option<&'a [f64]>,
     source: RowSource,
 }
 
@@ -23,8 +24,25 @@ impl<'a> SpeedCap<'a> {
         }
         match speeds.iter().find(|v| v.is_nan() || **v < 0.0) {
             Some(&value) => Err(FeedError::Negative { what: "speed cap", value }),
-            None => Ok(Self { speeds, source: RowSource::path(quantity) }),
+            None => Ok(Self { speeds, on_intervals: None, source: RowSource::path(quantity) }),
         }
+    }
+
+    /// Gives the greatest `ds/dt` on the whole of every interval (one less than there are points). Without it the lower of both ends is
+    /// taken, which holds where the cap does not sag between the points.
+    ///
+    /// # Errors
+    /// [`FeedError::LengthMismatch`], [`FeedError::Negative`] (also for NaN).
+    pub fn with_intervals(mut self, speeds: &'a [f64]) -> Result<Self, FeedError> {
+        let (got, expected) = (speeds.len(), self.speeds.len() - 1);
+        if got != expected {
+            return Err(FeedError::LengthMismatch { what: "speed caps on the intervals", got, expected });
+        }
+        if let Some(&value) = speeds.iter().find(|v| v.is_nan() || **v < 0.0) {
+            return Err(FeedError::Negative { what: "speed cap", value });
+        }
+        self.on_intervals = Some(speeds);
+        Ok(self)
     }
 }
 
@@ -39,6 +57,16 @@ impl PathConstraint for SpeedCap<'_> {
         match place {
             Place::Point(i) => out.cap(square(i), self.source),
             Place::Middle { k, .. } => out.cap(0.5 * (square(k) + square(k + 1)), self.source),
+        }
+    }
+
+    fn interval_bounds(&self, k: usize, _h: f64, out: &mut Vec<IntervalBound>) {
+        let most = match self.on_intervals {
+            Some(speeds) => speeds[k],
+            None => self.speeds[k].min(self.speeds[k + 1]),
+        };
+        if most.is_finite() {
+            out.push(IntervalBound::Speed { most, source: self.source });
         }
     }
 }
@@ -85,6 +113,10 @@ impl PathConstraint for Feed<'_> {
         }
     }
 
+    fn interval_bounds(&self, k: usize, _h: f64, out: &mut Vec<IntervalBound>) {
+        out.push(IntervalBound::Speed { most: self.per_interval[k], source: RowSource::path(Quantity::Feed) });
+    }
+
     fn axis_speeds(&self, k: usize, _h: f64, out: &mut dyn FnMut([f64; 3], f64, RowSource)) {
         out([1.0; 3], self.per_interval[k], RowSource::path(Quantity::Feed));
     }
@@ -112,6 +144,11 @@ impl PathConstraint for TangentialAcceleration {
     fn rows(&self, _place: Place, out: &mut RowSink<'_>) {
         out.row(Row::symmetric(1.0, 0.0, self.0, RowSource::path(Quantity::TangentialAcceleration)));
     }
+
+    fn interval_bounds(&self, _k: usize, _h: f64, out: &mut Vec<IntervalBound>) {
+        let source = RowSource::path(Quantity::TangentialAcceleration);
+        out.push(IntervalBound::Acceleration { a: 1.0, b: 0.0, c: 0.0, rest: 0.0, limit: self.0, source });
+    }
 }
 
 /// `|w sdot| <= jerk`: tangential jerk.
@@ -138,6 +175,11 @@ impl PathConstraint for TangentialJerk {
     fn jerk_rows(&self, _k: usize, _h: f64, _within: Within, out: &mut Vec<JerkRow>) {
         let source = RowSource::path(Quantity::TangentialJerk);
         out.push(JerkRow { alpha: 1.0, beta: 0.0, gamma: 0.0, limit: self.0, source });
+    }
+
+    fn interval_bounds(&self, _k: usize, _h: f64, out: &mut Vec<IntervalBound>) {
+        let source = RowSource::path(Quantity::TangentialJerk);
+        out.push(IntervalBound::Jerk { alpha: 1.0, beta: 0.0, gamma: 0.0, step: 0.0, limit: self.0, source });
     }
 }
 

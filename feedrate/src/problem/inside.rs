@@ -99,6 +99,7 @@ impl FeedProblem {
             middles: RowTable::with_capacity(places),
             speed_bounds: Vec::with_capacity(places),
             jerk_rows: Vec::with_capacity(3 * places * self.jerk_rows_per_place),
+            bounds: super::BoundTable::default(),
             ..*self
         };
         let mut cuts = cuts.iter().peekable();

@@ -1,8 +1,11 @@
 //! What a speed planner is given: a grid on the path, rows at its points, caps on the speed, speeds at both ends.
 
 mod inside;
+mod intervals;
 
 pub(crate) use inside::{InnerRow, inner_row, matching, quadratic};
+use intervals::BoundTable;
+pub use intervals::LimitPartition;
 
 use crate::constraint::{PathConstraint, Place, RowSink, Within};
 use crate::error::{FeedError, not_negative};
@@ -93,6 +96,7 @@ pub struct FeedProblem {
     speed_bounds: Vec<SpeedBound>,
     jerk_rows: Vec<JerkRow>,
     jerk_rows_per_place: usize,
+    bounds: BoundTable,
     v_start: f64,
     v_end: f64,
 }
@@ -147,6 +151,7 @@ impl FeedProblem {
             speed_bounds: Vec::new(),
             jerk_rows: Vec::new(),
             jerk_rows_per_place: 0,
+            bounds: BoundTable::default(),
             v_start: 0.0,
             v_end: 0.0,
         };
@@ -158,6 +163,7 @@ impl FeedProblem {
                 problem.middles.collect(Place::Middle { k, h }, constraints).map_err(|row| bad(k, row))?;
                 problem.speed_bounds.push(speed_bound(constraints, k, h).map_err(|row| bad(k, row))?);
             }
+            problem.bounds = BoundTable::collect(s, constraints);
         }
         Ok(problem)
     }

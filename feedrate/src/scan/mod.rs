@@ -3,8 +3,10 @@
 pub mod both_ends;
 mod ceiling;
 pub mod certified;
+pub mod fallback;
 mod feasible_pairs;
 pub mod joined;
+pub mod on_problem;
 mod pass;
 pub mod reachability;
 pub mod segment;

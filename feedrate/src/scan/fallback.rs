@@ -1,0 +1,92 @@
+//! The jerk-limited planner, and the scan where that finds nothing.
+
+use std::fmt;
+
+use super::both_ends::BothEndsScan;
+use super::on_problem::ContinuousAccelerationScan;
+use crate::error::FeedError;
+use crate::jerk_limited::JerkLimited;
+use crate::problem::{FeedPlanner, FeedProblem};
+use crate::speed_law::SpeedLaw;
+
+/// On grids of more intervals than this the quadratic spline of [`JerkLimited`] loses nothing to a profile of seven phases, and the
+/// scan is not run beside it.
+const COARSE: usize = 500;
+
+/// [`JerkLimited`]; [`ContinuousAccelerationScan`] where that finds no law, or where the grid is coarse and the scan's law is shorter.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct JerkLimitedOrScan {
+    /// The planner that comes first.
+    pub jerk_limited: JerkLimited,
+}
+
+/// Why a law is the scan's and not the jerk-limited planner's.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Fallback {
+    /// At a place where the motion does not stop the joints' accelerations have to step, which no jerk limit allows in zero time.
+    AccelerationStep {
+        /// Position of the place.
+        s: f64,
+    },
+    /// Its law was slower than the scan's.
+    Slower {
+        /// Duration of its law (s).
+        duration: f64,
+    },
+    /// It found none.
+    Failed(FeedError),
+}
+
+impl fmt::Display for Fallback {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::AccelerationStep { s } => write!(
+                f,
+                "the joints' accelerations have to step at s = {s:.6}, where the curvature or the turning of the tool jumps"
+            ),
+            Self::Slower { duration } => write!(f, "its plan takes {duration:.6} s, no less than the scan's"),
+            Self::Failed(error) => error.fmt(f),
+        }
+    }
+}
+
+impl JerkLimitedOrScan {
+    /// The law, and why it is not the jerk-limited planner's where it is not.
+    ///
+    /// # Errors
+    /// Those of the jerk-limited planner where neither finds a law; a limit that is broken at rest is named first.
+    pub fn choose(&self, problem: &FeedProblem) -> Result<(SpeedLaw, Option<Fallback>), FeedError> {
+        let scan = || {
+            // A bound holds for a whole interval; the rows name a place.
+            let at_rest = |error| match (error, BothEndsScan.plan(problem)) {
+                (FeedError::StaticallyInfeasible { .. }, Err(named)) => named,
+                (error, _) => error,
+            };
+            ContinuousAccelerationScan.plan(problem).map_err(at_rest)
+        };
+        if let Some(i) = problem.first_acceleration_step() {
+            return Ok((scan()?, Some(Fallback::AccelerationStep { s: problem.grid()[i] })));
+        }
+        match self.jerk_limited.plan(problem) {
+            Ok(law) if problem.intervals() > COARSE => Ok((law, None)),
+            Ok(law) => Ok(match scan() {
+                Ok(scanned) if law.duration() >= scanned.duration() => {
+                    (scanned, Some(Fallback::Slower { duration: law.duration() }))
+                }
+                _ => (law, None),
+            }),
+            Err(error) => match scan() {
+                Ok(scanned) => Ok((scanned, Some(Fallback::Failed(error)))),
+                Err(still @ FeedError::StaticallyInfeasible { .. }) => Err(still),
+                Err(_) => Err(error),
+            },
+        }
+    }
+}
+
+impl FeedPlanner for JerkLimitedOrScan {
+    fn plan(&self, problem: &FeedProblem) -> Result<SpeedLaw, FeedError> {
+        self.choose(problem).map(|(law, _)| law)
+    }
+}
