@@ -65,6 +65,7 @@ mod speed;
 mod torque;
 mod trajectory;
 mod verify;
+mod withheld;
 
 pub use arm::{MIN_SINGULAR_VALUE, PathArm};
 pub use constraints::Shares;
@@ -88,3 +89,4 @@ pub use speed::{SpeedCursor, SpeedLaw};
 pub use torque::TorqueLimits;
 pub use trajectory::Setpoint;
 pub use verify::{Check, Quantity, Requirement, Verification, verify};
+pub use withheld::Cause;
