@@ -178,6 +178,14 @@ impl<const D: usize> ArcLengthCurve<D> {
         self.pieces.len()
     }
 
+    /// Arc lengths at which the pieces of the map end, the last at the length.
+    ///
+    /// A piece is as long as the speed `|C'|` is smooth, so that the ends crowd around sharp bends: between two of them
+    /// no bend hides.
+    pub fn map_ends(&self) -> impl ExactSizeIterator<Item = f64> + '_ {
+        self.pieces.iter().map(|piece| piece.end)
+    }
+
     #[inline]
     fn find(&self, s: f64) -> usize {
         let b = (s * self.bucket_scale) as usize;
@@ -232,7 +240,7 @@ impl<const D: usize> ArcLengthCurve<D> {
     #[inline]
     pub fn jet(&self, s: f64) -> Jet<D> {
         let m = &self.pieces[self.find(s)];
-        self.curve.pieces().jet(m.piece as usize, m.local(s)).by_arc_length()
+        self.with_end(s, self.curve.pieces().jet_by_arc_length(m.piece as usize, m.local(s)))
     }
 
     /// Like [`ArcLengthCurve::jet`], with the derivatives from the left where they jump.
@@ -242,12 +250,24 @@ impl<const D: usize> ArcLengthCurve<D> {
             i -= 1;
         }
         let m = &self.pieces[i];
-        self.curve.pieces().jet(m.piece as usize, m.local(s)).by_arc_length()
+        self.with_end(s, self.curve.pieces().jet_by_arc_length(m.piece as usize, m.local(s)))
+    }
+
+    /// The jet with the exact point at the ends.
+    #[inline(always)]
+    fn with_end(&self, s: f64, jet: Jet<D>) -> Jet<D> {
+        match self.curve.end(s, (0.0, self.length)) {
+            Some(&point) => Jet { point, ..jet },
+            None => jet,
+        }
     }
 
     /// Position at the arc length `s`.
     #[inline]
     pub fn point(&self, s: f64) -> SVector<f64, D> {
+        if let Some(&end) = self.curve.end(s, (0.0, self.length)) {
+            return end;
+        }
         let m = &self.pieces[self.find(s)];
         self.curve.pieces().point(m.piece as usize, m.local(s))
     }
@@ -309,6 +329,9 @@ impl<const D: usize> Builder<'_, D> {
                 self.pieces.push(MapPiece { start, end, middle, scale, c, piece: piece as u32 });
                 return Ok(());
             }
+            // Shorter than the resolution of the arc length: no place falls into it. Its length waits for the next.
+            self.lost -= total;
+            return Ok(());
         }
         let middle = 0.5 * (t0 + t1);
         if halvings == 0 {

@@ -1,6 +1,6 @@
-//! Decomposition of a NURBS curve into rational Bezier pieces.
+//! Decomposition of a NURBS curve into pieces: rational Bezier pieces, and powers about a middle.
 
-use crate::bezier::{Homogeneous, RationalBezier};
+use crate::bezier::{Homogeneous, RationalBezier, lerp};
 use crate::nurbs::NurbsCurve;
 
 impl<const D: usize> NurbsCurve<D> {
@@ -35,10 +35,47 @@ pub(crate) fn span_control_points(t: &[f64], points: &[Homogeneous], p: usize, k
                     let left = t[k - p + i];
                     let right = t[k + 1 + i - r];
                     let alpha = (u - left) / (right - left);
-                    d[i] = crate::bezier::lerp(&d[i - 1], &d[i], alpha);
+                    d[i] = lerp(&d[i - 1], &d[i], alpha);
                 }
             }
             d[p]
         })
         .collect()
+}
+
+/// Coefficients, constant term first, of the span `[t[k], t[k + 1]]` in powers of `(u - middle) / half`; appended to `out`.
+///
+/// The coefficient of order `r` is `half^r / r!` times the derivative of that order: that of the spline on the
+/// differences of the control points ("The NURBS Book", eq. 3.8), by de Boor's algorithm. Each difference is divided by
+/// the width of as many knots as its order leaves, so that a span far narrower than its neighbours costs no digits: a
+/// difference of its Bezier points would be lost in their rounding.
+pub(crate) fn span_powers(
+    t: &[f64],
+    points: &[Homogeneous],
+    (p, k): (usize, usize),
+    (middle, half): (f64, f64),
+    out: &mut Vec<Homogeneous>,
+) {
+    let mut difference = points[k - p..=k].to_vec();
+    let mut d = difference.clone();
+    for order in 0..=p {
+        let q = p - order;
+        if order > 0 {
+            for i in 0..=q {
+                let width = t[k + 1 + i] - t[k - q + i];
+                let factor = (q + 1) as f64 / order as f64 * (half / width);
+                let (a, b) = (difference[i], difference[i + 1]);
+                difference[i] = std::array::from_fn(|l| factor * (b[l] - a[l]));
+            }
+        }
+        d[..=q].copy_from_slice(&difference[..=q]);
+        for r in 1..=q {
+            for i in (r..=q).rev() {
+                let left = t[k - q + i];
+                let alpha = (middle - left) / (t[k + 1 + i - r] - left);
+                d[i] = lerp(&d[i - 1], &d[i], alpha);
+            }
+        }
+        out.push(d[q]);
+    }
 }

@@ -120,6 +120,21 @@ pub enum GeometryError {
         /// Degree of the curve.
         degree: usize,
     },
+    /// A span is too narrow for double precision, and its ends cannot count as one knot.
+    #[error(
+        "knots {index} and {} at {value} lie {width:e} apart, and at least {least:e} is needed where so many stand together: give them the same value and remove the points between, or spread them",
+        index + 1
+    )]
+    KnotsTooClose {
+        /// Index of the first of the two, from 0.
+        index: usize,
+        /// Its value.
+        value: f64,
+        /// Distance between the two.
+        width: f64,
+        /// Least distance.
+        least: f64,
+    },
     /// All knots of the domain coincide.
     #[error("the domain [{start}, {end}] is empty: the knots from index degree to index points must span an interval")]
     EmptyDomain {

@@ -9,11 +9,14 @@ use crate::basis::basis_functions;
 use crate::chord::check_positive;
 use crate::curve::Curve;
 use crate::error::GeometryError;
-use crate::knots::KnotVector;
+use crate::knots::{KnotVector, NARROWEST};
 use crate::nurbs::{NurbsCurve, check_points};
 
 /// Highest degree of a fitted curve; above it the equations lose their digits.
 const MAX_DEGREE: usize = 15;
+
+/// Parameters closer together than this are not told apart.
+const RESOLVED: f64 = 2.0 * NARROWEST;
 
 /// Rounds of knot placement after which the least-squares fit gives way to interpolation.
 const MAX_ROUNDS: usize = 64;
@@ -121,9 +124,9 @@ fn spaced<const D: usize>(points: &[SVector<f64, D>], spacing: Spacing) -> Resul
     for (index, w) in points.windows(2).enumerate() {
         sum += step(&w[0], &w[1]);
         let u = if index + 2 == points.len() { 1.0 } else { sum / total };
-        // Also where two points differ, but by less than the parameter can resolve. Not `<=`: NaN fails too.
+        // Also where two points differ, but by less than the parameter can resolve.
         let last = out[index];
-        if u <= last || u.is_nan() || (u >= 1.0 && index + 2 < points.len()) {
+        if u.is_nan() || u - last < RESOLVED || (1.0 - u < RESOLVED && index + 2 < points.len()) {
             return Err(GeometryError::DuplicatePoints { index, distance: (w[1] - w[0]).norm() });
         }
         out.push(u);

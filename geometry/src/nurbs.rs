@@ -2,9 +2,9 @@
 
 use nalgebra::SVector;
 
-use crate::bezier::{self, Homogeneous, to_centred_powers};
+use crate::bezier::{self, Homogeneous};
 use crate::curve::{Curve, Jet};
-use crate::decompose::span_control_points;
+use crate::decompose::span_powers;
 use crate::error::GeometryError;
 use crate::knots::{KnotVector, check_degree};
 
@@ -19,7 +19,8 @@ const BUCKETS_PER_PIECE: usize = 16;
 ///
 /// `C(u) = sum w_i N_i(u) P_i / sum w_i N_i(u)` (Liu et al. 2023, eqs. 1-3). A value that exists is valid: finite points,
 /// weights above 0, non-decreasing knots. Evaluation runs on power-basis pieces that are prepared once at construction;
-/// it allocates nothing.
+/// it allocates nothing. At an end where the first or last knot stands degree + 1 times the point is the control point,
+/// to the last bit.
 ///
 /// ```
 /// use arcfeed_geometry::{Curve, NurbsCurve, nalgebra::vector};
@@ -43,6 +44,8 @@ pub struct NurbsCurve<const D: usize> {
     knots: KnotVector,
     homogeneous: Vec<Homogeneous>,
     pieces: Pieces,
+    /// Points at both ends of the domain.
+    ends: [SVector<f64, D>; 2],
 }
 
 /// What defines the curve, without the tables prepared for its evaluation.
@@ -106,7 +109,8 @@ impl<const D: usize> NurbsCurve<D> {
             .collect();
         let rational = weights.iter().any(|&w| w != weights[0]);
         let pieces = Pieces::build(&knots, &homogeneous, rational);
-        let this = Self { points, weights, knots, homogeneous, pieces };
+        let ends = pieces.ends(&knots, &points);
+        let this = Self { points, weights, knots, homogeneous, pieces, ends };
         this.check_jumps()?;
         Ok(this)
     }
@@ -155,6 +159,18 @@ impl<const D: usize> NurbsCurve<D> {
         &self.homogeneous
     }
 
+    /// Point at the first or last parameter, where `at` is no further inside than `start` or `end`.
+    #[inline(always)]
+    pub(crate) fn end(&self, at: f64, (start, end): (f64, f64)) -> Option<&SVector<f64, D>> {
+        if at <= start {
+            Some(&self.ends[0])
+        } else if at >= end {
+            Some(&self.ends[1])
+        } else {
+            None
+        }
+    }
+
     /// Evaluation pieces, for whoever walks along the curve and knows in which piece it is.
     pub(crate) fn pieces(&self) -> &Pieces {
         &self.pieces
@@ -185,6 +201,7 @@ impl NurbsCurve<2> {
             knots: self.knots.clone(),
             homogeneous: self.homogeneous.clone(),
             pieces: self.pieces.clone(),
+            ends: self.ends.map(|p| p.push(0.0)),
         }
     }
 }
@@ -228,7 +245,11 @@ impl<const D: usize> Curve<D> for NurbsCurve<D> {
     fn jet(&self, u: f64) -> Jet<D> {
         let p = &self.pieces;
         let i = p.find(u);
-        p.jet(i, p.local(i, u))
+        let jet = p.jet(i, p.local(i, u));
+        match self.end(u, p.domain) {
+            Some(&point) => Jet { point, ..jet },
+            None => jet,
+        }
     }
 
     fn jet_left(&self, u: f64) -> Jet<D> {
@@ -237,12 +258,19 @@ impl<const D: usize> Curve<D> for NurbsCurve<D> {
         if i > 0 && u <= p.frames[i].start {
             i -= 1;
         }
-        p.jet(i, p.local(i, u))
+        let jet = p.jet(i, p.local(i, u));
+        match self.end(u, p.domain) {
+            Some(&point) => Jet { point, ..jet },
+            None => jet,
+        }
     }
 
     #[inline]
     fn point(&self, u: f64) -> SVector<f64, D> {
         let p = &self.pieces;
+        if let Some(&end) = self.end(u, p.domain) {
+            return end;
+        }
         let i = p.find(u);
         p.point(i, p.local(i, u))
     }
@@ -270,8 +298,9 @@ pub(crate) struct Pieces {
     order: usize,
     rational: bool,
     buckets: Vec<u32>,
-    bucket_start: f64,
     bucket_scale: f64,
+    /// First and last parameter.
+    domain: (f64, f64),
 }
 
 impl Pieces {
@@ -283,7 +312,6 @@ impl Pieces {
         let mut frames = Vec::new();
         let mut coefficients = Vec::new();
         for k in knots.spans() {
-            let span = span_control_points(t, points, p, k);
             let (a, b) = (t[k], t[k + 1]);
             for j in 0..parts {
                 let at = |i: usize| {
@@ -293,13 +321,13 @@ impl Pieces {
                 if start >= end {
                     continue;
                 }
-                let mut part = span.clone();
-                bezier::restrict(&mut part, j as f64 / parts as f64, (j + 1) as f64 / parts as f64);
-                to_centred_powers(&part, &mut coefficients);
-                frames.push(Frame { start, end, middle: 0.5 * (start + end), scale: 2.0 / (end - start) });
+                let (middle, half) = (0.5 * (start + end), 0.5 * (end - start));
+                span_powers(t, points, (p, k), (middle, half), &mut coefficients);
+                frames.push(Frame { start, end, middle, scale: 1.0 / half });
             }
         }
         let (bucket_start, end) = knots.domain();
+        let domain = (bucket_start, end);
         // Many more buckets than pieces: a parameter that shares its bucket with a knot costs a mispredicted branch.
         let n = BUCKETS_PER_PIECE * frames.len();
         let bucket_scale = n as f64 / (end - bucket_start);
@@ -313,14 +341,23 @@ impl Pieces {
             }
             buckets.push(piece as u32);
         }
-        Self { frames, coefficients, order: p + 1, rational, buckets, bucket_start, bucket_scale }
+        Self { frames, coefficients, order: p + 1, rational, buckets, bucket_scale, domain }
+    }
+
+    /// Points at both ends: the control points there, where the ends are clamped.
+    fn ends<const D: usize>(&self, knots: &KnotVector, points: &[SVector<f64, D>]) -> [SVector<f64, D>; 2] {
+        let (t, last) = (knots.as_slice(), self.frames.len() - 1);
+        [
+            if t[0] == self.domain.0 { points[0] } else { self.point(0, -1.0) },
+            if t[t.len() - 1] == self.domain.1 { points[points.len() - 1] } else { self.point(last, 1.0) },
+        ]
     }
 
     /// Index of the piece that holds `u`; parameters outside are taken to the first or last piece.
     #[inline(always)]
     pub fn find(&self, u: f64) -> usize {
         // A negative or NaN product becomes 0, a large one saturates.
-        let b = ((u - self.bucket_start) * self.bucket_scale) as usize;
+        let b = ((u - self.domain.0) * self.bucket_scale) as usize;
         let mut i = self.buckets[b.min(self.buckets.len() - 1)] as usize;
         while i + 1 < self.frames.len() && u >= self.frames[i].end {
             i += 1;
@@ -356,12 +393,24 @@ impl Pieces {
     /// Jet of piece `i` at the local parameter `t`, derivatives by the curve's parameter.
     #[inline(always)]
     pub fn jet<const D: usize>(&self, i: usize, t: f64) -> Jet<D> {
+        self.jet_by(i, t, self.frames[i].scale)
+    }
+
+    /// Jet of piece `i` at the local parameter `t`, derivatives by arc length. They do not go through the curve's
+    /// parameter, which may be on any scale.
+    #[inline(always)]
+    pub fn jet_by_arc_length<const D: usize>(&self, i: usize, t: f64) -> Jet<D> {
+        self.jet_by(i, t, 1.0).by_arc_length()
+    }
+
+    /// Jet of piece `i` at the local parameter `t`, derivatives by `t / k`.
+    #[inline(always)]
+    fn jet_by<const D: usize>(&self, i: usize, t: f64, k: f64) -> Jet<D> {
         let c = self.coefficients(i);
         let [h0, h1, h2, h3] = match <&[Homogeneous; 4]>::try_from(c) {
             Ok(cubic) => taylor(cubic, t),
             Err(_) => taylor_of_any_degree(c, t),
         };
-        let k = self.frames[i].scale;
         let (k1, k2, k3) = (k, 2.0 * k * k, 6.0 * k * k * k);
         if !self.rational {
             return Jet {

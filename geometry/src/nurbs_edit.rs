@@ -9,11 +9,13 @@ use crate::error::GeometryError;
 use crate::nurbs::NurbsCurve;
 
 impl<const D: usize> NurbsCurve<D> {
-    /// The same curve with the knot `u` inserted `times` times (Boehm's algorithm; Liu et al. 2023, eqs. 4-7).
+    /// The same curve with the knot `u` inserted `times` times (Boehm's algorithm; Liu et al. 2023, eqs. 4-7). A value
+    /// that counts as a knot of the curve (see [`KnotVector`](crate::KnotVector)) is inserted as that knot.
     ///
     /// # Errors
     /// When `u` lies outside the domain, or would stand there more than degree times.
     pub fn with_knot(&self, u: f64, times: usize) -> Result<Self, GeometryError> {
+        let u = self.knots().snapped(u);
         self.check_insertion(u, times)?;
         let (mut knots, mut points) = (self.knots().as_slice().to_vec(), self.homogeneous().to_vec());
         for _ in 0..times {
@@ -27,13 +29,13 @@ impl<const D: usize> NurbsCurve<D> {
     /// # Errors
     /// As [`NurbsCurve::with_knot`], for the smallest value that breaks a rule.
     pub fn refined(&self, new_knots: &[f64]) -> Result<Self, GeometryError> {
-        let mut sorted = new_knots.to_vec();
+        let mut sorted: Vec<f64> = new_knots.iter().map(|&u| self.knots().snapped(u)).collect();
         sorted.sort_by(f64::total_cmp);
         for run in sorted.chunk_by(|a, b| a == b) {
             self.check_insertion(run[0], run.len())?;
         }
         let (mut knots, mut points) = (self.knots().as_slice().to_vec(), self.homogeneous().to_vec());
-        for &u in new_knots {
+        for &u in &sorted {
             insert(&mut knots, &mut points, self.degree(), u);
         }
         self.rebuilt(self.degree(), &points, knots)
@@ -45,6 +47,7 @@ impl<const D: usize> NurbsCurve<D> {
     /// When `u` does not lie strictly inside the domain.
     pub fn split(&self, u: f64) -> Result<(Self, Self), GeometryError> {
         let (start, end) = self.domain();
+        let u = self.knots().snapped(u);
         if !(start < u && u < end) {
             return Err(GeometryError::OutsideDomain { value: u, start, end });
         }

@@ -33,20 +33,20 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    fn between(&mut self, low: f64, high: f64) -> f64 {
+    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * ((self.next() >> 11) as f64 / (1u64 << 53) as f64)
     }
 
     /// A number whose logarithm is evenly spread.
-    fn log(&mut self, low: f64, high: f64) -> f64 {
+    pub(crate) fn log(&mut self, low: f64, high: f64) -> f64 {
         self.between(low.ln(), high.ln()).exp()
     }
 
-    fn below(&mut self, n: u64) -> u64 {
+    pub(crate) fn below(&mut self, n: u64) -> u64 {
         self.next() % n
     }
 
-    fn vector(&mut self, size: f64) -> Vector3<f64> {
+    pub(crate) fn vector(&mut self, size: f64) -> Vector3<f64> {
         Vector3::new(self.between(-size, size), self.between(-size, size), self.between(-size, size))
     }
 }

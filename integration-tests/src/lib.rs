@@ -6,3 +6,4 @@ struct Readme;
 
 pub mod counting;
 pub mod hybrid_scenario;
+pub mod tight_bends;

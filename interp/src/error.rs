@@ -6,6 +6,7 @@ use arcfeed_kinematics::{Joints, KinematicsError};
 use thiserror::Error;
 
 use crate::schedule::ScheduleParameter;
+use crate::withheld::Cause;
 
 /// Everything that can go wrong between a tool path and a joint trajectory.
 ///
@@ -70,12 +71,12 @@ pub enum PlanError {
     },
     /// A motion takes longer than can be verified.
     #[error(
-        "the motion takes {duration:.3e} s, more than the {longest:.3e} s that can be verified at this control period: raise the limits, lengthen the period, or split the path"
+        "the motion takes {duration:.3e} s, more than the {longest:.3e} s that are planned at this control period: raise the limits, lengthen the period, or split the path"
     )]
     TooLong {
         /// Duration, s.
         duration: f64,
-        /// Longest duration that is verified at the control period, s.
+        /// Longest duration that is taken at the control period, s.
         longest: f64,
     },
     /// The arm cannot stand at a place of a scheduled motion, or would have to jump there.
@@ -231,7 +232,7 @@ pub enum PlanError {
     #[error(transparent)]
     Hybrid(#[from] crate::hybrid::HybridError),
     /// The finished trajectory breaks a limit; it must not be executed.
-    #[error("the finished trajectory breaks a limit and is withheld: {quantity} reaches {:.4} % of its limit at s = {s:.6} m, t = {t:.4} s; lower the feed or the accelerations, and please report the job", 100.0 * ratio)]
+    #[error("the finished trajectory breaks a limit and is withheld: {quantity} reaches {:.4} % of its limit at s = {s:.6} m, t = {t:.4} s; {cause}", 100.0 * ratio)]
     Unverified {
         /// Which limit, in words.
         quantity: String,
@@ -241,6 +242,8 @@ pub enum PlanError {
         s: f64,
         /// When, s.
         t: f64,
+        /// What is special about the place.
+        cause: Cause,
     },
 }
 

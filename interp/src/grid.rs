@@ -10,50 +10,80 @@ const RATIO: f64 = 0.2;
 /// Part of the jerk limit that a path between two grid points may need more than its ends say; its middle is in the rows too, so that
 /// what is left is far less.
 const WRONG: f64 = 0.014;
-/// An interval is halved at most this often for the sake of both.
-const HALVINGS: u32 = 14;
+/// An interval is halved at most this often for the sake of both: down to 1e-11 of the path.
+const HALVINGS: u32 = 30;
 /// At least so many intervals, so that the arm's own nonlinearity is seen on straight paths.
 const LEAST: usize = 100;
+/// Borders this close to a knot or to each other are one, as a part of the length.
+const CLOSE: f64 = 1e-9;
+/// Places this close together are the same knot, as a part of the length.
+const SAME: f64 = 2e-12;
 
 /// Increasing arc lengths from 0 to the path's length: `knots` and `breaks` (borders of sections, chord segments), refined where
 /// the path bends.
 ///
 /// The measure is the speed that curvature and its derivative allow, capped at the feed: where the feed is the limit
-/// anyway no points are spent.
+/// anyway no points are spent. It is looked at wherever the arc length of the curve needed a piece of its own, so that no
+/// bend hides between two points.
 pub(crate) fn build(path: &PosePath, knots: &[f64], breaks: &[f64], limits: &ToolLimits) -> Vec<f64> {
     let length = path.length();
+    let merged = borders(knots, breaks, length);
+    let mut probes = Vec::new();
+    let mut before = 0.0;
+    for end in path.curve().map_ends() {
+        probes.extend([0.5 * (before + end), end].map(|s| Place::at(path, s, limits)));
+        before = end;
+    }
+    let mut grid = Refinement { path, limits, probes, out: vec![0.0] };
+    for pair in merged.windows(2) {
+        let (a, b) = (pair[0], pair[1]);
+        let parts = ((b - a) / length * LEAST as f64).ceil().max(1.0) as usize;
+        // Inside the knots, so that one-sided derivatives belong to this interval.
+        let inset = (CLOSE * length).min(0.25 * (b - a));
+        let mut left = Place { s: a, ..grid.look(a + inset) };
+        for i in 1..=parts {
+            let end = if i == parts { b } else { a + (b - a) * i as f64 / parts as f64 };
+            let right = Place { s: end, ..grid.look(end - inset) };
+            grid.refine(&left, &right, HALVINGS);
+            left = right;
+        }
+    }
+    grid.out
+}
+
+/// All knots, and the breaks that do not stand next to one of them or to each other.
+fn borders(knots: &[f64], breaks: &[f64], length: f64) -> Vec<f64> {
+    let is_knot = |s: f64| knots.binary_search_by(|k| k.total_cmp(&s)).is_ok();
     let mut base: Vec<f64> = knots.iter().chain(breaks).copied().filter(|s| *s >= 0.0 && *s <= length).collect();
     base.sort_by(f64::total_cmp);
-    // Keep knots exactly; drop breaks that stand next to one.
-    let close = 1e-9 * length;
     let mut merged: Vec<f64> = Vec::with_capacity(base.len());
     for s in base {
         match merged.last_mut() {
-            Some(last) if s - *last <= close => {
-                if knots.binary_search_by(|k| k.total_cmp(&s)).is_ok() {
+            Some(last) if s == *last => {}
+            Some(last) if s - *last <= CLOSE * length && !(is_knot(s) && is_knot(*last)) => {
+                if is_knot(s) {
                     *last = s;
                 }
             }
             _ => merged.push(s),
         }
     }
+    merged
+}
 
-    let look = |s: f64| Place::at(path, s, limits);
-    let mut out = vec![0.0];
-    for pair in merged.windows(2) {
-        let (a, b) = (pair[0], pair[1]);
-        let parts = ((b - a) / length * LEAST as f64).ceil().max(1.0) as usize;
-        // Inside the knots, so that one-sided derivatives belong to this interval.
-        let inset = close.min(0.25 * (b - a));
-        let mut left = Place { s: a, ..look(a + inset) };
-        for i in 1..=parts {
-            let end = if i == parts { b } else { a + (b - a) * i as f64 / parts as f64 };
-            let right = Place { s: end, ..look(end - inset) };
-            refine(&look, limits, &left, &right, HALVINGS, &mut out);
-            left = right;
-        }
-    }
-    out
+/// The grid points nearest to `corners`, each once: corners closer together than the grid keeps apart are one. None of
+/// them is an end, where the tool stops anyway.
+pub(crate) fn stops(grid: &[f64], corners: impl Iterator<Item = f64>) -> Vec<usize> {
+    let mut stops: Vec<usize> = corners
+        .map(|s| {
+            let after = grid.partition_point(|&g| g < s).min(grid.len() - 1);
+            let before = after.saturating_sub(1);
+            if s - grid[before] < grid[after] - s { before } else { after }
+        })
+        .filter(|&i| i > 0 && i + 1 < grid.len())
+        .collect();
+    stops.dedup();
+    stops
 }
 
 /// What the path is like at one place.
@@ -82,16 +112,42 @@ impl Place {
     }
 }
 
-fn refine(look: &impl Fn(f64) -> Place, limits: &ToolLimits, a: &Place, b: &Place, halvings: u32, out: &mut Vec<f64>) {
-    let m = look(0.5 * (a.s + b.s));
-    let fastest = a.pace.max(b.pace).max(m.pace);
-    let spread = (fastest / a.pace.min(b.pace).min(m.pace)).ln();
-    // Between grid points the third derivative is taken as linear: the jerk by which that is wrong.
-    let wrong = (m.third - (a.third + b.third) * 0.5).norm() * m.pace.powi(3);
-    if (spread > RATIO || wrong > WRONG * limits.tangential_jerk) && halvings > 0 {
-        refine(look, limits, a, &m, halvings - 1, out);
-        refine(look, limits, &m, b, halvings - 1, out);
-    } else {
-        out.push(b.s);
+/// A grid in the making.
+struct Refinement<'a> {
+    path: &'a PosePath,
+    limits: &'a ToolLimits,
+    /// Places where a bend would show, by arc length.
+    probes: Vec<Place>,
+    out: Vec<f64>,
+}
+
+impl Refinement<'_> {
+    fn look(&self, s: f64) -> Place {
+        Place::at(self.path, s, self.limits)
+    }
+
+    /// Appends the points after `a` up to `b`.
+    fn refine(&mut self, a: &Place, b: &Place, halvings: u32) {
+        let m = self.look(0.5 * (a.s + b.s));
+        // Not at the ends, where the derivatives may jump.
+        let close = (SAME * self.path.length()).min(0.25 * (b.s - a.s));
+        let [from, to] = [a.s + close, b.s - close].map(|s| self.probes.partition_point(|p| p.s < s));
+        let seen = self.probes[from..to].iter().chain([&m]);
+        let (slowest, fastest) = seen
+            .clone()
+            .chain([a, b])
+            .fold((f64::INFINITY, 0.0f64), |(low, high), p| (low.min(p.pace), high.max(p.pace)));
+        // Between grid points the third derivative is taken as linear: the jerk by which that is wrong.
+        let wrong = seen.fold(0.0f64, |most, p| {
+            let x = (p.s - a.s) / (b.s - a.s);
+            most.max((p.third - (a.third * (1.0 - x) + b.third * x)).norm() * p.pace.powi(3))
+        });
+        let coarse = (fastest / slowest).ln() > RATIO || wrong > WRONG * self.limits.tangential_jerk;
+        if coarse && halvings > 0 && a.s < m.s && m.s < b.s {
+            self.refine(a, &m, halvings - 1);
+            self.refine(&m, b, halvings - 1);
+        } else {
+            self.out.push(b.s);
+        }
     }
 }

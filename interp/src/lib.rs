@@ -63,6 +63,7 @@ mod singular;
 mod torque;
 mod trajectory;
 mod verify;
+mod withheld;
 
 pub use arm::{MIN_SINGULAR_VALUE, PathArm};
 pub use constraints::Shares;
@@ -85,3 +86,4 @@ pub use singular::{Detour, LiveRoute, SingularityPolicy, Stretch, Trouble};
 pub use torque::TorqueLimits;
 pub use trajectory::Setpoint;
 pub use verify::{Check, Quantity, Requirement, Verification, verify};
+pub use withheld::Cause;

@@ -117,7 +117,8 @@ where
         let feeds = Feeds { elsewhere: self.tool.feed, sections: &sections };
         breaks.extend(sections.iter().flat_map(|section| [section.from, section.to]));
         let knots = path.knots();
-        let mut grid = grid::build(&path, &knots, &breaks, &self.tool.at_feed(feeds.highest()));
+        let reachable = self.reachable(path.length());
+        let mut grid = grid::build(&path, &knots, &breaks, &self.tool.at_feed(feeds.highest().min(reachable)));
         let close = 1e-9 * path.length();
         grid.retain(|&s| from + close < s && s < to - close);
         grid.insert(0, from);
@@ -131,7 +132,7 @@ where
             check_range(&joint_path, lower, upper)?;
             let corners = path.corners(CORNER);
             let inside = corners.iter().filter(|corner| from + close < corner.s && corner.s < to - close);
-            let stops: Vec<usize> = inside.map(|corner| grid.partition_point(|&s| s < corner.s)).collect();
+            let stops = grid::stops(&grid, inside.map(|corner| corner.s));
             let reaches = Reaches::of(&path, &joint_path, &stops);
             let torque = self.torque.map(|torque| {
                 let middles = rows::middles(self.arm, &path, &joint_path);
@@ -139,7 +140,7 @@ where
             });
             // At a border the lower feed counts, as borders may stand beside a grid point.
             let feed = |pair: &[f64]| feeds.at(pair[0]).min(feeds.at(pair[1])).min(feeds.at(0.5 * (pair[0] + pair[1])));
-            let programmed: Vec<f64> = grid.windows(2).map(feed).collect();
+            let programmed: Vec<f64> = grid.windows(2).map(|pair| feed(pair).min(reachable)).collect();
             let bounds = Bounds {
                 tool: &self.tool,
                 joints: &self.joints,

@@ -20,11 +20,14 @@ use crate::rows;
 use crate::sections::{self, FeedSection, Feeds};
 use crate::torque::{TorqueLimits, TorquePath};
 use crate::verify::{Requirement, Verification};
+use crate::withheld;
 
 /// Directions that turn by less than this at a knot (rad) count as smooth.
 pub(crate) const CORNER: f64 = 1e-6;
 /// By how much a limit may seem to be exceeded in verification through rounding.
 const VERIFY_TOLERANCE: f64 = 1e-6;
+/// A motion has at most this many setpoints: 1.4 hours at 1 ms, some 1.5 GB for whoever collects them all.
+const MOST_SETPOINTS: f64 = 5e6;
 /// How often a plan that fails its verification is planned again with tighter bounds.
 const ROUNDS: usize = 4;
 
@@ -208,9 +211,14 @@ where
     /// # Errors
     /// [`PlanError::Arm`] or [`PlanError::BranchChange`] where the arm cannot follow; [`PlanError::Infeasible`] where no
     /// speed keeps the limits, [`PlanError::EndSpeed`] for speeds at the ends that cannot be had, [`PlanError::Section`] and
-    /// [`PlanError::SectionsOverlap`]; [`PlanError::Unverified`] when no plan passes verification.
+    /// [`PlanError::SectionsOverlap`]; [`PlanError::TooLong`] for a motion of more than 5e6 setpoints;
+    /// [`PlanError::Unverified`] when no plan passes verification.
     pub fn plan(&self, path: PosePath, start: &Joints<N>) -> Result<Plan<N>, PlanError> {
         let mut plan = self.draft(path, start)?;
+        let longest = MOST_SETPOINTS * self.period;
+        if plan.duration() > longest {
+            return Err(PlanError::TooLong { duration: plan.duration(), longest });
+        }
         let mut scale = 1.0;
         for round in 1..=ROUNDS {
             let begin = Instant::now();
@@ -241,6 +249,7 @@ where
             ratio: w.ratio,
             s: w.s,
             t: w.t,
+            cause: withheld::cause(self.arm, &plan, w.s, plan.feed_at(w.s, self.tool.feed)),
         }))
     }
 
@@ -260,7 +269,7 @@ where
 
         let begin = Instant::now();
         let knots = path.knots();
-        let feed = Feeds { elsewhere: self.tool.feed, sections: &sections }.highest();
+        let feed = Feeds { elsewhere: self.tool.feed, sections: &sections }.highest().min(self.reachable(path.length()));
         // Chord segments matter to the scans, which know one box for each interval.
         let mut places = if self.scan == Scan::JerkLimited { Vec::new() } else { breaks.clone() };
         places.extend(sections.iter().flat_map(|section| [section.from, section.to]));
@@ -270,8 +279,7 @@ where
             .map_err(|e| e.within(self.joints.lower(), self.joints.upper()))?;
         timings.joint_path = begin.elapsed();
 
-        let stops: Vec<usize> =
-            path.corners(CORNER).iter().map(|corner| grid.partition_point(|&s| s < corner.s)).collect();
+        let stops = grid::stops(&grid, path.corners(CORNER).iter().map(|corner| corner.s));
         let mut plan = Plan {
             path,
             joint_path,
@@ -316,12 +324,20 @@ where
 
     fn ground(&self, plan: &Plan<N>) -> Ground<N> {
         let middles = rows::middles(self.arm, &plan.path, &plan.joint_path);
+        let reachable = self.reachable(plan.path.length());
         Ground {
             reaches: Reaches::of(&plan.path, &plan.joint_path, &plan.stops),
             torque: self.torque.map(|torque| TorquePath::of(&plan.joint_path, &middles, &torque)),
             middles,
-            feeds: plan.feeds(self.tool.feed),
+            feeds: plan.feeds(self.tool.feed).into_iter().map(|feed| feed.min(reachable)).collect(),
         }
+    }
+
+    /// A speed that is not reached on a path of `length` (m) by accelerating over all of it, m/s. A higher feed limits
+    /// nothing, and its size must not spoil the measures that are taken relative to it.
+    pub(crate) fn reachable(&self, length: f64) -> f64 {
+        let fastest_end = self.ends[0].max(self.ends[1]);
+        2.0 * fastest_end.hypot((2.0 * self.tool.tangential_acceleration * length).sqrt())
     }
 
     fn bounds<'b>(&'b self, ground: &'b Ground<N>, shares: Shares, scale: f64) -> Bounds<'b, N> {

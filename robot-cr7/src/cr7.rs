@@ -306,7 +306,32 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
 
     /// The error of a planner, with the file and a likely cause.
     pub(crate) fn error(&self, source: PlanError) -> Cr7Error {
-        plan_error(&self.file, source)
+        let slow = match source {
+            PlanError::TooLong { longest, .. } => self.slow_key(longest),
+            _ => String::new(),
+        };
+        match plan_error(&self.file, source) {
+            Cr7Error::Plan { file, source, hint } => Cr7Error::Plan { file, source, hint: hint + &slow },
+            other => other,
+        }
+    }
+
+    /// The key of the job that makes the motion longer than `longest` (s).
+    fn slow_key(&self, longest: f64) -> String {
+        let (length, tool) = (self.path.length(), &self.tool);
+        let (a, j) = (tool.tangential_acceleration, tool.tangential_jerk);
+        // The times that feed, acceleration and jerk take alone, from rest to rest.
+        let alone = [
+            ("feed.feed_mm_s", tool.feed * 1e3, length / tool.feed),
+            ("feed.tangential_acceleration_mm_s2", a * 1e3, 2.0 * (length / a).sqrt()),
+            ("feed.tangential_jerk_mm_s3", j * 1e3, (32.0 * length / j).cbrt()),
+        ];
+        match alone.iter().max_by(|x, y| x.2.total_cmp(&y.2)) {
+            Some((key, value, time)) if *time > 0.5 * longest => {
+                format!("; {key} = {value} alone makes it {time:.3e} s")
+            }
+            _ => "; look at the keys of [joints] and at feed_mm_s of the sections".to_owned(),
+        }
     }
 
     /// The planned and verified motion.

@@ -170,7 +170,7 @@ impl OnlineScenario {
                 })
             };
             Ok([
-                check.values(&format!("{section}.q_deg"), &raw.q_deg, DEGREE)?,
+                check.places(&format!("{section}.q_deg"), &raw.q_deg, DEGREE)?,
                 or_zero("qd_deg_s", &raw.qd_deg_s)?,
                 or_zero("qdd_deg_s2", &raw.qdd_deg_s2)?,
             ])
@@ -235,7 +235,8 @@ impl OnlineScenario {
                 return Err(check.wrong(&key(KEYS[k]), value, rule, "write one number"));
             }
             *slot = match k {
-                0..=2 => Some(check.values(&key(KEYS[k]), given, DEGREE)?),
+                0 => Some(check.places(&key(KEYS[k]), given, DEGREE)?),
+                1..=2 => Some(check.values(&key(KEYS[k]), given, DEGREE)?),
                 _ => check.joints(&key(KEYS[k]), Some(given))?,
             };
         }

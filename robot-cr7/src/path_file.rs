@@ -401,6 +401,7 @@ fn key_of(error: &GeometryError) -> String {
         GeometryError::Weight { index, .. } => format!("weights[{index}]"),
         GeometryError::KnotNotFinite { index, .. }
         | GeometryError::KnotsDecrease { index, .. }
+        | GeometryError::KnotsTooClose { index, .. }
         | GeometryError::Multiplicity { index, .. } => format!("knots[{index}]"),
         GeometryError::KnotCount { .. } | GeometryError::EmptyDomain { .. } | GeometryError::Jump { .. } => {
             "knots".to_owned()

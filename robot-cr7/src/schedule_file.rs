@@ -213,8 +213,8 @@ fn way(check: &mut Check<'_>, raw: &RawFile) -> Result<ScheduleWay, InputError> 
     match (&raw.start, &raw.goal, raw.waypoint.as_slice()) {
         (Some(start), Some(goal), []) => {
             let near = match (&start.near_deg, &start.q_deg) {
-                (Some(near), _) => Some(check.values("start.near_deg", near, DEGREE)?),
-                (None, Some(q)) => Some(check.values("start.q_deg", q, DEGREE)?),
+                (Some(near), _) => Some(check.places("start.near_deg", near, DEGREE)?),
+                (None, Some(q)) => Some(check.places("start.q_deg", q, DEGREE)?),
                 (None, None) => None,
             };
             if goal.near_deg.is_some() {
@@ -225,7 +225,7 @@ fn way(check: &mut Check<'_>, raw: &RawFile) -> Result<ScheduleWay, InputError> 
         }
         (None, None, points @ [_, _, ..]) => {
             let each =
-                |(i, point): (usize, &RawWaypoint)| check.values(&format!("waypoint[{i}].q_deg"), &point.q_deg, DEGREE);
+                |(i, point): (usize, &RawWaypoint)| check.places(&format!("waypoint[{i}].q_deg"), &point.q_deg, DEGREE);
             Ok(ScheduleWay::Waypoints(points.iter().enumerate().map(each).collect::<Result<_, _>>()?))
         }
         (None, None, points) => {
@@ -250,7 +250,7 @@ fn place(check: &mut Check<'_>, section: &str, raw: &RawPlace) -> Result<Schedul
             let rule = "a place is given by a pose or by joint angles";
             Err(check.wrong(&format!("{section}.q_deg"), "given beside position_mm", rule, "drop one of the two"))
         }
-        (Some(q), None) => Ok(SchedulePlace::Joints(check.values(&format!("{section}.q_deg"), q, DEGREE)?)),
+        (Some(q), None) => Ok(SchedulePlace::Joints(check.places(&format!("{section}.q_deg"), q, DEGREE)?)),
         (None, position_mm) => {
             if position_mm.is_none() {
                 let rule = "a place needs position_mm and rotation_rpy_deg, or q_deg";

@@ -12,6 +12,9 @@ use crate::job_file::{PerJoint, RawFrame};
 /// Longest tool and farthest workpiece that can be meant with an arm that reaches less than a metre, in metres.
 const FARTHEST: f64 = 100.0;
 
+/// Largest joint value, rad or m: a hundred turns.
+const FARTHEST_JOINT: f64 = 100.0 * std::f64::consts::TAU;
+
 const FINITE: (&str, &str) = ("it has to be a finite number", "write a plain number");
 
 /// Reads `text` as TOML; `example` is the file that shows every key.
@@ -129,6 +132,23 @@ impl<'a> Check<'a> {
                 JointValues::Each(each.collect::<Result<_, InputError>>()?)
             }
         })
+    }
+
+    /// Joint values within a hundred turns (or 628 m of a slide), times `si`: beyond, the unit is wrong, and sine and
+    /// cosine lose their digits.
+    pub fn places(&self, key: &str, value: &PerJoint, si: f64) -> Result<JointValues, InputError> {
+        let values = self.values(key, value, si)?;
+        let (far, at) = match &values {
+            JointValues::All(v) => (Some(v / si).filter(|_| v.abs() > FARTHEST_JOINT), key.to_owned()),
+            JointValues::Each(list) => match list.iter().position(|v| v.abs() > FARTHEST_JOINT) {
+                Some(i) => (Some(list[i] / si), format!("{key}[{i}]")),
+                None => (None, key.to_owned()),
+            },
+        };
+        match far {
+            Some(v) => Err(self.wrong(&at, v, "a joint value lies within a hundred turns", "check its unit")),
+            None => Ok(values),
+        }
     }
 
     pub fn period(&self, ms: Option<f64>) -> Result<Option<f64>, InputError> {

@@ -94,7 +94,7 @@ impl Scenario {
             longest: check.limit("run.longest_s", raw.run.longest_s, 1.0)?.unwrap_or(300.0),
             zero: match &raw.joints.zero_deg {
                 None => JointValues::All(0.0),
-                Some(zero) => check.values("joints.zero_deg", zero, DEGREE)?,
+                Some(zero) => check.places("joints.zero_deg", zero, DEGREE)?,
             },
             singularities: policy_of(&check, &raw.run)?,
             events,
@@ -206,8 +206,8 @@ fn lag_of(check: &Check<'_>, raw: Option<&PerJoint>) -> Result<JointValues, Inpu
 
 fn place_of(check: &Check<'_>, key: &str, raw: &RawPlace) -> Result<Place, InputError> {
     match (&raw.deg, &raw.rad, raw.position_mm, raw.rpy_deg) {
-        (Some(deg), None, None, None) => Ok(Place::Joints(check.values(&format!("{key}.deg"), deg, DEGREE)?)),
-        (None, Some(rad), None, None) => Ok(Place::Joints(check.values(&format!("{key}.rad"), rad, 1.0)?)),
+        (Some(deg), None, None, None) => Ok(Place::Joints(check.places(&format!("{key}.deg"), deg, DEGREE)?)),
+        (None, Some(rad), None, None) => Ok(Place::Joints(check.places(&format!("{key}.rad"), rad, 1.0)?)),
         (None, None, Some(mm), Some(rpy)) => {
             let position = check.finite(&format!("{key}.position_mm"), mm)? / 1e3;
             let rotation = check.angles(&format!("{key}.rpy_deg"), rpy)?;

@@ -181,6 +181,11 @@ pub fn inverse(args: &InverseArgs) -> Result<(), Failure> {
         }
         (Some(rpy), None) => {
             finite(rpy.iter(), "an angle of --rpy-deg")?;
+            if let Some(v) = rpy.iter().find(|v| v.abs() > 36_000.0) {
+                return Err(Failure::BadInput(format!(
+                    "an angle of --rpy-deg is {v}: it lies within a hundred turns; give it within +-180 degrees"
+                )));
+            }
             UnitQuaternion::from_euler_angles(rpy[0].to_radians(), rpy[1].to_radians(), rpy[2].to_radians())
         }
         (None, None) => return Err(Failure::BadInput("give the orientation with --rpy-deg or --quat-xyzw".to_owned())),

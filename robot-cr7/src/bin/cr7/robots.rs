@@ -37,6 +37,16 @@ pub fn joint_values(flag: &str, values: &[f64], robot: &Robot) -> Result<Vec<f64
     if let Some(k) = values.iter().position(|v| !v.is_finite()) {
         return Err(Failure::BadInput(format!("{flag}: value {} is {}: give ordinary numbers", k + 1, values[k])));
     }
+    // Flags of rates end in a power of the second.
+    let turn = if flag.ends_with("deg") { 360.0 } else { std::f64::consts::TAU };
+    let angles = flag.ends_with("deg") || flag.ends_with("rad");
+    if let Some(k) = values.iter().position(|v| angles && v.abs() > 100.0 * turn) {
+        return Err(Failure::BadInput(format!(
+            "{flag}: value {} is {}: a joint value lies within a hundred turns; check its unit",
+            k + 1,
+            values[k]
+        )));
+    }
     if values.len() != robot.joints() {
         return Err(Failure::BadInput(format!(
             "{flag}: {} values, but {} has {} joints: give one for each",
