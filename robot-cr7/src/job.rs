@@ -14,6 +14,8 @@ use crate::toml_check::{Check, read_toml, rotation};
 use crate::unit::LengthUnit;
 
 const EXPECTED: &str = "a TOML job such as jobs/butterfly.toml";
+/// The highest feed, m/s. No arm comes near it, and planning takes the longer the higher the feed is above what the arm can do.
+const FASTEST: f64 = 1e3;
 
 /// How the tool is turned along the path, in the workpiece frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -229,7 +231,7 @@ impl JobCheck<'_> {
         });
         let mm = 1e3;
         let feed = FeedLimits {
-            feed: self.0.limit("feed.feed_mm_s", raw.feed.feed_mm_s, mm)?.unwrap_or(default.feed.feed),
+            feed: self.feed("feed.feed_mm_s", raw.feed.feed_mm_s)?.unwrap_or(default.feed.feed),
             tangential_acceleration: self
                 .0
                 .limit("feed.tangential_acceleration_mm_s2", raw.feed.tangential_acceleration_mm_s2, mm)?
@@ -309,9 +311,19 @@ impl JobCheck<'_> {
         }
     }
 
+    /// A feed in m/s, no faster than [`FASTEST`].
+    fn feed(&self, key: &str, mm_s: Option<f64>) -> Result<Option<f64>, InputError> {
+        let feed = self.0.limit(key, mm_s, 1e3)?;
+        if let (Some(mm_s), Some(_)) = (mm_s, feed.filter(|feed| *feed > FASTEST)) {
+            let rule = "a feed is 1000000 mm/s at the most, a thousand metres a second";
+            return Err(self.0.wrong(key, mm_s, rule, "check the unit: the number is in mm/s"));
+        }
+        Ok(feed)
+    }
+
     fn section(&self, index: usize, raw: &RawSection) -> Result<FeedSection, InputError> {
         let key = |name: &str| format!("sections[{index}].{name}");
-        let Some(feed) = self.0.limit(&key("feed_mm_s"), raw.feed_mm_s, 1e3)? else {
+        let Some(feed) = self.feed(&key("feed_mm_s"), raw.feed_mm_s)? else {
             let rule = "a section needs a feed of its own";
             return Err(self.0.wrong(&key("feed_mm_s"), "missing", rule, "add the key, or remove the section"));
         };

@@ -100,6 +100,47 @@ fn a_pure_orientation_stays_on_the_spot_and_says_what_s_is() {
     }
 }
 
+/// A start, and what follows it.
+const FROM: &str = "[start]\nq_deg = [0, -30, 90, 30, -90, 0]\n[goal]\n";
+
+#[test]
+fn joints_at_the_goal_are_reached_or_refused_and_never_exchanged_for_another_configuration() {
+    let desk = Desk::new("schedule_goal");
+    // Seen: a success that ended at -24.8, 90, 25.3 in place of 53.5, -90, 127.
+    desk.write("s.toml", &format!("{FROM}q_deg = [10, 53.5, -90, 127, -90, 10]\n"));
+    let run = desk.run(&["schedule", "s.toml"]);
+    run.refused(1, &["s.toml:4", "goal.q_deg", "-24.8", "another configuration", "[[waypoint]]"]);
+    // A joint one turn off.
+    desk.write("s.toml", &format!("{FROM}q_deg = [10, -25, 90, 25, -90, 350]\n"));
+    let run = desk.run(&["schedule", "s.toml"]);
+    run.refused(1, &["goal.q_deg", "the same pose with J6 full turns away", "[[waypoint]]"]);
+    for (key, place) in [("start", "[0, -30, 900, 30, -90, 0]"), ("goal", "[0, -30, 90, 30, -90, 400]")] {
+        let (start, goal) =
+            if key == "start" { (place, "[10, -25, 90, 25, -90, 10]") } else { ("[0, -30, 90, 30, -90, 0]", place) };
+        desk.write("s.toml", &format!("[start]\nq_deg = {start}\n[goal]\nq_deg = {goal}\n"));
+        desk.run(&["schedule", "s.toml"]).refused(1, &[&format!("{key}.q_deg"), "outside its range"]);
+    }
+    // Reached: from joints, and from a pose, whose configuration and turns the goal chooses then.
+    let pose = desk.run(&["fk", "--deg", "0", "-30", "90", "30", "-90", "0", "--json"]).done().json();
+    let mm: Vec<f64> =
+        pose["position_m"].as_array().expect("a list").iter().map(|v| v.as_f64().expect("a number") * 1e3).collect();
+    let start = format!("[start]\nposition_mm = {mm:?}\nrotation_rpy_deg = [180, 0, 90]\n[goal]\n");
+    for (start, goal) in [
+        (FROM, [10.0, -25.0, 90.0, 25.0, -90.0, 10.0]),
+        (&start, [10.0, -25.0, 90.0, 25.0, -90.0, 10.0]),
+        (&start, [10.0, -25.0, 90.0, 25.0, -90.0, -350.0]),
+        (&start, [10.0, 53.5, -90.0, 127.0, -90.0, 10.0]),
+    ] {
+        desk.write("s.toml", &format!("{start}q_deg = {goal:?}\n"));
+        let run = desk.run(&["schedule", "s.toml"]).done();
+        let rows = desk.trajectory::<6>("out");
+        for (k, q) in goal.iter().enumerate() {
+            let off = rows[rows.len() - 1].q[k] - q.to_radians();
+            assert!(off.abs() < 1e-9, "J{} is off by {off}: {run:?}", k + 1);
+        }
+    }
+}
+
 #[test]
 fn a_pure_translation_keeps_its_orientation_and_the_speeds_at_its_ends() {
     let desk = Desk::new("schedule_pt");

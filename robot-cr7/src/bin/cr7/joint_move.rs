@@ -74,12 +74,12 @@ enum Mode {
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
+    let staging = Staging::new(&args.out, &FILES, args.job.as_deref().as_slice())?;
     let robot = args.robot.load()?;
-    for_joints!(robot, run_with(args, &robot))
+    for_joints!(robot, run_with(args, &robot, staging))
 }
 
-fn run_with<const N: usize>(args: &Args, robot: &Robot) -> Result<(), Failure> {
-    let mut staging = Staging::new(&args.out, &FILES, args.job.as_deref().as_slice())?;
+fn run_with<const N: usize>(args: &Args, robot: &Robot, mut staging: Staging) -> Result<(), Failure> {
     let job = args.job.as_deref().map_or_else(|| Ok(Job::default()), Job::read)?;
     let (joint_limits, assumed) = robot.limits::<N>(&job.joints)?;
     let arm = robot.arm::<N>(job.tool).map_err(Cr7Error::from)?;

@@ -42,12 +42,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         say_as_is!("{}", OnlineScenario::EXAMPLE);
         return Ok(());
     }
+    let staging = Staging::new(&args.out, &FILES, args.scenario.as_deref().as_slice())?;
     let robot = args.robot.load()?;
-    for_joints!(robot, run_with(args, &robot))
+    for_joints!(robot, run_with(args, &robot, staging))
 }
 
-fn run_with<const N: usize>(args: &Args, robot: &Robot) -> Result<(), Failure> {
-    let mut staging = Staging::new(&args.out, &FILES, args.scenario.as_deref().as_slice())?;
+fn run_with<const N: usize>(args: &Args, robot: &Robot, mut staging: Staging) -> Result<(), Failure> {
     let scenario = match &args.scenario {
         Some(file) => OnlineScenario::read(file)?,
         None => OnlineScenario::parse(OnlineScenario::EXAMPLE, "online.toml".as_ref())?,
