@@ -77,7 +77,7 @@ pub use jerk_limited::JerkLimited;
 pub use limits::MotionLimits;
 pub use live::{LiveCurve, LiveFeed, LiveSection, LiveStatus, LiveStep, MAX_SECTIONS};
 pub use online::{Adoption, FeedLimits, FeedScheduler, FeedStatus, FeedStep};
-pub use problem::{FeedPlanner, FeedProblem, LimitPartition};
+pub use problem::{FeedPlanner, FeedProblem, LimitPartition, live_speed};
 pub use row::{IntervalBound, JerkRow, Quantity, Row, RowSource};
 pub use scan::both_ends::{BothEndsScan, PublishedScan};
 pub use scan::certified::CertifiedReachability;

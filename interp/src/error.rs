@@ -353,6 +353,7 @@ impl PlanError {
                 let s = path.length();
                 Self::EndSpeed { at_start: false, speed, lowest: 0.0, highest, row: None, s, position: place(s) }
             }
+            FeedError::WindowEndSpeed { speed } => Self::WindowEndSpeed { speed },
             // The scans check the speeds at the ends against the boxes there before anything else.
             FeedError::AboveLimit { what: "v_end", value: speed, limit: highest } => {
                 let s = path.length();

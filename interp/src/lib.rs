@@ -14,9 +14,8 @@
 //! chord error         of the curve between two control cycles, v T apart
 //! ```
 //!
-//! The [`Planner`] hands these to the jerk-limited planner as rows on a grid, or narrows them to boxes
-//! `v <= V, |a| <= A, |j| <= J` for a scan ([`Scan`]), and holds the result against the limits themselves with [`verify`], which
-//! knows nothing of either. A [`Plan`] that comes out of [`Planner::plan`] has passed; its [`Sampler`] yields setpoints for a
+//! The [`Planner`] hands these to a planner of the feedrate crate ([`Scan`]) as rows on a grid and bounds between its points, and
+//! holds the result against the limits themselves with [`verify`], which knows nothing of either. A [`Plan`] that comes out of [`Planner::plan`] has passed; its [`Sampler`] yields setpoints for a
 //! controller.
 //!
 //! | room | holds |
@@ -24,10 +23,10 @@
 //! | `arm` | what is asked of an arm: [`PathArm`] |
 //! | `locked` | arms of seven joints: [`LockedArm`] |
 //! | `joint_path` | joint values and derivatives along the path, branch by continuity, best start |
-//! | `grid`, `constraints` | where and how limits become bounds |
+//! | `grid`, `derivative_bounds` | where along the path limits are looked at, and how large its derivatives are between |
 //! | `sections` | programmed feed per section of the path: [`FeedSection`] |
 //! | `torque` | torque limits along the path: [`TorqueLimits`] |
-//! | `rows` | all of those as rows, for the planners of the feedrate crate |
+//! | `path_problem` | all limits as rows and bounds, for the planners of the feedrate crate |
 //! | `planner`, `plan` | the way from path to verified plan, and what came out |
 //! | `schedule` | from pose to pose and through joint way-points, torque included: [`Scheduler`] |
 //! | `sampler`, `trajectory` | setpoints at the control period, without allocation |
@@ -43,7 +42,7 @@
 #![forbid(unsafe_code)]
 
 mod arm;
-mod constraints;
+mod derivative_bounds;
 mod drive;
 mod error;
 mod grid;
@@ -53,9 +52,9 @@ mod limits;
 mod live_path;
 mod locked;
 pub mod parameter;
+mod path_problem;
 mod plan;
 mod planner;
-mod rows;
 mod sampler;
 mod schedule;
 mod sections;
@@ -66,7 +65,6 @@ mod verify;
 mod withheld;
 
 pub use arm::{MIN_SINGULAR_VALUE, PathArm};
-pub use constraints::Shares;
 pub use drive::DriveLag;
 pub use error::{Infeasibility, PlanError};
 pub use hybrid::{Command, Excursion, HybridError, HybridMotion, HybridState, HybridStep, LeaveBy, MAX_POINTS};
@@ -74,7 +72,7 @@ pub use joint_path::{JointJet, JointPath, best_start, joint_jet};
 pub use limits::ToolLimits;
 pub use live_path::LivePath;
 pub use locked::LockedArm;
-pub use plan::{Fallback, MadeBy, Method, Plan, Timings};
+pub use plan::{MadeBy, Method, Plan, Timings};
 pub use planner::{Planner, Scan};
 pub use sampler::Sampler;
 pub use schedule::{

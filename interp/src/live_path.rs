@@ -1,19 +1,21 @@
 //! A path made ready for a motion that is changed while it runs.
 
-use arcfeed_feedrate::{FeedError, LiveCurve, Segment, SpeedLaw, plan_joined_at_once};
+use arcfeed_feedrate::{
+    FeedError, FeedProblem, IntervalBound, LiveCurve, Quantity, RowSource, Segment, SpeedLaw, live_speed,
+    plan_joined_at_once,
+};
 use arcfeed_geometry::{PosePath, SegmentationMethod};
 use arcfeed_kinematics::{JointLimits, Joints};
 
 use crate::arm::PathArm;
-use crate::constraints::{Bounds, Reaches, Shares, bend_speed, live_speed};
+use crate::derivative_bounds::bend_speed;
 use crate::error::PlanError;
 use crate::grid;
-use crate::joint_path::{JointPath, joint_jet};
+use crate::joint_path::{JointJet, JointPath, joint_jet};
 use crate::limits::ToolLimits;
+use crate::path_problem::PathProblem;
 use crate::planner::{CORNER, Planner};
-use crate::rows;
 use crate::sections::{self, Feeds};
-use crate::torque::TorquePath;
 
 /// Part of every limit that the curve uses: what is left is for rounding.
 const USED: f64 = 0.9999;
@@ -133,33 +135,19 @@ where
             let corners = path.corners(CORNER);
             let inside = corners.iter().filter(|corner| from + close < corner.s && corner.s < to - close);
             let stops = grid::stops(&grid, inside.map(|corner| corner.s));
-            let reaches = Reaches::of(&path, &joint_path, &stops);
-            let torque = self.torque.map(|torque| {
-                let middles = rows::middles(self.arm, &path, &joint_path);
-                TorquePath::of(&joint_path, &middles, &torque)
-            });
             // At a border the lower feed counts, as borders may stand beside a grid point.
             let feed = |pair: &[f64]| feeds.at(pair[0]).min(feeds.at(pair[1])).min(feeds.at(0.5 * (pair[0] + pair[1])));
             let programmed: Vec<f64> = grid.windows(2).map(|pair| feed(pair).min(reachable)).collect();
-            let bounds = Bounds {
-                tool: &self.tool,
-                joints: &self.joints,
-                chord: self.chord_tolerance,
-                period: self.period,
-                shares: Shares { acceleration: 0.0, jerk: 0.0, speed: 0.0 },
-                scale: USED,
-                feeds: &programmed,
-                torque: torque.as_ref(),
-                ends: [0.0; 2],
-            };
+            let terms = PathProblem::new(self.arm, &path, &joint_path, &stops, programmed, self.torque.as_ref());
             let explain = |error| PlanError::explained(error, &path, |i| grid.get(i).copied().unwrap_or(to));
+            let problem = terms.rows(&self.limits(USED), true).map_err(explain)?;
             let tangential = match chosen {
                 Some(known) => known,
-                None => choose(&reaches, &bounds, &grid, &stops).map_err(explain)?,
+                None => choose(&problem, &stops).map_err(explain)?,
             };
             chosen = Some(tangential);
-            let mut caps = reaches.live_caps(&bounds, tangential.0, tangential.1).map_err(explain)?;
-            let coarse = self.look_between(&path, &joint_path, &bounds, tangential, &mut caps)?;
+            let mut caps = problem.live_caps(tangential.0, tangential.1).map_err(explain)?;
+            let coarse = self.look_between(&path, &joint_path, tangential, &mut caps)?;
             round += 1;
             if coarse.is_empty() || round == ROUNDS {
                 break (joint_path, stops, caps, tangential);
@@ -186,7 +174,6 @@ where
         &self,
         path: &PosePath,
         joint_path: &JointPath<N>,
-        bounds: &Bounds<'_, N>,
         (acceleration, jerk): (f64, f64),
         caps: &mut [f64],
     ) -> Result<Vec<usize>, PlanError> {
@@ -198,13 +185,9 @@ where
                 let h = part * (end.s - start.s);
                 let tool = path.jet(start.s + h);
                 let jet = joint_jet(self.arm, start.s + h, &tool, &start.ahead(h))?;
-                *cap = cap.min(bend_speed(tool.d2.fixed_rows::<3>(0).norm(), bounds));
-                for k in 0..N {
-                    let d = [jet.d1[k].abs(), jet.d2[k].abs(), jet.d3[k].abs()];
-                    let limits = bounds.joints;
-                    let most = [limits.velocity()[k], limits.acceleration()[k], limits.jerk()[k]].map(|l| l * USED);
-                    *cap = cap.min(live_speed(d, 0.0, most, acceleration, jerk));
-                }
+                let curvature = tool.d2.fixed_rows::<3>(0).norm();
+                let bend = bend_speed(curvature, &self.tool, self.chord_tolerance, self.period, USED);
+                *cap = cap.min(bend).min(live_speed(&self.bounds_at(&jet), acceleration, jerk));
             }
             if *cap < FORETOLD * foretold {
                 coarse.push(i);
@@ -212,21 +195,47 @@ where
         }
         Ok(coarse)
     }
+
+    /// The limits of the joints at one place, as bounds.
+    fn bounds_at(&self, jet: &JointJet<N>) -> Vec<IntervalBound> {
+        let mut bounds = Vec::with_capacity(3 * N);
+        for k in 0..N {
+            let [d1, d2, d3] = [jet.d1[k].abs(), jet.d2[k].abs(), jet.d3[k].abs()];
+            let limits = [self.joints.velocity()[k], self.joints.acceleration()[k], self.joints.jerk()[k]];
+            let [velocity, acceleration, jerk] = limits.map(|limit| limit * USED);
+            let source = |quantity| RowSource::joint(quantity, k);
+            bounds.extend([
+                IntervalBound::Speed { most: velocity / d1, source: source(Quantity::JointVelocity) },
+                IntervalBound::Acceleration {
+                    a: d1,
+                    b: d2,
+                    c: 0.0,
+                    rest: 0.0,
+                    limit: acceleration,
+                    source: source(Quantity::JointAcceleration),
+                },
+                IntervalBound::Jerk {
+                    alpha: d1,
+                    beta: 3.0 * d2,
+                    gamma: d3,
+                    step: 0.0,
+                    limit: jerk,
+                    source: source(Quantity::JointJerk),
+                },
+            ]);
+        }
+        bounds
+    }
 }
 
 /// Bounds of tangential acceleration and jerk for the whole path: of several choices that with the shortest motion.
-fn choose<const N: usize>(
-    reaches: &Reaches<N>,
-    bounds: &Bounds<'_, N>,
-    grid: &[f64],
-    stops: &[usize],
-) -> Result<(f64, f64), FeedError> {
-    let (acceleration, jerk) = reaches.rest_limits(bounds)?;
+fn choose(problem: &FeedProblem, stops: &[usize]) -> Result<(f64, f64), FeedError> {
+    let (acceleration, jerk) = problem.rest_limits()?;
     let mut best = (f64::INFINITY, 0.5 * acceleration, 0.5 * jerk);
     for a in PARTS.map(|part| part * acceleration) {
         for j in PARTS.map(|part| part * jerk) {
-            let caps = reaches.live_caps(bounds, a, j)?;
-            if let Some(time) = duration(grid, &caps, stops, a, j)
+            let caps = problem.live_caps(a, j)?;
+            if let Some(time) = duration(problem.grid(), &caps, stops, a, j)
                 && time < best.0
             {
                 best = (time, a, j);

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::time::Duration;
 
-use arcfeed_feedrate::{FeedError, SpeedLaw};
+use arcfeed_feedrate::{Fallback, SpeedLaw};
 use arcfeed_geometry::{PosePath, Segmentation};
 use arcfeed_kinematics::JointLimits;
 
@@ -37,39 +37,6 @@ impl fmt::Display for Method {
             Self::PerSegment => "scan per segment",
             Self::Given => "given law",
         })
-    }
-}
-
-/// Why a plan is not the jerk-limited planner's, though that was asked for.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub enum Fallback {
-    /// At a place where the tool does not stop the joints' accelerations have to step, which no jerk limit allows in zero time.
-    AccelerationStep {
-        /// Arc length of the place, m.
-        s: f64,
-    },
-    /// Its plan was slower than the scan's.
-    Slower {
-        /// Duration of its plan, s.
-        duration: f64,
-    },
-    /// It found none.
-    Failed(FeedError),
-}
-
-impl fmt::Display for Fallback {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::AccelerationStep { s } => {
-                write!(
-                    f,
-                    "the joints' accelerations have to step at s = {s:.6} m, where the curvature or the turning of the tool jumps"
-                )
-            }
-            Self::Slower { duration } => write!(f, "its plan takes {duration:.6} s, no less than the scan's"),
-            Self::Failed(error) => error.fmt(f),
-        }
     }
 }
 

@@ -3,22 +3,21 @@
 use std::time::Instant;
 
 use arcfeed_feedrate::{
-    BothEndsScan, FeedError, FeedPlanner, FeedProblem, JerkLimited, Segment, SpeedLaw, plan_joined,
-    plan_joined_at_once, plan_per_segment, plan_windowed,
+    ContinuousAccelerationScan, Fallback, FeedError, FeedPlanner, FeedProblem, JerkLimitedOrScan, PerSegmentScan,
+    SpeedLaw,
 };
 use arcfeed_geometry::{PosePath, SegmentationMethod};
 use arcfeed_kinematics::{Dynamics, JointLimits, Joints};
 
 use crate::arm::PathArm;
-use crate::constraints::{Bounds, Reaches, Shares};
 use crate::error::PlanError;
 use crate::grid;
-use crate::joint_path::{JointJet, JointPath};
+use crate::joint_path::JointPath;
 use crate::limits::{ToolLimits, positive};
-use crate::plan::{Fallback, MadeBy, Method, Plan, Timings};
-use crate::rows;
+use crate::path_problem::{PathLimits, PathProblem};
+use crate::plan::{MadeBy, Method, Plan, Timings};
 use crate::sections::{self, FeedSection, Feeds};
-use crate::torque::{TorqueLimits, TorquePath};
+use crate::torque::TorqueLimits;
 use crate::verify::{Requirement, Verification};
 use crate::withheld;
 
@@ -30,15 +29,6 @@ const VERIFY_TOLERANCE: f64 = 1e-6;
 const MOST_SETPOINTS: f64 = 5e6;
 /// How often a plan that fails its verification is planned again with tighter bounds.
 const ROUNDS: usize = 4;
-
-/// Ways to share the coupled limits between speed, acceleration and jerk; the planner tries all and keeps the fastest
-/// plan. They cost one scan each.
-const SHARES: [Shares; 4] = [
-    Shares { acceleration: 0.4, jerk: 0.3, speed: 0.6 },
-    Shares { acceleration: 0.4, jerk: 0.4, speed: 0.5 },
-    Shares { acceleration: 0.4, jerk: 0.3, speed: 0.8 },
-    Shares { acceleration: 0.4, jerk: 0.5, speed: 0.5 },
-];
 
 /// How the speed is scanned along the path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -214,7 +204,7 @@ where
     /// [`PlanError::SectionsOverlap`]; [`PlanError::TooLong`] for a motion of more than 5e6 setpoints;
     /// [`PlanError::Unverified`] when no plan passes verification.
     pub fn plan(&self, path: PosePath, start: &Joints<N>) -> Result<Plan<N>, PlanError> {
-        let mut plan = self.draft(path, start)?;
+        let (mut plan, problem) = self.prepare(path, start)?;
         let longest = MOST_SETPOINTS * self.period;
         if plan.duration() > longest {
             return Err(PlanError::TooLong { duration: plan.duration(), longest });
@@ -237,7 +227,7 @@ where
             // Bounds between grid points are estimates; where they were too wide all are tightened by as much.
             scale *= 0.999 / worst.ratio.min(1.5);
             let begin = Instant::now();
-            self.set_speed(&mut plan, scale)?;
+            self.set_speed(&mut plan, &problem, scale)?;
             plan.timings.scan += begin.elapsed();
         }
         let worst = plan.verification.as_ref().map(Verification::worst);
@@ -259,6 +249,10 @@ where
     /// # Errors
     /// As [`Planner::plan`].
     pub fn draft(&self, path: PosePath, start: &Joints<N>) -> Result<Plan<N>, PlanError> {
+        self.prepare(path, start).map(|(plan, _)| plan)
+    }
+
+    fn prepare(&self, path: PosePath, start: &Joints<N>) -> Result<(Plan<N>, PathProblem<N>), PlanError> {
         let mut timings = Timings::default();
         let begin = Instant::now();
         let segmentation =
@@ -269,7 +263,8 @@ where
 
         let begin = Instant::now();
         let knots = path.knots();
-        let feed = Feeds { elsewhere: self.tool.feed, sections: &sections }.highest().min(self.reachable(path.length()));
+        let feed =
+            Feeds { elsewhere: self.tool.feed, sections: &sections }.highest().min(self.reachable(path.length()));
         // Chord segments matter to the scans, which know one box for each interval.
         let mut places = if self.scan == Scan::JerkLimited { Vec::new() } else { breaks.clone() };
         places.extend(sections.iter().flat_map(|section| [section.from, section.to]));
@@ -297,9 +292,10 @@ where
             timings,
         };
         let begin = Instant::now();
-        self.set_speed(&mut plan, 1.0)?;
+        let problem = self.path_problem(&plan);
+        self.set_speed(&mut plan, &problem, 1.0)?;
         plan.timings.scan = begin.elapsed();
-        Ok(plan)
+        Ok((plan, problem))
     }
 
     /// Holds the setpoints of a plan, whoever made it, against all limits of this planner; see [`verify`](crate::verify).
@@ -317,19 +313,24 @@ where
     /// # Errors
     /// [`PlanError::Feed`] for rows that are not finite.
     pub fn problem(&self, plan: &Plan<N>, jerk: bool) -> Result<FeedProblem, PlanError> {
-        let ground = self.ground(plan);
-        let bounds = self.bounds(&ground, SHARES[0], 1.0);
-        Ok(rows::problem(&plan.joint_path, &ground.middles, &ground.reaches, &plan.stops, &bounds, jerk, None)?)
+        Ok(self.path_problem(plan).rows(&self.limits(1.0), jerk)?)
     }
 
-    fn ground(&self, plan: &Plan<N>) -> Ground<N> {
-        let middles = rows::middles(self.arm, &plan.path, &plan.joint_path);
+    fn path_problem(&self, plan: &Plan<N>) -> PathProblem<N> {
         let reachable = self.reachable(plan.path.length());
-        Ground {
-            reaches: Reaches::of(&plan.path, &plan.joint_path, &plan.stops),
-            torque: self.torque.map(|torque| TorquePath::of(&plan.joint_path, &middles, &torque)),
-            middles,
-            feeds: plan.feeds(self.tool.feed).into_iter().map(|feed| feed.min(reachable)).collect(),
+        let feeds = plan.feeds(self.tool.feed).into_iter().map(|feed| feed.min(reachable)).collect();
+        PathProblem::new(self.arm, &plan.path, &plan.joint_path, &plan.stops, feeds, self.torque.as_ref())
+    }
+
+    /// The limits, each used to the fraction `scale`.
+    pub(crate) fn limits(&self, scale: f64) -> PathLimits<'_, N> {
+        PathLimits {
+            tool: &self.tool,
+            joints: &self.joints,
+            chord: self.chord_tolerance,
+            period: self.period,
+            ends: self.ends,
+            scale,
         }
     }
 
@@ -340,156 +341,27 @@ where
         2.0 * fastest_end.hypot((2.0 * self.tool.tangential_acceleration * length).sqrt())
     }
 
-    fn bounds<'b>(&'b self, ground: &'b Ground<N>, shares: Shares, scale: f64) -> Bounds<'b, N> {
-        Bounds {
-            tool: &self.tool,
-            joints: &self.joints,
-            chord: self.chord_tolerance,
-            period: self.period,
-            shares,
-            scale,
-            feeds: &ground.feeds,
-            torque: ground.torque.as_ref(),
-            ends: self.ends,
-        }
-    }
-
     /// Gives the plan a motion law that uses the fraction `scale` of each limit, and the caps on the speed that go with it.
-    fn set_speed(&self, plan: &mut Plan<N>, scale: f64) -> Result<(), PlanError> {
-        let ground = self.ground(plan);
-        let (caps, speed, method, fallback) = self.speed(plan, &ground, scale).map_err(|error| {
-            let grid = |i: usize| plan.joint_path.nodes().get(i).map_or(plan.path.length(), |node| node.s);
-            match error {
-                PlanError::Feed(error) => PlanError::explained(error, &plan.path, grid),
-                other => other,
-            }
-        })?;
-        (plan.caps, plan.speed) = (caps, speed);
+    fn set_speed(&self, plan: &mut Plan<N>, problem: &PathProblem<N>, scale: f64) -> Result<(), PlanError> {
+        let grid = |i: usize| plan.joint_path.nodes().get(i).map_or(plan.path.length(), |node| node.s);
+        let explain = |error| PlanError::explained(error, &plan.path, grid);
+        let problem = problem.rows(&self.limits(scale), true).map_err(explain)?;
+        let (speed, method, fallback) = self.speed(&problem).map_err(explain)?;
+        plan.caps = (0..problem.grid().len()).map(|i| problem.cap(i).0.sqrt()).collect();
+        plan.speed = speed;
         plan.made_by = MadeBy { method, fallback, scale, ..plan.made_by };
         Ok(())
     }
 
-    fn speed(&self, plan: &Plan<N>, ground: &Ground<N>, scale: f64) -> Result<Law, PlanError> {
-        let scanned = self.scan(ground, &plan.stops, scale);
-        let own = |(boxes, speed): (Vec<Segment>, SpeedLaw), fallback| {
-            let method = match self.scan {
-                Scan::PerSegment { .. } => Method::PerSegment,
-                Scan::JerkLimited | Scan::Joined => Method::Joined,
-            };
-            (boxes.iter().map(Segment::v_max).collect(), speed, method, fallback)
-        };
-        let rows = |jerk: bool| {
-            let bounds = self.bounds(ground, SHARES[0], scale);
-            let make = |near: Option<&[f64]>, jerk: bool| {
-                rows::problem(&plan.joint_path, &ground.middles, &ground.reaches, &plan.stops, &bounds, jerk, near)
-            };
-            if !(jerk && ground.torque.as_ref().is_some_and(TorquePath::is_viscous)) {
-                return make(None, jerk);
+    fn speed(&self, problem: &FeedProblem) -> Result<(SpeedLaw, Method, Option<Fallback>), FeedError> {
+        Ok(match self.scan {
+            Scan::JerkLimited => {
+                let (law, fallback) = JerkLimitedOrScan::default().choose(problem)?;
+                let method = if fallback.is_some() { Method::Joined } else { Method::JerkLimited };
+                (law, method, fallback)
             }
-            // Friction that grows with the speed is made straight where the speed will be.
-            let fastest = BothEndsScan.plan(&make(None, false)?)?;
-            let square = |v: f64| v * v;
-            let mut near: Vec<f64> = fastest.knots().map(|(_, state)| square(state.v)).collect();
-            near.push(square(fastest.end().v));
-            make(Some(&near), jerk)
-        };
-        let step = ground.reaches.first_step();
-        if self.scan != Scan::JerkLimited || step.is_some() {
-            // A box holds for a whole interval; the rows say it for a place.
-            let scanned = scanned.map_err(|error| match error {
-                PlanError::Feed(FeedError::StaticallyInfeasible { .. }) => {
-                    rows(false).and_then(|rows| BothEndsScan.plan(&rows)).err().map_or(error, PlanError::Feed)
-                }
-                error => error,
-            })?;
-            let wanted = step.filter(|_| self.scan == Scan::JerkLimited);
-            return Ok(own(scanned, wanted.map(|i| Fallback::AccelerationStep { s: plan.joint_path.nodes()[i].s })));
-        }
-        // It may not do: a stretch too short for its grid, a method that does not converge. The scan always does, and
-        // where a profile of seven phases is the best there is (a straight line) it is a little faster.
-        let limited = rows(true).and_then(|rows| Ok((JerkLimited::default().plan(&rows)?, rows::caps(&rows))));
-        match (limited, scanned) {
-            (Ok((law, _)), Ok(scanned)) if law.duration() >= scanned.1.duration() => {
-                Ok(own(scanned, Some(Fallback::Slower { duration: law.duration() })))
-            }
-            (Ok((law, caps)), _) => Ok((caps, law, Method::JerkLimited, None)),
-            (Err(error), Ok(scanned)) => Ok(own(scanned, Some(Fallback::Failed(error)))),
-            // Where neither finds a motion, the rows name the limit.
-            (Err(error), Err(_)) => {
-                let still = rows(false).and_then(|rows| BothEndsScan.plan(&rows)).err();
-                let still = still.filter(|error| matches!(error, FeedError::StaticallyInfeasible { .. }));
-                Err(still.unwrap_or(error).into())
-            }
-        }
+            Scan::Joined => (ContinuousAccelerationScan.plan(problem)?, Method::Joined, None),
+            Scan::PerSegment { window } => (PerSegmentScan { window }.plan(problem)?, Method::PerSegment, None),
+        })
     }
-
-    /// The fastest of the scans over the ways to share the limits, using the fraction `scale` of each.
-    fn scan(&self, ground: &Ground<N>, stops: &[usize], scale: f64) -> Result<(Vec<Segment>, SpeedLaw), PlanError> {
-        let with = |shares| ground.reaches.boxes(&self.bounds(ground, shares, scale));
-        // The joined scans that go through at once are the quick ones, and the fastest plans are among them; the thorough
-        // scan is for where none does.
-        let mut best: Option<(Vec<Segment>, SpeedLaw)> = None;
-        for shares in SHARES {
-            let boxes = with(shares)?;
-            if let Some(speed) = self.scan_at_once(&boxes, stops)?
-                && best.as_ref().is_none_or(|b| speed.duration() < b.1.duration())
-            {
-                best = Some((boxes, speed));
-            }
-        }
-        if let Some(best) = best {
-            return Ok(best);
-        }
-        let boxes = with(SHARES[0])?;
-        let speed = self.scan_thoroughly(&boxes, stops)?;
-        Ok((boxes, speed))
-    }
-
-    fn scan_at_once(&self, boxes: &[Segment], stops: &[usize]) -> Result<Option<SpeedLaw>, PlanError> {
-        if matches!(self.scan, Scan::PerSegment { .. }) {
-            return self.scan_thoroughly(boxes, stops).map(Some);
-        }
-        let mut parts = Vec::with_capacity(stops.len() + 1);
-        for (part, [v_start, v_end]) in between_stops(boxes, stops, self.ends) {
-            let Some(plan) = plan_joined_at_once(part, v_start, v_end)? else { return Ok(None) };
-            parts.push(plan);
-        }
-        Ok(Some(SpeedLaw::chain(0.0, parts)))
-    }
-
-    fn scan_thoroughly(&self, boxes: &[Segment], stops: &[usize]) -> Result<SpeedLaw, PlanError> {
-        if let (Scan::PerSegment { window: Some(_) }, true) = (self.scan, self.ends[1] > 0.0) {
-            return Err(PlanError::WindowEndSpeed { speed: self.ends[1] });
-        }
-        let parts = between_stops(boxes, stops, self.ends).map(|(part, [v_start, v_end])| match self.scan {
-            Scan::Joined | Scan::JerkLimited => plan_joined(part, v_start, v_end),
-            Scan::PerSegment { window: None } => plan_per_segment(part, v_start, v_end),
-            Scan::PerSegment { window: Some(n) } => plan_windowed(part, v_start, n),
-        });
-        Ok(SpeedLaw::chain(0.0, parts.collect::<Result<Vec<_>, _>>()?))
-    }
-}
-
-/// Caps on the speed, the motion law, and who made it.
-type Law = (Vec<f64>, SpeedLaw, Method, Option<Fallback>);
-
-/// What the limits of a planner are made from along one path.
-struct Ground<const N: usize> {
-    /// The joints in the middle of every interval.
-    middles: Vec<JointJet<N>>,
-    reaches: Reaches<N>,
-    torque: Option<TorquePath<N>>,
-    /// Programmed feed on every interval, m/s.
-    feeds: Vec<f64>,
-}
-
-/// At a corner of the path the tool has to stand: the stretches between stops, each with the speeds at its ends.
-fn between_stops<'b>(
-    boxes: &'b [Segment],
-    stops: &'b [usize],
-    [v_start, v_end]: [f64; 2],
-) -> impl Iterator<Item = (&'b [Segment], [f64; 2])> {
-    let starts = std::iter::once((0, v_start)).chain(stops.iter().map(|&i| (i, 0.0)));
-    let ends = stops.iter().map(|&i| (i, 0.0)).chain(std::iter::once((boxes.len(), v_end)));
-    starts.zip(ends).map(|((from, v_start), (to, v_end))| (&boxes[from..to], [v_start, v_end]))
 }

@@ -12,7 +12,7 @@
 use std::fmt;
 
 use arcfeed_feedrate::constraint::{PathConstraint, Place, RowSink};
-use arcfeed_feedrate::{Quantity, Row, RowSource};
+use arcfeed_feedrate::{IntervalBound, Quantity, Row, RowSource};
 use arcfeed_kinematics::{Dynamics, Joints, PathTorque};
 
 use crate::error::PlanError;
@@ -130,54 +130,28 @@ impl<const N: usize> TorquePath<N> {
     }
 
     /// Rows that use the fraction `scale` of what the constant part leaves of every limit.
-    ///
-    /// With squared speeds `near` (one per grid point) viscous friction is made straight: a tangent there above the root and,
-    /// up to the square of the `feeds` per interval, a chord below it. Such rows are inside the true ones, and convex.
-    pub fn rows<'a>(&'a self, scale: f64, feeds: &'a [f64], near: Option<&'a [f64]>) -> TorqueRows<'a, N> {
-        TorqueRows { path: self, scale, feeds, near }
+    pub fn rows(&self, scale: f64) -> TorqueRows<'_, N> {
+        TorqueRows { path: self, scale }
     }
 
-    /// Whether any torque grows with the speed itself.
-    pub fn is_viscous(&self) -> bool {
-        self.points.iter().any(|terms| (0..N).any(|j| self.limits[j].is_finite() && terms.viscous[j] != 0.0))
-    }
-
-    /// Bounds on interval `k` for a box.
-    pub fn reach(&self, k: usize) -> TorqueReach<N> {
+    /// Largest magnitudes of the terms of joint `j` on interval `k`: factors of acceleration, squared speed and speed, and what remains
+    /// at rest.
+    fn most(&self, k: usize, j: usize) -> [f64; 4] {
         let near = &self.points[k];
         let far = self.before[k + 1].as_ref().unwrap_or(&self.points[k + 1]);
         let three = [near, &self.middles[k], far];
         // The parabola through three values lies between its Bernstein coefficients.
-        let enclose = |of: &dyn Fn(&Terms<N>) -> f64| {
-            let [p, m, q] = three.map(of);
+        let enclose = |of: fn(&Terms<N>) -> &Joints<N>| {
+            let [p, m, q] = three.map(|terms| of(terms)[j]);
             p.abs().max(q.abs()).max((2.0 * m - 0.5 * (p + q)).abs())
         };
-        let each = |of: &dyn Fn(&Terms<N>, usize) -> f64| Joints::from_fn(|j, _| enclose(&|terms| of(terms, j)));
-        TorqueReach {
-            limits: self.limits,
-            inertia: each(&|terms, j| terms.inertia[j]),
-            velocity: each(&|terms, j| terms.velocity[j]),
-            viscous: each(&|terms, j| terms.viscous[j]),
-            constant: Joints::from_fn(|j, _| {
-                let [p, m, q] = three.map(|terms| terms.gravity[j]);
-                let inner = 2.0 * m - 0.5 * (p + q);
-                let most = |of: fn(&Terms<N>) -> &Joints<N>| three.map(|terms| of(terms)[j]);
-                let high = most(|terms| &terms.high).into_iter().fold(f64::NEG_INFINITY, f64::max);
-                let low = most(|terms| &terms.low).into_iter().fold(f64::INFINITY, f64::min);
-                (p.max(q).max(inner) + high).max(-(p.min(q).min(inner) + low))
-            }),
-        }
+        let [p, m, q] = three.map(|terms| terms.gravity[j]);
+        let inner = 2.0 * m - 0.5 * (p + q);
+        let high = three.map(|terms| terms.high[j]).into_iter().fold(f64::NEG_INFINITY, f64::max);
+        let low = three.map(|terms| terms.low[j]).into_iter().fold(f64::INFINITY, f64::min);
+        let rest = (p.max(q).max(inner) + high).max(-(p.min(q).min(inner) + low));
+        [enclose(|terms| &terms.inertia), enclose(|terms| &terms.velocity), enclose(|terms| &terms.viscous), rest]
     }
-}
-
-/// Largest magnitudes of the terms on one interval.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct TorqueReach<const N: usize> {
-    pub limits: Joints<N>,
-    pub inertia: Joints<N>,
-    pub velocity: Joints<N>,
-    pub viscous: Joints<N>,
-    pub constant: Joints<N>,
 }
 
 /// `|inertia u + velocity x + viscous sqrt(x) + constant| <= limit` of every joint.
@@ -185,62 +159,24 @@ pub(crate) struct TorqueReach<const N: usize> {
 pub(crate) struct TorqueRows<'a, const N: usize> {
     path: &'a TorquePath<N>,
     scale: f64,
-    feeds: &'a [f64],
-    near: Option<&'a [f64]>,
-}
-
-/// `sqrt(x)` by straight lines: slope and value at 0 of one above it, slope of one below.
-#[derive(Debug, Clone, Copy)]
-struct Root {
-    above: [f64; 2],
-    below: f64,
-}
-
-impl Root {
-    /// Up to the squared speed `most`, as close as can be at `near`.
-    fn new(most: f64, near: f64) -> Self {
-        // At rest the tangent is vertical.
-        let root = near.max(1e-4 * most).min(most).sqrt();
-        Self { above: [0.5 / root, 0.5 * root], below: 1.0 / most.sqrt() }
-    }
 }
 
 impl<const N: usize> TorqueRows<'_, N> {
-    fn push(&self, terms: &Terms<N>, root: Option<Root>, out: &mut RowSink<'_>) {
+    /// What is taken off is taken from the motion, not from what holds the arm.
+    fn lowered(&self, left: f64) -> f64 {
+        if left > 0.0 { left * self.scale } else { left }
+    }
+
+    fn push(&self, terms: &Terms<N>, out: &mut RowSink<'_>) {
         for j in (0..N).filter(|&j| self.path.limits[j].is_finite()) {
             let (limit, rest) = (self.path.limits[j], terms.gravity[j]);
-            // What is taken off is taken from the motion, not from what holds the arm.
-            let lower = |room: f64| if room > 0.0 { room * self.scale } else { room };
-            let hi = rest + lower(limit - terms.high[j] - rest);
-            let lo = rest - lower(limit + terms.low[j] + rest);
+            let hi = rest + self.lowered(limit - terms.high[j] - rest);
+            let lo = rest - self.lowered(limit + terms.low[j] + rest);
             // Friction beyond the limit leaves nothing.
             let lo = lo.min(hi);
             let (a, b, c) = (terms.inertia[j], terms.velocity[j], terms.viscous[j]);
-            let source = RowSource::joint(Quantity::JointTorque, j);
-            let Some(root) = root else {
-                out.row(Row { a, b, c, d: rest, lo, hi, source });
-                continue;
-            };
-            let ([slope, base], below) = (root.above, root.below);
-            let (upper, under) = if c > 0.0 { ((slope, base), (below, 0.0)) } else { ((below, 0.0), (slope, base)) };
-            // At rest there is no friction, whatever the tangent says.
-            let (hi, lo) = ((hi - c * upper.1).max(rest), (lo - c * under.1).min(rest));
-            out.row(Row { a, b: b + c * upper.0, c: 0.0, d: rest, lo: f64::NEG_INFINITY, hi, source });
-            out.row(Row { a, b: b + c * under.0, c: 0.0, d: rest, lo, hi: f64::INFINITY, source });
+            out.row(Row { a, b, c, d: rest, lo, hi, source: RowSource::joint(Quantity::JointTorque, j) });
         }
-    }
-
-    /// Lines for the root at grid point `i`, or in the middle behind it.
-    fn root(&self, i: usize, middle: bool) -> Option<Root> {
-        let near = self.near?;
-        let at = |i: usize| near.get(i).copied().unwrap_or(0.0);
-        let feed = |k: Option<usize>| k.and_then(|k| self.feeds.get(k)).copied().unwrap_or(0.0);
-        let behind = feed(Some(i));
-        Some(if middle {
-            Root::new(behind * behind, 0.5 * (at(i) + at(i + 1)))
-        } else {
-            Root::new(behind.max(feed(i.checked_sub(1))).powi(2), at(i))
-        })
     }
 }
 
@@ -252,13 +188,21 @@ impl<const N: usize> PathConstraint for TorqueRows<'_, N> {
     fn rows(&self, place: Place, out: &mut RowSink<'_>) {
         match place {
             Place::Point(i) => {
-                let root = self.root(i, false);
-                self.push(&self.path.points[i], root, out);
+                self.push(&self.path.points[i], out);
                 if let Some(before) = &self.path.before[i] {
-                    self.push(before, root, out);
+                    self.push(before, out);
                 }
             }
-            Place::Middle { k, .. } => self.push(&self.path.middles[k], self.root(k, true), out),
+            Place::Middle { k, .. } => self.push(&self.path.middles[k], out),
+        }
+    }
+
+    fn interval_bounds(&self, k: usize, _h: f64, out: &mut Vec<IntervalBound>) {
+        for j in (0..N).filter(|&j| self.path.limits[j].is_finite()) {
+            let [a, b, c, rest] = self.path.most(k, j);
+            let limit = rest + self.lowered(self.path.limits[j] - rest);
+            let source = RowSource::joint(Quantity::JointTorque, j);
+            out.push(IntervalBound::Acceleration { a, b, c, rest, limit, source });
         }
     }
 }

@@ -174,6 +174,8 @@ impl PathConstraint for JointAcceleration<'_> {
 pub struct JointJerk<'a> {
     path: PathDerivatives<'a>,
     limits: &'a [f64],
+    /// Part of each limit that rows may use.
+    used: f64,
 }
 
 impl<'a> JointJerk<'a> {
@@ -190,7 +192,20 @@ impl<'a> JointJerk<'a> {
         if !path.has_third() {
             return Err(FeedError::Empty { what: "third derivatives of the path" });
         }
-        Ok(Self { path, limits })
+        Ok(Self { path, limits, used: 1.0 })
+    }
+
+    /// Keeps the part `margin` of each limit back in the rows, for what the three places of an interval do not tell of the rest of it.
+    /// Bounds over whole intervals need none.
+    ///
+    /// # Errors
+    /// [`FeedError::AboveLimit`] or [`FeedError::Negative`] for a margin that is not below 1.
+    pub fn with_margin(self, margin: f64) -> Result<Self, FeedError> {
+        match margin {
+            m if !(m >= 0.0) => Err(FeedError::Negative { what: "margin of jerk", value: margin }),
+            m if m >= 1.0 => Err(FeedError::AboveLimit { what: "margin of jerk", value: margin, limit: 1.0 }),
+            m => Ok(Self { used: 1.0 - m, ..self }),
+        }
     }
 }
 
@@ -221,7 +236,7 @@ impl PathConstraint for JointJerk<'_> {
                 Within::End => self.path.end(k + 1, j),
             };
             let source = RowSource::joint(Quantity::JointJerk, j);
-            out.push(JerkRow { alpha: p, beta: 3.0 * s, gamma: t, limit, source });
+            out.push(JerkRow { alpha: p, beta: 3.0 * s, gamma: t, limit: self.used * limit, source });
         }
     }
 

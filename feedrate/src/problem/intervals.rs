@@ -133,6 +133,22 @@ fn speed_for_jerk([gamma, step, cross]: [f64; 3], left: f64, most: f64) -> f64 {
     low
 }
 
+/// The greatest speed at which all `bounds` hold whatever the motion does within `|u| <= acceleration` and `|j| <= jerk`.
+pub fn live_speed(bounds: &[IntervalBound], acceleration: f64, jerk: f64) -> f64 {
+    bounds.iter().fold(f64::INFINITY, |v: f64, bound| {
+        v.min(match *bound {
+            IntervalBound::Speed { most, .. } => most,
+            IntervalBound::Acceleration { a, b, c, rest, limit, .. } => {
+                speed_for(b, c, limit - rest - used(a, acceleration))
+            }
+            IntervalBound::Jerk { alpha, beta, gamma, step, limit, .. } => {
+                let left = (limit - used(alpha, jerk)).max(0.0);
+                speed_for_jerk([gamma, step, used(beta, acceleration)], left, v)
+            }
+        })
+    })
+}
+
 impl FeedProblem {
     /// What bounds the motion on the whole of interval `k`; nothing unless built by [`FeedProblem::between_points`].
     pub fn interval_bounds(&self, k: usize) -> &[IntervalBound] {
@@ -188,21 +204,7 @@ impl FeedProblem {
     /// As [`FeedProblem::rest_limits`].
     pub fn live_caps(&self, acceleration: f64, jerk: f64) -> Result<Vec<f64>, FeedError> {
         self.holds_still()?;
-        let cap = |k: usize| {
-            self.bounds.of(k).iter().fold(f64::INFINITY, |v: f64, bound| {
-                v.min(match *bound {
-                    IntervalBound::Speed { most, .. } => most,
-                    IntervalBound::Acceleration { a, b, c, rest, limit, .. } => {
-                        speed_for(b, c, limit - rest - used(a, acceleration))
-                    }
-                    IntervalBound::Jerk { alpha, beta, gamma, step, limit, .. } => {
-                        let left = (limit - used(alpha, jerk)).max(0.0);
-                        speed_for_jerk([gamma, step, used(beta, acceleration)], left, v)
-                    }
-                })
-            })
-        };
-        Ok((0..self.intervals()).map(cap).collect())
+        Ok((0..self.intervals()).map(|k| live_speed(self.bounds.of(k), acceleration, jerk)).collect())
     }
 
     /// The first grid point at which the acceleration of a joint has to jump while the path is in motion: there no jerk-limited law
@@ -217,6 +219,13 @@ impl FeedProblem {
     }
 
     fn holds_still(&self) -> Result<(), FeedError> {
+        // The rows name a place, the bounds an interval.
+        for i in 0..self.grid().len() {
+            if let Some(row) = self.rows(i).iter().find(|row| !(row.lo <= row.d && row.d <= row.hi)) {
+                let limit = if row.d > row.hi { row.hi } else { row.lo };
+                return Err(self.not_still(i, row.source, row.d, limit));
+            }
+        }
         for k in 0..self.intervals() {
             for bound in self.bounds.of(k) {
                 if let IntervalBound::Acceleration { rest, limit, source, .. } = *bound

@@ -5,7 +5,7 @@ mod intervals;
 
 pub(crate) use inside::{InnerRow, inner_row, matching, quadratic};
 use intervals::BoundTable;
-pub use intervals::LimitPartition;
+pub use intervals::{LimitPartition, live_speed};
 
 use crate::constraint::{PathConstraint, Place, RowSink, Within};
 use crate::error::{FeedError, not_negative};

@@ -2,7 +2,6 @@
 
 use std::fmt;
 
-use super::both_ends::BothEndsScan;
 use super::on_problem::ContinuousAccelerationScan;
 use crate::error::FeedError;
 use crate::jerk_limited::JerkLimited;
@@ -57,14 +56,7 @@ impl JerkLimitedOrScan {
     /// # Errors
     /// Those of the jerk-limited planner where neither finds a law; a limit that is broken at rest is named first.
     pub fn choose(&self, problem: &FeedProblem) -> Result<(SpeedLaw, Option<Fallback>), FeedError> {
-        let scan = || {
-            // A bound holds for a whole interval; the rows name a place.
-            let at_rest = |error| match (error, BothEndsScan.plan(problem)) {
-                (FeedError::StaticallyInfeasible { .. }, Err(named)) => named,
-                (error, _) => error,
-            };
-            ContinuousAccelerationScan.plan(problem).map_err(at_rest)
-        };
+        let scan = || ContinuousAccelerationScan.plan(problem);
         if let Some(i) = problem.first_acceleration_step() {
             return Ok((scan()?, Some(Fallback::AccelerationStep { s: problem.grid()[i] })));
         }

@@ -216,7 +216,11 @@ impl<const D: usize> Case<D> {
             Ok(curve) => curve,
             Err(GeometryError::KnotsTooClose { index, width, .. }) => {
                 let real = self.knots[index + 1] - self.knots[index];
-                return if (real - width).abs() <= 1e-8 * width.abs() + 1e-300 { Ok(false) } else { Err(format!("width {width}, is {real}")) };
+                return if (real - width).abs() <= 1e-8 * width.abs() + 1e-300 {
+                    Ok(false)
+                } else {
+                    Err(format!("width {width}, is {real}"))
+                };
             }
             Err(other) => return Err(format!("refused: {other}")),
         };
@@ -282,7 +286,11 @@ fn by_length<const D: usize>(curve: NurbsCurve<D>) -> Result<bool, String> {
         Ok(path) => path,
         Err(GeometryError::StandsStill { u, mean, .. }) => {
             let speed = curve.jet(u).speed().min(curve.jet_left(u).speed());
-            return if speed < 1e-4 * mean { Ok(false) } else { Err(format!("stands still at {u} with {speed} of {mean}")) };
+            return if speed < 1e-4 * mean {
+                Ok(false)
+            } else {
+                Err(format!("stands still at {u} with {speed} of {mean}"))
+            };
         }
         Err(other) => return Err(format!("by arc length: {other}")),
     };
