@@ -1,6 +1,8 @@
 //! A planned speed along a grid, executed with the planner's own interpolation.
 
 use crate::error::FeedError;
+use crate::plan::SpeedPlan;
+use crate::scurve::phases::Phase;
 use crate::state::{MotionLaw, MotionState};
 
 /// What stays constant between two grid points.
@@ -10,6 +12,8 @@ enum Law {
     SlopeOf(f64),
     /// The jerk (m/s³): first and last interval of a motion from or to rest.
     Jerk(f64),
+    /// The jerk (m/s³), for a duration (s) from any state to any other.
+    Phase(f64, f64),
 }
 
 /// The motion from one grid point to the next, by its state at the first.
@@ -46,7 +50,7 @@ impl Piece {
                 let speed = v * c + u * dt * sh;
                 MotionState { p: s + dt * (v * sh + u * dt * d), v: speed, a: u * c + w * v * dt * sh, j: w * speed }
             }
-            Law::Jerk(j) => MotionState {
+            Law::Jerk(j) | Law::Phase(j, _) => MotionState {
                 p: s + dt * (v + dt * (u / 2.0 + dt * j / 6.0)),
                 v: v + dt * (u + dt * j / 2.0),
                 a: u + dt * j,
@@ -61,6 +65,10 @@ impl Piece {
             Law::SlopeOf(w) => {
                 let v = (self.v * self.v + ds * (2.0 * self.u + w * ds)).max(0.0).sqrt();
                 MotionState { p: self.s + ds, v, a: self.u + w * ds, j: w * v }
+            }
+            Law::Phase(j, duration) => {
+                let phase = Phase { t: 0.0, s: self.s, v: self.v, a: self.u, j };
+                MotionState { p: self.s + ds, ..phase.after(phase.time_to_cover(ds, duration)) }
             }
             Law::Jerk(j) => {
                 // From rest s = j t^3 / 6; to rest the same, backwards from the end.
@@ -80,7 +88,8 @@ impl Piece {
 /// A speed law on a grid: [`MotionLaw`] with the interpolation its planner certified.
 ///
 /// Between two grid points either the acceleration is constant (second-order planners), or its slope by `s` is (the
-/// jerk-limited planner), or, where the latter starts or ends at rest, the jerk.
+/// jerk-limited planner), or, where the latter starts or ends at rest, the jerk. That of a scan with jerk has phases of constant
+/// jerk, which do not begin at grid points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GridPlan {
     pieces: Vec<Piece>,
@@ -102,6 +111,19 @@ impl GridPlan {
         builder.finish(s[s.len() - 1], x[x.len() - 1].sqrt())
     }
 
+    /// Phases of constant jerk along a path of a length, from the first to the last point of a grid.
+    pub(crate) fn from_phases(plan: &SpeedPlan, grid: &[f64], length: f64) -> Result<Self, FeedError> {
+        let (start, end) = (grid[0], grid[grid.len() - 1]);
+        let mut builder = Builder::with_capacity(plan.phases().len());
+        let ends = plan.phases().iter().skip(1).map(|phase| phase.t).chain([plan.duration()]);
+        for (phase, until) in plan.phases().iter().zip(ends) {
+            // Summing up lengths leaves round-off beside the grid.
+            let s = start + (end - start) * (phase.s / length);
+            builder.push(s, phase.v, phase.a, Law::Phase(phase.j, until - phase.t), until - phase.t);
+        }
+        builder.finish(end, plan.end().v)
+    }
+
     /// How long the motion takes (s).
     pub fn duration(&self) -> f64 {
         self.duration
@@ -117,7 +139,7 @@ impl GridPlan {
         self.end
     }
 
-    /// Position and state at every grid point, the last one excepted, which is [`GridPlan::end`].
+    /// Time and state at every grid point (or start of a phase), the last one excepted, which is [`GridPlan::end`].
     pub fn knots(&self) -> impl ExactSizeIterator<Item = (f64, MotionState)> + '_ {
         self.pieces.iter().map(|piece| (piece.t, piece.after(0.0)))
     }

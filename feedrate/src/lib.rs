@@ -86,6 +86,7 @@ pub use row::{JerkRow, Quantity, Row, RowSource};
 pub use scan::both_ends::{BothEndsScan, PublishedScan};
 pub use scan::certified::CertifiedReachability;
 pub use scan::joined::{plan_joined, plan_joined_at_once};
+pub use scan::joined_rows::JoinedScan;
 pub use scan::reachability::Reachability;
 pub use scan::segment::{boundary_speeds, plan_per_segment, plan_windowed};
 pub use scan::{Segment, boundaries};

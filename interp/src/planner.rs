@@ -399,11 +399,15 @@ where
             }
             (Ok((law, caps)), _) => Ok((caps, SpeedLaw::Grid(law), Method::JerkLimited, None)),
             (Err(error), Ok(scanned)) => Ok(own(scanned, Some(Fallback::Failed(error)))),
-            // Where neither finds a motion, the rows name the limit.
-            (Err(error), Err(_)) => {
+            // Where neither finds a motion, the rows name the limit, or the scan does.
+            (Err(error), Err(scanned)) => {
                 let still = rows(false).and_then(|rows| BothEndsScan.plan(&rows)).err();
                 let still = still.filter(|error| matches!(error, FeedError::StaticallyInfeasible { .. }));
-                Err(still.unwrap_or(error).into())
+                Err(match (still, error) {
+                    (Some(still), _) => still.into(),
+                    (None, FeedError::NotConverged { .. }) => scanned,
+                    (None, error) => error.into(),
+                })
             }
         }
     }

@@ -257,6 +257,10 @@ impl<'a, const N: usize> Setting<'a, N> {
                 number((check.worst_ratio() - 1.0) * 100.0)
             ));
         }
+        let planner = if schedule.fallback().is_some() { "joined scan" } else { self.planner.name() };
+        if let Some(why) = schedule.fallback() {
+            warnings.push(format!("the joined scan made the motion instead of the jerk-limited planner: {why}"));
+        }
         let report = ScheduleReport {
             name: self.file.file.display().to_string(),
             robot: self.robot.clone(),
@@ -265,7 +269,7 @@ impl<'a, const N: usize> Setting<'a, N> {
             parameter_unit: parameter.unit(),
             parameter_end: path.end(),
             rotation_rad: rotation,
-            planner: self.planner.name(),
+            planner,
             intervals: schedule.problem().intervals(),
             duration_s: schedule.duration(),
             samples: setpoints.len(),
@@ -285,13 +289,8 @@ impl<'a, const N: usize> Setting<'a, N> {
             warnings,
             files: Vec::new(),
         };
-        let facts = format!(
-            "{motion}, {} planner: {} s; {} on {}",
-            self.planner.name(),
-            number(schedule.duration()),
-            used_most(&check),
-            self.robot
-        );
+        let facts =
+            format!("{motion}, {planner}: {} s; {} on {}", number(schedule.duration()), used_most(&check), self.robot);
         let speed = speed_figure(&schedule, &check, &report.name, &facts);
         let shares = share_figure(&schedule, &setpoints, &report.name, &facts);
         Ok(ScheduleRun { report, setpoints, speed, shares })

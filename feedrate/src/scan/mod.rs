@@ -5,6 +5,7 @@ mod ceiling;
 pub mod certified;
 mod feasible_pairs;
 pub mod joined;
+pub mod joined_rows;
 mod pass;
 pub mod reachability;
 pub mod segment;

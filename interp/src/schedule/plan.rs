@@ -10,6 +10,7 @@ use super::{ScheduleLimits, SchedulePath};
 use crate::error::PlanError;
 use crate::joint_path::JointJet;
 use crate::limits::positive;
+use crate::plan::Fallback;
 use crate::trajectory::Setpoint;
 
 /// A motion along a path `P`, planned and ready to be sampled.
@@ -21,6 +22,7 @@ pub struct Schedule<'p, P: ?Sized, const N: usize = 6> {
     problem: FeedProblem,
     plan: GridPlan,
     times: [Duration; 2],
+    fallback: Option<Fallback>,
 }
 
 /// The greatest speed at a place of the path, and the limit that sets it.
@@ -43,7 +45,18 @@ impl<'p, P: SchedulePath<N> + ?Sized, const N: usize> Schedule<'p, P, N> {
         plan: GridPlan,
         times: [Duration; 2],
     ) -> Self {
-        Self { scheduler, path, nodes, problem, plan, times }
+        Self { scheduler, path, nodes, problem, plan, times, fallback: None }
+    }
+
+    /// As the joined scan's motion in place of the jerk-limited planner's.
+    pub(super) fn instead(self, why: Fallback) -> Self {
+        Self { fallback: Some(why), ..self }
+    }
+
+    /// Why the motion is the joined scan's though the jerk-limited planner was asked for; `None` where the planner that was
+    /// asked for made it.
+    pub fn fallback(&self) -> Option<Fallback> {
+        self.fallback
     }
 
     /// The path.
