@@ -5,7 +5,9 @@
 //! Prints a summary per planner and family, and every input that fails as Rust to paste into a test.
 use std::collections::BTreeMap;
 
-use arcfeed_feedrate::{BothEndsScan, CertifiedReachability, FeedPlanner, JerkLimited, Reachability};
+use arcfeed_feedrate::{
+    BothEndsScan, CertifiedReachability, ContinuousAccelerationScan, FeedPlanner, JerkLimited, Reachability,
+};
 
 #[path = "../tests/common/row_families.rs"]
 mod row_families;
@@ -29,11 +31,12 @@ fn main() {
     let (seed, count) = (number(0).unwrap_or(1), number(1).unwrap_or(1000));
     let family = arguments.get(2).and_then(|name| FAMILIES.iter().position(|family| family == name));
     // Rows between the points, rows on jerk, whether it keeps the limits between the points.
-    let planners: [(&str, &dyn FeedPlanner, bool, bool); 4] = [
+    let planners: [(&str, &dyn FeedPlanner, bool, bool); 5] = [
         ("both ends", &BothEndsScan, false, false),
         ("reachability", &Reachability, false, false),
         ("certified", &CertifiedReachability, true, false),
         ("jerk-limited", &JerkLimited::default(), true, true),
+        ("joined", &ContinuousAccelerationScan, true, true),
     ];
     let mut tallies: BTreeMap<(usize, usize), Tally> = BTreeMap::new();
     let mut failures = 0;

@@ -228,13 +228,9 @@ impl<'a, const N: usize> Setting<'a, N> {
         let CheckedSchedule { schedule, check, limits, notes } = task.plan(path).map_err(failed)?;
         few_enough(schedule.duration(), self.file.period, "the [limits] of the file")
             .map_err(|source| Cr7Error::TooManySamples { file: self.file.file.display().to_string(), source })?;
-        let facts = format!(
-            "{motion}, {} planner: {} s; {} on {}",
-            self.planner.name(),
-            number(schedule.duration()),
-            used_most(&check),
-            self.robot
-        );
+        let planner = if schedule.fallback().is_some() { "joined scan" } else { self.planner.name() };
+        let facts =
+            format!("{motion}, {planner}: {} s; {} on {}", number(schedule.duration()), used_most(&check), self.robot);
         let name = self.file.file.display().to_string();
         let mut rows = ScheduleRows::new(&schedule, &self.limits, arm.range(), self.file.period).map_err(failed)?;
         rows.write(write, failed)?;
@@ -242,6 +238,9 @@ impl<'a, const N: usize> Setting<'a, N> {
         let samples = rows.samples();
         let (checked, shares) = rows.finish(&name, &facts);
         let [following, planning] = schedule.timings().map(|t| t.as_secs_f64());
+        let instead = schedule
+            .fallback()
+            .map(|why| format!("the joined scan made the motion instead of the jerk-limited planner: {why}"));
         let report = ScheduleReport {
             robot: self.robot.clone(),
             motion: motion.to_owned(),
@@ -249,7 +248,7 @@ impl<'a, const N: usize> Setting<'a, N> {
             parameter_unit: parameter.unit(),
             parameter_end: path.end(),
             rotation_rad: rotation,
-            planner: self.planner.name(),
+            planner,
             intervals: schedule.problem().intervals(),
             duration_s: schedule.duration(),
             samples,
@@ -266,7 +265,7 @@ impl<'a, const N: usize> Setting<'a, N> {
                     intervals: b.intervals.iter().map(|&(from, to)| [from, to]).collect(),
                 })
                 .collect(),
-            warnings: self.warnings.iter().cloned().chain(notes).collect(),
+            warnings: self.warnings.iter().cloned().chain(instead).chain(notes).collect(),
             files: Vec::new(),
             name,
         };

@@ -5,6 +5,7 @@
 //! bounds that hold on a whole interval ([`IntervalBound`]). [`crate::FeedProblem`] collects them; nothing past that knows which
 //! constraint a row came from but by its [`RowSource`].
 
+mod hull;
 mod joint;
 mod path;
 mod tool;
@@ -55,7 +56,11 @@ pub trait PathConstraint {
 
     /// Appends what bounds the motion on the whole of interval `k` of length `h`: what the scans with S-profiles and motion that is
     /// changed while it runs are planned by.
-    fn interval_bounds(&self, _k: usize, _h: f64, _out: &mut Vec<IntervalBound>) {}
+    ///
+    /// Without an answer of its own a constraint gives the hulls of its rows through both ends and the middle of the interval.
+    fn interval_bounds(&self, k: usize, h: f64, out: &mut Vec<IntervalBound>) {
+        hull::of_rows(self, k, h, out);
+    }
 
     /// Speeds of axes by `s`, as Bernstein coefficients of a quadratic over interval `k` of length `h` that holds where
     /// the path is piecewise cubic; each with the limit (> 0) on the magnitude of the axis speed.

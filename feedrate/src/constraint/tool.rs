@@ -144,11 +144,6 @@ impl PathConstraint for TangentialAcceleration {
     fn rows(&self, _place: Place, out: &mut RowSink<'_>) {
         out.row(Row::symmetric(1.0, 0.0, self.0, RowSource::path(Quantity::TangentialAcceleration)));
     }
-
-    fn interval_bounds(&self, _k: usize, _h: f64, out: &mut Vec<IntervalBound>) {
-        let source = RowSource::path(Quantity::TangentialAcceleration);
-        out.push(IntervalBound::Acceleration { a: 1.0, b: 0.0, c: 0.0, rest: 0.0, limit: self.0, source });
-    }
 }
 
 /// `|w sdot| <= jerk`: tangential jerk.
@@ -175,11 +170,6 @@ impl PathConstraint for TangentialJerk {
     fn jerk_rows(&self, _k: usize, _h: f64, _within: Within, out: &mut Vec<JerkRow>) {
         let source = RowSource::path(Quantity::TangentialJerk);
         out.push(JerkRow { alpha: 1.0, beta: 0.0, gamma: 0.0, limit: self.0, source });
-    }
-
-    fn interval_bounds(&self, _k: usize, _h: f64, out: &mut Vec<IntervalBound>) {
-        let source = RowSource::path(Quantity::TangentialJerk);
-        out.push(IntervalBound::Jerk { alpha: 1.0, beta: 0.0, gamma: 0.0, step: 0.0, limit: self.0, source });
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::{PathConstraint, Place, RowSink};
 use crate::error::FeedError;
-use crate::row::{IntervalBound, Quantity, Row, RowSource};
+use crate::row::{Quantity, Row, RowSource};
 
 /// `|a u + b x + c sqrt(x) + d| <= tau` for every joint (Electronics 2025, 14, 3869, eq. 8).
 ///
@@ -71,24 +71,6 @@ impl PathConstraint for JointTorque<'_> {
                 }),
             };
             self.push(j, terms, out);
-        }
-    }
-
-    /// From both ends and the middle: the parabola through three values lies between its Bernstein coefficients.
-    fn interval_bounds(&self, k: usize, h: f64, out: &mut Vec<IntervalBound>) {
-        let mut places = [Vec::new(), Vec::new(), Vec::new()];
-        for (rows, place) in places.iter_mut().zip([Place::Point(k), Place::Middle { k, h }, Place::Point(k + 1)]) {
-            let source = RowSource::path(Quantity::Other);
-            self.rows(place, &mut RowSink { rows, sound: true, x_max: f64::INFINITY, source });
-        }
-        let [start, middle, end] = &places;
-        for ((p, m), q) in start.iter().zip(middle).zip(end) {
-            let enclose = |of: fn(&Row) -> f64| {
-                let [p, m, q] = [p, m, q].map(of);
-                p.abs().max(q.abs()).max((2.0 * m - 0.5 * (p + q)).abs())
-            };
-            let (a, b, c, rest) = (enclose(|r| r.a), enclose(|r| r.b), enclose(|r| r.c), enclose(|r| r.d));
-            out.push(IntervalBound::Acceleration { a, b, c, rest, limit: m.hi, source: m.source });
         }
     }
 }

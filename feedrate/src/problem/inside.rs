@@ -39,7 +39,7 @@ impl FeedProblem {
     }
 
     /// Every row at the start, in the middle and at the end of interval `k`.
-    fn through(&self, k: usize) -> impl Iterator<Item = [&Row; 3]> {
+    pub(crate) fn through(&self, k: usize) -> impl Iterator<Item = [&Row; 3]> {
         let (near, middle, far) = (self.rows(k), self.middle_rows(k), self.rows(k + 1));
         middle.iter().enumerate().filter_map(move |(j, m)| {
             let p = matching(near, m, j, middle.len(), false).map(|j| &near[j])?;

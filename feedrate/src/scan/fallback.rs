@@ -71,6 +71,8 @@ impl JerkLimitedOrScan {
             Err(error) => match scan() {
                 Ok(scanned) => Ok((scanned, Some(Fallback::Failed(error)))),
                 Err(still @ FeedError::StaticallyInfeasible { .. }) => Err(still),
+                // The scan knows what is in the way.
+                Err(scanned) if matches!(error, FeedError::NotConverged { .. }) => Err(scanned),
                 Err(_) => Err(error),
             },
         }

@@ -345,7 +345,7 @@ pub fn judge(path: &Path<'_>, plan: &SpeedLaw, jerk: bool) -> Excess {
         for i in 0..=BETWEEN + 1 {
             let fraction = i as f64 / (BETWEEN + 1) as f64;
             // The end of an interval belongs to the next one: a hair before it.
-            let at = if i == BETWEEN + 1 { s + h * (1.0 - 1e-13) } else { s + fraction * h };
+            let at = if i == BETWEEN + 1 { s + h * (1.0 - 1e-11) } else { s + fraction * h };
             let mut state = plan.at_position(at);
             if i == BETWEEN + 1 {
                 let next = plan.at_position(path.grid[k + 1]);

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use arcfeed_feedrate::{Cursor, FeedProblem, MotionState, Row, RowSource, SpeedLaw};
+use arcfeed_feedrate::{Cursor, Fallback, FeedProblem, MotionState, Row, RowSource, SpeedLaw};
 use arcfeed_kinematics::{Dynamics, ForwardKinematics, Joints};
 
 use super::scheduler::Scheduler;
@@ -21,6 +21,7 @@ pub struct Schedule<'p, P: ?Sized, const N: usize = 6> {
     problem: FeedProblem,
     plan: SpeedLaw,
     times: [Duration; 2],
+    fallback: Option<Fallback>,
 }
 
 /// The greatest speed at a place of the path, and the limit that sets it.
@@ -43,7 +44,18 @@ impl<'p, P: SchedulePath<N> + ?Sized, const N: usize> Schedule<'p, P, N> {
         plan: SpeedLaw,
         times: [Duration; 2],
     ) -> Self {
-        Self { scheduler, path, nodes, problem, plan, times }
+        Self { scheduler, path, nodes, problem, plan, times, fallback: None }
+    }
+
+    /// As the joined scan's motion in place of the jerk-limited planner's.
+    pub(super) fn instead(self, why: Fallback) -> Self {
+        Self { fallback: Some(why), ..self }
+    }
+
+    /// Why the motion is the joined scan's though the jerk-limited planner was asked for; `None` where the planner that was
+    /// asked for made it.
+    pub fn fallback(&self) -> Option<Fallback> {
+        self.fallback
     }
 
     /// The path.

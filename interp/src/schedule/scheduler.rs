@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use arcfeed_feedrate::constraint::{JointAcceleration, JointJerk, JointVelocity, PathConstraint, PathDerivatives};
 use arcfeed_feedrate::{
-    BothEndsScan, CertifiedReachability, FeedError, FeedPlanner, FeedProblem, JerkLimited, PublishedScan, Quantity,
-    Reachability, SpeedLaw,
+    BothEndsScan, CertifiedReachability, ContinuousAccelerationScan, Fallback, FeedError, FeedPlanner, FeedProblem,
+    JerkLimited, PublishedScan, Quantity, Reachability, SpeedLaw,
 };
 use arcfeed_kinematics::{Dynamics, ForwardKinematics, Joints};
 
@@ -65,6 +65,18 @@ impl SpeedPlanner {
             Self::JerkLimited => RowsNeeded::Jerk,
             _ => RowsNeeded::Points,
         }
+    }
+}
+
+/// Whether another planner or grid may do better.
+fn is_doubtful<P: SchedulePath<N>, const N: usize>(made: &Result<Schedule<'_, P, N>, PlanError>) -> bool {
+    match made {
+        Ok(schedule) => crawls(schedule),
+        Err(PlanError::Feed(error)) => matches!(
+            error,
+            FeedError::NotConverged { .. } | FeedError::LengthMismatch { .. } | FeedError::TooMany { .. }
+        ),
+        Err(_) => false,
     }
 }
 
@@ -163,8 +175,9 @@ impl<'a, const N: usize> Scheduler<'a, N> {
         &self.limits
     }
 
-    /// The fastest motion along `path` that `planner` finds. Where the jerk-limited planner does not converge, or takes many
-    /// times as long as the scan without jerk does, it gets other grids, of up to four times the intervals.
+    /// The fastest motion along `path` that `planner` finds. Where the jerk-limited planner finds none, or takes many
+    /// times as long as the scan without jerk does, it gets other grids, of up to four times the intervals; where that does not
+    /// help, the joined scan makes the motion, and [`Schedule::fallback`] says so.
     ///
     /// # Errors
     /// [`PlanError::OnPath`] where the arm cannot follow, [`PlanError::Feed`] naming place, joint and row where no motion
@@ -180,11 +193,7 @@ impl<'a, const N: usize> Scheduler<'a, N> {
         let n = self.intervals;
         let mut best: Result<Schedule<'p, P, N>, PlanError> = self.plan_with(path, &planner, planner.needs());
         for intervals in [n + 1, 2 * n, 2 * n + 1, 4 * n].into_iter().filter(|n| *n <= MOST_AGAIN) {
-            let again = match &best {
-                Ok(schedule) => crawls(schedule),
-                Err(error) => matches!(error, PlanError::Feed(FeedError::NotConverged { .. })),
-            };
-            if !again {
+            if !is_doubtful(&best) {
                 break;
             }
             let other = Self { intervals, ..*self }.plan_with(path, &planner, planner.needs());
@@ -196,7 +205,26 @@ impl<'a, const N: usize> Scheduler<'a, N> {
                 best = other;
             }
         }
-        best
+        if is_doubtful(&best) { self.joined(path, best) } else { best }
+    }
+
+    /// The joined scan's motion, where it is faster than the jerk-limited planner's or that planner has none.
+    fn joined<'p, P>(
+        &self,
+        path: &'p P,
+        limited: Result<Schedule<'p, P, N>, PlanError>,
+    ) -> Result<Schedule<'p, P, N>, PlanError>
+    where
+        'a: 'p,
+        P: SchedulePath<N>,
+    {
+        match (self.plan_with(path, &ContinuousAccelerationScan, RowsNeeded::Jerk), limited) {
+            (Ok(joined), Ok(limited)) if joined.duration() < limited.duration() => {
+                Ok(joined.instead(Fallback::Slower { duration: limited.duration() }))
+            }
+            (Ok(joined), Err(PlanError::Feed(error))) => Ok(joined.instead(Fallback::Failed(error))),
+            (_, limited) => limited,
+        }
     }
 
     /// As [`Scheduler::plan`], with a planner of the caller's own and the rows it needs.
