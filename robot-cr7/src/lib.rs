@@ -8,6 +8,7 @@ mod job;
 mod job_file;
 mod joint_run;
 mod model;
+mod online_events;
 mod online_scenario;
 mod path_file;
 #[cfg(feature = "plot")]
