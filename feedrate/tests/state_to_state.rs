@@ -408,3 +408,31 @@ fn refusals_name_what_is_wrong() {
     assert!(matches!(to(-0.9, 4.0), StateToStateError::TargetUnreachable { limit: -1.0, .. }));
     assert!(to(1.5, -3.0).to_string().contains("2.4"), "{}", to(1.5, -3.0));
 }
+
+/// Where start and target are one state that brakes, the change of velocity was taken for a rise, with its peak on the wrong side
+/// of zero: 16 s for nothing, and 0 s in the mirrored problem.
+#[test]
+fn already_there_with_a_negative_acceleration_took_16_s() {
+    let limits = AxisLimits::symmetric(4.0, 2.0, 0.5).unwrap();
+    for a in [2.0, 1.0, -1.0, -2.0] {
+        let state = AxisState::new(0.7450538634956339, 0.0, a);
+        assert_eq!(StateToState::new(&state, &state, &limits).unwrap().duration(), 0.0, "{a}");
+    }
+    // One phase of constant jerk, from wherever to wherever on one side of zero: nothing is shorter.
+    let mut rng = Rng(91);
+    for i in 0..100_000 {
+        let limits = AxisLimits::symmetric(10.0, 4.0, 8.0).unwrap();
+        let mut grid = |x: f64| (x * (2.0 * rng.unit() - 1.0) * 16.0).round() / 16.0;
+        let (from, to, v) = (grid(4.0), grid(4.0), grid(2.0));
+        let t = (to - from).abs() / 8.0;
+        let j = if to > from { 8.0 } else { -8.0 };
+        let start = AxisState::new(0.0, v, from);
+        let end = AxisState::new(t * (v + t * (0.5 * from + t * j / 6.0)), v + 0.5 * t * (from + to), to);
+        let motion = StateToState::to_velocity(&start, end.v, end.a, &limits).unwrap();
+        assert!(
+            (motion.duration() - t).abs() <= 1e-15,
+            "case {i}: {} s instead of {t} s: {start:?} {end:?}",
+            motion.duration()
+        );
+    }
+}

@@ -9,6 +9,7 @@ mod job_file;
 mod joint_check;
 mod joint_run;
 mod model;
+mod online_events;
 mod online_scenario;
 mod path_file;
 #[cfg(feature = "plot")]

@@ -13,6 +13,7 @@ use crate::job::{JointOverrides, JointValues};
 use crate::job_file::{PerJoint, RawJoints, RawSampling};
 use crate::joint_check::Rates;
 use crate::joint_run::Happening;
+use crate::online_events::{Teller, in_degrees};
 use crate::samples::MOST_CYCLES;
 use crate::toml_check::{Check, read_toml};
 
@@ -272,17 +273,18 @@ impl OnlineScenario {
     /// # Errors
     /// [`ScenarioError`], naming the line where there is one.
     pub fn run<const N: usize>(&self, limits: &JointLimits<N>) -> Result<OnlineRun<N>, ScenarioError> {
-        let refused = |place: &str, key: &str, source| ScenarioError::Refused {
-            file: self.file.clone(),
-            line: Check::new(&self.text, &self.file).line_of(key),
-            place: place.to_owned(),
-            source,
+        let refused = |place: &str, key: &str, source| {
+            let (source, unit) = in_degrees(source);
+            let line = Check::new(&self.text, &self.file).line_of(key);
+            ScenarioError::Refused { file: self.file.clone(), line, place: format!("{place}{unit}"), source }
         };
         let mut rates = Rates::from(limits);
         let mut target = self.states::<N>("target", &self.target)?;
         let start = self.states::<N>("start", &self.start)?;
         let axes = axis_limits(&rates).map_err(|e| refused("joints", "joints", e))?;
+        let ranges = std::array::from_fn(|k| (limits.lower()[k], limits.upper()[k]));
         let mut generator = OnlineGenerator::new(start, axes, self.period, self.synchronisation)
+            .and_then(|generator| generator.with_ranges(ranges))
             .map_err(|e| refused("start", "start", e))?;
         generator.set_target(target).map_err(|e| refused("target", "target", e))?;
         let mut run = OnlineRun {
@@ -292,7 +294,7 @@ impl OnlineScenario {
             events: vec![Happening { t_s: 0.0, what: format!("off to the target, {:.4} s", generator.time_left()) }],
         };
         let mut changes = self.changes.iter().enumerate().peekable();
-        let mut outside = false;
+        let mut teller = Teller::new(self.synchronisation == Synchronisation::None);
         let longest = (self.longest / self.period).ceil();
         let most = longest.min(MOST_CYCLES as f64) as usize;
         for cycle in 0.. {
@@ -324,17 +326,7 @@ impl OnlineScenario {
             let step = generator.step();
             let t = (cycle + 1) as f64 * self.period;
             run.samples.push((t, step.state, rates));
-            if step.events.outside_limits && !outside {
-                let what = "a joint is outside its new limits and on the way back inside".to_owned();
-                run.events.push(Happening { t_s: now, what });
-            }
-            if outside && !step.events.outside_limits {
-                run.events.push(Happening { t_s: t, what: "all joints are inside their limits".to_owned() });
-            }
-            outside = step.events.outside_limits;
-            if step.events.reached {
-                run.events.push(Happening { t_s: t, what: "target reached".to_owned() });
-            }
+            teller.tell(&step.events, (now, t), &mut run.events);
             if !generator.is_underway() && changes.peek().is_none() {
                 run.target = target;
                 return Ok(run);

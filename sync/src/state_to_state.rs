@@ -156,7 +156,7 @@ impl<const N: usize> Trajectory<N> {
         };
         let axes = std::array::from_fn(|k| motion.in_proportion(line.ratios[k], &start[k], &target[k]));
         // All axes share the least of their jerk limits: an axis that alone would stay inside can overshoot with it.
-        let exceeds = |k: &usize| limits[*k].contain(&start[*k]) && !keeps(&axes[*k], 0.0, &limits[*k]);
+        let exceeds = |k: &usize| !keeps_what_holds(&axes[*k], &start[*k], &limits[*k]);
         match (0..N).find(exceeds) {
             Some(axis) => Err(SyncError::LineExceeds { axis }),
             None => Ok(Self { axes, duration: motion.duration(), straight: true }),
@@ -210,6 +210,20 @@ fn lasting_at_least(problem: &AxisProblem, options: &MotionOptions) -> Result<St
 
 /// Whether a motion stays within the limits from `now` on.
 pub(crate) fn keeps(motion: &StateToState, now: f64, l: &AxisLimits) -> bool {
+    motion.duration() >= now && keeps_all_of(motion, now, l, |s| l.contain_now(s))
+}
+
+/// Whether a motion keeps the limits that `start` is inside of and can stay inside of.
+fn keeps_what_holds(motion: &StateToState, start: &AxisState, l: &AxisLimits) -> bool {
+    let velocity = |v: f64| l.contain_now(&AxisState::new(0.0, v, 0.0));
+    let acceleration = |a: f64| l.contain_now(&AxisState::new(0.0, 0.0, a));
+    let slow = velocity(start.v) && velocity(l.velocity_after(start));
+    let soft = acceleration(start.a);
+    keeps_all_of(motion, 0.0, l, |s| (!slow || velocity(s.v)) && (!soft || acceleration(s.a)))
+}
+
+/// Whether a motion keeps its jerk limit from `now` on and `inside` holds where velocity or acceleration is extremal.
+fn keeps_all_of(motion: &StateToState, now: f64, l: &AxisLimits, inside: impl Fn(&AxisState) -> bool) -> bool {
     motion.phases().filter(|(phase, dt)| phase.t + dt > now).all(|(phase, dt)| {
         let from = (now - phase.t).max(0.0);
         let top = -phase.a / phase.j;
@@ -217,9 +231,9 @@ pub(crate) fn keeps(motion: &StateToState, now: f64, l: &AxisLimits) -> bool {
         let jerk = phase.j >= l.j_min() * ROUNDED && phase.j <= l.j_max() * ROUNDED;
         jerk && [from, top, dt].into_iter().all(|t| {
             let s = phase.after(t);
-            l.contain_now(&AxisState::new(s.p, s.v, s.a))
+            inside(&AxisState::new(s.p, s.v, s.a))
         })
-    }) && motion.duration() >= now
+    })
 }
 
 /// Limits are kept up to this factor of round-off.

@@ -122,3 +122,18 @@ fn on_the_line_an_axis_exceeded_its_velocity_with_the_jerk_of_another() {
     assert!(p.solve(Synchronisation::Time).is_ok());
     assert!(Problem { start, target, limits }.solve(Synchronisation::ForcedStraight).unwrap().is_straight());
 }
+
+/// An acceleration beyond its limit was taken back with the jerk of another axis, and the velocity went beyond its own limit.
+#[test]
+fn on_the_line_an_acceleration_was_taken_back_too_slowly_for_the_velocity() {
+    let limits = [AxisLimits::symmetric(1.0, 1.9, 1000.0).unwrap(), AxisLimits::symmetric(2.0, 10.0, 10.0).unwrap()];
+    let start = [AxisState::new(0.0, 0.9, 2.0); 2];
+    let p = Problem { start, target: [AxisState::rest(3.0); 2], limits };
+    let motion = line(&p);
+    let fastest = (0..=1000).map(|n| motion.at(motion.duration() * f64::from(n) / 1000.0).qd[0]).fold(0.0, f64::max);
+    assert!(fastest <= 1.0 + 1e-12, "{fastest}");
+    // A velocity beyond its limit is brought back on the line: nothing else is there earlier.
+    let limits = [AxisLimits::symmetric(0.5, 10.0, 1000.0).unwrap(), limits[1]];
+    let start = [AxisState::new(0.0, 0.9, 0.0); 2];
+    assert!(line(&Problem { start, target: [AxisState::rest(3.0); 2], limits }).is_straight());
+}

@@ -63,9 +63,9 @@ fn a_motion_that_leaves_the_range_between_is_refused_and_the_old_one_goes_on() {
         while g.state()[0].p < 0.7 {
             g.step();
         }
-        // At full speed towards the end of its range; half the acceleration would not stop it in time.
+        // At full speed towards the end of its range; a fifth of the acceleration would not stop it in time.
         let mut same = g.clone();
-        let slow = [AxisLimits::symmetric(1.0, 2.0, 50.0).unwrap(), *g.limits().last().unwrap()];
+        let slow = [AxisLimits::symmetric(1.0, 1.0, 50.0).unwrap(), *g.limits().last().unwrap()];
         let e = g.set_limits(slow).unwrap_err();
         assert!(matches!(e, SyncError::LeavesRange { axis: 0, limit: 1.0, .. }), "{e}");
         assert!(e.to_string().contains("stop it first"), "{e}");

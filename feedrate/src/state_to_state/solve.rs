@@ -52,7 +52,8 @@ impl Direct {
         let (u, d) = (p.j.inv_up, p.j.inv_down);
         let (s0, sf, dv) = (0.5 * p.a0 * p.a0, 0.5 * p.af * p.af, p.vf - p.v0);
         let single = (sf - s0) * if p.af >= p.a0 { u } else { -d };
-        let up = dv >= single;
+        // A change by one phase is both; the peak of the right one has the sign of the accelerations.
+        let up = if dv == single { p.a0 + p.af >= 0.0 } else { dv > single };
         let (square, cap, sign) =
             if up { (dv + s0 * u + sf * d, p.rise, 1.0) } else { (-dv + s0 * d + sf * u, p.fall, -1.0) };
         let peak = Peak::from_square(square / p.j.k, cap, p.j.k);

@@ -8,7 +8,7 @@ use arcfeed_sync::feedrate::AxisState;
 use arcfeed_sync::{Events, OnlineGenerator, SyncError, Synchronisation};
 
 use super::generator_input::{AXES, Kind, Limits, Scene, States, printed};
-use super::judge::{broken, stays_inside, velocity_at_zero_acceleration};
+use super::judge::{Precision, broken, stays_inside, velocity_at_zero_acceleration};
 use super::{Failure, Outcome, Rng};
 
 /// The part of a limit by which it may be exceeded.
@@ -223,9 +223,13 @@ impl Play {
         self.setting.age += 1;
         self.promised -= dt;
         let was = self.now;
+        // On a line an axis has the round-off of the one it is in proportion to.
+        let line = self.generator.plan().is_straight();
+        let size = if line { was.iter().fold(0.0, |m: f64, s| m.max(s.p.abs())) } else { 0.0 };
+        let precision = Precision { slack: EXACT, size };
         for k in 0..AXES {
             self.now[k] = AxisState::new(step.state.q[k], step.state.qd[k], step.state.qdd[k]);
-            if let Some((what, size)) = broken(&was[k], &self.now[k], dt, &self.limits[k], EXACT) {
+            if let Some((what, size)) = broken(&was[k], &self.now[k], dt, &self.limits[k], precision) {
                 let late = if step.events.arrived[k] { " on arrival" } else { "" };
                 return wrong(&format!("{what}{late}, axis {k}: {:?} -> {:?}", was[k], self.now[k]), size);
             }

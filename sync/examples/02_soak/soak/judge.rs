@@ -18,16 +18,31 @@ pub fn velocity_at_zero_acceleration(s: &AxisState, l: &AxisLimits) -> f64 {
     s.v + 0.5 * time * s.a
 }
 
-/// The first limit that a step of `dt` seconds breaks, and how much of it is used. A step that begins inside, but for `slack`, must
+/// The precision asked for: the part of a limit that may be exceeded, and the size of the positions.
+#[derive(Debug, Clone, Copy)]
+pub struct Precision {
+    pub slack: f64,
+    pub size: f64,
+}
+
+/// The first limit that a step of `dt` seconds breaks, and how much of it is used. A step that begins inside, but for the slack, must
 /// stay there.
 ///
 /// With the jerk between -J and J the trapezoid of the velocities differs from the change of position by J dt³ / 12 at most, that
 /// of the accelerations from the change of velocity by J dt² / 4. Any jump is more than that.
-pub fn broken(from: &AxisState, to: &AxisState, dt: f64, l: &AxisLimits, slack: f64) -> Option<(&'static str, f64)> {
+pub fn broken(
+    from: &AxisState,
+    to: &AxisState,
+    dt: f64,
+    l: &AxisLimits,
+    precision: Precision,
+) -> Option<(&'static str, f64)> {
+    let Precision { slack, size } = precision;
     let jerk = l.j_max().max(-l.j_min());
     let sum = |x: f64, y: f64| x.abs() + y.abs();
     let off = (to.p - from.p - 0.5 * dt * (from.v + to.v)).abs();
-    let most = jerk * dt * dt * dt / 12.0 + 1e-14 * (1.0 + sum(from.p, to.p)) + 1e-13 * dt * sum(from.v, to.v);
+    let most =
+        jerk * dt * dt * dt / 12.0 + 1e-14 * (1.0 + size.max(sum(from.p, to.p))) + 1e-13 * dt * sum(from.v, to.v);
     let position = off / most;
     let off = (to.v - from.v - 0.5 * dt * (from.a + to.a)).abs();
     let most = jerk * dt * dt / 4.0 + 1e-14 * (1.0 + sum(from.v, to.v)) + 1e-13 * dt * sum(from.a, to.a);

@@ -1,20 +1,20 @@
 //! The projection synchroniser, with targets and limits that change.
 //!
-//! Judged from the samples alone: every step is possible within the limits, and the motion comes to rest in its target.
+//! Judged from the samples alone: every step is possible within the limits, and the motion comes to rest in its target, in the time it promises.
 
 use arcfeed_sync::feedrate::AxisState;
 use arcfeed_sync::nalgebra::SVector;
 use arcfeed_sync::{AxisLimits, JointState, ProjectionStatus, ProjectionSync};
 
-use super::judge::broken;
+use super::judge::{Precision, broken};
 use super::{Failure, Outcome, Rng};
 
 const AXES: usize = 4;
 /// The part of a limit by which it may be exceeded.
-const EXACT: f64 = 1e-9;
+const EXACT: Precision = Precision { slack: 1e-9, size: 0.0 };
 type Joints = SVector<f64, AXES>;
 
-/// Cycles in which something changes, and in which the target must be reached.
+/// Cycles in which something changes, and after which a motion is no longer followed.
 const CHANGING: u64 = 2000;
 const MOST: u64 = 200_000;
 
@@ -76,6 +76,8 @@ fn play(rng: &mut Rng, outcome: &mut Outcome) -> Result<(), (String, f64, String
     let period = rng.one_of(&[1e-4, 1e-3, 2e-3, 8e-3]);
     let follows = rng.chance(0.3);
     let (mut begun, mut reached) = (now, false);
+    // Seconds until the target is to be reached.
+    let mut promised = None;
     for cycle in 0..MOST {
         if cycle >= CHANGING && reached {
             return Ok(());
@@ -88,12 +90,12 @@ fn play(rng: &mut Rng, outcome: &mut Outcome) -> Result<(), (String, f64, String
                 another(&target, &now.q, rng)
             };
             sync.set_target(target).map_err(|e| refused("target", &e, show(&now, &target, &limits)))?;
-            (begun, reached) = (now, false);
+            (begun, reached, promised) = (now, false, None);
         }
         if cycle < CHANGING && rng.chance(0.003) {
             limits = any_limits(hostile, rng);
             sync.set_limits(&limits).map_err(|e| refused("limits", &e, show(&now, &target, &limits)))?;
-            (begun, reached) = (now, false);
+            (begun, reached, promised) = (now, false, None);
         }
         let dt = if rng.chance(0.1) { period * rng.within(0.3, 2.0) } else { period };
         let step = sync.step(dt).map_err(|e| refused("step", &e, show(&now, &target, &limits)))?;
@@ -106,6 +108,13 @@ fn play(rng: &mut Rng, outcome: &mut Outcome) -> Result<(), (String, f64, String
             }
         }
         now = step.state;
+        promised = promised.map(|left: f64| left - dt).or_else(|| sync.remaining());
+        if !reached
+            && promised.is_some_and(|left| left < -dt)
+            && !matches!(step.status, ProjectionStatus::Reached { .. })
+        {
+            return Err(("later than promised".to_owned(), 1.0, show(&begun, &target, &limits)));
+        }
         if matches!(step.status, ProjectionStatus::Reached { .. }) && !reached {
             reached = true;
             outcome.see("arrivals");
@@ -115,5 +124,7 @@ fn play(rng: &mut Rng, outcome: &mut Outcome) -> Result<(), (String, f64, String
             }
         }
     }
-    Err((format!("not reached in {MOST} cycles"), 1.0, show(&begun, &target, &limits)))
+    // Limits that fell by decades: braking alone takes minutes.
+    outcome.see("still on the way");
+    Ok(())
 }
