@@ -137,12 +137,14 @@ impl Refinement<'_> {
             .clone()
             .chain([a, b])
             .fold((f64::INFINITY, 0.0f64), |(low, high), p| (low.min(p.pace), high.max(p.pace)));
-        // Between grid points the third derivative is taken as linear: the jerk by which that is wrong.
+        // Between grid points the third derivative is taken as linear: the jerk by which that is wrong, against the limit,
+        // or against the jerk of the bend itself where its pace makes more than that.
         let wrong = seen.fold(0.0f64, |most, p| {
             let x = (p.s - a.s) / (b.s - a.s);
             most.max((p.third - (a.third * (1.0 - x) + b.third * x)).norm() * p.pace.powi(3))
         });
-        let coarse = (fastest / slowest).ln() > RATIO || wrong > WRONG * self.limits.tangential_jerk;
+        let jerk = self.limits.tangential_jerk.max(self.limits.normal_acceleration.powi(2) / self.limits.feed);
+        let coarse = (fastest / slowest).ln() > RATIO || wrong > WRONG * jerk;
         if coarse && halvings > 0 && a.s < m.s && m.s < b.s {
             self.refine(a, &m, halvings - 1);
             self.refine(&m, b, halvings - 1);
