@@ -144,8 +144,7 @@ impl<const D: usize> ArcLengthCurve<D> {
         let (pieces, length) = (builder.pieces, builder.length);
 
         let own = |m: &MapPiece| {
-            let f = &curve.pieces().frames[m.piece as usize];
-            f.middle + m.local(m.end) / f.scale
+            curve.pieces().frames[m.piece as usize].parameter(m.local(m.end))
         };
         let ends = pieces.iter().map(own).collect();
         let count = BUCKETS_PER_PIECE * pieces.len();
@@ -205,8 +204,7 @@ impl<const D: usize> ArcLengthCurve<D> {
             return self.curve.domain().0;
         }
         let m = &self.pieces[self.find(s)];
-        let f = &self.curve.pieces().frames[m.piece as usize];
-        (f.middle + m.local(s) / f.scale).max(f.start).min(f.end)
+        self.curve.pieces().frames[m.piece as usize].parameter(m.local(s))
     }
 
     /// Arc length from the start to the curve's own parameter `u`: the inverse of [`ArcLengthCurve::parameter`].
@@ -338,7 +336,7 @@ impl<const D: usize> Builder<'_, D> {
             let frame = &self.curve.pieces().frames[piece];
             let (a, b) = self.curve.domain();
             return Err(GeometryError::StandsStill {
-                u: frame.middle + middle / frame.scale,
+                u: frame.parameter(middle),
                 speed: self.curve.pieces().local_speed(piece, middle) * frame.scale,
                 mean: self.rough / (b - a),
             });

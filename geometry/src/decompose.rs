@@ -43,7 +43,7 @@ pub(crate) fn span_control_points(t: &[f64], points: &[Homogeneous], p: usize, k
         .collect()
 }
 
-/// Coefficients, constant term first, of the span `[t[k], t[k + 1]]` in powers of `(u - middle) / half`; appended to `out`.
+/// Coefficients, constant term first, of the span `[t[k], t[k + 1]]` in powers of `(u - start) / half - 1`; appended to `out`.
 ///
 /// The coefficient of order `r` is `half^r / r!` times the derivative of that order: that of the spline on the
 /// differences of the control points ("The NURBS Book", eq. 3.8), by de Boor's algorithm. Each difference is divided by
@@ -53,7 +53,7 @@ pub(crate) fn span_powers(
     t: &[f64],
     points: &[Homogeneous],
     (p, k): (usize, usize),
-    (middle, half): (f64, f64),
+    (start, half): (f64, f64),
     out: &mut Vec<Homogeneous>,
 ) {
     let mut difference = points[k - p..=k].to_vec();
@@ -72,7 +72,7 @@ pub(crate) fn span_powers(
         for r in 1..=q {
             for i in (r..=q).rev() {
                 let left = t[k - q + i];
-                let alpha = (middle - left) / (t[k + 1 + i - r] - left);
+                let alpha = ((start - left) + half) / (t[k + 1 + i - r] - left);
                 d[i] = lerp(&d[i - 1], &d[i], alpha);
             }
         }

@@ -7,7 +7,7 @@ const HIGHEST_DEGREE: usize = 500;
 /// Knots within this part of the domain count as one, where the curve stays in one piece.
 const MERGED: f64 = 1e-9;
 /// Narrowest span inside the domain, as a part of its width.
-pub(crate) const NARROWEST: f64 = 1e-14;
+pub(crate) const NARROWEST: f64 = 1e-12;
 /// Both are no less than this many units in the last place of the larger end of the domain.
 const ULPS: f64 = 4.0;
 
@@ -29,7 +29,7 @@ pub(crate) fn check_degree(degree: usize) -> Result<(), GeometryError> {
 /// Knots within 1e-9 of the domain (or four units in the last place) count as one: they get the value of the first of
 /// them, or that of the end of the domain they belong to. This moves the curve by about 1e-9 of its size. Knots keep
 /// their values where merging would leave more than `degree` of them (`degree + 1` at an end of the vector), because the
-/// curve would jump there. The spans between those are at least 1e-14 of the domain wide.
+/// curve would jump there. The spans between those are at least 1e-12 of the domain wide.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KnotVector {
     knots: Vec<f64>,

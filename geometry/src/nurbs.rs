@@ -276,13 +276,23 @@ impl<const D: usize> Curve<D> for NurbsCurve<D> {
     }
 }
 
-/// Where a piece lies in the curve's parameter: `t = (u - middle) * scale` runs over [-1, 1].
+/// Where a piece lies in the curve's parameter: `t = (u - start) * scale - 1` runs over [-1, 1].
+///
+/// From the start and not from the middle, which is rounded: a piece of a few units in the last place would not reach
+/// from one knot to the next.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Frame {
     pub start: f64,
     pub end: f64,
-    pub middle: f64,
     pub scale: f64,
+}
+
+impl Frame {
+    /// The curve's parameter at the local parameter `t`.
+    #[inline(always)]
+    pub fn parameter(&self, t: f64) -> f64 {
+        (self.start + (t + 1.0) / self.scale).max(self.start).min(self.end)
+    }
 }
 
 /// Power-basis pieces of a curve, each about its own middle, with a table that finds the piece of a parameter in
@@ -321,9 +331,9 @@ impl Pieces {
                 if start >= end {
                     continue;
                 }
-                let (middle, half) = (0.5 * (start + end), 0.5 * (end - start));
-                span_powers(t, points, (p, k), (middle, half), &mut coefficients);
-                frames.push(Frame { start, end, middle, scale: 1.0 / half });
+                let half = 0.5 * (end - start);
+                span_powers(t, points, (p, k), (start, half), &mut coefficients);
+                frames.push(Frame { start, end, scale: 1.0 / half });
             }
         }
         let (bucket_start, end) = knots.domain();
@@ -370,7 +380,7 @@ impl Pieces {
     pub fn local(&self, i: usize, u: f64) -> f64 {
         let f = &self.frames[i];
         // `max` first: NaN becomes the start of the piece.
-        ((u - f.middle) * f.scale).max(-1.0).min(1.0)
+        ((u - f.start) * f.scale - 1.0).max(-1.0).min(1.0)
     }
 
     #[inline]

@@ -30,7 +30,7 @@ impl<const D: usize> NurbsCurve<D> {
     ///
     /// # Errors
     /// When there are fewer than 2 points, one is not finite, or two consecutive ones coincide or are closer together
-    /// than the parameter resolves ([`GeometryError::KnotsTooClose`], 1e-14 of the length).
+    /// than the parameter resolves ([`GeometryError::KnotsTooClose`], 1e-12 of the length).
     pub fn polyline(points: Vec<SVector<f64, D>>) -> Result<Self, GeometryError> {
         if points.len() < 2 {
             return Err(GeometryError::TooFewDataPoints { points: points.len(), needed: 2 });

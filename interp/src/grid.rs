@@ -14,6 +14,8 @@ const WRONG: f64 = 0.014;
 const HALVINGS: u32 = 30;
 /// At least so many intervals, so that the arm's own nonlinearity is seen on straight paths.
 const LEAST: usize = 100;
+/// Time within which an interval beside a jump of the curvature is passed, s.
+const PASSED: f64 = 0.1;
 /// Borders this close to a knot or to each other are one, as a part of the length.
 const CLOSE: f64 = 1e-9;
 /// Places this close together are the same knot, as a part of the length.
@@ -25,7 +27,10 @@ const SAME: f64 = 2e-12;
 /// The measure is the speed that curvature and its derivative allow, capped at the feed: where the feed is the limit
 /// anyway no points are spent. It is looked at wherever the arc length of the curve needed a piece of its own, so that no
 /// bend hides between two points.
-pub(crate) fn build(path: &PosePath, knots: &[f64], breaks: &[f64], limits: &ToolLimits) -> Vec<f64> {
+///
+/// Where the curvature jumps, the speed is capped on the whole of both intervals beside the knot. `step` (m/s^2) is the step
+/// of acceleration that such a knot may take; the intervals beside it are short enough to be passed soon at that speed.
+pub(crate) fn build(path: &PosePath, knots: &[f64], breaks: &[f64], limits: &ToolLimits, step: f64) -> Vec<f64> {
     let length = path.length();
     let merged = borders(knots, breaks, length);
     let mut probes = Vec::new();
@@ -35,8 +40,14 @@ pub(crate) fn build(path: &PosePath, knots: &[f64], breaks: &[f64], limits: &Too
         before = end;
     }
     let mut grid = Refinement { path, limits, probes, out: vec![0.0] };
+    // How long the interval beside a place may be; any where the curvature does not jump.
+    let beside = |s: f64| {
+        let jump = (path.jet(s).d2 - path.jet_left(s).d2).fixed_rows::<3>(0).norm();
+        PASSED * (step / jump).sqrt()
+    };
     for pair in merged.windows(2) {
         let (a, b) = (pair[0], pair[1]);
+        let (first, last) = (beside(a), beside(b));
         let parts = ((b - a) / length * LEAST as f64).ceil().max(1.0) as usize;
         // Inside the knots, so that one-sided derivatives belong to this interval.
         let inset = (CLOSE * length).min(0.25 * (b - a));
@@ -44,7 +55,8 @@ pub(crate) fn build(path: &PosePath, knots: &[f64], breaks: &[f64], limits: &Too
         for i in 1..=parts {
             let end = if i == parts { b } else { a + (b - a) * i as f64 / parts as f64 };
             let right = Place { s: end, ..grid.look(end - inset) };
-            grid.refine(&left, &right, HALVINGS);
+            let longest = [if i == 1 { first } else { f64::INFINITY }, if i == parts { last } else { f64::INFINITY }];
+            grid.refine(&left, &right, longest, HALVINGS);
             left = right;
         }
     }
@@ -126,8 +138,8 @@ impl Refinement<'_> {
         Place::at(self.path, s, self.limits)
     }
 
-    /// Appends the points after `a` up to `b`.
-    fn refine(&mut self, a: &Place, b: &Place, halvings: u32) {
+    /// Appends the points after `a` up to `b`; the first and the last interval are no longer than `longest` says.
+    fn refine(&mut self, a: &Place, b: &Place, longest: [f64; 2], halvings: u32) {
         let m = self.look(0.5 * (a.s + b.s));
         // Not at the ends, where the derivatives may jump.
         let close = (SAME * self.path.length()).min(0.25 * (b.s - a.s));
@@ -137,15 +149,18 @@ impl Refinement<'_> {
             .clone()
             .chain([a, b])
             .fold((f64::INFINITY, 0.0f64), |(low, high), p| (low.min(p.pace), high.max(p.pace)));
-        // Between grid points the third derivative is taken as linear: the jerk by which that is wrong.
+        // Between grid points the third derivative is taken as linear: the jerk by which that is wrong, against the limit,
+        // or against the jerk of the bend itself where its pace makes more than that.
         let wrong = seen.fold(0.0f64, |most, p| {
             let x = (p.s - a.s) / (b.s - a.s);
             most.max((p.third - (a.third * (1.0 - x) + b.third * x)).norm() * p.pace.powi(3))
         });
-        let coarse = (fastest / slowest).ln() > RATIO || wrong > WRONG * self.limits.tangential_jerk;
+        let jerk = self.limits.tangential_jerk.max(self.limits.normal_acceleration.powi(2) / self.limits.feed);
+        let long = b.s - a.s > longest[0].min(longest[1]);
+        let coarse = long || (fastest / slowest).ln() > RATIO || wrong > WRONG * jerk;
         if coarse && halvings > 0 && a.s < m.s && m.s < b.s {
-            self.refine(a, &m, halvings - 1);
-            self.refine(&m, b, halvings - 1);
+            self.refine(a, &m, [longest[0], f64::INFINITY], halvings - 1);
+            self.refine(&m, b, [f64::INFINITY, longest[1]], halvings - 1);
         } else {
             self.out.push(b.s);
         }

@@ -120,7 +120,8 @@ where
         breaks.extend(sections.iter().flat_map(|section| [section.from, section.to]));
         let knots = path.knots();
         let reachable = self.reachable(path.length());
-        let mut grid = grid::build(&path, &knots, &breaks, &self.tool.at_feed(feeds.highest().min(reachable)));
+        let limits = self.tool.at_feed(feeds.highest().min(reachable));
+        let mut grid = grid::build(&path, &knots, &breaks, &limits, self.acceleration_step());
         let close = 1e-9 * path.length();
         grid.retain(|&s| from + close < s && s < to - close);
         grid.insert(0, from);

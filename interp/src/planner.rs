@@ -27,6 +27,8 @@ pub(crate) const CORNER: f64 = 1e-6;
 const VERIFY_TOLERANCE: f64 = 1e-6;
 /// A motion has at most this many setpoints: 1.4 hours at 1 ms, some 1.5 GB for whoever collects them all.
 const MOST_SETPOINTS: f64 = 5e6;
+/// What a joint's jerk means at the tool, m/rad, times the part of it that is left for a step of acceleration: a low estimate.
+const STEP: f64 = 0.03;
 /// How often a plan that fails its verification is planned again with tighter bounds.
 const ROUNDS: usize = 4;
 
@@ -268,7 +270,7 @@ where
         // Chord segments matter to the scans, which know one box for each interval.
         let mut places = if self.scan == Scan::JerkLimited { Vec::new() } else { breaks.clone() };
         places.extend(sections.iter().flat_map(|section| [section.from, section.to]));
-        let grid = grid::build(&path, &knots, &places, &self.tool.at_feed(feed));
+        let grid = grid::build(&path, &knots, &places, &self.tool.at_feed(feed), self.acceleration_step());
         sections::snap(&mut sections, &grid);
         let joint_path = JointPath::new(self.arm, &path, start, &grid, &knots)
             .map_err(|e| e.within(self.joints.lower(), self.joints.upper()))?;
@@ -332,6 +334,11 @@ where
             ends: self.ends,
             scale,
         }
+    }
+
+    /// About the step of acceleration that the joints' jerk limits allow within a control period, at the tool, m/s^2.
+    pub(crate) fn acceleration_step(&self) -> f64 {
+        STEP * self.joints.jerk().min() * self.period
     }
 
     /// A speed that is not reached on a path of `length` (m) by accelerating over all of it, m/s. A higher feed limits

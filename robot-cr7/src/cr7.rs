@@ -16,7 +16,7 @@ use thiserror::Error;
 use crate::error::InputError;
 use crate::job::{Job, Scan, ToolOrientation};
 use crate::model::Cr7;
-use crate::path_file::PathFile;
+use crate::path_file::{MOST_CONTROL_POINTS, PathFile};
 use crate::report::{LimitLine, LimitUnit, Report, SegmentCount};
 use crate::robot::Robot;
 use crate::samples::TooManySamples;
@@ -364,6 +364,17 @@ pub(crate) fn path_of(job: &Job, file: &PathFile) -> Result<PosePath, Cr7Error> 
         })?
         .transformed(&job.workpiece)
         .map_err(curve_error)?;
+    let count = curve.control_points().len();
+    if count > MOST_CONTROL_POINTS {
+        return Err(Cr7Error::Input(InputError::Value {
+            file: file.file.clone(),
+            line: None,
+            key: "the curve through the points".to_owned(),
+            value: format!("one of {count} control points"),
+            rule: "a path has at most 25000 control points",
+            remedy: "raise path.fit_tolerance_mm of the job, or split the path",
+        }));
+    }
     let curve = ArcLengthCurve::new(curve, ARC_LENGTH_TOLERANCE).map_err(curve_error)?;
     let orientation = orientation_of(job, &curve).map_err(curve_error)?;
     Ok(PosePath::new(curve, orientation))

@@ -29,6 +29,11 @@ use crate::unit::LengthUnit;
 /// Two consecutive points of a CSV file have to be this far apart, in metres.
 const LEAST_DISTANCE: f64 = 1e-9;
 
+/// Control points of one path: with more, planning takes longer than ten seconds.
+pub(crate) const MOST_CONTROL_POINTS: usize = 25_000;
+/// Points of a CSV file: laying a curve through them takes as long.
+const MOST_POINTS: usize = 500_000;
+
 const EXPECTED_JSON: &str = "one JSON object with the keys units, degree, control_points, weights and knots";
 const EXPECTED_CSV: &str = "one point a line, x,y or x,y,z, under a header with the unit such as x_mm,y_mm";
 
@@ -170,6 +175,14 @@ impl PathFile {
                 );
             }
         }
+        if raw.control_points.len() > MOST_CONTROL_POINTS {
+            return value_error(
+                "control_points".to_owned(),
+                format!("a list of {}", raw.control_points.len()),
+                "a path has at most 25000 control points",
+                "split the path, or give its points as CSV to have a curve with fewer control points laid through them",
+            );
+        }
         if raw.degree >= raw.control_points.len() {
             // Checked here because a degree near the largest integer has no "degree + 1".
             return value_error(
@@ -261,6 +274,16 @@ impl PathFile {
                     let file = file.to_owned();
                     return Err(InputError::DuplicatePoints { file, first_line, second_line: line, distance_m });
                 }
+            }
+            if points.len() == MOST_POINTS {
+                return Err(InputError::Value {
+                    file: file.to_owned(),
+                    line: usize::try_from(line).ok(),
+                    key: "the number of points".to_owned(),
+                    value: format!("more than {MOST_POINTS}"),
+                    rule: "a path file has at most 500000 points",
+                    remedy: "leave points out, or split the path",
+                });
             }
             points.push(point);
             lines.push(line);

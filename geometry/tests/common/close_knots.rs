@@ -216,11 +216,13 @@ impl<const D: usize> Case<D> {
             Ok(curve) => curve,
             Err(GeometryError::KnotsTooClose { index, width, .. }) => {
                 let real = self.knots[index + 1] - self.knots[index];
-                return if (real - width).abs() <= 1e-8 * width.abs() + 1e-300 {
-                    Ok(false)
-                } else {
-                    Err(format!("width {width}, is {real}"))
-                };
+                return if (real - width).abs() <= 1e-8 * width.abs() + 1e-300 { Ok(false) } else { Err(format!("width {width}, is {real}")) };
+            }
+            // Knots at an end that rounding made equal.
+            Err(GeometryError::Multiplicity { index, multiplicity, .. })
+                if self.knots[index..index + multiplicity].iter().all(|&k| k == self.knots[index]) =>
+            {
+                return Ok(false);
             }
             Err(other) => return Err(format!("refused: {other}")),
         };
@@ -279,24 +281,46 @@ impl<const D: usize> Case<D> {
     }
 }
 
+/// Length of a polygon with many corners on every span, which is never above that of the curve.
+fn chords<const D: usize>(curve: &NurbsCurve<D>) -> f64 {
+    const PARTS: usize = 1000;
+    let t = curve.knots().as_slice();
+    let mut sum = 0.0;
+    for k in curve.knots().spans() {
+        let mut last = curve.point(t[k]);
+        for i in 1..=PARTS {
+            let next = curve.point(t[k] + (t[k + 1] - t[k]) * (i as f64 / PARTS as f64));
+            sum += (next - last).norm();
+            last = next;
+        }
+    }
+    sum
+}
+
 /// The arc length: a unit tangent everywhere, the length of the quadrature, corners at knots of full multiplicity alone.
 fn by_length<const D: usize>(curve: NurbsCurve<D>) -> Result<bool, String> {
     let size = curve.control_points().iter().fold(0.0f64, |m, p| m.max(p.norm()));
     let path = match ArcLengthCurve::new(curve.clone(), 1e-12 * size) {
         Ok(path) => path,
         Err(GeometryError::StandsStill { u, mean, .. }) => {
-            let speed = curve.jet(u).speed().min(curve.jet_left(u).speed());
-            return if speed < 1e-4 * mean {
-                Ok(false)
-            } else {
-                Err(format!("stands still at {u} with {speed} of {mean}"))
-            };
+            // The curve nearly stops against its speed within the span, or the next.
+            let (here, left) = (curve.jet(u).speed(), curve.jet_left(u).speed());
+            let k = curve.knots().span(u);
+            let t = curve.knots().as_slice();
+            let around = [t[k] - 1e-5 * (t[k + 1] - t[k]), t[k], 0.5 * (t[k] + t[k + 1]), t[k + 1]];
+            let fastest = around.map(|v| curve.jet(v).speed().max(curve.jet_left(v).speed()));
+            let fastest = fastest.into_iter().fold(mean, f64::max);
+            let message = format!("stands still at {u} with {here} of {fastest}");
+            return if here.min(left) < 1e-4 * fastest { Ok(false) } else { Err(message) };
         }
         Err(other) => return Err(format!("by arc length: {other}")),
     };
     let length = curve.arc_length(1e-10 * size).map_err(|e| e.to_string())?;
-    if (path.length() - length).abs() > 1e-8 * length {
-        return Err(format!("length {} instead of {length}", path.length()));
+    let wrong = (path.length() - length).abs() > 1e-8 * length;
+    // Of the two the quadrature may be the one that missed a sharp bend.
+    let chords = if wrong { chords(&curve) } else { length };
+    if wrong && !(1.0 - 1e-12..1.0 + 1e-5).contains(&(path.length() / chords)) {
+        return Err(format!("length {}, by quadrature {length}, of its chords {chords}", path.length()));
     }
     for i in 0..=40 {
         let jet = path.jet(path.length() * i as f64 / 40.0);
@@ -310,7 +334,13 @@ fn by_length<const D: usize>(curve: NurbsCurve<D>) -> Result<bool, String> {
         let u = path.parameter(corner.s);
         let near = |k: f64| (k - u).abs() <= 1e-7 * (end - start) + 1e-12 * u.abs();
         let run = curve.knots().runs().find(|&(_, value, times)| near(value) && times >= curve.degree());
-        if run.is_none() {
+        // A bend within 1e-7 of the domain, which the arc length resolves no further, may count as a corner.
+        let around = [u - 1e-7 * (end - start), u + 1e-7 * (end - start)].map(|v| curve.jet(v).tangent());
+        let turns = match around {
+            [Some(before), Some(after)] => (after - before).norm() > 0.5 * corner.angle,
+            _ => false,
+        };
+        if run.is_none() && !turns {
             return Err(format!("a false corner of {} rad at u = {u}", corner.angle));
         }
     }
