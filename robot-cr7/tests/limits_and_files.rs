@@ -146,7 +146,10 @@ fn a_refused_job_leaves_no_trajectory_of_an_earlier_one() {
     let between = [&["move", "--from-deg"], &HOME[..], &["--to-deg"], &THERE].concat();
     let short = "[path]\nline = [{ deg = [0, -30, 90, 30, -90, 0] }, { deg = [4, -30, 90, 30, -90, 0] }]\n[run]\nfeed_mm_s = 100\n";
     desk.write("run.toml", short);
-    desk.write("far.toml", &short.replace("[4, -30,", "[4, -300,"));
+    desk.write(
+        "far.toml",
+        &short.replace("deg = [4, -30, 90, 30, -90, 0]", "position_mm = [4000, 0, 300], rpy_deg = [180, 0, 0]"),
+    );
     desk.write("way.toml", "[[waypoint]]\nq_deg = 0\n[[waypoint]]\nq_deg = 40\n");
     desk.write("same.toml", "[[waypoint]]\nq_deg = 40\n[[waypoint]]\nq_deg = 40\n");
     desk.write("six.json", robot_cr7::SamplePath::SixPoint.json());

@@ -21,10 +21,12 @@ pub struct Limits<const N: usize> {
 
 /// The first limit that the rows do not keep, with its row.
 pub fn broken<const N: usize>(rows: &[TrajectoryRow<N>], limits: &Limits<N>) -> Option<String> {
-    if rows.len() < 2 {
-        return Some(format!("{} rows", rows.len()));
-    }
-    let (last, period) = (rows.len() - 1, rows[1].t - rows[0].t);
+    // A motion from where it is to where it is takes no time: one row.
+    let last = match rows.len() {
+        0 => return Some("no rows".to_owned()),
+        n => n - 1,
+    };
+    let period = rows[last.min(1)].t - rows[0].t;
     for (i, row) in rows.iter().enumerate() {
         for k in 0..N {
             let [low, high] = limits.range[k];
