@@ -36,7 +36,7 @@ pub fn broken<const N: usize>(rows: &[TrajectoryRow<N>], limits: &Limits<N>) -> 
                 ("acceleration", row.qdd[k], limits.acceleration[k]),
             ];
             for (name, value, limit) in values {
-                if !(value.abs() <= limit * (1.0 + ROUNDING)) {
+                if value.is_nan() || value.abs() > limit * (1.0 + ROUNDING) {
                     return Some(format!("{name} {value} of {limit}, J{} in row {i} of {last}", k + 1));
                 }
             }
@@ -55,7 +55,7 @@ pub fn broken<const N: usize>(rows: &[TrajectoryRow<N>], limits: &Limits<N>) -> 
 fn jumps<const N: usize>(a: &TrajectoryRow<N>, b: &TrajectoryRow<N>, dt: f64, limits: &Limits<N>) -> Option<String> {
     let exceeds = |value: f64, limit: f64, size: f64| {
         let precision = (1e-14 * (1.0 + size) + 2.0 * f64::EPSILON * b.t * size) / dt;
-        !(value.abs() <= limit * (1.0 + ROUNDING) + precision)
+        value.is_nan() || value.abs() > limit * (1.0 + ROUNDING) + precision
     };
     for k in 0..N {
         let rates = [
