@@ -65,8 +65,7 @@ fn a_stop_in_mode_line_that_turns_the_velocity_round_is_no_success() {
     let desk = Desk::new("stop_in_line");
     desk.write(
         "s.toml",
-        "[run]\nmode = \"line\"\n[joints]\nvelocity_deg_s = 180\nacceleration_deg_s2 = 573\njerk_deg_s3 = 5730\n\
-         [start]\nq_deg = [0.1, -30, 90, 30, -90, 0]\n[target]\nq_deg = [60.1, 0, 60, 30, -90, 45]\n\
+        "[run]\nmode = \"line\"\n[start]\nq_deg = [0.1, -30, 90, 30, -90, 0]\n[target]\nq_deg = [60.1, 0, 60, 30, -90, 45]\n\
          [[change]]\nat_s = 0.5\n\
          q_deg = [47.8219919151757, -6.13900404241213, 66.1390040424121, 30, -90, 35.7914939363818]\n",
     );
