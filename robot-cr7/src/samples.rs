@@ -50,11 +50,11 @@ pub fn few_enough(duration: f64, period: f64, levers: &'static str) -> Result<()
     Err(TooManySamples { duration, period, levers })
 }
 
-/// Times of the samples of a motion: one a control period, and one exactly at the end.
+/// Times of the samples of a motion: one a control period, and one exactly at the end; a motion that takes no time has one.
 ///
 /// The motion has to be one that [`few_enough`] lets pass.
 pub fn sample_times(duration: f64, period: f64) -> impl ExactSizeIterator<Item = f64> {
-    let cycles = (duration / period * (1.0 - 1e-12)).floor() as usize + 1;
+    let cycles = if duration > 0.0 { (duration / period * (1.0 - 1e-12)).floor() as usize + 1 } else { 0 };
     (0..cycles + 1).map(move |i| if i == cycles { duration } else { i as f64 * period })
 }
 
@@ -67,6 +67,7 @@ mod tests {
         for (duration, period) in [(0.0, 1e-3), (1e-3, 1e-3), (0.3, 0.1), (1.0004, 1e-3), (0.1 * 7.0, 0.1)] {
             let times: Vec<f64> = sample_times(duration, period).collect();
             assert_eq!((times[0], times[times.len() - 1]), (0.0, duration));
+            assert!(duration > 0.0 || times.len() == 1);
             let steps = times.windows(2).map(|w| w[1] - w[0]);
             assert!(steps.clone().all(|dt| dt <= period * (1.0 + 1e-9)), "{duration} {period}");
             assert!(duration == 0.0 || steps.clone().all(|dt| dt > 1e-9 * period), "{duration} {period}");

@@ -65,8 +65,7 @@ fn a_stop_in_mode_line_that_turns_the_velocity_round_is_no_success() {
     let desk = Desk::new("stop_in_line");
     desk.write(
         "s.toml",
-        "[run]\nmode = \"line\"\n[joints]\nvelocity_deg_s = 180\nacceleration_deg_s2 = 573\njerk_deg_s3 = 5730\n\
-         [start]\nq_deg = [0.1, -30, 90, 30, -90, 0]\n[target]\nq_deg = [60.1, 0, 60, 30, -90, 45]\n\
+        "[run]\nmode = \"line\"\n[start]\nq_deg = [0.1, -30, 90, 30, -90, 0]\n[target]\nq_deg = [60.1, 0, 60, 30, -90, 45]\n\
          [[change]]\nat_s = 0.5\n\
          q_deg = [47.8219919151757, -6.13900404241213, 66.1390040424121, 30, -90, 35.7914939363818]\n",
     );
@@ -146,7 +145,10 @@ fn a_refused_job_leaves_no_trajectory_of_an_earlier_one() {
     let between = [&["move", "--from-deg"], &HOME[..], &["--to-deg"], &THERE].concat();
     let short = "[path]\nline = [{ deg = [0, -30, 90, 30, -90, 0] }, { deg = [4, -30, 90, 30, -90, 0] }]\n[run]\nfeed_mm_s = 100\n";
     desk.write("run.toml", short);
-    desk.write("far.toml", &short.replace("[4, -30,", "[4, -300,"));
+    desk.write(
+        "far.toml",
+        &short.replace("deg = [4, -30, 90, 30, -90, 0]", "position_mm = [4000, 0, 300], rpy_deg = [180, 0, 0]"),
+    );
     desk.write("way.toml", "[[waypoint]]\nq_deg = 0\n[[waypoint]]\nq_deg = 40\n");
     desk.write("same.toml", "[[waypoint]]\nq_deg = 40\n[[waypoint]]\nq_deg = 40\n");
     desk.write("six.json", robot_cr7::SamplePath::SixPoint.json());

@@ -21,10 +21,12 @@ pub struct Limits<const N: usize> {
 
 /// The first limit that the rows do not keep, with its row.
 pub fn broken<const N: usize>(rows: &[TrajectoryRow<N>], limits: &Limits<N>) -> Option<String> {
-    if rows.len() < 2 {
-        return Some(format!("{} rows", rows.len()));
-    }
-    let (last, period) = (rows.len() - 1, rows[1].t - rows[0].t);
+    // A motion from where it is to where it is takes no time: one row.
+    let last = match rows.len() {
+        0 => return Some("no rows".to_owned()),
+        n => n - 1,
+    };
+    let period = rows[last.min(1)].t - rows[0].t;
     for (i, row) in rows.iter().enumerate() {
         for k in 0..N {
             let [low, high] = limits.range[k];
@@ -34,7 +36,7 @@ pub fn broken<const N: usize>(rows: &[TrajectoryRow<N>], limits: &Limits<N>) -> 
                 ("acceleration", row.qdd[k], limits.acceleration[k]),
             ];
             for (name, value, limit) in values {
-                if !(value.abs() <= limit * (1.0 + ROUNDING)) {
+                if value.is_nan() || value.abs() > limit * (1.0 + ROUNDING) {
                     return Some(format!("{name} {value} of {limit}, J{} in row {i} of {last}", k + 1));
                 }
             }
@@ -53,7 +55,7 @@ pub fn broken<const N: usize>(rows: &[TrajectoryRow<N>], limits: &Limits<N>) -> 
 fn jumps<const N: usize>(a: &TrajectoryRow<N>, b: &TrajectoryRow<N>, dt: f64, limits: &Limits<N>) -> Option<String> {
     let exceeds = |value: f64, limit: f64, size: f64| {
         let precision = (1e-14 * (1.0 + size) + 2.0 * f64::EPSILON * b.t * size) / dt;
-        !(value.abs() <= limit * (1.0 + ROUNDING) + precision)
+        value.is_nan() || value.abs() > limit * (1.0 + ROUNDING) + precision
     };
     for k in 0..N {
         let rates = [
