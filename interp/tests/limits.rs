@@ -2,10 +2,10 @@
 
 mod common;
 
+use arcfeed_feedrate::Fallback;
 use arcfeed_geometry::{NurbsCurve, OrientationPath, PosePath};
 use arcfeed_interp::{
-    Extent, Fallback, FeedSection, Infeasibility, Method, Plan, PlanError, Planner, Quantity, Scan, ToolLimits,
-    best_start,
+    Extent, FeedSection, Infeasibility, Method, Plan, PlanError, Planner, Quantity, Scan, ToolLimits, best_start,
 };
 use arcfeed_kinematics::{ArmDynamics, Friction, Inertial, JointLimits, Joints, ParallelAxisArm};
 use common::{TOOL, arm, by_length, down, knotted, limits, line_and_arc, tool_down};
