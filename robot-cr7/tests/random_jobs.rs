@@ -169,8 +169,8 @@ fn schedule_of<const N: usize>(desk: &Desk, random: &mut Random, (name, home): (
         let rows = desk.trajectory::<N>("out");
         for (row, end) in [rows[0], rows[rows.len() - 1]].iter().zip(&ends) {
             let Some(end) = end else { continue };
-            for k in 0..N {
-                assert!((row.q[k] - end[k].to_radians()).abs() < 1e-6, "J{} at {}\n{said}", k + 1, row.t);
+            for (k, (q, end)) in row.q.iter().zip(end).enumerate() {
+                assert!((q - end.to_radians()).abs() < 1e-6, "J{} at {}\n{said}", k + 1, row.t);
             }
         }
     }

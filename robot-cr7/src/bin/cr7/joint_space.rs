@@ -156,14 +156,10 @@ pub fn axes_of<const N: usize>(state: &JointState<N>) -> [AxisState; N] {
 /// Prints the report, and publishes the files if every limit holds.
 pub fn conclude(mut report: JointReport, staging: Staging, json: bool, remedy: &str) -> Result<(), Failure> {
     let held = LimitsHold::of(&report.limits);
-    let published = match &held {
-        Ok(hold) => {
-            report.files = staging.files();
-            staging.publish(hold)
-        }
-        Err(_) => Ok(drop(staging)),
-    };
-    published?;
+    if let Ok(hold) = &held {
+        report.files = staging.files();
+        staging.publish(hold)?;
+    }
     if json {
         say!("{}", report.to_json());
     } else {
