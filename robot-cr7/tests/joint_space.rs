@@ -153,3 +153,12 @@ fn bad_scenarios_name_the_line_and_the_rule() {
     desk.write("s.toml", &format!("{STATES}[run]\nlongest_s = 0.05\n"));
     desk.run(&["online", "s.toml"]).refused(1, &["longest_s", "not reached"]);
 }
+
+/// A target of 1000 degrees was followed with exit code 0.
+#[test]
+fn online_ran_to_625_percent_of_a_range() {
+    let desk = Desk::new("online_out_of_range");
+    desk.write("s.toml", "[start]\nq_deg = [0, -30, 90, 30, -90, 0]\n[target]\nq_deg = [0, -30, 1000, 30, -90, 0]\n");
+    desk.run(&["online", "s.toml"]).refused(1, &["s.toml:3", "target (in degrees)", "axis 3", "outside its range"]);
+    assert!(!desk.folder.join("out/trajectory.csv").exists());
+}

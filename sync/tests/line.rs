@@ -37,7 +37,7 @@ fn a_displacement_of_round_off_was_taken_for_the_direction() {
 #[test]
 fn stop_here_turned_a_joint_around_in_one_cycle() {
     let degrees = |q: [f64; 6]| q.map(|x| AxisState::rest(x.to_radians()));
-    let limits = [AxisLimits::symmetric(3.1416, 10.0, 100.0).unwrap(); 6];
+    let limits = [AxisLimits::symmetric(3.0, 10.0, 100.0).unwrap(); 6];
     let start = degrees([0.1, -30.0, 90.0, 30.0, -90.0, 0.0]);
     let target = degrees([60.1, 0.0, 60.0, 30.0, -90.0, 45.0]);
     let mut straight = 0;
