@@ -238,3 +238,12 @@ fn a_joint_outside_lowered_limits_has_the_time_of_its_brake_and_no_more() {
     assert!(judged(0) <= 1.0 + 1e-6, "{}", judged(0));
     assert!(judged(50) > 1.02, "{}", judged(50));
 }
+
+/// A target of 1000 degrees was followed with exit code 0.
+#[test]
+fn online_ran_to_625_percent_of_a_range() {
+    let desk = Desk::new("online_out_of_range");
+    desk.write("s.toml", "[start]\nq_deg = [0, -30, 90, 30, -90, 0]\n[target]\nq_deg = [0, -30, 1000, 30, -90, 0]\n");
+    desk.run(&["online", "s.toml"]).refused(1, &["s.toml:3", "target (in degrees)", "axis 3", "outside its range"]);
+    assert!(!desk.folder.join("out/trajectory.csv").exists());
+}

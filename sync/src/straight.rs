@@ -70,8 +70,8 @@ impl<const N: usize> Line<N> {
         let reference = along.largest();
         let ratios = along.values.map(|x| x / along.values[reference]);
         for w in &parts {
-            for k in 0..N {
-                let off = (w.values[k] - ratios[k] * w.values[reference]).abs();
+            for (k, ratio) in ratios.iter().enumerate() {
+                let off = (w.values[k] - ratio * w.values[reference]).abs();
                 // Of this component and, in proportion, of the one it is compared with.
                 if off.is_nan() || off > 2.0 * w.round_off[k] {
                     return Err(k);

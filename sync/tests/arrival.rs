@@ -150,10 +150,10 @@ fn every_axis_is_exactly_in_its_target_when_it_arrives() {
         while left.contains(&true) {
             assert!(g.is_underway());
             let step = g.step();
-            for k in 0..3 {
+            for (k, due) in left.iter_mut().enumerate() {
                 if step.events.arrived[k] {
-                    assert!(left[k]);
-                    left[k] = false;
+                    assert!(*due);
+                    *due = false;
                     assert_eq!(g.state()[k], p.target[k]);
                 }
             }

@@ -37,17 +37,22 @@ fn a_displacement_of_round_off_was_taken_for_the_direction() {
 #[test]
 fn stop_here_turned_a_joint_around_in_one_cycle() {
     let degrees = |q: [f64; 6]| q.map(|x| AxisState::rest(x.to_radians()));
-    let limits = [AxisLimits::symmetric(3.1416, 10.0, 100.0).unwrap(); 6];
+    let limits = [AxisLimits::symmetric(std::f64::consts::PI, 10.0, 100.0).unwrap(); 6];
     let start = degrees([0.1, -30.0, 90.0, 30.0, -90.0, 0.0]);
     let target = degrees([60.1, 0.0, 60.0, 30.0, -90.0, 45.0]);
     let mut straight = 0;
-    for digits in 8..18 {
+    // Written in degrees with fifteen digits, and in radians with fewer and more.
+    let written = [47.8219919151757, -6.13900404241213, 66.1390040424121, 30.0, -90.0, 35.7914939363818];
+    for digits in 7..18 {
         let mut g = OnlineGenerator::new(start, limits, 1e-3, Synchronisation::StraightLine).unwrap();
         g.set_target(target).unwrap();
         for _ in 0..500 {
             g.step();
         }
-        let here = g.state().map(|s| AxisState::rest(format!("{:.digits$e}", s.p).parse().unwrap()));
+        let here = match digits {
+            7 => degrees(written),
+            _ => g.state().map(|s| AxisState::rest(format!("{:.digits$e}", s.p).parse().unwrap())),
+        };
         g.set_target(here).unwrap();
         straight += usize::from(g.plan().is_straight());
         let mut was = *g.state();

@@ -209,10 +209,10 @@ impl<const N: usize> OnlineGenerator<N> {
             self.following = next;
             self.outside_limits = is_outside(&self.state, &limits);
         }
-        for k in 0..N {
+        for ((old, new), axis) in self.target.iter_mut().zip(&target).zip(&self.following.axes) {
             // Arrival is exact for the latest target, the same one up to round-off included.
-            if self.following.axes[k].underway {
-                self.target[k] = target[k];
+            if axis.underway {
+                *old = *new;
             }
         }
         Ok(())

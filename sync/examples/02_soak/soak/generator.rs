@@ -219,12 +219,12 @@ impl Play {
 
     fn cycle(&mut self, outcome: &mut Outcome) -> Verdict {
         let dt = self.scene.cycle;
+        // On a line an axis has the round-off of the one it is in proportion to.
+        let line = self.generator.plan().is_straight();
         let step = self.generator.step();
         self.setting.age += 1;
         self.promised -= dt;
         let was = self.now;
-        // On a line an axis has the round-off of the one it is in proportion to.
-        let line = self.generator.plan().is_straight();
         let size = if line { was.iter().fold(0.0, |m: f64, s| m.max(s.p.abs())) } else { 0.0 };
         let precision = Precision { slack: EXACT, size };
         for k in 0..AXES {
