@@ -9,7 +9,7 @@ use arcfeed_feedrate::{BothEndsScan, CertifiedReachability, FeedPlanner, JerkLim
 
 #[path = "../tests/common/row_families.rs"]
 mod row_families;
-use row_families::{Case, FAMILIES, Path, Rng, judge};
+use row_families::{Case, FAMILIES, Path, judge};
 
 /// Excess allowed at the grid points and between them.
 const ALLOWED: [f64; 2] = [1e-9, 1e-6];
@@ -40,8 +40,7 @@ fn main() {
     let mut failures = 0;
     for index in number(3).map_or(0..count, |index| index..index + 1) {
         let family = family.unwrap_or(index as usize % FAMILIES.len());
-        let mut rng = Rng(seed.wrapping_mul(0xD1B5_4A32_D192_ED03) ^ index.wrapping_mul(0x9E6C_63D0_676A_9A99));
-        let case = Case::random(family, &mut rng);
+        let case = Case::numbered(seed, family, index);
         let path = Path::new(&case);
         for (which, (name, planner, between, jerk)) in planners.iter().enumerate() {
             let tally = tallies.entry((family, which)).or_default();

@@ -117,8 +117,11 @@ impl GridPlan {
         let mut builder = Builder::with_capacity(plan.phases().len());
         let ends = plan.phases().iter().skip(1).map(|phase| phase.t).chain([plan.duration()]);
         for (phase, until) in plan.phases().iter().zip(ends) {
-            // Summing up lengths leaves round-off beside the grid.
+            // Summing up lengths leaves round-off beside the grid, which must not put a phase on the wrong side of a point.
             let s = start + (end - start) * (phase.s / length);
+            let i = grid.partition_point(|&point| point < s);
+            let beside = [i.saturating_sub(1), i.min(grid.len() - 1)].map(|i| grid[i]);
+            let s = beside.into_iter().find(|point| (s - point).abs() <= 1e-13 * (end - start)).unwrap_or(s);
             builder.push(s, phase.v, phase.a, Law::Phase(phase.j, until - phase.t), until - phase.t);
         }
         builder.finish(end, plan.end().v)

@@ -69,8 +69,10 @@ impl FeasiblePairs {
             let here = (at, over(at));
             if (here.1 <= 0.0) != (last.1 <= 0.0) {
                 let (inside, outside) = if here.1 <= 0.0 { (here, last) } else { (last, here) };
-                let part = inside.1 / (inside.1 - outside.1);
-                let between = |i: usize| inside.0[i] + part * (outside.0[i] - inside.0[i]);
+                // No term and no weight is a difference of large numbers: nothing is lost where one end is far away.
+                let span = outside.1 - inside.1;
+                let (near, far) = (outside.1 / span, -inside.1 / span);
+                let between = |i: usize| near * inside.0[i] + far * outside.0[i];
                 self.clipped.push([between(0), between(1)]);
             }
             if here.1 <= 0.0 {
@@ -102,7 +104,7 @@ pub(super) fn greatest_beside(vertices: &[[f64; 2]], x: f64) -> Option<f64> {
         let [p, q] = if last[0] <= at[0] { [last, at] } else { [at, last] };
         if p[0] <= x && x <= q[0] {
             let run = q[0] - p[0];
-            let y = if run > 0.0 { p[1] + (x - p[0]) / run * (q[1] - p[1]) } else { p[1].max(q[1]) };
+            let y = if run > 0.0 { (q[0] - x) / run * p[1] + (x - p[0]) / run * q[1] } else { p[1].max(q[1]) };
             best = Some(best.map_or(y, |best: f64| best.max(y)));
         }
         last = at;
