@@ -44,7 +44,7 @@ fn kept(case: &Case, (planner, between, jerk): Entry) -> Result<GridPlan, FeedEr
 
 #[test]
 fn no_family_exceeds_its_limits() {
-    for index in 0..400 {
+    for index in 0..160 {
         let family = index as usize % FAMILIES.len();
         let case = Case::numbered(11, family, index);
         let refused: Vec<bool> = PLANNERS.iter().map(|planner| kept(&case, *planner).is_err()).collect();
@@ -162,7 +162,7 @@ fn jerk_limited_did_not_converge_with_friction() {
 #[test]
 fn end_speeds_that_did_not_converge_are_named() {
     let mut named = 0;
-    for index in 0..60 {
+    for index in 0..30 {
         let case = Case::numbered(13, 6, index);
         let FeedError::SpeedOutOfReach { what, speed, highest, row, s, .. } = (match kept(&case, PLANNERS[3]) {
             Ok(plan) => {
@@ -185,5 +185,5 @@ fn end_speeds_that_did_not_converge_are_named() {
         }
         kept(&slower, PLANNERS[3]).unwrap();
     }
-    assert!(named > 10, "{named}");
+    assert!(named > 5, "{named}");
 }
