@@ -368,25 +368,25 @@ fn jerk_limited_did_not_converge_on_the_composite_motion() {
     }
 }
 
-/// Three intervals between stops are too few for the jerk-limited planner; the joined scan makes the motion, and it is said.
+/// More intervals than the jerk-limited planner takes: the joined scan makes the motion, and it is said.
 #[test]
-fn schedules_fall_back_to_the_joined_scan() {
-    struct Coarse;
-    impl arcfeed_feedrate::FeedPlanner for Coarse {
-        fn plan(
-            &self,
-            problem: &arcfeed_feedrate::FeedProblem,
-        ) -> Result<arcfeed_feedrate::GridPlan, arcfeed_feedrate::FeedError> {
-            arcfeed_feedrate::JoinedScan.plan(problem)
-        }
-    }
-    let arm = qb::arm();
-    let path = ArmMotion::new(&arm, qb::to(), &Joints::from(qb::TO_NEAR)).expect("in reach");
-    let limits = ScheduleLimits { jerk: six(40.0), ..qb::with_torque() };
-    let scheduler = Scheduler::new(&arm, limits).expect("limits").with_dynamics(arm.dynamics().expect("known"));
-    let joined = scheduler.plan_with(&path, &Coarse, arcfeed_interp::RowsNeeded::Jerk).expect("a plan");
+fn schedules_fall_back_to_the_joined_scan_and_say_so() {
+    let (chain, dynamics) = wheel(1.5, 0.5);
+    let path = JointSpline::through(&[Joints::<1>::new(0.0), Joints::<1>::new(2.0)]).expect("two points");
+    let limits = ScheduleLimits {
+        velocity: Some(Joints::repeat(1.0)),
+        torque: Some(Joints::repeat(6.0)),
+        jerk: Some(Joints::repeat(40.0)),
+        ..Default::default()
+    };
+    let scheduler = Scheduler::new(&chain, limits).expect("limits").with_dynamics(&dynamics);
     let limited = scheduler.plan(&path, SpeedPlanner::JerkLimited).expect("a plan");
-    assert!(limited.fallback().is_none() && joined.duration() > limited.duration());
-    let check = joined.check(20).expect("in reach");
-    assert!(check.worst_ratio() < 1.0 + 1e-6, "{:?}", check.worst());
+    assert!(limited.fallback().is_none());
+    let fine = scheduler.with_intervals(250_000).expect("a number");
+    let joined = fine.plan(&path, SpeedPlanner::JerkLimited).expect("a plan");
+    let why = joined.fallback().expect("it is said").to_string();
+    assert!(why.contains("250000 intervals for the jerk-limited planner"), "{why}");
+    assert!(joined.duration() > limited.duration() && joined.duration() < 1.5 * limited.duration());
+    let check = joined.check(2).expect("it can be followed");
+    assert!(check.worst_ratio() < 1.0 + 1e-9, "{:?}", check.worst());
 }

@@ -21,6 +21,13 @@ pub(super) fn explain(planner: &JerkLimited, problem: &FeedProblem, why: NotSolv
     }
     let trials = (INTERVALS / problem.intervals()).clamp(LEAST_TRIALS, MOST_TRIALS);
     let search = Search { planner: *planner, problem, trials };
+    if let FeedError::SpeedOutOfReach { what, highest, .. } = why.error {
+        // What is possible without limits on jerk may be so with them.
+        let speeds = if what == "start speed" { [highest, asked[1]] } else { [asked[0], highest] };
+        if search.is_possible(speeds).is_ok() {
+            return why.error;
+        }
+    }
     // Which end alone is too fast; if neither is, the end for this start.
     let [start, end] = asked;
     let found = if start > 0.0 && search.is_possible([start, 0.0]).is_err() {
