@@ -60,10 +60,11 @@ fn main() {
             tally.duration += plan.duration().ln();
             let excess = judge(&path, &plan, *jerk);
             let found = [excess.at_grid, if *between { excess.between } else { 0.0 }];
-            for i in 0..2 {
-                tally.worst[i] = if found[i].is_nan() { f64::NAN } else { tally.worst[i].max(found[i]) };
+            for (worst, found) in tally.worst.iter_mut().zip(found) {
+                *worst = if found.is_nan() { f64::NAN } else { worst.max(found) };
             }
-            if (0..2).any(|i| !(found[i] <= ALLOWED[i])) {
+            // A NaN is no plan that keeps anything.
+            if found.iter().zip(ALLOWED).any(|(found, allowed)| found.is_nan() || *found > allowed) {
                 tally.broken += 1;
                 failures += 1;
                 println!("{name}, {} {index}: {found:?} {:?}", FAMILIES[family], excess.what);

@@ -133,7 +133,7 @@ const SAMPLES: usize = 8;
 fn turning([start, middle, end]: [f64; 3]) -> Option<(f64, f64)> {
     let (slope, bend) = (0.5 * (end - start), start - 2.0 * middle + end);
     let at = -slope / bend;
-    (at.abs() <= 1.0).then(|| (at, middle + 0.5 * slope * at))
+    (at.abs() <= 1.0).then_some((at, middle + 0.5 * slope * at))
 }
 
 /// Least and greatest value of a smooth function over 0..1 of which equidistant samples are known. Only turning points whose

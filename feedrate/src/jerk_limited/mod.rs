@@ -122,7 +122,7 @@ impl JerkLimited {
         if part.slows(problem) {
             // The bounds were widened for the start and could not be taken back: from a start that is inside.
             let mut stretch = fresh();
-            if let Some(start) = start::inside(problem, &mut stretch, fastest) {
+            if let Some(start) = start::inside(problem, &stretch, fastest) {
                 solver.minimise(problem, &mut stretch, start, self.tolerance, false);
                 return Ok(Solution { stretch, c: solver.c.clone() });
             }
@@ -305,6 +305,6 @@ const EXCEEDED: f64 = 1e-7;
 
 impl FeedPlanner for JerkLimited {
     fn plan(&self, problem: &FeedProblem) -> Result<GridPlan, FeedError> {
-        self.plan_or_why(problem).or_else(|why| Err(end_speed::explain(self, problem, why)))
+        self.plan_or_why(problem).map_err(|why| end_speed::explain(self, problem, why))
     }
 }
