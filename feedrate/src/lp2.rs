@@ -105,26 +105,6 @@ pub(crate) fn greatest_x(bands: &[Band], least: f64, most: f64) -> Result<Greate
     Ok(Greatest { x, meeting })
 }
 
-/// The least `x` in `[least, most]` at which the bands leave room for some `u`.
-pub(crate) fn least_x(bands: &[Band], least: f64, most: f64) -> Result<f64, NoOptimum> {
-    let mut x = least;
-    for _ in 0..4 * bands.len() + 8 {
-        let now = gap(bands, x);
-        if now.room >= -TOLERANCE * now.scale {
-            return Ok(x);
-        }
-        let next = now.meet;
-        if !(now.slope > 0.0) || !(next <= most) {
-            return Err(NoOptimum::Infeasible(x));
-        }
-        if next <= x {
-            return Ok(x);
-        }
-        x = next;
-    }
-    Ok(x)
-}
-
 /// Where the flattest upper bound and the steepest lower bound meet: no feasible `x` is beyond.
 fn outermost(bands: &[Band]) -> Result<f64, NoOptimum> {
     let by_slope = |a: &&Band, b: &&Band| a.p.total_cmp(&b.p);

@@ -133,7 +133,7 @@ const SAMPLES: usize = 8;
 fn turning([start, middle, end]: [f64; 3]) -> Option<(f64, f64)> {
     let (slope, bend) = (0.5 * (end - start), start - 2.0 * middle + end);
     let at = -slope / bend;
-    (at.abs() <= 1.0).then(|| (at, middle + 0.5 * slope * at))
+    (at.abs() <= 1.0).then_some((at, middle + 0.5 * slope * at))
 }
 
 /// Least and greatest value of a smooth function over 0..1 of which equidistant samples are known. Only turning points whose
@@ -148,18 +148,19 @@ fn extremes(samples: &[f64; SAMPLES + 1], value: impl Fn(f64) -> f64, worth: imp
         if !worth(peak) {
             continue;
         }
-        let mut step = 1.0 / SAMPLES as f64;
+        let (mut step, mut turn) = (1.0 / SAMPLES as f64, samples[i]);
         let mut centre = (i as f64 + at) * step;
-        for _ in 0..2 {
+        for _ in 0..3 {
             step *= FINER;
             centre = centre.clamp(step, 1.0 - step);
             let near = [-step, 0.0, step].map(|by| value(centre + by));
             range = near.iter().fold(range, |range, value| widen(range, *value));
-            // Where it does not turn here the greatest slope leads on.
-            let (at, peak) = turning(near).unwrap_or((0.0, near[1]));
-            range = widen(range, peak);
+            let Some((at, peak)) = turning(near) else { break };
+            turn = peak;
             centre += at * step;
         }
+        // Of the finest parabola alone: it may turn between the places looked at.
+        range = widen(range, turn);
     }
     range
 }

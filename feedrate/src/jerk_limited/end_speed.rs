@@ -20,13 +20,20 @@ pub(super) fn explain(planner: &JerkLimited, problem: &FeedProblem, why: NotSolv
         return why.error;
     }
     let trials = (INTERVALS / problem.intervals()).clamp(LEAST_TRIALS, MOST_TRIALS);
-    // Any tolerance will do to learn whether there is a motion.
-    let quick = JerkLimited { tolerance: planner.tolerance.max(1e-2) };
-    let search = Search { planner: quick, problem, trials };
+    let search = Search { planner: *planner, problem, trials };
+    if let FeedError::SpeedOutOfReach { what, highest, .. } = why.error {
+        // What is possible without limits on jerk may be so with them.
+        let speeds = if what == "start speed" { [highest, asked[1]] } else { [asked[0], highest] };
+        if search.is_possible(speeds).is_ok() {
+            return why.error;
+        }
+    }
     // Which end alone is too fast; if neither is, the end for this start.
     let [start, end] = asked;
     let found = if start > 0.0 && search.is_possible([start, 0.0]).is_err() {
         search.largest(start, |v| [v, 0.0]).map(|found| ("start speed", start, problem.grid()[0], found))
+    } else if end == 0.0 {
+        None
     } else {
         search.largest(end, |v| [start, v]).map(|found| ("end speed", end, problem.grid()[problem.intervals()], found))
     };
@@ -44,8 +51,7 @@ struct Search<'a> {
 impl Search<'_> {
     fn is_possible(&self, [start, end]: [f64; 2]) -> Result<(), NotSolved> {
         let problem = self.problem.clone().with_end_speeds(start, end)?;
-        // With all rows, so that it shows which one binds.
-        self.planner.plan_or_why(&problem, 0).map(|_| ())
+        self.planner.plan_or_why(&problem).map(|_| ())
     }
 
     /// The largest speed below `asked` with which there is a motion, and what stands against more; nothing where even rest is

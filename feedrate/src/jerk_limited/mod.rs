@@ -122,7 +122,7 @@ impl JerkLimited {
         if part.slows(problem) {
             // The bounds were widened for the start and could not be taken back: from a start that is inside.
             let mut stretch = fresh();
-            if let Some(start) = start::inside(problem, &mut stretch, fastest) {
+            if let Some(start) = start::inside(problem, &stretch, fastest) {
                 solver.minimise(problem, &mut stretch, start, self.tolerance, false);
                 return Ok(Solution { stretch, c: solver.c.clone() });
             }
@@ -137,8 +137,16 @@ impl JerkLimited {
         Err(NotSolved { error, binding })
     }
 
+    /// The plan, or why there is none, with all rows.
+    fn plan_or_why(&self, problem: &FeedProblem) -> Result<SpeedLaw, NotSolved> {
+        self.plan_with(problem, DROP_UP_TO).or_else(|why| match why.error {
+            FeedError::NotConverged { .. } => self.plan_with(problem, 0),
+            _ => Err(why),
+        })
+    }
+
     /// The plan. Rows far from their bounds are dropped on stretches of up to `drop_up_to` intervals.
-    fn plan_or_why(&self, problem: &FeedProblem, drop_up_to: usize) -> Result<SpeedLaw, NotSolved> {
+    fn plan_with(&self, problem: &FeedProblem, drop_up_to: usize) -> Result<SpeedLaw, NotSolved> {
         let prepared = &prepare(problem)?;
         let Prepared { problem, parts, .. } = prepared;
         let mut solver = Solver::default();
@@ -297,6 +305,6 @@ const EXCEEDED: f64 = 1e-7;
 
 impl FeedPlanner for JerkLimited {
     fn plan(&self, problem: &FeedProblem) -> Result<SpeedLaw, FeedError> {
-        self.plan_or_why(problem, DROP_UP_TO).or_else(|why| Err(end_speed::explain(self, problem, why)))
+        self.plan_or_why(problem).map_err(|why| end_speed::explain(self, problem, why))
     }
 }

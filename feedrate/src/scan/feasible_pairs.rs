@@ -69,8 +69,14 @@ impl FeasiblePairs {
             let here = (at, over(at));
             if (here.1 <= 0.0) != (last.1 <= 0.0) {
                 let (inside, outside) = if here.1 <= 0.0 { (here, last) } else { (last, here) };
-                let part = inside.1 / (inside.1 - outside.1);
-                let between = |i: usize| inside.0[i] + part * (outside.0[i] - inside.0[i]);
+                // No term and no weight is a difference of large numbers: nothing is lost where one end is far away.
+                let span = outside.1 - inside.1;
+                let (near, far) = (outside.1 / span, -inside.1 / span);
+                let between = |i: usize| {
+                    let (p, q) = (inside.0[i], outside.0[i]);
+                    // An edge along an axis stays one.
+                    if p == q { p } else { near * p + far * q }
+                };
                 self.clipped.push([between(0), between(1)]);
             }
             if here.1 <= 0.0 {
@@ -96,13 +102,20 @@ impl FeasiblePairs {
 
 /// The greatest `y` beside `x`, on the edges between the given vertices; of an `x` beside them all the nearest one's.
 pub(super) fn greatest_beside(vertices: &[[f64; 2]], x: f64) -> Option<f64> {
+    // Vertices this close together are at the same place: at the end of an upright edge its upper end counts.
+    let round_off = ROUND_OFF * x.abs();
     let mut best = None;
     let mut last = vertices.last()?;
     for at in vertices {
         let [p, q] = if last[0] <= at[0] { [last, at] } else { [at, last] };
-        if p[0] <= x && x <= q[0] {
+        if p[0] <= x + round_off && x <= q[0] + round_off {
             let run = q[0] - p[0];
-            let y = if run > 0.0 { p[1] + (x - p[0]) / run * (q[1] - p[1]) } else { p[1].max(q[1]) };
+            let y = if run > round_off {
+                let from = (x - p[0]).clamp(0.0, run);
+                (run - from) / run * p[1] + from / run * q[1]
+            } else {
+                p[1].max(q[1])
+            };
             best = Some(best.map_or(y, |best: f64| best.max(y)));
         }
         last = at;

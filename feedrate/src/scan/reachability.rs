@@ -12,7 +12,7 @@ use super::both_ends::{moves, squared_speeds};
 use super::feasible_pairs::{FeasiblePairs, Line, greatest_beside};
 use crate::constraint::Within;
 use crate::error::FeedError;
-use crate::lp2::{Band, Greatest, NoOptimum, gap, greatest_x, least_x};
+use crate::lp2::{Band, NoOptimum, gap, greatest_x};
 use crate::problem::{FeedPlanner, FeedProblem, InnerRow, inner_row};
 use crate::row::{Quantity, Row, RowSource};
 use crate::speed_law::SpeedLaw;
@@ -127,8 +127,16 @@ impl<'a> Solver<'a> {
             rests[1] = rests[0];
             self.sets[k] = match quick {
                 Some(greatest) => [0.0, greatest],
-                None if plain => self.set(k)?,
-                None => self.set_of_pairs(k)?,
+                None => {
+                    let set = self.set_of_pairs(k)?;
+                    if plain {
+                        self.meet(k);
+                    } else {
+                        self.vertices.extend_from_slice(self.pairs.vertices());
+                        self.ends.push(self.vertices.len());
+                    }
+                    set
+                }
             };
         }
         let [lowest, highest] = self.sets[0];
@@ -141,7 +149,7 @@ impl<'a> Solver<'a> {
             let here = x[k];
             let [low, high] = self.sets[k + 1];
             let next = if plain {
-                here + 2.0 * problem.h(k) * self.greatest_u_plain(k, here)
+                self.greatest_next_plain(k, here)?
             } else {
                 greatest_beside(self.vertices_of(k), here).unwrap_or(low)
             };
@@ -150,17 +158,14 @@ impl<'a> Solver<'a> {
         Ok(x)
     }
 
-    /// The squared speeds at point `k` from which the set of the next point can be reached.
-    fn set(&mut self, k: usize) -> Result<[f64; 2], FeedError> {
-        self.collect(k);
+    /// Keeps which lines of the last interval collected meet where the squared speed is greatest: a guess for the next one.
+    fn meet(&mut self, k: usize) {
         let (least, most) = self.divide(self.problem.x_max(k), 2.0 * self.problem.h(k));
-        let Greatest { x: greatest, meeting } =
-            greatest_x(&self.bands, least, most).map_err(|why| self.explain(k, why))?;
+        let meeting = greatest_x(&self.bands, least, most).ok().and_then(|greatest| greatest.meeting);
         self.meeting = meeting.map(|bands| bands.map(|band| self.bands[band].id));
-        Ok([least_x(&self.bands, least, greatest).unwrap_or(greatest), greatest])
     }
 
-    /// The same by the pairs of squared speeds at both ends that keep all rows, whose vertices are stored.
+    /// The squared speeds at point `k` from which the set of the next point can be reached, by the pairs that keep all rows.
     fn set_of_pairs(&mut self, k: usize) -> Result<[f64; 2], FeedError> {
         self.collect(k);
         let (problem, h2) = (self.problem, 2.0 * self.problem.h(k));
@@ -182,8 +187,6 @@ impl<'a> Solver<'a> {
             let why = greatest_x(&self.bands, least, most).map_or_else(|why| why, |most| NoOptimum::Infeasible(most.x));
             return Err(self.explain(k, why));
         }
-        self.vertices.extend_from_slice(self.pairs.vertices());
-        self.ends.push(self.vertices.len());
         Ok([least, greatest])
     }
 
@@ -251,6 +254,26 @@ impl<'a> Solver<'a> {
         let [lo, hi] = self.sets[k + 1];
         let ahead = Line { a: h2, b: 1.0, lo, hi, source: RowSource::path(Quantity::Ahead) };
         (id == near.len() + far.len()).then_some(ahead)
+    }
+
+    /// The greatest squared speed after interval `k` from squared speed `x`, of rows at the points alone.
+    fn greatest_next_plain(&mut self, k: usize, x: f64) -> Result<f64, FeedError> {
+        /// Excess in units of the terms from which on a row counts as broken.
+        const BROKEN: f64 = 1e-13;
+        let (problem, h2) = (self.problem, 2.0 * self.problem.h(k));
+        let u = self.greatest_u_plain(k, x);
+        let next = (x + h2 * u).max(self.sets[k + 1][0]).min(self.sets[k + 1][1]);
+        let u = (next - x) / h2;
+        let kept = |row: &Row, x: f64| {
+            let (p, q) = (row.a * u, row.b * x);
+            row.excess(u, x) <= BROKEN * (row.a.abs() * (x + next) / h2 + q.abs() + row.d.abs() + p.abs())
+        };
+        if problem.rows(k).iter().all(|row| kept(row, x)) && problem.rows(k + 1).iter().all(|row| kept(row, next)) {
+            return Ok(next);
+        }
+        // A small factor of u has made round-off a bound.
+        self.set_of_pairs(k)?;
+        Ok(greatest_beside(self.pairs.vertices(), x).unwrap_or(next))
     }
 
     /// The greatest `u` on interval `k` from squared speed `x`, of rows at the points alone: most allow what others have left,

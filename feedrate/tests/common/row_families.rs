@@ -61,7 +61,13 @@ pub struct Case {
 }
 
 impl Case {
-    pub fn random(family: usize, rng: &mut Rng) -> Self {
+    /// The case of a number in the series of a seed.
+    pub fn numbered(seed: u64, family: usize, index: u64) -> Self {
+        let mut rng = Rng(seed.wrapping_mul(0xD1B5_4A32_D192_ED03) ^ index.wrapping_mul(0x9E6C_63D0_676A_9A99));
+        Self::random(family, &mut rng)
+    }
+
+    fn random(family: usize, rng: &mut Rng) -> Self {
         let (m, spans, per) = (1 + rng.below(6), 2 + rng.below(8), 2 + rng.below(40));
         let kind = rng.below(5);
         let knot = |i: usize, rng: &mut Rng| match kind {

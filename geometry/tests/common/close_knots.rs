@@ -216,7 +216,11 @@ impl<const D: usize> Case<D> {
             Ok(curve) => curve,
             Err(GeometryError::KnotsTooClose { index, width, .. }) => {
                 let real = self.knots[index + 1] - self.knots[index];
-                return if (real - width).abs() <= 1e-8 * width.abs() + 1e-300 { Ok(false) } else { Err(format!("width {width}, is {real}")) };
+                return if (real - width).abs() <= 1e-8 * width.abs() + 1e-300 {
+                    Ok(false)
+                } else {
+                    Err(format!("width {width}, is {real}"))
+                };
             }
             // Knots at an end that rounding made equal.
             Err(GeometryError::Multiplicity { index, multiplicity, .. })

@@ -24,13 +24,18 @@ pub const PO_NEAR: [f64; 6] = [-0.927, -0.854, 1.722, 0.0, 0.702, 2.214];
 pub const TO_NEAR: [f64; 6] = [-1.326, -1.352, 1.956, 0.0, 0.966, 1.990];
 
 pub fn arm() -> Arm<6> {
+    arm_with(SCALE, COULOMB, VISCOUS)
+}
+
+/// The arm with other masses and friction.
+pub fn arm_with(scale: f64, coulomb: [f64; 6], viscous: [f64; 6]) -> Arm<6> {
     let mut description = models::description("kr6_r700").expect("a built-in arm");
     for (i, joint) in description.joints.iter_mut().enumerate() {
         let link = joint.inertial.expect("its links are known");
-        let scaled = Inertial::new(link.mass() * SCALE, *link.centre(), *link.tensor() * SCALE);
+        let scaled = Inertial::new(link.mass() * scale, *link.centre(), *link.tensor() * scale);
         joint.inertial = Some(scaled.expect("a body stays one"));
         joint.rotor_inertia = Some(ROTOR[i]);
-        joint.friction = Some([VISCOUS[i], COULOMB[i], COULOMB[i]]);
+        joint.friction = Some([viscous[i], coulomb[i], coulomb[i]]);
     }
     description.build().expect("six joints")
 }
