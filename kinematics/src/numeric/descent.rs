@@ -51,6 +51,14 @@ impl<const N: usize> NumericArm<N> {
         Some(self.inside(&(q + dq)))
     }
 
+    /// The distance of `q` from the preferred posture, if there is one.
+    pub(super) fn from_posture(&self, q: &Joints<N>) -> f64 {
+        match self.settings.null_space {
+            NullSpace::LeastMotion => 0.0,
+            NullSpace::Towards { posture, .. } => (self.inside(&posture) - q).norm(),
+        }
+    }
+
     /// Steps from `start` until the target is met to rounding or nothing is gained any more.
     pub(super) fn attempt(&self, target: &Target, start: &Joints<N>) -> Attempt<N> {
         let mut q = self.inside(start);

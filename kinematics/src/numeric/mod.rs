@@ -189,9 +189,14 @@ impl<const N: usize> NumericArm<N> {
         let moved = self.moved_to_posture(&target, seed);
         let mut best = self.attempt(&target, moved.as_ref().unwrap_or(seed));
         let (mut steps, mut restarts) = (best.steps + usize::from(moved.is_some()), 0);
-        if moved.is_some() && !best.converged {
-            best = self.attempt(&target, seed);
-            steps += best.steps;
+        // A step that leads nowhere, or past the nearest place to the posture, is taken back.
+        if moved.is_some() && !(best.converged && self.from_posture(&best.q) <= self.from_posture(seed)) {
+            let plain = self.attempt(&target, seed);
+            steps += plain.steps;
+            let nearer = self.from_posture(&plain.q) < self.from_posture(&best.q);
+            if !best.converged || (plain.converged && nearer) {
+                best = plain;
+            }
         }
         while !best.converged && restarts < self.settings.restarts {
             restarts += 1;

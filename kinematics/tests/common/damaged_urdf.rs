@@ -71,12 +71,12 @@ fn boundary(text: &str, mut at: usize) -> usize {
 pub fn damaged(sound: &[String], seed: u64) -> String {
     let mut draw = Sequence(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15));
     let mut text = sound[draw.below(sound.len())].clone();
-    for _ in 0..1 + draw.below(6) {
+    for _ in 0..1 + draw.below(4) {
         let start = draw.below(text.len() + 1);
         let start = boundary(&text, start);
         let end = (start + draw.below(80)).min(text.len());
         let end = boundary(&text, end);
-        match draw.below(7) {
+        match draw.below(9) {
             0 => text.replace_range(start..end, ""),
             1 => text.truncate(start),
             2 => {
@@ -90,6 +90,11 @@ pub fn damaged(sound: &[String], seed: u64) -> String {
                 text.replace_range(start.., &other[boundary(other, from)..]);
             }
             4 => text.insert_str(start, &PIECES[draw.below(PIECES.len())].repeat(1 + draw.below(200))),
+            5 | 6 => {
+                // One character, as a slip of the hand.
+                let end = boundary(&text, (start + 1).min(text.len()));
+                text.replace_range(start..end, &draw.below(10).to_string());
+            }
             _ => text.replace_range(start..end, PIECES[draw.below(PIECES.len())]),
         }
     }
