@@ -47,7 +47,7 @@ impl<const N: usize> NumericArm<N> {
         let q = self.inside(seed);
         let at = self.chain.configuration(&q);
         let wish = (self.inside(&posture) - q) * gain;
-        let dq = self.step(&q, &at.jacobian(), &Miss::new(target, &at).error, &wish)?;
+        let dq = self.step(&q, at.jacobian(), Miss::new(target, &at).error, Some(&wish))?;
         Some(self.inside(&(q + dq)))
     }
 
@@ -82,22 +82,22 @@ impl<const N: usize> NumericArm<N> {
             if ends || done || stalled > PATIENCE || (step >= self.settings.steps && !best.converged) {
                 return best;
             }
-            let Some(dq) = self.step(&q, &at.jacobian(), &error, &Joints::zeros()) else { return best };
+            let Some(dq) = self.step(&q, at.jacobian(), error, None) else { return best };
             q = self.inside(&(q + dq));
         }
         best
     }
 
     /// One damped step for the pose error, and as much of `wish` as does not move the tool.
-    fn step(&self, q: &Joints<N>, jacobian: &Jacobian<N>, error: &Twist, wish: &Joints<N>) -> Option<Joints<N>> {
-        let mut scaled = *jacobian;
-        let mut error = *error;
-        for row in 3..6 {
-            error[row] *= self.size;
-            for column in 0..N {
-                scaled[(row, column)] *= self.size;
-            }
-        }
+    fn step(
+        &self,
+        q: &Joints<N>,
+        mut scaled: Jacobian<N>,
+        mut error: Twist,
+        wish: Option<&Joints<N>>,
+    ) -> Option<Joints<N>> {
+        scaled.fixed_rows_mut::<3>(3).scale_mut(self.size);
+        error.fixed_rows_mut::<3>(3).scale_mut(self.size);
         // No more than what makes a step of half the wanted length, or targets far away would be
         // approached too slowly.
         let square = self.size * self.size;
@@ -105,15 +105,17 @@ impl<const N: usize> NumericArm<N> {
         for _ in 0..=N {
             // J wish is asked for on top of the error, and `wish` given back: what is left moves
             // the tool by the error.
-            let dq = damped(&scaled, &(error - scaled * wish), damping)? + wish;
-            let outwards = |i: &usize| {
-                let i = *i;
-                scaled.column(i).amax() > 0.0
-                    && ((q[i] <= self.range.lower()[i] && dq[i] < 0.0)
-                        || (q[i] >= self.range.upper()[i] && dq[i] > 0.0))
+            let dq = match wish {
+                None => damped(&scaled, &error, damping)?,
+                Some(wish) => damped(&scaled, &(error - scaled * wish), damping)? + wish,
+            };
+            let outwards = |i: usize| {
+                let at_limit =
+                    (q[i] <= self.range.lower()[i] && dq[i] < 0.0) || (q[i] >= self.range.upper()[i] && dq[i] > 0.0);
+                at_limit && scaled.column(i).amax() > 0.0
             };
             let mut pushed = false;
-            let blocked: [bool; N] = std::array::from_fn(|i| outwards(&i));
+            let blocked: [bool; N] = std::array::from_fn(outwards);
             for (i, blocked) in blocked.into_iter().enumerate() {
                 if blocked {
                     scaled.column_mut(i).fill(0.0);
@@ -156,7 +158,10 @@ impl Miss {
         // The error holds the sine of the angle, which falls off beyond a right angle: stretch it
         // to the angle.
         let sine = error.fixed_rows::<3>(3).norm();
-        let orientation = sine.atan2(target.cosine(at));
+        let cosine = target.cosine(at);
+        // Next to the target the series of the arc sine is exact and cheap.
+        let near = sine < 1e-3 && cosine > 0.0;
+        let orientation = if near { sine * (1.0 + sine * sine / 6.0) } else { sine.atan2(cosine) };
         if orientation > 0.1 && sine > 1e-9 {
             error.fixed_rows_mut::<3>(3).scale_mut(orientation / sine);
         }
