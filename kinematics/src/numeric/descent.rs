@@ -52,7 +52,7 @@ impl<const N: usize> NumericArm<N> {
     }
 
     /// The distance of `q` from the preferred posture, if there is one.
-    pub(super) fn from_posture(&self, q: &Joints<N>) -> f64 {
+    pub(super) fn posture_distance(&self, q: &Joints<N>) -> f64 {
         match self.settings.null_space {
             NullSpace::LeastMotion => 0.0,
             NullSpace::Towards { posture, .. } => (self.inside(&posture) - q).norm(),

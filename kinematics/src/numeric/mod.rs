@@ -190,10 +190,10 @@ impl<const N: usize> NumericArm<N> {
         let mut best = self.attempt(&target, moved.as_ref().unwrap_or(seed));
         let (mut steps, mut restarts) = (best.steps + usize::from(moved.is_some()), 0);
         // A step that leads nowhere, or past the nearest place to the posture, is taken back.
-        if moved.is_some() && !(best.converged && self.from_posture(&best.q) <= self.from_posture(seed)) {
+        if moved.is_some() && !(best.converged && self.posture_distance(&best.q) <= self.posture_distance(seed)) {
             let plain = self.attempt(&target, seed);
             steps += plain.steps;
-            let nearer = self.from_posture(&plain.q) < self.from_posture(&best.q);
+            let nearer = self.posture_distance(&plain.q) < self.posture_distance(&best.q);
             if !best.converged || (plain.converged && nearer) {
                 best = plain;
             }
