@@ -39,6 +39,9 @@ const ORIENTATION_TOLERANCE: f64 = 1e-6;
 /// what a setpoint says of the tool and what its joints do.
 const ZERO: f64 = 1e-6;
 
+/// No rounding moves a joint by more than this between two samples, rad (m): at the least singular
+/// value that a plan comes to, an arm of 20 m is off by less.
+const MOST_ROUNDING: f64 = 1e-9;
 /// Relative rounding of a speed: where a motion ends at one, its law and that speed need not agree in every digit.
 const SPEED: f64 = 1e-10;
 
@@ -551,9 +554,10 @@ impl<const N: usize> Tally<N> {
             let q = (b.q[k] - a.q[k] - 0.5 * dt * (a.qd[k] + b.qd[k])).abs();
             let v = b.qd[k] - a.qd[k] - 0.5 * dt * (a.qdd[k] + b.qdd[k]);
             let allowed_q = limit * (dt / 12.0 + step / 8.0) * dt * dt;
-            // What rounding adds is small against that, and dear to know: it is asked for where it
-            // decides.
-            let ratio_q = match q > allowed_q {
+            // What rounding adds is dear to know: it is asked for where it decides.
+            let worse = q > allowed_q * self.worst[Self::CONTINUITY].check.ratio.max(1.0);
+            let decides = worse && q < allowed_q + MOST_ROUNDING;
+            let ratio_q = match decides {
                 true => q / (allowed_q + rounded.get_or_insert_with(|| rounding(a) + rounding(b))[k]),
                 false => q / allowed_q,
             };
