@@ -1,10 +1,12 @@
 //! The last word on a trajectory: its setpoints against every limit, on dense samples, without the planner's help.
 //!
-//! Nothing here knows how the trajectory was planned. Setpoints are sampled several times per control period; positions,
-//! velocities and accelerations of the tool are recomputed from the joints by forward kinematics; jerk comes from
-//! differences of the accelerations, which are averages of the true jerk and so never exceed its maximum; and each
-//! position and velocity is held against the one before, so that a jump cannot hide between samples. What rounding may
-//! add to a joint position follows from the residual that the arm's inverse states, see [`InverseKinematics::residual`].
+//! Nothing here knows how the trajectory was planned. Setpoints are sampled several times per
+//! control period; positions, velocities and accelerations of the tool are recomputed from the
+//! joints by forward kinematics; jerk comes from differences of the accelerations, which are
+//! averages of the true jerk and so never exceed its maximum; and each position and velocity is
+//! held against the one before, so that a jump cannot hide between samples. What rounding may add
+//! to a joint position follows from the residual that the arm's inverse states, see
+//! [`InverseKinematics::residual`].
 //!
 //! [`InverseKinematics::residual`]: arcfeed_kinematics::InverseKinematics::residual
 
@@ -37,6 +39,9 @@ const ORIENTATION_TOLERANCE: f64 = 1e-6;
 /// what a setpoint says of the tool and what its joints do.
 const ZERO: f64 = 1e-6;
 
+/// No rounding moves a joint by more than this between two samples, rad (m): at the least singular
+/// value that a plan comes to, an arm of 20 m is off by less.
+const MOST_ROUNDING: f64 = 1e-9;
 /// Relative rounding of a speed: where a motion ends at one, its law and that speed need not agree in every digit.
 const SPEED: f64 = 1e-10;
 
@@ -308,8 +313,9 @@ where
     Ok(Verification { checks: tally.worst.into_iter().map(|w| w.check).collect(), samples: steps + 2 })
 }
 
-/// How far rounding may have moved each joint of a setpoint at `q` on `path`: the residual of the inverse and the rounding
-/// of the path itself, carried to the joints, and the rounding of the joint values.
+/// How far rounding may have moved each joint of a setpoint at `q` on `path`: the residual of the
+/// inverse and the rounding of the path itself, carried to the joints, and the rounding of the
+/// joint values.
 fn joint_rounding<A: PathArm<N> + ?Sized, const N: usize>(arm: &A, path: &PosePath, q: &Joints<N>) -> Joints<N> {
     /// Units in the last place of an arc length and of a coordinate that a path may be off by.
     const PATH: f64 = 16.0 * f64::EPSILON;
@@ -513,8 +519,8 @@ impl<const N: usize> Tally<N> {
         self.see(Self::ENDS, (speed + acceleration + place) / ZERO, at);
     }
 
-    /// Limits on what happens from one sample to the next; the first sample is the one a control period ago. `rounding`
-    /// tells by how much rounding may have moved the joints of a setpoint.
+    /// Limits on what happens from one sample to the next; the first sample is the one a control
+    /// period ago. `rounding` tells by how much rounding may have moved the joints of a setpoint.
     fn compare(
         &mut self,
         [first, before, now]: [&Sample<N>; 3],
@@ -548,8 +554,10 @@ impl<const N: usize> Tally<N> {
             let q = (b.q[k] - a.q[k] - 0.5 * dt * (a.qd[k] + b.qd[k])).abs();
             let v = b.qd[k] - a.qd[k] - 0.5 * dt * (a.qdd[k] + b.qdd[k]);
             let allowed_q = limit * (dt / 12.0 + step / 8.0) * dt * dt;
-            // What rounding adds is small against that, and dear to know: it is asked for where it decides.
-            let ratio_q = match q > allowed_q {
+            // What rounding adds is dear to know: it is asked for where it decides.
+            let worse = q > allowed_q * self.worst[Self::CONTINUITY].check.ratio.max(1.0);
+            let decides = worse && q < allowed_q + MOST_ROUNDING;
+            let ratio_q = match decides {
                 true => q / (allowed_q + rounded.get_or_insert_with(|| rounding(a) + rounding(b))[k]),
                 false => q / allowed_q,
             };

@@ -120,7 +120,8 @@ impl<S: ClosedForm> ClosedFormArm<S> {
         Ok(solutions)
     }
 
-    /// Newton steps from a solution of the ideal geometry to one of the real chain, until rounding ends them.
+    /// Newton steps from a solution of the ideal geometry to one of the real chain, until rounding
+    /// ends them.
     fn polish(&self, target: &Isometry3<f64>, start: &Joints<6>) -> Option<Joints<6>> {
         const STEPS: usize = 8;
         const DONE: f64 = 1e-12;

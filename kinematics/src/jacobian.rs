@@ -159,7 +159,8 @@ impl Target {
         Self { rotation: pose.rotation.to_rotation_matrix().into_inner(), position: pose.translation.vector }
     }
 
-    /// The twist that leads from `at` to here, to first order: its angular part is as long as the sine of the angle.
+    /// The twist that leads from `at` to here, to first order: its angular part is as long as the
+    /// sine of the angle.
     pub(crate) fn error<const N: usize>(&self, at: &Configuration<N>) -> Twist {
         let linear = self.position - at.position();
         let angular: Vector3<f64> = (0..3)

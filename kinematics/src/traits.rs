@@ -60,8 +60,9 @@ pub trait InverseKinematics<const N: usize> {
     /// [`KinematicsError::NotUnit`] for a target that is none, [`KinematicsError::JointNotFinite`] for such a seed.
     fn inverse(&self, target: &Isometry3<f64>, seed: &Joints<N>) -> Result<Joints<N>, KinematicsError>;
 
-    /// The distance from its target at which a solution `q` may leave the tool, by rounding alone. Solutions along a smooth
-    /// path are smooth up to this much, carried to the joints by the inverse of the Jacobian.
+    /// The distance from its target at which a solution `q` may leave the tool, by rounding alone.
+    /// Solutions along a smooth path are smooth up to this much, carried to the joints by the
+    /// inverse of the Jacobian.
     ///
     /// Unless an arm says otherwise, that of six joints within a metre.
     fn residual(&self, q: &Joints<N>) -> PoseResidual {
@@ -79,10 +80,11 @@ pub struct PoseResidual {
 }
 
 impl PoseResidual {
-    /// What rounding leaves at an arm whose coordinates are at most `extent` (m) and whose turning joints stand at angles
-    /// with absolute values of the sum `angles` (rad): each step along the arm rounds once, each angle by its own size.
+    /// What rounding leaves at an arm whose coordinates are at most `extent` (m) and whose turning
+    /// joints stand at angles with absolute values of the sum `angles` (rad): each step along the
+    /// arm rounds once, each angle by its own size.
     pub(crate) fn of_rounding(extent: f64, angles: f64) -> Self {
-        const STEPS: f64 = 16.0;
+        const STEPS: f64 = 32.0;
         let orientation = f64::EPSILON * (STEPS + angles);
         Self { position: orientation * extent, orientation }
     }

@@ -2,6 +2,8 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panic")]
 
 mod common;
+#[path = "common/damaged_urdf.rs"]
+mod damaged_urdf;
 
 use arcfeed_kinematics::{
     ArmDescription, Dynamics, ForwardKinematics, Inertial, InverseMethod, Joints, KinematicsError, models,
@@ -213,4 +215,140 @@ proptest! {
             let _ = arm.forward(&vec![0.1; arm.joints()]);
         }
     }
+}
+
+const HAND: &str = include_str!("fixtures/hand.urdf");
+
+/// An arm of one joint in whose file `more` stands beside the links.
+fn one_joint(parent: &str, more: &str) -> String {
+    format!(
+        r#"<robot name="x">{more}<link name="b"/><joint name="j" type="revolute"><parent link="{parent}"/><child link="b"/>
+        <axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>"#
+    )
+}
+
+fn refusal(text: &str) -> String {
+    ArmDescription::from_urdf(text, None, None).and_then(|arm| arm.build_any()).unwrap_err().to_string()
+}
+
+/// The stack overflowed: a count of levels took the `/>` in an attribute for the end of an element.
+#[test]
+fn deep_elements_behind_a_bracket_in_an_attribute_are_refused() {
+    for element in ["<a b=\"/>\">", "<a b='/>'>", "<a b=\"-->\" c=\"/>\">", "<a\nb=\">/>\"\n>"] {
+        let text = format!("<robot name=\"x\">{}{}</robot>", element.repeat(200_000), "</a>".repeat(200_000));
+        assert!(refusal(&text).contains("nested more than 100 deep"), "{element}");
+        let text = format!("<robot name=\"x\"><link name=\"a\">{}", element.repeat(200_000));
+        assert!(refusal(&text).contains("nested more than 100 deep"), "{element}");
+    }
+}
+
+/// What belongs to looks and simulators has no influence on the arm.
+#[test]
+fn two_materials_a_mesh_without_file_and_foreign_names_do_not_matter() {
+    let link = |inside: &str| one_joint("a", &format!("<link name=\"a\">{inside}</link>"));
+    let plain = ArmDescription::from_urdf(&link(""), None, None).unwrap();
+    for text in [
+        link("<visual><geometry><box size=\"1 1 1\"/></geometry><material name=\"m\"/><material name=\"n\"/></visual>"),
+        link("<visual><geometry><mesh/></geometry></visual><collision/><collision/>"),
+        link("<visual><origin xyz=\"a b\"/></visual>"),
+        link("<sensor:camera k:l=\"1\"/><inertia/><![CDATA[<]]>&unknown;"),
+        one_joint(
+            "a",
+            "<link name=\"a\"/><material name=\"m\"/><material name=\"m\"/><transmission><joint name=\"j\"/></transmission>",
+        ),
+        link("").replacen("name=\"x\"", "name=\"x\" xmlns=\"u\" xmlns:xacro=\"v\" xmlns:s=\"w\"", 1),
+        one_joint("world", ""),
+        format!(
+            "\u{feff}<?xml version=\"1.0\"?><!DOCTYPE robot [<!ENTITY e SYSTEM \"file:///etc/passwd\">]>{}",
+            link("")
+        ),
+    ] {
+        let read = ArmDescription::from_urdf(&text, None, None).unwrap();
+        assert_eq!(read.joints, plain.joints, "{text}");
+    }
+}
+
+/// Only the fingers were offered, one of which mimics the other.
+#[test]
+fn an_arm_with_a_hand_offers_the_hand_as_its_tip() {
+    let error = ArmDescription::from_urdf(HAND, None, None).unwrap_err().to_string();
+    assert!(error.contains("'panda_link2, panda_link8, panda_hand, panda_leftfinger'"), "{error}");
+    for (tip, joints) in [("panda_hand", 2), ("panda_link8", 2), ("panda_link2", 2), ("panda_leftfinger", 3)] {
+        let arm = ArmDescription::from_urdf(HAND, None, Some(tip)).unwrap();
+        assert_eq!(arm.joints.len(), joints, "{tip}");
+        assert!(arm.build_any().is_ok());
+    }
+    assert_eq!(
+        ArmDescription::from_urdf(HAND, None, Some("panda_hand")).unwrap().joints[1].inertial.unwrap().mass(),
+        0.7
+    );
+    let error = ArmDescription::from_urdf(HAND, None, Some("panda_rightfinger")).unwrap_err().to_string();
+    assert!(error.contains("panda_finger_joint1"), "{error}");
+}
+
+#[test]
+fn what_is_wrong_is_told_with_line_and_name() {
+    let text = one_joint("a", "<link name=\"a\"/>\n");
+    let about = |from: &str, to: &str, what: [&str; 2]| {
+        assert!(text.contains(from), "{from}");
+        let error = refusal(&text.replacen(from, to, 1));
+        assert!(what.iter().all(|what| error.contains(what)), "{error}");
+    };
+    about("xyz=\"0 0 1\"", "xyz=\"0 0\"", ["line 3", "joint 'j': <axis>: xyz is \"0 0\", it must be 3 numbers"]);
+    about("lower=\"-1\"", "lower=\"${-pi}\"", ["joint 'j': <limit>: lower is \"${-pi}\"", "xacro"]);
+    about("lower=\"-1\"", "lower=\"-1\" lower=\"-2\"", ["joint 'j'", "two attributes lower"]);
+    about("<parent link=\"a\"/>", "", ["joint 'j'", "no <parent"]);
+    about("<parent link=\"a\"/>", "<parent link=\"a\"/><parent link=\"a\"/>", ["joint 'j'", "two <parent>"]);
+    about("type=\"revolute\"", "type=\"ball\"", ["joint 'j'", "'ball'"]);
+    about("type=\"revolute\"", "", ["joint 'j'", "<joint> has no type"]);
+    about("<link name=\"a\"/>", "<link/>", ["line 1", "<link> has no name"]);
+    about("<link name=\"a\"/>", "<link name=\"&e;\"/>", ["line 1", "<link>: name"]);
+    about("<link name=\"a\"/>", "<link name=\"&#27;[2J\"/>", ["line 1", "control character"]);
+    about("name=\"a\"/>", "name=\"a\"><inertial><mass value=\"1\"/></inertial></link>", ["link 'a'", "no <inertia>"]);
+    about("</robot>", "</robot><robot/>", ["line 3", "second element"]);
+    about("</robot>", "</robot>more", ["line 3", "text outside"]);
+    about("</robot>", "", ["line 3", "ends inside"]);
+    about("<robot name=\"x\">", "<model>", ["line 1", "must be <robot>"]);
+    let long = "n".repeat(5000);
+    about("<link name=\"a\"/>", &format!("<link name=\"{long}\"/>"), ["line 1", "longer than 1000 bytes"]);
+    let many = (0..5000).map(|k| format!("<link name=\"link{k}\"/>")).collect::<String>();
+    about("<link name=\"a\"/>", &format!("<link name=\"a\"/>{many}"), ["one link without parent", "and 4981 more"]);
+}
+
+/// Each link was walked up to the root, and every joint searched for each: a file as long as this
+/// took hours.
+#[test]
+fn a_file_of_a_hundred_thousand_links_is_read() {
+    let mut text = String::from("<robot name=\"x\"><link name=\"l0\"/>");
+    for k in 0..100_000 {
+        let kind = if k == 7 { "continuous" } else { "fixed" };
+        text += &format!("<link name=\"l{}\"/><joint name=\"j{k}\" type=\"{kind}\"><parent link=\"l{k}\"/>", k + 1);
+        text += &format!("<child link=\"l{}\"/></joint>", k + 1);
+    }
+    assert_eq!(ArmDescription::from_urdf(&(text + "</robot>"), None, None).unwrap().joints.len(), 1);
+}
+
+/// Later versions of the format say more of limits and know quaternions; earlier ones ignore both.
+#[test]
+fn the_version_of_a_file_decides_what_counts() {
+    let text = one_joint("world", "")
+        .replace("<axis", "<origin xyz=\"1 2 3\" quat_xyzw=\"0 0 3 4\"/><axis")
+        .replace("velocity=\"1\"", "velocity=\"1\" acceleration=\"5\" jerk=\"70\"");
+    let read = |version: &str| {
+        let text = text.replacen("name=\"x\"", &format!("name=\"x\" version=\"{version}\""), 1);
+        let joint = ArmDescription::from_urdf(&text, None, None).unwrap().joints.remove(0);
+        (joint.origin.rotation.angle() > 0.1, joint.acceleration, joint.jerk)
+    };
+    assert_eq!(read("1.0"), (false, None, None));
+    assert_eq!(read("1.1"), (true, None, None));
+    assert_eq!(read("1.2"), (true, Some(5.0), Some(70.0)));
+    assert_eq!(read("new"), (false, None, None));
+}
+
+#[test]
+fn ten_thousand_damaged_files_give_an_answer_or_an_error() {
+    let built_in = ["ur5e", "panda"].map(|name| models::description(name).unwrap().to_urdf());
+    let sound: Vec<String> = built_in.into_iter().chain([GANTRY, HAND].map(str::to_owned)).collect();
+    let arms = (0..10_000).filter(|seed| damaged_urdf::read(&damaged_urdf::damaged(&sound, *seed))).count();
+    assert!((100..9_900).contains(&arms), "{arms}");
 }

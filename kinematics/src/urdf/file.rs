@@ -1,8 +1,9 @@
 //! What an arm needs of a URDF file: its links, joints and inertials.
 //!
-//! One pass over the markup keeps the elements below and skips everything else: geometry, materials, transmissions,
-//! simulator tags, names with a prefix. Nothing is opened: a mesh or include is never followed. The pass does not call
-//! itself, and it takes time and memory in proportion to the text.
+//! One pass over the markup keeps the elements below and skips everything else: geometry,
+//! materials, transmissions, simulator tags, names with a prefix. Nothing is opened: a mesh or
+//! include is never followed. The pass does not call itself, and it takes time and memory in
+//! proportion to the text.
 
 use super::markup::{Attributes, Markup, Tag, unreadable};
 use crate::{

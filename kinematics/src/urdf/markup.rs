@@ -1,4 +1,5 @@
-//! The markup of a file: opening and closing tags in their order, with attributes as text and numbers.
+//! The markup of a file: opening and closing tags in their order, with attributes as text and
+//! numbers.
 
 use crate::error::KinematicsError;
 use quick_xml::{

@@ -1,7 +1,8 @@
 //! Arms from URDF.
 //!
-//! The chain between two links is taken; fixed joints are folded into the joints and links around them, as is whatever
-//! hangs on a link by fixed joints alone. Limits of 0 (and the absent ones, which read as 0) count as unknown.
+//! The chain between two links is taken; fixed joints are folded into the joints and links around
+//! them, as is whatever hangs on a link by fixed joints alone. Limits of 0 (and the absent ones,
+//! which read as 0) count as unknown.
 
 mod file;
 mod markup;
@@ -18,11 +19,12 @@ use std::collections::HashSet;
 use tree::{Tree, broken};
 
 impl ArmDescription {
-    /// Reads the chain from link `base` to link `tip` of a URDF text. Without a base the root is taken; without a tip,
-    /// the last link if there is only one. A link `world` that joints start from need not be in the file.
+    /// Reads the chain from link `base` to link `tip` of a URDF text. Without a base the root is
+    /// taken; without a tip, the last link if there is only one. A link `world` that joints start
+    /// from need not be in the file.
     ///
-    /// Only links, joints and inertials are read: what a file says of meshes, materials or simulators has no influence.
-    /// No other file is opened.
+    /// Only links, joints and inertials are read: what a file says of meshes, materials or
+    /// simulators has no influence. No other file is opened.
     ///
     /// # Errors
     /// [`KinematicsError::Unreadable`] if the text is no URDF, with the line; otherwise what is wrong, with the name of
@@ -55,7 +57,8 @@ impl ArmDescription {
     }
 }
 
-/// The moving joints of a way, the fixed ones folded into them, and what fixed joints add behind the last.
+/// The moving joints of a way, the fixed ones folded into them, and what fixed joints add behind
+/// the last.
 fn folded(tree: &Tree<'_>, way: &[usize]) -> Result<(Vec<JointDescription>, Isometry3<f64>), KinematicsError> {
     let on_way: HashSet<usize> = way.iter().copied().collect();
     let mut joints: Vec<JointDescription> = Vec::new();

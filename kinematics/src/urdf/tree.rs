@@ -151,8 +151,8 @@ impl<'a> Tree<'a> {
         }
     }
 
-    /// The link at the end of the one chain of moving joints: the only one, or else `tool0`, the customary name of the
-    /// mounting face.
+    /// The link at the end of the one chain of moving joints: the only one, or else `tool0`, the
+    /// customary name of the mounting face.
     ///
     /// # Errors
     /// Lists the links at which an arm may end, in the order of the file.
@@ -191,8 +191,9 @@ impl<'a> Tree<'a> {
         ways
     }
 
-    /// The links that carry a branching of the tree: those from which two or more joints go on, and those that such a link is
-    /// fixed to. A hand between two fingers is one, and so is the flange that carries it.
+    /// The links that carry a branching of the tree: those from which two or more joints go on, and
+    /// those that such a link is fixed to. A hand between two fingers is one, and so is the flange
+    /// that carries it.
     fn before_branches(&self, is_below: impl Fn(usize) -> bool) -> Vec<bool> {
         let mut offered = vec![false; self.above.len()];
         for link in (0..self.above.len()).filter(|link| self.below[*link].len() > 1) {
@@ -208,8 +209,8 @@ impl<'a> Tree<'a> {
         offered
     }
 
-    /// Joins to `found` what hangs on `link` by fixed joints, those of `way` left out; `link` stands at `at` in the frame
-    /// of the body.
+    /// Joins to `found` what hangs on `link` by fixed joints, those of `way` left out; `link`
+    /// stands at `at` in the frame of the body.
     pub(super) fn join_rigid(
         &self,
         link: usize,

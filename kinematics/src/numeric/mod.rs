@@ -1,31 +1,31 @@
 //! Inverse kinematics of any arm by damped least squares.
 //!
-//! Each step solves `min |J dq - e|^2 + mu |dq|^2` for the pose error e with damping mu = |e|^2 / 2 (Sugihara 2011,
-//! "Solvability-unconcerned inverse kinematics by the Levenberg-Marquardt method"): far from the target and at singular
-//! poses it cannot blow up, near the target it becomes Newton's method. A joint at a limit that the step would push
-//! outwards is taken out and the step solved again, so that the others make up for it.
+//! Each step solves `min |J dq - e|^2 + mu |dq|^2` for the pose error e with damping mu = |e|^2 / 2
+//! (Sugihara 2011, "Solvability-unconcerned inverse kinematics by the Levenberg-Marquardt method"):
+//! far from the target and at singular poses it cannot blow up, near the target it becomes Newton's
+//! method. A joint at a limit that the step would push outwards is taken out and the step solved
+//! again, so that the others make up for it.
 //!
-//! The tolerances say when a target counts as reached. From there on the steps continue until rounding ends them: Newton's
-//! method needs one or two, and solutions along a path are then as smooth as those of a closed form.
+//! The tolerances say when a target counts as reached. From there on the steps continue until
+//! rounding ends them: Newton's method needs one or two, and solutions along a path are then as
+//! smooth as those of a closed form.
+
+mod descent;
 
 use crate::{
     analytic::Solutions,
     branch::nearest_turns,
     chain::Chain,
     error::KinematicsError,
-    jacobian::{Configuration, Jacobian, Target, Twist},
+    jacobian::{Configuration, Target},
     joint::{JointKind, JointRange, Joints, check_finite, checked_pose},
-    lu::solve_positive,
     traits::{AnalyticInverse, ForwardKinematics, InverseKinematics, PoseResidual},
     trig::principal,
 };
+use descent::Attempt;
 use nalgebra::Isometry3;
 use std::f64::consts::TAU;
 
-/// Steps without gain after which an attempt is given up.
-const PATIENCE: usize = 8;
-/// Steps from the tolerances to rounding, at most: each halves the miss or is the last.
-const POLISH: usize = 20;
 /// Restarts over which the search moves away from the seed.
 const NEAR_RESTARTS: f64 = 10.0;
 /// Attempts that are made to find several solutions.
@@ -36,7 +36,8 @@ const SURVEY: usize = 64;
 pub enum NullSpace<const N: usize> {
     /// Nothing: the joints move as little as can be.
     LeastMotion,
-    /// Each call moves the joints towards `posture` by at most `gain` (0 to 1) of the way, as far as the tool allows.
+    /// Each call moves the joints towards `posture` by at most `gain` (0 to 1) of the way, as far
+    /// as the tool allows.
     Towards {
         /// Preferred joint values, rad (m).
         posture: Joints<N>,
@@ -48,7 +49,8 @@ pub enum NullSpace<const N: usize> {
 /// How hard to try.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NumericSettings<const N: usize> {
-    /// Error of position that counts as reached, m. A target that is reached is then met to rounding.
+    /// Error of position that counts as reached, m. A target that is reached is then met to
+    /// rounding.
     pub position: f64,
     /// Error of orientation that counts as reached, rad.
     pub orientation: f64,
@@ -105,24 +107,6 @@ pub struct NumericArm<const N: usize> {
     settings: NumericSettings<N>,
     /// Weighs angles against lengths, m/rad: the size of the arm.
     size: f64,
-}
-
-/// One attempt's end.
-#[derive(Clone, Copy)]
-struct Attempt<const N: usize> {
-    q: Joints<N>,
-    position: f64,
-    orientation: f64,
-    converged: bool,
-    steps: usize,
-}
-
-/// How far the tool is from its target.
-struct Miss {
-    position: f64,
-    orientation: f64,
-    /// The twist that leads there.
-    error: Twist,
 }
 
 impl<const N: usize> NumericArm<N> {
@@ -192,8 +176,9 @@ impl<const N: usize> NumericArm<N> {
         &self.settings
     }
 
-    /// Searches from `seed` (put into the joint range), then from places ever farther from it, at last from places spread
-    /// evenly over the range, until the tool stands at `target`; the best that was found if it never does.
+    /// Searches from `seed` (put into the joint range), then from places ever farther from it, at
+    /// last from places spread evenly over the range, until the tool stands at `target`; the best
+    /// that was found if it never does.
     ///
     /// # Errors
     /// [`KinematicsError::NotFinite`] or [`KinematicsError::NotUnit`] for a target that is none,
@@ -204,9 +189,14 @@ impl<const N: usize> NumericArm<N> {
         let moved = self.moved_to_posture(&target, seed);
         let mut best = self.attempt(&target, moved.as_ref().unwrap_or(seed));
         let (mut steps, mut restarts) = (best.steps + usize::from(moved.is_some()), 0);
-        if moved.is_some() && !best.converged {
-            best = self.attempt(&target, seed);
-            steps += best.steps;
+        // A step that leads nowhere, or past the nearest place to the posture, is taken back.
+        if moved.is_some() && !(best.converged && self.posture_distance(&best.q) <= self.posture_distance(seed)) {
+            let plain = self.attempt(&target, seed);
+            steps += plain.steps;
+            let nearer = self.posture_distance(&plain.q) < self.posture_distance(&best.q);
+            if !best.converged || (plain.converged && nearer) {
+                best = plain;
+            }
         }
         while !best.converged && restarts < self.settings.restarts {
             restarts += 1;
@@ -246,126 +236,6 @@ impl<const N: usize> NumericArm<N> {
     pub(crate) fn turned_towards(&self, q: &Joints<N>, seed: &Joints<N>) -> Joints<N> {
         let turned = nearest_turns(q, seed, &self.range).unwrap_or(*q);
         Joints::from_fn(|i, _| if self.chain.joints()[i].kind() == JointKind::Revolute { turned[i] } else { q[i] })
-    }
-
-    /// `q` inside the joint range.
-    fn inside(&self, q: &Joints<N>) -> Joints<N> {
-        q.zip_zip_map(self.range.lower(), self.range.upper(), f64::clamp)
-    }
-
-    /// `seed` after a step that also moves redundant joints towards the preferred posture, if there is one: it is made where
-    /// the tool stands at its target, too.
-    fn moved_to_posture(&self, target: &Target, seed: &Joints<N>) -> Option<Joints<N>> {
-        let NullSpace::Towards { posture, gain } = self.settings.null_space else { return None };
-        if N <= 6 {
-            return None;
-        }
-        let q = self.inside(seed);
-        let at = self.chain.configuration(&q);
-        let wish = (self.inside(&posture) - q) * gain;
-        let dq = self.step(&q, &at.jacobian(), &Miss::new(target, &at).error, &wish)?;
-        Some(self.inside(&(q + dq)))
-    }
-
-    /// Steps from `start` until the target is met to rounding or nothing is gained any more.
-    fn attempt(&self, target: &Target, start: &Joints<N>) -> Attempt<N> {
-        let mut q = self.inside(start);
-        let mut best = Attempt { q, position: f64::NAN, orientation: f64::NAN, converged: false, steps: 0 };
-        let (mut least, mut stalled) = (f64::INFINITY, 0);
-        for step in 0..=self.settings.steps + POLISH {
-            let at = self.chain.configuration(&q);
-            let Miss { position, orientation, error } = Miss::new(target, &at);
-            let miss = position + self.size * orientation;
-            let reached = position <= self.settings.position && orientation <= self.settings.orientation;
-            // Once it is reached, only what halves the miss is worth a step.
-            let gains = miss < if best.converged { 0.5 } else { 0.95 } * least;
-            let ends = best.converged && !gains;
-            if miss < least && (reached || !best.converged) {
-                best = Attempt { q, position, orientation, converged: reached, ..best };
-            }
-            best.steps = step;
-            stalled = if gains { 0 } else { stalled + 1 };
-            least = least.min(miss);
-            let done = reached && self.chain.residual(&q).covers(position, orientation);
-            if ends || done || stalled > PATIENCE || (step >= self.settings.steps && !best.converged) {
-                return best;
-            }
-            let Some(dq) = self.step(&q, &at.jacobian(), &error, &Joints::zeros()) else { return best };
-            q = self.inside(&(q + dq));
-        }
-        best
-    }
-
-    /// One damped step for the pose error, and as much of `wish` as does not move the tool.
-    fn step(&self, q: &Joints<N>, jacobian: &Jacobian<N>, error: &Twist, wish: &Joints<N>) -> Option<Joints<N>> {
-        let mut scaled = *jacobian;
-        let mut error = *error;
-        for row in 3..6 {
-            error[row] *= self.size;
-            for column in 0..N {
-                scaled[(row, column)] *= self.size;
-            }
-        }
-        // No more than what makes a step of half the wanted length, or targets far away would be approached too slowly.
-        let square = self.size * self.size;
-        let damping = (0.5 * error.norm_squared()).min(square) + 1e-15 * square;
-        for _ in 0..=N {
-            // J wish is asked for on top of the error, and `wish` given back: what is left moves the tool by the error.
-            let dq = damped(&scaled, &(error - scaled * wish), damping)? + wish;
-            let outwards = |i: &usize| {
-                let i = *i;
-                scaled.column(i).amax() > 0.0
-                    && ((q[i] <= self.range.lower()[i] && dq[i] < 0.0)
-                        || (q[i] >= self.range.upper()[i] && dq[i] > 0.0))
-            };
-            let mut pushed = false;
-            let blocked: [bool; N] = std::array::from_fn(|i| outwards(&i));
-            for (i, blocked) in blocked.into_iter().enumerate() {
-                if blocked {
-                    scaled.column_mut(i).fill(0.0);
-                    pushed = true;
-                }
-            }
-            if !pushed {
-                return Some(dq);
-            }
-        }
-        None
-    }
-}
-
-/// The damped least-squares solution of `j x = e`.
-fn damped<const N: usize>(j: &Jacobian<N>, e: &Twist, damping: f64) -> Option<Joints<N>> {
-    if N < 6 {
-        let normal = j.transpose() * j;
-        let matrix =
-            std::array::from_fn(|r| std::array::from_fn(|c| normal[(r, c)] + if r == c { damping } else { 0.0 }));
-        let right = j.transpose() * e;
-        Some(Joints::from(solve_positive::<N>(matrix, std::array::from_fn(|i| right[i]))?))
-    } else {
-        let mut matrix = [[0.0; 6]; 6];
-        for r in 0..6 {
-            for c in 0..=r {
-                matrix[r][c] = (0..N).map(|k| j[(r, k)] * j[(c, k)]).sum();
-            }
-            matrix[r][r] += damping;
-        }
-        let dual = Twist::from(solve_positive::<6>(matrix, (*e).into())?);
-        Some(j.transpose() * dual)
-    }
-}
-
-impl Miss {
-    fn new<const N: usize>(target: &Target, at: &Configuration<N>) -> Self {
-        let mut error = target.error(at);
-        let position = error.fixed_rows::<3>(0).norm();
-        // The error holds the sine of the angle, which falls off beyond a right angle: stretch it to the angle.
-        let sine = error.fixed_rows::<3>(3).norm();
-        let orientation = sine.atan2(target.cosine(at));
-        if orientation > 0.1 && sine > 1e-9 {
-            error.fixed_rows_mut::<3>(3).scale_mut(orientation / sine);
-        }
-        Self { position, orientation, error }
     }
 }
 
@@ -407,8 +277,8 @@ impl<const N: usize> NumericSolution<N> {
 }
 
 impl<const N: usize> AnalyticInverse<N> for NumericArm<N> {
-    /// Different solutions inside the joint range, as far as a search from places spread over the range finds them:
-    /// [`Solutions::is_complete`] is false.
+    /// Different solutions inside the joint range, as far as a search from places spread over the
+    /// range finds them: [`Solutions::is_complete`] is false.
     ///
     /// # Errors
     /// [`KinematicsError::NotConverged`] tells how near the best attempt came.
@@ -441,7 +311,8 @@ impl<const N: usize> AnalyticInverse<N> for NumericArm<N> {
     }
 }
 
-/// A length that weighs angles against lengths: half of the way along the arm from its first joint to the tool, m.
+/// A length that weighs angles against lengths: half of the way along the arm from its first joint
+/// to the tool, m.
 pub(crate) fn size<const N: usize>(chain: &Chain<N>) -> f64 {
     let at = chain.configuration(&Joints::zeros());
     let mut size = 0.0;
