@@ -143,9 +143,7 @@ impl<const D: usize> ArcLengthCurve<D> {
         }
         let (pieces, length) = (builder.pieces, builder.length);
 
-        let own = |m: &MapPiece| {
-            curve.pieces().frames[m.piece as usize].parameter(m.local(m.end))
-        };
+        let own = |m: &MapPiece| curve.pieces().frames[m.piece as usize].parameter(m.local(m.end));
         let ends = pieces.iter().map(own).collect();
         let count = BUCKETS_PER_PIECE * pieces.len();
         let bucket_scale = count as f64 / length;

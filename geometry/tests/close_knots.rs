@@ -50,8 +50,7 @@ fn an_end_is_its_control_point_to_the_last_bit() {
     let weights: Vec<f64> = (0..9).map(|i| 1.0 + 0.37 * f64::from(i % 4)).collect();
     for degree in 1..=8 {
         let inner = (1..9 - degree).map(|i| 0.1 + 0.7 * i as f64 / 8.0);
-        let knots: Vec<f64> =
-            [vec![0.0; degree + 1], inner.collect(), vec![0.9; degree + 1]].concat();
+        let knots: Vec<f64> = [vec![0.0; degree + 1], inner.collect(), vec![0.9; degree + 1]].concat();
         let curve = NurbsCurve::new(degree, points.clone(), weights.clone(), knots).unwrap();
         for (u, s, point) in [(0.0, -1.0, points[0]), (0.9, 1e9, points[8])] {
             assert_eq!(curve.point(u), point, "degree {degree}");
@@ -93,7 +92,8 @@ fn a_knot_inserted_beside_another_joins_it() {
 fn random_curves_with_close_knots_match_twice_the_precision() {
     let mut good = 0;
     for seed in 0..400 {
-        let result = if seed % 2 == 0 { Case::<2>::random(seed).check(seed) } else { Case::<3>::random(seed).check(seed) };
+        let result =
+            if seed % 2 == 0 { Case::<2>::random(seed).check(seed) } else { Case::<3>::random(seed).check(seed) };
         match result {
             Ok(whole) => good += usize::from(whole),
             Err(what) => panic!("`soak_close_knots 1 {seed}`: {what}"),

@@ -272,7 +272,8 @@ where
 
         let begin = Instant::now();
         let knots = path.knots();
-        let feed = Feeds { elsewhere: self.tool.feed, sections: &sections }.highest().min(self.reachable(path.length()));
+        let feed =
+            Feeds { elsewhere: self.tool.feed, sections: &sections }.highest().min(self.reachable(path.length()));
         // Chord segments matter to the scans, which know one box for each interval.
         let mut places = if self.scan == Scan::JerkLimited { Vec::new() } else { breaks.clone() };
         places.extend(sections.iter().flat_map(|section| [section.from, section.to]));
