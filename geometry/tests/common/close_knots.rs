@@ -323,7 +323,7 @@ fn by_length<const D: usize>(curve: NurbsCurve<D>) -> Result<bool, String> {
     let wrong = (path.length() - length).abs() > 1e-8 * length + tolerance;
     if wrong {
         // Of the two the quadrature may be the one that missed something: polygons, extrapolated, decide.
-        let (coarse, fine) = (chords(&curve, 1000), chords(&curve, 2000));
+        let (coarse, fine) = (chords(&curve, 20_000), chords(&curve, 40_000));
         let extrapolated = fine + (fine - coarse) / 3.0;
         if fine > path.length() * (1.0 + 1e-12) || (path.length() - extrapolated).abs() > 1e-6 * extrapolated {
             return Err(format!("length {}, by quadrature {length}, by chords {extrapolated}", path.length()));
