@@ -43,8 +43,8 @@ pub(crate) fn span_control_points(t: &[f64], points: &[Homogeneous], p: usize, k
         .collect()
 }
 
-/// Spans narrower than this part of the knots that act on them lose digits by way of their Bezier points.
-const NARROW: f64 = 0.2;
+/// Spans narrower than this part of the knots that act on them lose too many digits by way of their Bezier points.
+const NARROW: f64 = 0.02;
 
 /// Coefficients, constant term first, of the part of the span `[t[k], t[k + 1]]` between its local parameters `from` and
 /// `to` (0 to 1), in powers of the local parameter of the part (-1 to 1); appended to `out`.

@@ -45,7 +45,7 @@ pub struct NurbsCurve<const D: usize> {
     homogeneous: Vec<Homogeneous>,
     pieces: Pieces,
     /// Points at both ends of the domain.
-    ends: [SVector<f64, D>; 2],
+    ends: Box<[SVector<f64, D>; 2]>,
 }
 
 /// What defines the curve, without the tables prepared for its evaluation.
@@ -109,7 +109,7 @@ impl<const D: usize> NurbsCurve<D> {
             .collect();
         let rational = weights.iter().any(|&w| w != weights[0]);
         let pieces = Pieces::build(&knots, &homogeneous, rational);
-        let ends = pieces.ends(&knots, &points);
+        let ends = Box::new(pieces.ends(&knots, &points));
         let this = Self { points, weights, knots, homogeneous, pieces, ends };
         this.check_jumps()?;
         Ok(this)
@@ -201,7 +201,7 @@ impl NurbsCurve<2> {
             knots: self.knots.clone(),
             homogeneous: self.homogeneous.clone(),
             pieces: self.pieces.clone(),
-            ends: self.ends.map(|p| p.push(0.0)),
+            ends: Box::new(self.ends.map(|p| p.push(0.0))),
         }
     }
 }

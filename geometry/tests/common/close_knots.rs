@@ -127,13 +127,16 @@ fn sizes<const D: usize>(curve: &NurbsCurve<D>, t: &[f64], k: usize, w: f64) -> 
     let weights = &curve.weights()[local.clone()];
     let mut of_w = weights.to_vec();
     let mut of_x: Vec<f64> = curve.control_points()[local].iter().zip(weights).map(|(q, w)| q.norm() * w).collect();
+    // A span about as wide as its neighbours is known by its Bezier points, whose differences span it alone.
+    let own = t[k + 1] - t[k];
+    let wide = own >= 0.02 * (t[k + p] - t[k + 1 - p]);
     let largest = |list: &[f64]| list.iter().fold(0.0f64, |m, &x| m.max(x));
     let (mut x, mut of_weights) = ([0.0; 4], [0.0; 4]);
     for order in 0..4.min(p + 1) {
         let q = p - order;
         if order > 0 {
             for i in 0..=q {
-                let factor = (q + 1) as f64 / (t[k + 1 + i] - t[k - q + i]);
+                let factor = (q + 1) as f64 / if wide { own } else { t[k + 1 + i] - t[k - q + i] };
                 of_w[i] = factor * (of_w[i] + of_w[i + 1]);
                 of_x[i] = factor * (of_x[i] + of_x[i + 1]);
             }
