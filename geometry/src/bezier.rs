@@ -1,4 +1,4 @@
-//! Rational Bezier pieces in homogeneous form: evaluation, restriction to a part.
+//! Rational Bezier pieces in homogeneous form: evaluation, restriction to a part, Bernstein to power basis.
 
 use nalgebra::SVector;
 
@@ -112,5 +112,37 @@ pub(crate) fn keep_right(h: &mut [Homogeneous], t: f64) {
         for i in 0..r {
             h[i] = lerp(&h[i], &h[i + 1], t);
         }
+    }
+}
+
+/// Coefficients in powers of `t` in [-1, 1] (the middle of the piece is 0) of Bezier control points.
+///
+/// About the middle the conversion loses next to nothing for the degrees in use; see `DEGREE_OF_ONE_PIECE` for higher
+/// ones.
+pub(crate) fn to_centred_powers(h: &[Homogeneous], out: &mut Vec<Homogeneous>) {
+    let p = h.len() - 1;
+    let first = out.len();
+    out.resize(first + p + 1, [0.0; 4]);
+    let mut binomial = 1.0;
+    let scale = 0.5f64.powi(p as i32);
+    // Coefficients of (1 + t)^i (1 - t)^(p - i), built for i = 0 and then updated: multiply by (1+t), divide by (1-t)
+    // would lose digits, so each is multiplied out afresh; p is small.
+    let mut poly = vec![0.0; p + 1];
+    for (i, b) in h.iter().enumerate() {
+        poly.iter_mut().for_each(|c| *c = 0.0);
+        poly[0] = 1.0;
+        for k in 0..p {
+            let sign = if k < i { 1.0 } else { -1.0 };
+            for m in (1..=k + 1).rev() {
+                poly[m] += sign * poly[m - 1];
+            }
+        }
+        for (m, c) in poly.iter().enumerate() {
+            let f = scale * binomial * c;
+            for lane in 0..4 {
+                out[first + m][lane] += f * b[lane];
+            }
+        }
+        binomial = binomial * (p - i) as f64 / (i + 1) as f64;
     }
 }

@@ -1,6 +1,6 @@
 //! Decomposition of a NURBS curve into pieces: rational Bezier pieces, and powers about a middle.
 
-use crate::bezier::{Homogeneous, RationalBezier, lerp};
+use crate::bezier::{Homogeneous, RationalBezier, lerp, restrict, to_centred_powers};
 use crate::nurbs::NurbsCurve;
 
 impl<const D: usize> NurbsCurve<D> {
@@ -43,17 +43,42 @@ pub(crate) fn span_control_points(t: &[f64], points: &[Homogeneous], p: usize, k
         .collect()
 }
 
-/// Coefficients, constant term first, of the span `[t[k], t[k + 1]]` in powers of `(u - start) / half - 1`; appended to `out`.
+/// Spans narrower than this part of the knots that act on them lose too many digits by way of their Bezier points.
+const NARROW: f64 = 0.02;
+
+/// Coefficients, constant term first, of the part of the span `[t[k], t[k + 1]]` between its local parameters `from` and
+/// `to` (0 to 1), in powers of the local parameter of the part (-1 to 1); appended to `out`.
 ///
-/// The coefficient of order `r` is `half^r / r!` times the derivative of that order: that of the spline on the
-/// differences of the control points ("The NURBS Book", eq. 3.8), by de Boor's algorithm. Each difference is divided by
-/// the width of as many knots as its order leaves, so that a span far narrower than its neighbours costs no digits: a
-/// difference of its Bezier points would be lost in their rounding.
-pub(crate) fn span_powers(
+/// A span about as wide as its neighbours goes by way of its Bezier points, which lie near the curve, so that rounding
+/// them moves the curve by as little. In a narrow one the differences of these points are lost in their rounding, and the
+/// coefficients come from the derivatives.
+pub(crate) fn part_powers(
     t: &[f64],
     points: &[Homogeneous],
     (p, k): (usize, usize),
-    (start, half): (f64, f64),
+    (from, to): (f64, f64),
+    out: &mut Vec<Homogeneous>,
+) {
+    let width = t[k + 1] - t[k];
+    if width < NARROW * (t[k + p] - t[k + 1 - p]) {
+        let middle = 0.5 * (from + to);
+        return derivative_powers(t, points, (p, k), (middle * width, 0.5 * (to - from) * width), out);
+    }
+    let mut part = span_control_points(t, points, p, k);
+    restrict(&mut part, from, to);
+    to_centred_powers(&part, out);
+}
+
+/// Coefficients of the span `[t[k], t[k + 1]]` in powers of `(u - t[k] - middle) / half`.
+///
+/// The coefficient of order `r` is `half^r / r!` times the derivative of that order: that of the spline on the
+/// differences of the control points ("The NURBS Book", eq. 3.8), by de Boor's algorithm. Each difference is divided by
+/// the width of as many knots as its order leaves, so that a span far narrower than its neighbours costs no digits.
+fn derivative_powers(
+    t: &[f64],
+    points: &[Homogeneous],
+    (p, k): (usize, usize),
+    (middle, half): (f64, f64),
     out: &mut Vec<Homogeneous>,
 ) {
     let mut difference = points[k - p..=k].to_vec();
@@ -72,7 +97,7 @@ pub(crate) fn span_powers(
         for r in 1..=q {
             for i in (r..=q).rev() {
                 let left = t[k - q + i];
-                let alpha = ((start - left) + half) / (t[k + 1 + i - r] - left);
+                let alpha = ((t[k] - left) + middle) / (t[k + 1 + i - r] - left);
                 d[i] = lerp(&d[i - 1], &d[i], alpha);
             }
         }

@@ -4,7 +4,7 @@ use nalgebra::SVector;
 
 use crate::bezier::{self, Homogeneous};
 use crate::curve::{Curve, Jet};
-use crate::decompose::span_powers;
+use crate::decompose::part_powers;
 use crate::error::GeometryError;
 use crate::knots::{KnotVector, check_degree};
 
@@ -45,7 +45,7 @@ pub struct NurbsCurve<const D: usize> {
     homogeneous: Vec<Homogeneous>,
     pieces: Pieces,
     /// Points at both ends of the domain.
-    ends: [SVector<f64, D>; 2],
+    ends: Box<[SVector<f64, D>; 2]>,
 }
 
 /// What defines the curve, without the tables prepared for its evaluation.
@@ -109,7 +109,7 @@ impl<const D: usize> NurbsCurve<D> {
             .collect();
         let rational = weights.iter().any(|&w| w != weights[0]);
         let pieces = Pieces::build(&knots, &homogeneous, rational);
-        let ends = pieces.ends(&knots, &points);
+        let ends = Box::new(pieces.ends(&knots, &points));
         let this = Self { points, weights, knots, homogeneous, pieces, ends };
         this.check_jumps()?;
         Ok(this)
@@ -201,7 +201,7 @@ impl NurbsCurve<2> {
             knots: self.knots.clone(),
             homogeneous: self.homogeneous.clone(),
             pieces: self.pieces.clone(),
-            ends: self.ends.map(|p| p.push(0.0)),
+            ends: Box::new(self.ends.map(|p| p.push(0.0))),
         }
     }
 }
@@ -276,22 +276,29 @@ impl<const D: usize> Curve<D> for NurbsCurve<D> {
     }
 }
 
-/// Where a piece lies in the curve's parameter: `t = (u - start) * scale - 1` runs over [-1, 1].
+/// Where a piece lies in the curve's parameter: `t = (u - middle - rest) * scale` runs over [-1, 1].
 ///
-/// From the start and not from the middle, which is rounded: a piece of a few units in the last place would not reach
-/// from one knot to the next.
+/// The middle is rounded, and `rest` is what it lacks: without that, a piece of a few units in the last place would not
+/// reach from one knot to the next.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Frame {
     pub start: f64,
     pub end: f64,
+    middle: f64,
+    rest: f64,
     pub scale: f64,
 }
 
 impl Frame {
+    fn new(start: f64, end: f64) -> Self {
+        let (middle, half) = (0.5 * (start + end), 0.5 * (end - start));
+        Self { start, end, middle, rest: (start - middle) + half, scale: 1.0 / half }
+    }
+
     /// The curve's parameter at the local parameter `t`.
     #[inline(always)]
     pub fn parameter(&self, t: f64) -> f64 {
-        (self.start + (t + 1.0) / self.scale).max(self.start).min(self.end)
+        (self.middle + (self.rest + t / self.scale)).max(self.start).min(self.end)
     }
 }
 
@@ -331,9 +338,10 @@ impl Pieces {
                 if start >= end {
                     continue;
                 }
-                let half = 0.5 * (end - start);
-                span_powers(t, points, (p, k), (start, half), &mut coefficients);
-                frames.push(Frame { start, end, scale: 1.0 / half });
+                // Of the borders as they are, rounded.
+                let part = ((start - a) / (b - a), (end - a) / (b - a));
+                part_powers(t, points, (p, k), part, &mut coefficients);
+                frames.push(Frame::new(start, end));
             }
         }
         let (bucket_start, end) = knots.domain();
@@ -380,7 +388,7 @@ impl Pieces {
     pub fn local(&self, i: usize, u: f64) -> f64 {
         let f = &self.frames[i];
         // `max` first: NaN becomes the start of the piece.
-        ((u - f.start) * f.scale - 1.0).max(-1.0).min(1.0)
+        ((u - f.middle - f.rest) * f.scale).max(-1.0).min(1.0)
     }
 
     #[inline]

@@ -74,11 +74,11 @@ fn a_motion_that_is_too_long_names_the_key() {
 #[test]
 fn random_paths_are_planned_or_refused_with_a_reason() {
     let mut planned = 0;
-    for seed in 0..40 {
+    for seed in 0..8 {
         match TightBend::random(seed).play() {
             Ok(outcome) => planned += usize::from(outcome == Outcome::Planned),
             Err(what) => panic!("`soak_tight_bends 1 {seed}`: {what}"),
         }
     }
-    assert!(planned >= 15, "{planned} of 40 planned: too few to say anything");
+    assert!(planned >= 5, "{planned} of 8 planned: too few to say anything");
 }

@@ -133,7 +133,7 @@ mod tests {
         assert!((radius / (cut / 2f64.sqrt()) - 1.0).abs() < 1e-6, "{radius}");
         assert!((s - 0.5 * path.length()).abs() < 1e-9, "{s}");
         let text = Cause::Bend { s, radius }.to_string();
-        assert!(text.contains("bend of radius 1.414 um at s = 0.09999"), "{text}");
+        assert!(text.contains("bend of radius 1.414 um at s = 0.100000"), "{text}");
         assert!(!text.contains("report") && Cause::Contradiction.to_string().contains("please report the job"));
     }
 }

@@ -1,6 +1,6 @@
 //! Random curves with knots that nearly coincide, and what must hold for them: by seed, for the tests and for
 //! `examples/soak_close_knots.rs`.
-#![allow(dead_code)]
+#![allow(dead_code, clippy::needless_range_loop)]
 
 use arcfeed_geometry::nalgebra::SVector;
 use arcfeed_geometry::{ArcLengthCurve, Curve, GeometryError, NurbsCurve};
@@ -127,13 +127,16 @@ fn sizes<const D: usize>(curve: &NurbsCurve<D>, t: &[f64], k: usize, w: f64) -> 
     let weights = &curve.weights()[local.clone()];
     let mut of_w = weights.to_vec();
     let mut of_x: Vec<f64> = curve.control_points()[local].iter().zip(weights).map(|(q, w)| q.norm() * w).collect();
+    // A span about as wide as its neighbours is known by its Bezier points, whose differences span it alone.
+    let own = t[k + 1] - t[k];
+    let wide = own >= 0.02 * (t[k + p] - t[k + 1 - p]);
     let largest = |list: &[f64]| list.iter().fold(0.0f64, |m, &x| m.max(x));
     let (mut x, mut of_weights) = ([0.0; 4], [0.0; 4]);
     for order in 0..4.min(p + 1) {
         let q = p - order;
         if order > 0 {
             for i in 0..=q {
-                let factor = (q + 1) as f64 / (t[k + 1 + i] - t[k - q + i]);
+                let factor = (q + 1) as f64 / if wide { own } else { t[k + 1 + i] - t[k - q + i] };
                 of_w[i] = factor * (of_w[i] + of_w[i + 1]);
                 of_x[i] = factor * (of_x[i] + of_x[i + 1]);
             }
@@ -264,8 +267,7 @@ impl<const D: usize> Case<D> {
                 let next = if n < 3 { exact.sizes[n + 1] } else { exact.sizes[3] / (t[k + 1] - t[k]) };
                 let allowed = 2e-13 * exact.sizes[n] + blur * next;
                 let error = (found[n] - exact.values[n]).norm();
-                // Not `>`: NaN fails too.
-                if !(error <= allowed) {
+                if error > allowed || error.is_nan() {
                     return Err(format!("order {n} at {u} in span {k}: off by {error:e}, allowed {allowed:e}"));
                 }
             }
@@ -276,7 +278,7 @@ impl<const D: usize> Case<D> {
                 let before = reference(curve, &self.knots, k, u);
                 let moved = (before.values[0] - exact.values[0]).norm();
                 let allowed = 2e-9 * (end - start) * (exact.sizes[1] + before.sizes[1]) * self.degree as f64;
-                if !(moved <= allowed) {
+                if moved > allowed || moved.is_nan() {
                     return Err(format!("merging knots moves the point at {u} by {moved:e}, allowed {allowed:e}"));
                 }
             }
@@ -286,14 +288,13 @@ impl<const D: usize> Case<D> {
 }
 
 /// Length of a polygon with many corners on every span, which is never above that of the curve.
-fn chords<const D: usize>(curve: &NurbsCurve<D>) -> f64 {
-    const PARTS: usize = 1000;
+fn chords<const D: usize>(curve: &NurbsCurve<D>, parts: usize) -> f64 {
     let t = curve.knots().as_slice();
     let mut sum = 0.0;
     for k in curve.knots().spans() {
         let mut last = curve.point(t[k]);
-        for i in 1..=PARTS {
-            let next = curve.point(t[k] + (t[k + 1] - t[k]) * (i as f64 / PARTS as f64));
+        for i in 1..=parts {
+            let next = curve.point(t[k] + (t[k + 1] - t[k]) * (i as f64 / parts as f64));
             sum += (next - last).norm();
             last = next;
         }
@@ -319,12 +320,16 @@ fn by_length<const D: usize>(curve: NurbsCurve<D>) -> Result<bool, String> {
         }
         Err(other) => return Err(format!("by arc length: {other}")),
     };
-    let length = curve.arc_length(1e-10 * size).map_err(|e| e.to_string())?;
-    let wrong = (path.length() - length).abs() > 1e-8 * length;
-    // Of the two the quadrature may be the one that missed a sharp bend.
-    let chords = if wrong { chords(&curve) } else { length };
-    if wrong && !(1.0 - 1e-12..1.0 + 1e-5).contains(&(path.length() / chords)) {
-        return Err(format!("length {}, by quadrature {length}, of its chords {chords}", path.length()));
+    let tolerance = 1e-10 * size;
+    let length = curve.arc_length(tolerance).map_err(|e| e.to_string())?;
+    let wrong = (path.length() - length).abs() > 1e-8 * length + tolerance;
+    if wrong {
+        // Of the two the quadrature may be the one that missed something: polygons, extrapolated, decide.
+        let (coarse, fine) = (chords(&curve, 20_000), chords(&curve, 40_000));
+        let extrapolated = fine + (fine - coarse) / 3.0;
+        if fine > path.length() * (1.0 + 1e-12) || (path.length() - extrapolated).abs() > 1e-6 * extrapolated {
+            return Err(format!("length {}, by quadrature {length}, by chords {extrapolated}", path.length()));
+        }
     }
     for i in 0..=40 {
         let jet = path.jet(path.length() * i as f64 / 40.0);
