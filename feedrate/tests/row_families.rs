@@ -3,8 +3,8 @@
 //! Long runs: `cargo run --release -p arcfeed-feedrate --example 08_soak_rows -- SEED COUNT`.
 #![allow(clippy::unwrap_used, clippy::neg_cmp_op_on_partial_ord)]
 use arcfeed_feedrate::{
-    BothEndsScan, CertifiedReachability, FeedError, FeedPlanner, FeedProblem, JerkLimited, JoinedScan, Quantity,
-    Reachability, SpeedLaw,
+    BothEndsScan, CertifiedReachability, ContinuousAccelerationScan, FeedError, FeedPlanner, FeedProblem, JerkLimited,
+    Quantity, Reachability, SpeedLaw,
 };
 
 #[path = "common/row_families.rs"]
@@ -29,7 +29,7 @@ const PLANNERS: [Entry; 5] = [
     (&Reachability, false, false),
     (&CertifiedReachability, true, false),
     (&LIMITED, true, true),
-    (&JoinedScan, true, true),
+    (&ContinuousAccelerationScan, true, true),
 ];
 
 /// The plan, held against its limits: 1e-9 at the grid points, 1e-6 between.

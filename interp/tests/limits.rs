@@ -341,7 +341,7 @@ fn a_plan_says_who_made_it() {
     let stepped = plan(&planner(&arm, TOOL), &arm, tool_down(line_and_arc(0.1, 0.05))).expect("in reach");
     let Some(Fallback::AccelerationStep { s }) = stepped.made_by().fallback else { panic!("{}", stepped.made_by()) };
     assert!(stepped.made_by().method == Method::Joined && (s - 0.1).abs() < 1e-9, "{s}");
-    assert!(stepped.made_by().to_string().contains("step at s = 0.100000 m"));
+    assert!(stepped.made_by().to_string().contains("step at s = 0.100000,"));
     let asked = plan(&planner(&arm, TOOL).with_scan(Scan::Joined), &arm, tool_down(knotted())).expect("in reach");
     assert_eq!((asked.made_by().method, asked.made_by().fallback), (Method::Joined, None));
 }
