@@ -28,7 +28,7 @@ struct Tally {
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let number = |i: usize| arguments.get(i).and_then(|text| text.parse::<u64>().ok());
-    let (seed, count) = (number(0).unwrap_or(1), number(1).unwrap_or(1000));
+    let (seed, count) = (number(0).unwrap_or(1), number(1).unwrap_or(80));
     let family = arguments.get(2).and_then(|name| FAMILIES.iter().position(|family| family == name));
     // Rows between the points, rows on jerk, whether it keeps the limits between the points.
     let planners: [(&str, &dyn FeedPlanner, bool, bool); 5] = [

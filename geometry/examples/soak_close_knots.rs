@@ -20,7 +20,7 @@ fn play<const D: usize>(seed: u64) -> Result<bool, String> {
 
 fn main() {
     let mut arguments = std::env::args().skip(1).map(|text| text.parse::<u64>());
-    let count = arguments.next().and_then(Result::ok).unwrap_or(1000);
+    let count = arguments.next().and_then(Result::ok).unwrap_or(200);
     let first = arguments.next().and_then(Result::ok).unwrap_or(0);
     let (mut good, mut refused, mut failed) = (0, 0, 0);
     for seed in first..first + count {

@@ -8,7 +8,7 @@ use integration_tests::tight_bends::{Outcome, TightBend};
 
 fn main() {
     let mut arguments = std::env::args().skip(1).map(|text| text.parse::<u64>());
-    let count = arguments.next().and_then(Result::ok).unwrap_or(100);
+    let count = arguments.next().and_then(Result::ok).unwrap_or(10);
     let first = arguments.next().and_then(Result::ok).unwrap_or(0);
     let begin = Instant::now();
     let (mut planned, mut refused, mut out_of_reach, mut failed) = (0, 0, 0, 0);

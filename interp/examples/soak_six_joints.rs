@@ -9,7 +9,7 @@ use six_joints::{Outcome, draw_case, play};
 
 fn main() {
     let mut arguments = std::env::args().skip(1).map(|text| text.parse::<u64>());
-    let count = arguments.next().and_then(Result::ok).unwrap_or(100);
+    let count = arguments.next().and_then(Result::ok).unwrap_or(10);
     let first = arguments.next().and_then(Result::ok).unwrap_or(0);
     let (mut planned, mut out_of_reach, mut failed, mut seed) = (0_u64, 0_u64, 0_u64, first);
     while planned + out_of_reach + failed < count {

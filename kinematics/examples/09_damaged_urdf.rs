@@ -17,7 +17,7 @@ thread_local! {
 
 fn main() {
     let mut arguments = std::env::args().skip(1).map(|text| text.parse::<u64>());
-    let count = arguments.next().and_then(Result::ok).unwrap_or(100_000);
+    let count = arguments.next().and_then(Result::ok).unwrap_or(10_000);
     let first = arguments.next().and_then(Result::ok).unwrap_or(1);
     let built_in = models::NAMES.iter().filter_map(|name| models::description(name));
     let mut sound: Vec<String> = built_in.map(|arm| arm.to_urdf()).collect();
