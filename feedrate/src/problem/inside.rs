@@ -1,5 +1,6 @@
 //! What holds inside an interval, by Bernstein coefficients and by interpolation of the rows at its ends and in its middle.
 
+use super::bound_table::BoundTable;
 use super::{FeedProblem, RowTable};
 use crate::constraint::Within;
 use crate::row::{JerkRow, Row, RowSource};
@@ -99,7 +100,7 @@ impl FeedProblem {
             middles: RowTable::with_capacity(places),
             speed_bounds: Vec::with_capacity(places),
             jerk_rows: Vec::with_capacity(3 * places * self.jerk_rows_per_place),
-            bounds: super::BoundTable::default(),
+            bounds: BoundTable::default(),
             ..*self
         };
         let mut cuts = cuts.iter().peekable();

@@ -1,37 +1,9 @@
 //! What bounds the motion on whole intervals: boxes for the scans with S-profiles, caps for motion that is changed while it runs.
 
 use super::FeedProblem;
-use crate::constraint::PathConstraint;
 use crate::error::FeedError;
 use crate::row::{IntervalBound, RowSource};
 use crate::scan::Segment;
-
-/// Bounds of one interval after the other.
-#[derive(Debug, Clone, Default)]
-pub(super) struct BoundTable {
-    bounds: Vec<IntervalBound>,
-    first: Vec<usize>,
-}
-
-impl BoundTable {
-    pub fn collect(grid: &[f64], constraints: &[&dyn PathConstraint]) -> Self {
-        let mut table = Self { bounds: Vec::new(), first: vec![0] };
-        for (k, pair) in grid.windows(2).enumerate() {
-            for constraint in constraints {
-                constraint.interval_bounds(k, pair[1] - pair[0], &mut table.bounds);
-            }
-            table.first.push(table.bounds.len());
-        }
-        table
-    }
-
-    pub fn of(&self, k: usize) -> &[IntervalBound] {
-        match (self.first.get(k), self.first.get(k + 1)) {
-            (Some(&from), Some(&to)) => &self.bounds[from..to],
-            _ => &[],
-        }
-    }
-}
 
 /// How limits that couple speed, acceleration and jerk are shared out between them, as fractions of each limit. What one of them
 /// leaves unused goes to the others.
@@ -187,7 +159,7 @@ impl FeedProblem {
     pub fn rest_limits(&self) -> Result<(f64, f64), FeedError> {
         self.holds_still()?;
         let (mut a, mut j) = (f64::INFINITY, f64::INFINITY);
-        for bound in &self.bounds.bounds {
+        for bound in self.bounds.all() {
             match *bound {
                 IntervalBound::Acceleration { a: factor, rest, limit, .. } => a = a.min((limit - rest) / factor),
                 IntervalBound::Jerk { alpha, limit, .. } => j = j.min(limit / alpha),

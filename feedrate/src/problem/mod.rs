@@ -1,10 +1,11 @@
 //! What a speed planner is given: a grid on the path, rows at its points, caps on the speed, speeds at both ends.
 
+mod bound_table;
 mod inside;
 mod intervals;
 
+use bound_table::BoundTable;
 pub(crate) use inside::{InnerRow, inner_row, matching, quadratic};
-use intervals::BoundTable;
 pub use intervals::{LimitPartition, live_speed};
 
 use crate::constraint::{PathConstraint, Place, RowSink, Within};

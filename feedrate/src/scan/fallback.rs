@@ -8,8 +8,8 @@ use crate::jerk_limited::JerkLimited;
 use crate::problem::{FeedPlanner, FeedProblem};
 use crate::speed_law::SpeedLaw;
 
-/// On grids of more intervals than this the quadratic spline of [`JerkLimited`] loses nothing to a profile of seven phases, and the
-/// scan is not run beside it.
+/// On grids of no more intervals than this the scan is run beside the jerk-limited planner: the quadratic spline of [`JerkLimited`] may
+/// lose to a profile of seven phases there, and the scan takes a millisecond or two.
 const COARSE: usize = 500;
 
 /// [`JerkLimited`]; [`ContinuousAccelerationScan`] where that finds no law, or where the grid is coarse and the scan's law is shorter.

@@ -1,0 +1,38 @@
+//! Bounds on whole intervals, interval by interval.
+
+use crate::constraint::PathConstraint;
+use crate::row::IntervalBound;
+
+/// Bounds of one interval after the other.
+#[derive(Debug, Clone, Default)]
+pub(super) struct BoundTable {
+    bounds: Vec<IntervalBound>,
+    first: Vec<usize>,
+}
+
+impl BoundTable {
+    /// The bounds that `constraints` give on every interval of `grid`.
+    pub fn collect(grid: &[f64], constraints: &[&dyn PathConstraint]) -> Self {
+        let mut table = Self { bounds: Vec::new(), first: vec![0] };
+        for (k, pair) in grid.windows(2).enumerate() {
+            for constraint in constraints {
+                constraint.interval_bounds(k, pair[1] - pair[0], &mut table.bounds);
+            }
+            table.first.push(table.bounds.len());
+        }
+        table
+    }
+
+    /// The bounds of all intervals.
+    pub fn all(&self) -> &[IntervalBound] {
+        &self.bounds
+    }
+
+    /// The bounds of interval `k`.
+    pub fn of(&self, k: usize) -> &[IntervalBound] {
+        match (self.first.get(k), self.first.get(k + 1)) {
+            (Some(&from), Some(&to)) => &self.bounds[from..to],
+            _ => &[],
+        }
+    }
+}
