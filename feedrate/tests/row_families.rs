@@ -187,3 +187,15 @@ fn end_speeds_that_did_not_converge_are_named() {
     }
     assert!(named > 5, "{named}");
 }
+
+/// The scan refused a joint that stands still with a limit of 0, and an interval on which nothing limited moves.
+#[test]
+fn the_scan_passes_a_joint_at_rest_with_a_limit_of_zero() {
+    let zero_rows = FAMILIES.iter().position(|name| *name == "zero-rows").unwrap();
+    let (mut solved, count) = (0, 40);
+    for index in 0..count {
+        let case = Case::numbered(20261205, zero_rows, index);
+        solved += u64::from(kept(&case, PLANNERS[4]).is_ok());
+    }
+    assert!(solved > count * 9 / 10, "{solved} of {count}");
+}

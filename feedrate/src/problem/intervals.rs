@@ -130,24 +130,24 @@ impl FeedProblem {
     /// One segment per interval with bounds on speed, acceleration and jerk along the path that are safe anywhere inside it.
     ///
     /// # Errors
-    /// [`FeedError::StaticallyInfeasible`] where standing still breaks a limit, [`FeedError::Empty`] where no limit bounds acceleration or
-    /// jerk along the path.
+    /// [`FeedError::StaticallyInfeasible`] where standing still breaks a limit, [`FeedError::Empty`] without limits on jerk,
+    /// [`FeedError::Unbounded`] where nothing limits the speed.
     pub fn segments(&self, partition: &LimitPartition) -> Result<Vec<Segment>, FeedError> {
         self.holds_still()?;
+        if !self.has_jerk() {
+            return Err(FeedError::Empty { what: "limits on jerk" });
+        }
         (0..self.intervals())
             .map(|k| {
                 let [v, a, j] = partition.narrow(self.bounds.of(k));
-                for (what, bound) in
-                    [("limits on acceleration along the path", a), ("limits on jerk along the path", j)]
-                {
-                    if bound == f64::INFINITY {
-                        return Err(FeedError::Empty { what });
-                    }
-                }
                 if v == f64::INFINITY {
                     return Err(FeedError::Unbounded { index: k, s: self.grid()[k] });
                 }
-                Segment::new(self.h(k), v, a, j)
+                // Where nothing moves that is limited, reaching the speed and the acceleration within the interval is as good as at once.
+                let h = self.h(k);
+                let a = if a == f64::INFINITY { v * v / h } else { a };
+                let j = if j == f64::INFINITY { v * a / h } else { j };
+                Segment::new(h, v, a, j)
             })
             .collect()
     }
@@ -200,8 +200,9 @@ impl FeedProblem {
         }
         for k in 0..self.intervals() {
             for bound in self.bounds.of(k) {
-                if let IntervalBound::Acceleration { rest, limit, source, .. } = *bound
-                    && rest >= limit
+                // A joint that takes no part in the motion may have nothing left.
+                if let IntervalBound::Acceleration { a, b, c, rest, limit, source } = *bound
+                    && (rest > limit || rest == limit && a + b + c > 0.0)
                 {
                     return Err(self.not_still(k, source, rest, limit));
                 }
