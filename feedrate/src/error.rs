@@ -2,6 +2,24 @@
 
 use crate::row::RowSource;
 
+/// An end of a path.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PathEnd {
+    /// Where it begins.
+    Start,
+    /// Where it ends.
+    End,
+}
+
+impl std::fmt::Display for PathEnd {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Start => "start",
+            Self::End => "end",
+        })
+    }
+}
+
 /// Why a profile or a plan was refused.
 ///
 /// Every variant carries the quantity, its value and the bound it broke, so that a caller can add the place and print
@@ -243,11 +261,11 @@ pub enum FeedError {
     },
     /// The speed asked for at an end of the path cannot be had.
     #[error(
-        "{what} {speed} is out of reach: feasible is {lowest} to {highest}, because of {row} at s = {s} or later limits"
+        "{end} speed {speed} is out of reach: feasible is {lowest} to {highest}, because of {row} at s = {s} or later limits"
     )]
     SpeedOutOfReach {
-        /// "start speed" or "end speed".
-        what: &'static str,
+        /// At which end.
+        end: PathEnd,
         /// The speed asked for (m/s).
         speed: f64,
         /// Lowest speed that works (m/s).

@@ -72,8 +72,8 @@ pub mod state_to_state;
 
 #[cfg(feature = "clarabel")]
 pub use baseline::{Bounded, ClarabelBaseline};
-pub use error::FeedError;
-pub use jerk_limited::JerkLimited;
+pub use error::{FeedError, PathEnd};
+pub use jerk_limited::{JerkLimited, JerkLimitedPlan};
 pub use limits::MotionLimits;
 pub use live::{LiveCurve, LiveFeed, LiveSection, LiveStatus, LiveStep, MAX_SECTIONS};
 pub use online::{Adoption, FeedLimits, FeedScheduler, FeedStatus, FeedStep};
@@ -81,7 +81,7 @@ pub use problem::{FeedPlanner, FeedProblem, LimitPartition, live_speed};
 pub use row::{IntervalBound, JerkRow, Quantity, Row, RowSource};
 pub use scan::both_ends::{BothEndsScan, PublishedScan};
 pub use scan::certified::CertifiedReachability;
-pub use scan::fallback::{Fallback, JerkLimitedOrScan};
+pub use scan::fallback::{ChosenLaw, Fallback, JerkLimitedOrScan};
 pub use scan::joined::{plan_joined, plan_joined_at_once};
 pub use scan::on_problem::{ContinuousAccelerationScan, PerSegmentScan};
 pub use scan::reachability::Reachability;

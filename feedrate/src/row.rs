@@ -6,6 +6,8 @@ use std::fmt;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Quantity {
+    /// Position of a joint: distance from the middle of its range against half the range.
+    JointPosition,
     /// Speed of a joint.
     JointVelocity,
     /// Acceleration of a joint.
@@ -14,11 +16,9 @@ pub enum Quantity {
     JointTorque,
     /// Jerk of a joint.
     JointJerk,
-    /// Speed of the tool along its path.
-    LinearSpeed,
     /// Angular speed of the tool.
     AngularSpeed,
-    /// Programmed feed.
+    /// Speed of the tool point.
     Feed,
     /// Tangential acceleration of the tool.
     TangentialAcceleration,
@@ -28,8 +28,18 @@ pub enum Quantity {
     NormalAcceleration,
     /// Normal jerk of the tool.
     NormalJerk,
-    /// Deviation of the chord between two samples.
+    /// Distance of the path from the straight line between two setpoints.
     ChordError,
+    /// Distance of the tool from its path.
+    PathDeviation,
+    /// Angle between the tool and the orientation of its path.
+    OrientationDeviation,
+    /// Misfit of position, velocity and acceleration from one sample to the next, against what the limits allow.
+    Continuity,
+    /// State at the start and at the end, in units of what counts as zero.
+    Ends,
+    /// What a setpoint says of the tool against what its joints do, in units of what counts as zero.
+    SetpointAgreement,
     /// A corner or a jump of curvature that a limit on acceleration or jerk cannot pass in motion.
     Corner,
     /// The speed asked for at the start.
@@ -42,14 +52,15 @@ pub enum Quantity {
     Other,
 }
 
-impl fmt::Display for Quantity {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::JointVelocity => "velocity",
-            Self::JointAcceleration => "acceleration",
-            Self::JointTorque => "torque",
-            Self::JointJerk => "jerk",
-            Self::LinearSpeed => "linear speed",
+impl Quantity {
+    /// Name in words; those of joints begin with "joint".
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::JointPosition => "joint position",
+            Self::JointVelocity => "joint velocity",
+            Self::JointAcceleration => "joint acceleration",
+            Self::JointTorque => "joint torque",
+            Self::JointJerk => "joint jerk",
             Self::AngularSpeed => "angular speed",
             Self::Feed => "feed",
             Self::TangentialAcceleration => "tangential acceleration",
@@ -57,12 +68,39 @@ impl fmt::Display for Quantity {
             Self::NormalAcceleration => "normal acceleration",
             Self::NormalJerk => "normal jerk",
             Self::ChordError => "chord error",
+            Self::PathDeviation => "deviation from the path",
+            Self::OrientationDeviation => "turn away from the path",
+            Self::Continuity => "continuity",
+            Self::Ends => "state at both ends",
+            Self::SetpointAgreement => "setpoint agreement",
             Self::Corner => "corner",
             Self::StartSpeed => "start speed",
             Self::EndSpeed => "end speed",
             Self::Ahead => "the rest of the path",
             Self::Other => "custom row",
-        })
+        }
+    }
+
+    /// SI unit of its values, where the path's parameter is in metres.
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::JointPosition | Self::OrientationDeviation => "rad",
+            Self::JointVelocity | Self::AngularSpeed => "rad/s",
+            Self::JointAcceleration => "rad/s^2",
+            Self::JointJerk => "rad/s^3",
+            Self::JointTorque => "N m",
+            Self::Feed | Self::Corner | Self::StartSpeed | Self::EndSpeed | Self::Ahead => "m/s",
+            Self::TangentialAcceleration | Self::NormalAcceleration => "m/s^2",
+            Self::TangentialJerk | Self::NormalJerk => "m/s^3",
+            Self::ChordError | Self::PathDeviation => "m",
+            Self::Continuity | Self::Ends | Self::SetpointAgreement | Self::Other => "1",
+        }
+    }
+}
+
+impl fmt::Display for Quantity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
     }
 }
 
@@ -97,8 +135,9 @@ impl RowSource {
 
 impl fmt::Display for RowSource {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = self.quantity.name();
         match self.joint {
-            Some(joint) => write!(f, "{} of joint {}", self.quantity, u32::from(joint) + 1),
+            Some(joint) => write!(f, "{} of joint {}", name.trim_start_matches("joint "), u32::from(joint) + 1),
             None => write!(f, "{}", self.quantity),
         }
     }

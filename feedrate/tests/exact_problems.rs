@@ -4,7 +4,7 @@ use arcfeed_feedrate::constraint::{
     Feed, JointAcceleration, JointTorque, JointVelocity, PathDerivatives, SpeedCap, TangentialAcceleration,
 };
 use arcfeed_feedrate::{
-    BothEndsScan, CertifiedReachability, FeedError, FeedPlanner, FeedProblem, MotionLaw, Quantity, Reachability,
+    BothEndsScan, CertifiedReachability, FeedError, FeedPlanner, FeedProblem, MotionLaw, PathEnd, Quantity, Reachability,
     SpeedLaw,
 };
 
@@ -68,7 +68,7 @@ fn pendulum_swing_up() {
             assert_eq!((row.quantity, row.joint), (Quantity::JointTorque, Some(0)));
             assert!(s > 0.0 && s < std::f64::consts::PI && excess > 0.0 && excess < 0.1, "{s} {excess} {limit}");
         }
-        Err(FeedError::SpeedOutOfReach { what: "start speed", lowest, .. }) => assert!(lowest > 0.0),
+        Err(FeedError::SpeedOutOfReach { end: PathEnd::Start, lowest, .. }) => assert!(lowest > 0.0),
         other => panic!("{other:?}"),
     }
 }
@@ -120,7 +120,7 @@ fn viscous_friction() {
     let (one, none, friction) = (vec![1.0; 1001], vec![0.0; 1001], vec![2.0; 1001]);
     let torque = JointTorque::new(&one, &none, &friction, &[], &[1.0]).unwrap();
     let cap = vec![5.0; 1001];
-    let cap = SpeedCap::new(&cap, Quantity::LinearSpeed).unwrap();
+    let cap = SpeedCap::new(&cap, Quantity::Feed).unwrap();
     let problem = FeedProblem::at_points(&grid, &[&torque, &cap]).unwrap();
     // Speed rises towards 1/2 as 1 - exp(-2 t) and falls from it under 1 + 2 v: integrated by the trapezoidal rule.
     let steps = 200_000;
@@ -194,11 +194,11 @@ fn speeds_at_the_ends() {
         let top = (0.5 * (0.25 + 1.0) + 1.0_f64).sqrt();
         assert!((plan.duration() - (2.0 * top - 1.5)).abs() < 1e-3);
         assert_eq!((plan.at(0.0).v, plan.end().v), (0.5, 1.0));
-        for (v0, v1, what) in [(1.5, 0.0, "start speed"), (0.0, 1.5, "end speed"), (2.5, 2.0, "start speed")] {
+        for (v0, v1, what) in [(1.5, 0.0, PathEnd::Start), (0.0, 1.5, PathEnd::End), (2.5, 2.0, PathEnd::Start)] {
             let error = planner.plan(&problem(v0, v1)).unwrap_err();
-            let FeedError::SpeedOutOfReach { what: got, highest, .. } = error else { panic!("{error:?}") };
+            let FeedError::SpeedOutOfReach { end: got, highest, .. } = error else { panic!("{error:?}") };
             // From the end the reachable set is known at the start alone: both name the end they can tell.
-            assert!(got == what || got == "start speed", "{got} for {v0}, {v1}");
+            assert!(got == what || got == PathEnd::Start, "{got} for {v0}, {v1}");
             assert!(highest <= 2.0);
         }
     }

@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::neg_cmp_op_on_partial_ord)]
 use arcfeed_feedrate::{
     BothEndsScan, CertifiedReachability, ContinuousAccelerationScan, FeedError, FeedPlanner, FeedProblem, JerkLimited,
-    Quantity, Reachability, SpeedLaw,
+    PathEnd, Quantity, Reachability, SpeedLaw,
 };
 
 #[path = "common/row_families.rs"]
@@ -164,7 +164,7 @@ fn end_speeds_that_did_not_converge_are_named() {
     let mut named = 0;
     for index in 0..30 {
         let case = Case::numbered(13, 6, index);
-        let FeedError::SpeedOutOfReach { what, speed, highest, row, s, .. } = (match kept(&case, PLANNERS[3]) {
+        let FeedError::SpeedOutOfReach { end: at, speed, highest, row, s, .. } = (match kept(&case, PLANNERS[3]) {
             Ok(plan) => {
                 assert!(plan.duration() > 0.0);
                 continue;
@@ -174,13 +174,13 @@ fn end_speeds_that_did_not_converge_are_named() {
             continue;
         };
         named += 1;
-        let end = usize::from(what == "end speed");
-        assert!(speed == case.ends[end] && highest < speed, "{what} {speed} {highest}");
+        let end = usize::from(at == PathEnd::End);
+        assert!(speed == case.ends[end] && highest < speed, "{at} {speed} {highest}");
         assert!(row.quantity != Quantity::Other && (0.0..=1.0 + 1e-9).contains(&s), "{row} at {s}");
         // What is said to be possible is.
         let mut slower = case.clone();
         slower.ends[end] = highest;
-        if what == "start speed" {
+        if at == PathEnd::Start {
             slower.ends[1] = 0.0;
         }
         kept(&slower, PLANNERS[3]).unwrap();

@@ -10,13 +10,13 @@ use std::time::{Duration, Instant};
 
 use arcfeed_geometry::{ArcLengthCurve, OrientationPath, PosePath};
 use arcfeed_interp::{
-    Command, Excursion, HybridMotion, HybridState, LeaveBy, LivePath, Planner, ToolLimits, best_start,
+    Command, Excursion, HybridMotion, HybridState, LeaveBy, Limits, LivePath, Planner, ToolLimits, ToolPath,
 };
 use arcfeed_kinematics::Joints;
 use criterion::{Criterion, criterion_group, criterion_main};
 use robot_cr7::{Cr7, Job, PathGeometry, ToolOrientation, butterfly};
 
-fn live(cr7: &Cr7, job: &Job) -> LivePath {
+fn live<'a>(cr7: &'a Cr7, job: &Job) -> LivePath<'a> {
     let PathGeometry::Curve(curve) = butterfly().expect("comes with the program").geometry else {
         unreachable!("the butterfly is a curve")
     };
@@ -29,21 +29,19 @@ fn live(cr7: &Cr7, job: &Job) -> LivePath {
         OrientationPath::Constant(job.workpiece.rotation * rotation),
     );
     let limits = *cr7.limits();
-    let tool = ToolLimits { feed: 1.5 * job.feed.feed, ..tool(job) };
-    let planner = Planner::new(cr7.arm(), limits, tool).expect("valid limits");
-    let start = best_start(cr7.arm(), &path, limits.lower(), limits.upper()).expect("in reach");
-    planner.live(path, &start).expect("in reach")
+    let path = ToolPath::new(cr7.arm(), path, limits.range()).expect("in reach");
+    let limits = Limits::new(limits).with_tool(tool(job, 1.5 * job.feed.feed));
+    Planner::new(cr7.arm(), limits).live(path).expect("in reach")
 }
 
-fn tool(job: &Job) -> ToolLimits {
-    ToolLimits {
-        feed: job.feed.feed,
-        tangential_acceleration: job.feed.tangential_acceleration,
-        tangential_jerk: job.feed.tangential_jerk,
-        normal_acceleration: job.feed.normal_acceleration,
-        normal_jerk: job.feed.normal_jerk,
-        angular_speed: None,
-    }
+fn tool(job: &Job, feed: f64) -> ToolLimits {
+    ToolLimits::new()
+        .with_feed(feed)
+        .and_then(|t| t.with_tangential_acceleration(job.feed.tangential_acceleration))
+        .and_then(|t| t.with_tangential_jerk(job.feed.tangential_jerk))
+        .and_then(|t| t.with_normal_acceleration(job.feed.normal_acceleration))
+        .and_then(|t| job.feed.normal_jerk.map_or(Ok(t), |limit| t.with_normal_jerk(limit)))
+        .expect("valid limits")
 }
 
 /// What the operator does, by cycle.
@@ -70,7 +68,7 @@ fn hybrid(c: &mut Criterion) {
     let home = live.joint_path().nodes()[0].q;
     let points = [home + Joints::repeat(0.2), home + Joints::repeat(-0.3)];
     let park = Excursion::new(&points, LeaveBy::AtOnce).expect("two points");
-    let start = || HybridMotion::new(cr7.arm(), &live, job.feed.feed).expect("a valid feed");
+    let start = || HybridMotion::new(&live, job.feed.feed).expect("a valid feed");
 
     let mut times: Vec<Duration> = Vec::new();
     let mut motion = start();

@@ -15,9 +15,9 @@
 use std::hint::black_box;
 use std::time::Duration;
 
-use arcfeed_feedrate::{MotionLimits, SProfile};
+use arcfeed_feedrate::{FeedPlanner, MotionLimits, SProfile, SpeedLaw};
 use arcfeed_geometry::{ArcLengthCurve, NurbsCurve, OrientationPath, PosePath};
-use arcfeed_interp::{Planner, Scan, ToolLimits, best_start};
+use arcfeed_interp::{Limits, Method, Planner, ToolLimits, ToolPath};
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use robot_cr7::{Cr7, Job, PathGeometry, ToolOrientation, butterfly};
 
@@ -27,6 +27,13 @@ fn curve(job: &Job) -> NurbsCurve<3> {
         PathGeometry::Curve(curve) => curve.transformed(&job.workpiece).expect("finite numbers"),
         PathGeometry::Points { .. } => unreachable!("the butterfly is a curve"),
     }
+}
+
+/// The law along a path, without its verification.
+fn law(planner: &Planner<'_>, path: &ToolPath<'_>) -> SpeedLaw {
+    let problem = planner.prepare(path, planner.method().needs()).expect("in reach");
+    let rows = problem.rows(planner.method().needs()).expect("finite");
+    planner.method().plan(&rows).expect("a law")
 }
 
 fn pipeline(c: &mut Criterion) {
@@ -39,40 +46,47 @@ fn pipeline(c: &mut Criterion) {
     let path = PosePath::new(by_length, OrientationPath::Constant(job.workpiece.rotation * rotation));
     let cr7 = Cr7::new(job.tool).expect("a finite tool");
     let limits = *cr7.limits();
-    let tool = ToolLimits {
-        feed: job.feed.feed,
-        tangential_acceleration: job.feed.tangential_acceleration,
-        tangential_jerk: job.feed.tangential_jerk,
-        normal_acceleration: job.feed.normal_acceleration,
-        normal_jerk: job.feed.normal_jerk,
-        angular_speed: None,
-    };
-    let planner = Planner::new(cr7.arm(), limits, tool).expect("valid limits");
-    let start = best_start(cr7.arm(), &path, limits.lower(), limits.upper()).expect("in reach");
-    let plan = planner.draft(path.clone(), &start).expect("in reach");
+    let feed = job.feed.feed;
+    let tool = ToolLimits::new()
+        .with_feed(feed)
+        .and_then(|t| t.with_tangential_acceleration(job.feed.tangential_acceleration))
+        .and_then(|t| t.with_tangential_jerk(job.feed.tangential_jerk))
+        .and_then(|t| t.with_normal_acceleration(job.feed.normal_acceleration))
+        .and_then(|t| job.feed.normal_jerk.map_or(Ok(t), |limit| t.with_normal_jerk(limit)))
+        .expect("valid limits");
+    let limits = Limits::new(limits).with_tool(tool);
+    let planner = Planner::new(cr7.arm(), limits);
+    let followed = ToolPath::new(cr7.arm(), path.clone(), cr7.limits().range()).expect("in reach");
+    let plan = planner.plan(&followed).expect("in reach");
 
     c.bench_function("arc-length map of the butterfly", |b| {
         b.iter_batched(|| curve.clone(), |curve| ArcLengthCurve::new(curve, 1e-15), BatchSize::SmallInput);
     });
     c.bench_function("choice of the start", |b| {
-        b.iter(|| best_start(cr7.arm(), black_box(&path), limits.lower(), limits.upper()));
+        b.iter_batched(
+            || path.clone(),
+            |path| ToolPath::new(cr7.arm(), black_box(path), cr7.limits().range()),
+            BatchSize::SmallInput,
+        );
     });
-    let scanning = planner.clone().with_scan(Scan::Joined);
+    let scanning = planner.clone().with_method(Method::ContinuousAcceleration);
     c.bench_function("plan of the butterfly, scanned, without verification", |b| {
-        b.iter_batched(|| path.clone(), |path| scanning.draft(path, &start), BatchSize::SmallInput);
+        b.iter(|| law(&scanning, black_box(&followed)));
     });
     c.bench_function("plan of the butterfly, jerk-limited, without verification", |b| {
-        b.iter_batched(|| path.clone(), |path| planner.draft(path, &start), BatchSize::SmallInput);
+        b.iter(|| law(&planner, black_box(&followed)));
     });
-    c.bench_function("verification of the plan", |b| b.iter(|| plan.verify(cr7.arm(), &tool, &limits)));
+    c.bench_function("verification of the plan", |b| {
+        b.iter(|| planner.verify(plan.problem(), plan.law(), true));
+    });
 
-    let mut sampler = plan.sampler(cr7.arm(), 1e-3).expect("a valid period");
+    let mut sampler = plan.setpoints(1e-3).expect("a valid period");
     c.bench_function("one cycle of sampling with inverse kinematics", |b| {
-        b.iter(|| match sampler.next_setpoint() {
+        b.iter(|| match sampler.next() {
             Some(setpoint) => Some(setpoint),
             None => {
-                sampler = plan.sampler(cr7.arm(), 1e-3).expect("a valid period");
-                sampler.next_setpoint()
+                sampler = plan.setpoints(1e-3).expect("a valid period");
+                sampler.next()
             }
         });
     });

@@ -6,7 +6,7 @@
 use std::time::Instant;
 
 use integration_tests::counting::Counting;
-use integration_tests::hybrid_scenario::Stage;
+use integration_tests::hybrid_scenario::{Stage, arms};
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
@@ -18,10 +18,11 @@ fn main() {
     let begin = Instant::now();
     let (mut played, mut refused, mut failed, mut cycles, mut left, mut worst) =
         (0_u64, 0_u64, 0_u64, 0, 0_u64, 0.0_f64);
-    let mut stage: Option<(u64, Option<Stage>)> = None;
+    let arms = arms();
+    let mut stage: Option<(u64, Option<Stage<'_>>)> = None;
     for seed in first..first + count {
         if stage.as_ref().is_none_or(|(of, _)| *of != seed / 5) {
-            stage = Some((seed / 5, Stage::random(seed / 5)));
+            stage = Some((seed / 5, Stage::random(&arms, seed / 5)));
         }
         let Some((_, Some(ready))) = &stage else {
             refused += 1;

@@ -4,8 +4,8 @@
 use arcfeed_feedrate::LiveSection;
 use arcfeed_geometry::{ArcLengthCurve, NurbsCurve, OrientationPath, PosePath};
 use arcfeed_interp::{
-    Command, Excursion, HybridMotion, HybridState, HybridStep, LeaveBy, LivePath, Planner, Setpoint, ToolLimits,
-    best_start,
+    Command, Excursion, HybridMotion, HybridState, HybridStep, LeaveBy, Limits, LivePath, MotionPath, Planner,
+    Setpoint, ToolLimits, ToolPath,
 };
 use arcfeed_kinematics::{Joints, ParallelAxisArm, models};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -51,20 +51,25 @@ impl Random {
     }
 }
 
-/// An arm, a path and limits: what several scenarios share.
-#[derive(Debug, Clone)]
-pub struct Stage {
-    /// The arm: CR7 or UR5e.
-    pub arm: ParallelAxisArm,
-    /// The path, made ready.
-    pub live: LivePath,
+/// The arms that stages are drawn from: CR7 and UR5e.
+pub fn arms() -> [ParallelAxisArm; 2] {
+    [models::cr7(), models::ur5e()]
 }
 
-impl Stage {
-    /// The stage that belongs to `seed`, or `None` where the random path is one that the arm cannot follow.
-    pub fn random(seed: u64) -> Option<Self> {
+/// An arm, a path and limits: what several scenarios share.
+#[derive(Debug, Clone)]
+pub struct Stage<'a> {
+    /// The arm.
+    pub arm: &'a ParallelAxisArm,
+    /// The path, made ready.
+    pub live: LivePath<'a>,
+}
+
+impl<'a> Stage<'a> {
+    /// The stage that belongs to `seed`, with one of `arms`, or `None` where the random path is one that the arm cannot follow.
+    pub fn random(arms: &'a [ParallelAxisArm; 2], seed: u64) -> Option<Self> {
         let r = &mut Random::new(seed ^ 0x5EED_57A6);
-        let arm = if r.below(2) == 0 { models::cr7() } else { models::ur5e() };
+        let arm = &arms[usize::from(r.below(2) != 0)];
         let centre = Vector3::new(r.between(0.3, 0.5), r.between(-0.25, 0.25), r.between(0.1, 0.4));
         let size = r.log(0.01, 0.12);
         let count = 4 + r.below(6) as usize;
@@ -86,27 +91,31 @@ impl Stage {
                 .ok()?
         };
         let path = PosePath::new(curve, orientation);
-        let tool = ToolLimits {
-            feed: r.log(0.1, 0.6),
-            tangential_acceleration: r.log(0.5, 5.0),
-            tangential_jerk: r.log(10.0, 200.0),
-            normal_acceleration: r.log(0.5, 5.0),
-            normal_jerk: if r.below(3) == 0 { Some(r.log(10.0, 200.0)) } else { None },
-            angular_speed: if r.below(3) == 0 { Some(r.log(0.3, 3.0)) } else { None },
-        };
+        let mut tool = ToolLimits::new()
+            .with_feed(r.log(0.1, 0.6))
+            .and_then(|t| t.with_tangential_acceleration(r.log(0.5, 5.0)))
+            .and_then(|t| t.with_tangential_jerk(r.log(10.0, 200.0)))
+            .and_then(|t| t.with_normal_acceleration(r.log(0.5, 5.0)))
+            .ok()?;
+        if r.below(3) == 0 {
+            tool = tool.with_normal_jerk(r.log(10.0, 200.0)).ok()?;
+        }
+        if r.below(3) == 0 {
+            tool = tool.with_angular_speed(r.log(0.3, 3.0)).ok()?;
+        }
         let rates = [r.log(1.0, 4.0), r.log(3.0, 30.0), r.log(30.0, 1000.0)].map(Joints::repeat);
         let limits = arm.range().with_rates(rates[0], rates[1], rates[2]).ok()?;
-        let start = best_start(&arm, &path, limits.lower(), limits.upper()).ok()?;
+        let path = ToolPath::new(arm, path, limits.range()).ok()?;
         let period = [1e-3, 2e-3, 4e-3][r.below(3) as usize];
-        let planner = Planner::new(&arm, limits, tool)
-            .and_then(|p| p.with_chord_tolerance(r.log(1e-6, 1e-4)))
+        let planner = Planner::new(arm, Limits::new(limits).with_tool(tool))
+            .with_chord_tolerance(r.log(1e-6, 1e-4))
             .and_then(|p| p.with_period(period))
             .ok()?;
-        let live = planner.live(path, &start).ok()?;
+        let live = planner.live(path).ok()?;
         Some(Self { arm, live })
     }
 
-    fn command(&self, r: &mut Random, motion: &HybridMotion<'_, ParallelAxisArm>) -> Command {
+    fn command(&self, r: &mut Random, motion: &HybridMotion<'_>) -> Command {
         let length = self.live.path().length();
         match r.below(14) {
             0 | 1 => Command::Override(r.between(0.0, 1.5)),
@@ -145,7 +154,7 @@ impl Stage {
     pub fn play(&self, seed: u64, allocations: impl Fn() -> usize) -> Result<Played, String> {
         let r = &mut Random::new(seed);
         let feed = r.log(0.01, 0.5);
-        let mut motion = HybridMotion::new(&self.arm, &self.live, feed).map_err(|e| e.to_string())?;
+        let mut motion = HybridMotion::new(&self.live, feed).map_err(|e| e.to_string())?;
         let mut watch = Watch::new(self, *motion.setpoint());
         let acts = r.below(14) as usize;
         let span = self.live.curve().duration() / self.live.period() * 1.5;
@@ -162,7 +171,7 @@ impl Stage {
                 Some(1) if stops => Command::Stop,
                 Some(1) => Command::Override(1.0),
                 Some(2) => Command::ClearSections,
-                Some(3) => Command::Feed(self.live.tool().feed),
+                Some(3) => Command::Feed(self.live.tool().feed().unwrap_or(feed)),
                 Some(4) => Command::Return,
                 Some(5) => Command::Resume,
                 _ if next < cycles.len() && cycles[next] <= cycle => {
@@ -214,14 +223,14 @@ pub struct Played {
 
 /// Holds one cycle after the other against all limits.
 struct Watch<'a> {
-    stage: &'a Stage,
+    stage: &'a Stage<'a>,
     before: Setpoint,
     on_path: bool,
     worst: f64,
 }
 
 impl<'a> Watch<'a> {
-    fn new(stage: &'a Stage, start: Setpoint) -> Self {
+    fn new(stage: &'a Stage<'a>, start: Setpoint) -> Self {
         Self { stage, before: start, on_path: true, worst: 0.0 }
     }
 
@@ -253,7 +262,7 @@ impl<'a> Watch<'a> {
             self.see("jump of joint velocity", v.abs(), jerk * period.powi(2) / 4.0 + 1e-11)?;
             self.see("jump of joint position", q.abs(), jerk * period.powi(3) / 12.0 * 1.001 + 1e-12)?;
         }
-        let configuration = arcfeed_kinematics::ForwardKinematics::configuration(&self.stage.arm, &now.q);
+        let configuration = arcfeed_kinematics::ForwardKinematics::configuration(self.stage.arm, &now.q);
         let pose = configuration.pose();
         let stated =
             (pose.translation.vector - now.pose.translation.vector).norm() + pose.rotation.angle_to(&now.pose.rotation);
@@ -261,22 +270,23 @@ impl<'a> Watch<'a> {
         let velocity = (configuration.jacobian() * now.qd).fixed_rows::<3>(0).into_owned();
         let speed = velocity.norm();
         if step.on_path {
-            let path = live.path();
+            let path = live.path().pose_path();
+            let most = |limit: Option<f64>| limit.unwrap_or(f64::INFINITY);
             let wanted = path.jet(now.s).pose;
             let off = (pose.translation.vector - wanted.translation.vector).norm();
             self.see("distance from the path", off, 1e-9)?;
             self.see("turn away from the path", pose.rotation.angle_to(&wanted.rotation), 1e-7)?;
-            self.see("feed", speed, tool.feed)?;
+            self.see("feed", speed, most(tool.feed()))?;
             let angular = (configuration.jacobian() * now.qd).fixed_rows::<3>(3).norm();
-            self.see("angular speed", angular, tool.angular_speed.unwrap_or(f64::INFINITY))?;
+            self.see("angular speed", angular, most(tool.angular_speed()))?;
             let acceleration = configuration.jacobian() * now.qdd + configuration.acceleration_bias(&now.qd);
             let acceleration = acceleration.fixed_rows::<3>(0).into_owned();
             let direction = path.curve().jet(now.s).d1;
             let tangential = acceleration.dot(&direction);
-            self.see("tangential acceleration", tangential.abs(), tool.tangential_acceleration)?;
+            self.see("tangential acceleration", tangential.abs(), most(tool.tangential_acceleration()))?;
             let normal = (acceleration - direction * tangential).norm();
-            self.see("normal acceleration", normal, tool.normal_acceleration)?;
-            if let (Some(limit), true) = (tool.normal_jerk, speed > 1e-3 * tool.feed) {
+            self.see("normal acceleration", normal, most(tool.normal_acceleration()))?;
+            if let (Some(limit), true) = (tool.normal_jerk(), speed > 1e-3 * tool.feed().unwrap_or(0.0)) {
                 self.see("normal jerk", normal * normal / speed, limit)?;
             }
             if self.on_path {

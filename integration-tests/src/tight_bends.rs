@@ -2,7 +2,9 @@
 //! equal points, corners rounded with tiny radii. Each is planned and verified, or refused for a reason that names the place.
 
 use arcfeed_geometry::{ArcLengthCurve, GeometryError, NurbsCurve, OrientationPath, PosePath};
-use arcfeed_interp::{Cause, PlanError, Planner, Scan, ToolLimits, best_start};
+use arcfeed_interp::{
+    Cause, Limits, Method, MotionPath, PathError, PlanError, Planner, SpeedError, ToolLimits, ToolPath,
+};
 use arcfeed_kinematics::{Joints, models};
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -28,11 +30,13 @@ pub struct TightBend {
     degree: usize,
     points: Vec<Vector3<f64>>,
     knots: Vec<f64>,
-    tool: ToolLimits,
+    feed: f64,
+    tangential: [f64; 2],
+    normal: f64,
     joints: [f64; 3],
     chord: f64,
     period: f64,
-    scan: Scan,
+    method: Method,
     tilt: Vector3<f64>,
 }
 
@@ -55,20 +59,24 @@ impl TightBend {
             degree,
             points,
             knots,
-            tool: ToolLimits {
-                feed: r.log(0.02, 0.5),
-                tangential_acceleration: r.log(0.5, 5.0),
-                tangential_jerk: r.log(10.0, 200.0),
-                normal_acceleration: r.log(0.5, 50.0),
-                normal_jerk: None,
-                angular_speed: None,
-            },
+            feed: r.log(0.02, 0.5),
+            tangential: [r.log(0.5, 5.0), r.log(10.0, 200.0)],
+            normal: r.log(0.5, 50.0),
             joints: [r.log(1.0, 6.0), r.log(3.0, 30.0), r.log(30.0, 20_000.0)],
             chord: r.log(1e-6, 1e-4),
             period: [1e-3, 2e-3, 4e-3, 8e-3][r.below(4) as usize],
-            scan: if r.below(3) == 0 { Scan::Joined } else { Scan::JerkLimited },
+            method: if r.below(3) == 0 { Method::ContinuousAcceleration } else { Method::JerkLimited },
             tilt: r.vector(0.3),
         }
+    }
+
+    fn limits(&self) -> Result<ToolLimits, String> {
+        ToolLimits::new()
+            .with_feed(self.feed)
+            .and_then(|t| t.with_tangential_acceleration(self.tangential[0]))
+            .and_then(|t| t.with_tangential_jerk(self.tangential[1]))
+            .and_then(|t| t.with_normal_acceleration(self.normal))
+            .map_err(|e| e.to_string())
     }
 
     /// Plans the path and says what became of it.
@@ -92,17 +100,17 @@ impl TightBend {
         let arm = models::ur5e();
         let [v, a, j] = self.joints.map(Joints::repeat);
         let limits = arm.range().with_rates(v, a, j).map_err(|e| e.to_string())?;
-        let Ok(start) = best_start(&arm, &path, limits.lower(), limits.upper()) else { return Ok(Outcome::OutOfReach) };
-        let planner = Planner::new(&arm, limits, self.tool)
-            .and_then(|p| p.with_chord_tolerance(self.chord))
+        let Ok(path) = ToolPath::new(&arm, path, limits.range()) else { return Ok(Outcome::OutOfReach) };
+        let planner = Planner::new(&arm, Limits::new(limits).with_tool(self.limits()?))
+            .with_chord_tolerance(self.chord)
             .and_then(|p| p.with_period(self.period))
             .map_err(|e| e.to_string())?
-            .with_scan(self.scan);
-        match planner.plan(path, &start) {
+            .with_method(self.method);
+        match planner.plan(&path) {
             Ok(plan) => {
-                let verification = planner.verify(&plan).map_err(|e| e.to_string())?;
+                let verification = planner.verify(plan.problem(), plan.law(), true).map_err(|e| e.to_string())?;
                 // The slowest of these paths needs some ten seconds; a place that is nearly a corner costs a stop.
-                let least = plan.path().length() / self.tool.feed;
+                let least = path.length() / self.feed;
                 if !verification.holds(TOLERANCE) {
                     Err(format!("breaks a limit: {:?}", verification.worst()))
                 } else if plan.duration() > 30.0 + 5.0 * least {
@@ -111,12 +119,13 @@ impl TightBend {
                     Ok(Outcome::Planned)
                 }
             }
-            Err(PlanError::Arm { .. } | PlanError::BranchChange { .. } | PlanError::JointRange { .. }) => {
-                Ok(Outcome::OutOfReach)
-            }
-            Err(PlanError::Geometry(GeometryError::ParameterTooCoarse { .. }) | PlanError::Infeasible { .. }) => {
-                Ok(Outcome::Refused)
-            }
+            Err(PlanError::Path(
+                PathError::Arm { .. } | PathError::BranchChange { .. } | PathError::JointRange { .. },
+            )) => Ok(Outcome::OutOfReach),
+            Err(
+                PlanError::Path(PathError::Geometry(GeometryError::ParameterTooCoarse { .. }))
+                | PlanError::Speed(SpeedError::Infeasible { .. }),
+            ) => Ok(Outcome::Refused),
             Err(PlanError::Unverified { cause: Cause::Bend { .. } | Cause::NearlySingular { .. }, .. }) => {
                 Ok(Outcome::Refused)
             }

@@ -3,7 +3,7 @@
 use std::hint::black_box;
 
 use integration_tests::counting::Counting;
-use robot_cr7::{Job, SamplePath, ToolOrientation, plan};
+use robot_cr7::{Job, SamplePath, Task, ToolOrientation};
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
@@ -13,11 +13,13 @@ fn sampling_a_motion_allocates_nothing() {
     let tangent = ToolOrientation::Tangent { axis: -nalgebra::Vector3::z_axis() };
     for orientation in [Job::default().orientation, tangent] {
         let job = Job { orientation, ..Job::default() };
-        let motion = plan(&job, &SamplePath::SixPoint.load().expect("comes with the program")).expect("in reach");
+        let task = Task::of_cr7(&job, &SamplePath::SixPoint.load().expect("comes with the program"));
+        let task = task.expect("in reach");
+        let motion = task.plan().expect("it can be followed");
         let before = Counting::count();
-        let mut sampler = motion.sampler().expect("the job's own period");
+        let mut sampler = motion.setpoints().expect("the job's own period");
         let mut count = 0;
-        while let Some(setpoint) = sampler.next_setpoint() {
+        for setpoint in sampler.by_ref() {
             black_box(setpoint.expect("on the path"));
             count += 1;
         }

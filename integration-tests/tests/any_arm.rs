@@ -1,18 +1,18 @@
 //! The pipeline with arms that come from files, without the crate of any robot.
 
 use arcfeed_geometry::{ArcLengthCurve, NurbsCurve, OrientationPath, PosePath};
-use arcfeed_interp::{LockedArm, Method, PathArm, Plan, Planner, ToolLimits, best_start};
+use arcfeed_interp::{Limits, LockedArm, Method, PathArm, Planner, ToolLimits, ToolPath, Trajectory};
 use arcfeed_kinematics::{Arm, ArmDescription, InverseMethod, JointLimits, Joints, models};
 use nalgebra::{UnitQuaternion, vector};
 
-const TOOL: ToolLimits = ToolLimits {
-    feed: 0.15,
-    tangential_acceleration: 1.0,
-    tangential_jerk: 30.0,
-    normal_acceleration: 1.0,
-    normal_jerk: None,
-    angular_speed: None,
-};
+fn tool() -> ToolLimits {
+    ToolLimits::new()
+        .with_feed(0.15)
+        .and_then(|t| t.with_tangential_acceleration(1.0))
+        .and_then(|t| t.with_tangential_jerk(30.0))
+        .and_then(|t| t.with_normal_acceleration(1.0))
+        .expect("valid limits")
+}
 
 /// A smooth curve in front of the arm, tool down.
 fn path() -> PosePath {
@@ -38,12 +38,13 @@ fn from_urdf(name: &str) -> ArmDescription {
     ArmDescription::from_urdf(&text, None, None).expect("a URDF")
 }
 
-fn checked<A: PathArm<N>, const N: usize>(arm: &A, plan: &Plan<N>) {
-    assert!(plan.verification().expect("verified").holds(1e-6));
-    for setpoint in plan.sampler(arm, 2e-3).expect("a period") {
+fn checked<A: PathArm<N>, const N: usize>(arm: &A, plan: &Trajectory<'_, N>) {
+    let curve = plan.path().tool_curve().expect("a curve").curve();
+    assert!(plan.verification().holds(1e-6));
+    for setpoint in plan.setpoints(2e-3).expect("a period") {
         let at = setpoint.expect("on the path");
         let tool = arm.forward(&at.q);
-        assert!((tool.translation.vector - plan.path().curve().point(at.s)).norm() < 1e-9, "s = {}", at.s);
+        assert!((tool.translation.vector - curve.point(at.s)).norm() < 1e-9, "s = {}", at.s);
     }
 }
 
@@ -56,9 +57,9 @@ fn six_joints_from_a_urdf_file() {
     ] {
         let arm = from_urdf(name).build::<6>().expect("six joints");
         assert_eq!(arm.method(), method, "{name}");
-        let (path, limits) = (path(), limits(&arm));
-        let start = best_start(&arm, &path, limits.lower(), limits.upper()).expect("in reach");
-        let plan = Planner::new(&arm, limits, TOOL).expect("valid").plan(path, &start).expect("it can be followed");
+        let path = ToolPath::new(&arm, path(), arm.range()).expect("in reach");
+        let plan = Planner::new(&arm, Limits::new(limits(&arm)).with_tool(tool())).plan(&path);
+        let plan = plan.expect("it can be followed");
         checked(&arm, &plan);
     }
 }
@@ -68,8 +69,9 @@ fn seven_joints_from_a_urdf_file() {
     let arm = from_urdf("panda").build::<7>().expect("seven joints");
     let path = path();
     let (locked, start) = LockedArm::for_path(&arm, &path).expect("in reach");
-    let plan =
-        Planner::new(&locked, limits(&arm), TOOL).expect("valid").plan(path, &start).expect("it can be followed");
+    let path = ToolPath::starting_near(&locked, path, &start).expect("in reach");
+    let plan = Planner::new(&locked, Limits::new(limits(&arm)).with_tool(tool())).plan(&path);
+    let plan = plan.expect("it can be followed");
     checked(&locked, &plan);
 }
 
@@ -79,12 +81,11 @@ fn the_jerk_limited_plan_is_faster_than_the_scan() {
     let arm = models::ur5e();
     let limits =
         arm.range().with_rates(Joints::repeat(2.0), Joints::repeat(5.0), Joints::repeat(20.0)).expect("valid limits");
-    let path = path();
-    let start = best_start(&arm, &path, limits.lower(), limits.upper()).expect("in reach");
-    let planner = Planner::new(&arm, limits, TOOL).expect("valid");
-    let fast = planner.plan(path.clone(), &start).expect("it can be followed");
-    assert_eq!(fast.made_by().method, Method::JerkLimited);
-    let planner = planner.with_scan(arcfeed_interp::Scan::Joined);
-    let scanned = planner.plan(path, &start).expect("it can be followed").duration();
+    let path = ToolPath::new(&arm, path(), limits.range()).expect("in reach");
+    let planner = Planner::new(&arm, Limits::new(limits).with_tool(tool()));
+    let fast = planner.plan(&path).expect("it can be followed");
+    assert_eq!(fast.info().method, Some(Method::JerkLimited));
+    let planner = planner.with_method(Method::ContinuousAcceleration);
+    let scanned = planner.plan(&path).expect("it can be followed").duration();
     assert!(fast.duration() < 0.95 * scanned, "{} {scanned}", fast.duration());
 }

@@ -2,12 +2,14 @@
 //! same verification at another period, and by plain differences of the joint positions that use nothing else.
 
 use std::cell::Cell;
+use std::sync::Arc;
 
 use arcfeed_geometry::{ArcLengthCurve, Curve, NurbsCurve, OrientationPath, PosePath};
-use arcfeed_interp::{Plan, PlanError, Planner, Quantity, Requirement, Scan, ToolLimits, best_start, verify};
-use arcfeed_kinematics::{
-    AnalyticInverse, ForwardKinematics, InverseKinematics, JointLimits, JointRange, Joints, models,
+use arcfeed_interp::{
+    Limits, Method, PathArm, PathError, PathPlace, PlanError, Planner, Quantity, Requirement, ToolLimits, ToolPath,
+    Trajectory, verify,
 };
+use arcfeed_kinematics::{AnalyticInverse, JointRange, Joints, models};
 use nalgebra::{Rotation3, Unit, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -93,14 +95,13 @@ fn cases() -> impl Strategy<Value = Case> {
                 tangent_only,
                 tilt: if tilted { tilt } else { [0.0; 3] },
                 turning,
-                tool: ToolLimits {
-                    feed: tool.0,
-                    tangential_acceleration: tool.1,
-                    tangential_jerk: tool.2,
-                    normal_acceleration: tool.3,
-                    normal_jerk: tool.4,
-                    angular_speed: None,
-                },
+                tool: ToolLimits::new()
+                    .with_feed(tool.0)
+                    .and_then(|t| t.with_tangential_acceleration(tool.1))
+                    .and_then(|t| t.with_tangential_jerk(tool.2))
+                    .and_then(|t| t.with_normal_acceleration(tool.3))
+                    .and_then(|t| tool.4.map_or(Ok(t), |limit| t.with_normal_jerk(limit)))
+                    .expect("valid limits"),
                 velocity: joints.0,
                 acceleration: joints.1,
                 jerk: joints.2,
@@ -144,53 +145,58 @@ fn path(case: &Case) -> Option<PosePath> {
     Some(PosePath::new(curve, orientation))
 }
 
-trait Arm: ForwardKinematics<6> + InverseKinematics<6> + AnalyticInverse<6> {}
-impl<A: ForwardKinematics<6> + InverseKinematics<6> + AnalyticInverse<6>> Arm for A {}
+trait Arm: PathArm<6> + AnalyticInverse<6> {}
+impl<A: PathArm<6> + AnalyticInverse<6>> Arm for A {}
+
+fn limits<'a>(range: &JointRange<6>, case: &Case) -> Limits<'a> {
+    let rates = [case.velocity, case.acceleration, case.jerk].map(Joints::repeat);
+    Limits::new(range.with_rates(rates[0], rates[1], rates[2]).expect("valid limits")).with_tool(case.tool)
+}
 
 /// Plans a case. `Ok(None)` where the arm cannot follow the path and says so.
-fn plan(arm: &impl Arm, range: &JointRange<6>, case: &Case) -> Result<Option<(Plan, JointLimits<6>)>, TestCaseError> {
+fn plan<'a>(arm: &'a impl Arm, range: &JointRange<6>, case: &Case) -> Result<Option<Trajectory<'a>>, TestCaseError> {
     let Some(path) = path(case) else { return Ok(None) };
     let (length, samples) = (path.length(), path.clone());
-    let limits = range
-        .with_rates(Joints::repeat(case.velocity), Joints::repeat(case.acceleration), Joints::repeat(case.jerk))
-        .expect("valid limits");
-    let mut planner = Planner::new(arm, limits, case.tool)
-        .and_then(|p| p.with_chord_tolerance(case.chord))
+    let mut planner = Planner::new(arm, limits(range, case))
+        .with_chord_tolerance(case.chord)
         .and_then(|p| p.with_period(case.period))
         .expect("valid numbers");
     if case.per_segment {
-        planner = planner.with_scan(Scan::PerSegment { window: None });
+        planner = planner.with_method(Method::PerSegment { window: None });
     }
-    let planned = best_start(arm, &path, limits.lower(), limits.upper()).and_then(|start| planner.plan(path, &start));
+    let planned =
+        ToolPath::new(arm, path, range).map_err(PlanError::from).and_then(|path| planner.plan_shared(Arc::new(path)));
     match planned {
-        Ok(plan) => Ok(Some((plan, limits))),
+        Ok(plan) => Ok(Some(plan)),
         // The arm does not get there: the message has to name a place on the path.
         Err(
-            ref error @ (PlanError::Arm { .. }
-            | PlanError::BranchChange { .. }
-            | PlanError::JointRange { .. }
-            | PlanError::NoConfiguration { .. }),
+            ref error @ PlanError::Path(
+                ref why @ (PathError::Arm { .. }
+                | PathError::BranchChange { .. }
+                | PathError::JointRange { .. }
+                | PathError::NoConfiguration { .. }),
+            ),
         ) => {
-            let place = match error {
-                PlanError::NoConfiguration { best, .. } => place(best),
+            let place = match why {
+                PathError::NoConfiguration { best, .. } => place(best),
                 other => place(other),
             };
-            let (s, position) = place.ok_or_else(|| TestCaseError::fail(format!("no place in: {error}")))?;
-            prop_assert!((0.0..=length).contains(&s), "s = {} outside the path: {}", s, error);
-            if let Some(position) = position {
-                let off = (Vector3::from(position) - samples.curve().point(s)).norm();
-                prop_assert!(off < 1e-9, "{} m off the path: {}", off, error);
-            }
+            let place = place.ok_or_else(|| TestCaseError::fail(format!("no place in: {error}")))?;
+            prop_assert!((0.0..=length).contains(&place.s), "s = {} outside the path: {}", place.s, error);
+            let position = place.tool.ok_or_else(|| TestCaseError::fail(format!("no tool in: {error}")))?;
+            let off = (Vector3::from(position) - samples.curve().point(place.s)).norm();
+            prop_assert!(off < 1e-9, "{} m off the path: {}", off, error);
             Ok(None)
         }
         Err(other) => Err(TestCaseError::fail(format!("a path the arm can follow was not planned: {other}"))),
     }
 }
 
-fn place(error: &PlanError) -> Option<(f64, Option<[f64; 3]>)> {
+fn place(error: &PathError) -> Option<PathPlace> {
     match error {
-        PlanError::Arm { s, position, .. } => Some((*s, Some(*position))),
-        PlanError::BranchChange { s, .. } | PlanError::JointRange { s, .. } => Some((*s, None)),
+        PathError::Arm { place, .. } | PathError::BranchChange { place, .. } | PathError::JointRange { place, .. } => {
+            Some(*place)
+        }
         _ => None,
     }
 }
@@ -199,18 +205,14 @@ fn place(error: &PlanError) -> Option<(f64, Option<[f64; 3]>)> {
 ///
 /// The k-th difference over h^k is a weighted average of the k-th derivative, so it exceeds no bound of that derivative;
 /// what is allowed on top is the rounding of positions of some radians.
-fn check_by_differences(
-    arm: &impl Arm,
-    plan: &Plan,
-    limits: &JointLimits<6>,
-    case: &Case,
-) -> Result<(), TestCaseError> {
+fn check_by_differences(arm: &impl Arm, plan: &Trajectory<'_>, case: &Case) -> Result<(), TestCaseError> {
     const STEP: f64 = 1e-4;
     // Rounding of q as it comes out of the inverse.
     const NOISE: f64 = 2e-14;
     // Third differences need a longer step, or rounding is all that is seen.
     const STRIDE: usize = 5;
-    let mut sampler = plan.sampler(arm, STEP).expect("a valid period");
+    let (limits, most_feed) = (plan.problem().limits().joints(), case.tool.feed().expect("set"));
+    let mut sampler = plan.setpoints(STEP).expect("a valid period");
     let steps = (plan.duration() / STEP).floor() as usize;
     let mut q: Vec<Joints<6>> = Vec::with_capacity(steps + 1);
     let mut tip = Vec::with_capacity(steps + 1);
@@ -223,7 +225,7 @@ fn check_by_differences(
     for i in 1..q.len() {
         let t = i as f64 * STEP;
         let feed = (tip[i] - tip[i - 1]).norm() / STEP;
-        prop_assert!(feed <= case.tool.feed * (1.0 + TOLERANCE) + 1e-10, "feed {} at t = {}", feed, t);
+        prop_assert!(feed <= most_feed * (1.0 + TOLERANCE) + 1e-10, "feed {} at t = {}", feed, t);
         #[allow(clippy::needless_range_loop)] // several arrays run in step
         for k in 0..6 {
             prop_assert!(
@@ -255,7 +257,7 @@ fn check_by_differences(
         prop_assert_eq!(rest.qd.amax(), 0.0);
     }
     prop_assert_eq!((first.s, last.s), (0.0, plan.path().length()));
-    let nurbs = plan.path().curve().curve();
+    let nurbs = plan.path().tool_curve().expect("a curve").curve().curve();
     let (a, b) = nurbs.domain();
     for (at, u) in [(first, a), (last, b)] {
         let off = (arm.forward(&at.q).translation.vector - nurbs.point(u)).norm();
@@ -265,25 +267,35 @@ fn check_by_differences(
 }
 
 fn check(arm: &impl Arm, range: &JointRange<6>, case: &Case, planned: &Cell<usize>) -> Result<(), TestCaseError> {
-    let Some((plan, limits)) = plan(arm, range, case)? else { return Ok(()) };
+    let Some(plan) = plan(arm, range, case)? else { return Ok(()) };
     planned.set(planned.get() + 1);
-    let own = plan.verification().expect("a plan is verified");
+    let own = plan.verification();
     prop_assert!(own.holds(TOLERANCE), "{:?}", own.worst());
     prop_assert!(own.checks().len() >= 31, "only {} limits were looked at", own.checks().len());
 
     // The same judge at another period: other moments, and cycles that do not divide the first ones.
     let period = case.period * 0.377;
-    let requirement = Requirement::new(plan.path(), &case.tool, &limits, case.chord, period);
-    let mut sampler = plan.sampler(arm, period).expect("a valid period");
-    let again = verify(arm, &requirement, plan.duration(), |t| sampler.at(t)).expect("on the path");
+    let limits = limits(range, case);
+    let requirement = Requirement {
+        arm,
+        path: plan.path(),
+        limits: &limits,
+        jerk_limited: true,
+        chord_tolerance: case.chord,
+        period,
+        sections: &[],
+        end_speeds: [0.0; 2],
+    };
+    let mut sampler = plan.setpoints(period).expect("a valid period");
+    let again = verify(&requirement, plan.duration(), &[], |t| sampler.at(t)).expect("on the path");
     for check in again.checks() {
         // Where curvature jumps, the step of the acceleration is spread over the period that was planned for.
-        let by_period = matches!(check.quantity, Quantity::JointJerk | Quantity::Continuity);
+        let by_period = matches!(check.quantity(), Quantity::JointJerk | Quantity::Continuity);
         let excused = case.tangent_only && by_period;
         prop_assert!(check.ratio <= 1.0 + TOLERANCE || excused, "at a period of {} s: {:?}", period, check);
     }
 
-    check_by_differences(arm, &plan, &limits, case)
+    check_by_differences(arm, &plan, case)
 }
 
 /// Few cases with a fixed seed, and no shrinking, which lets points coincide: that is another story; more and others by the variables `PROPTEST_CASES` and `PROPTEST_RNG_SEED`.

@@ -1,7 +1,7 @@
 //! Motion in both spaces under random operators: see `integration_tests::hybrid_scenario`. `examples/soak_hybrid.rs` plays as many as you like.
 
 use integration_tests::counting::Counting;
-use integration_tests::hybrid_scenario::Stage;
+use integration_tests::hybrid_scenario::{Stage, arms};
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
@@ -9,8 +9,9 @@ static ALLOCATOR: Counting = Counting;
 #[test]
 fn random_scenarios_keep_every_limit_and_end_where_they_should() {
     let (mut played, mut left) = (0, 0);
+    let arms = arms();
     for stage_seed in 0..12 {
-        let Some(stage) = Stage::random(stage_seed) else { continue };
+        let Some(stage) = Stage::random(&arms, stage_seed) else { continue };
         for seed in 5 * stage_seed..5 * stage_seed + 5 {
             match stage.play(seed, Counting::count) {
                 Ok(result) => {

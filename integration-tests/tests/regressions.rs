@@ -1,8 +1,10 @@
 //! Inputs that once went wrong, each a test by what went wrong.
 
+use std::sync::Arc;
+
 use arcfeed_geometry::{ArcLengthCurve, GeometryError, NurbsCurve, OrientationPath, PosePath};
-use arcfeed_interp::{Plan, PlanError, Planner, Requirement, ToolLimits, best_start, verify};
-use arcfeed_kinematics::{Joints, models};
+use arcfeed_interp::{Limits, MotionPath, PlanError, Planner, Requirement, ToolLimits, ToolPath, Trajectory, verify};
+use arcfeed_kinematics::{JointLimits, Joints, ParallelAxisArm, models};
 use nalgebra::{UnitQuaternion, Vector3, vector};
 
 /// Weights that the random search came up with.
@@ -23,23 +25,28 @@ const WEIGHTS: [f64; 14] = [
     0.6393585983797155,
 ];
 
-fn plan(curve: ArcLengthCurve<3>) -> Result<Plan, PlanError> {
-    let down = UnitQuaternion::from_euler_angles(std::f64::consts::PI, 0.0, 0.0);
-    let path = PosePath::new(curve, OrientationPath::Constant(down));
-    let arm = models::cr7();
-    let limits =
-        arm.range().with_rates(Joints::repeat(1.643), Joints::repeat(9.936), Joints::repeat(375.3)).expect("valid");
-    let tool = ToolLimits {
-        feed: 0.2105,
-        tangential_acceleration: 1.229,
-        tangential_jerk: 13.53,
-        normal_acceleration: 1.959,
-        normal_jerk: None,
-        angular_speed: None,
-    };
-    let start = best_start(&arm, &path, limits.lower(), limits.upper())?;
-    let planner = Planner::new(&arm, limits, tool)?.with_chord_tolerance(1.143e-5)?.with_period(7.602e-3)?;
-    planner.plan(path, &start)
+fn joints(arm: &ParallelAxisArm) -> JointLimits<6> {
+    arm.range().with_rates(Joints::repeat(1.643), Joints::repeat(9.936), Joints::repeat(375.3)).expect("valid")
+}
+
+fn tool([feed, tangential_acceleration, tangential_jerk, normal_acceleration]: [f64; 4]) -> ToolLimits {
+    ToolLimits::new()
+        .with_feed(feed)
+        .and_then(|t| t.with_tangential_acceleration(tangential_acceleration))
+        .and_then(|t| t.with_tangential_jerk(tangential_jerk))
+        .and_then(|t| t.with_normal_acceleration(normal_acceleration))
+        .expect("valid limits")
+}
+
+fn tool_down(curve: ArcLengthCurve<3>) -> PosePath {
+    PosePath::new(curve, OrientationPath::Constant(UnitQuaternion::from_euler_angles(std::f64::consts::PI, 0.0, 0.0)))
+}
+
+fn plan(arm: &ParallelAxisArm, curve: ArcLengthCurve<3>) -> Result<Trajectory<'_>, PlanError> {
+    let path = ToolPath::new(arm, tool_down(curve), arm.range())?;
+    let limits = Limits::new(joints(arm)).with_tool(tool([0.2105, 1.229, 13.53, 1.959]));
+    let planner = Planner::new(arm, limits).with_chord_tolerance(1.143e-5)?.with_period(7.602e-3)?;
+    planner.plan_shared(Arc::new(path))
 }
 
 /// Jumps of curvature and the third derivative together claimed more than all of a joint's jerk, which left a negative
@@ -68,9 +75,10 @@ fn many_jumps_of_curvature_leave_some_acceleration() {
     }
     let points = points.map(Vector3::from).to_vec();
     let curve = NurbsCurve::new(4, points, WEIGHTS.to_vec(), knots).expect("a valid curve");
-    let plan = plan(ArcLengthCurve::new(curve, 1e-15).expect("a curve of some length")).expect("it can be followed");
+    let (arm, curve) = (models::cr7(), ArcLengthCurve::new(curve, 1e-15).expect("a curve of some length"));
+    let plan = plan(&arm, curve).expect("it can be followed");
     assert_eq!(plan.stops().len(), 0);
-    assert!(plan.verification().expect("verified").holds(1e-6));
+    assert!(plan.verification().holds(1e-6));
 }
 
 /// A first span whose points coincide is a stand-still; the plan took 6e54 s, and the verification of so many samples
@@ -85,7 +93,7 @@ fn a_span_without_length_is_refused_and_not_planned_for_ever() {
     match curve.and_then(|curve| ArcLengthCurve::new(curve, 1e-15)) {
         Err(GeometryError::StandsStill { .. }) => {}
         Err(other) => panic!("another reason: {other}"),
-        Ok(curve) => match plan(curve) {
+        Ok(curve) => match plan(&models::cr7(), curve) {
             Err(_) => {}
             Ok(plan) => assert!(plan.duration() < 1e3, "a plan of {} s was let through", plan.duration()),
         },
@@ -96,22 +104,22 @@ fn a_span_without_length_is_refused_and_not_planned_for_ever() {
 #[test]
 fn an_endless_motion_is_not_verified() {
     let line = NurbsCurve::line(vector![0.4, 0.0, 0.2], vector![0.4, 0.01, 0.2]).expect("a line");
-    let plan = plan(ArcLengthCurve::new(line, 1e-15).expect("a line")).expect("in reach");
     let arm = models::cr7();
-    let limits =
-        arm.range().with_rates(Joints::repeat(1.643), Joints::repeat(9.936), Joints::repeat(375.3)).expect("valid");
-    let tool = ToolLimits {
-        feed: 1.0,
-        tangential_acceleration: 10.0,
-        tangential_jerk: 100.0,
-        normal_acceleration: 10.0,
-        normal_jerk: None,
-        angular_speed: None,
+    let plan = plan(&arm, ArcLengthCurve::new(line, 1e-15).expect("a line")).expect("in reach");
+    let limits = Limits::new(joints(&arm)).with_tool(tool([1.0, 10.0, 100.0, 10.0]));
+    let requirement = Requirement {
+        arm: &arm,
+        path: plan.path(),
+        limits: &limits,
+        jerk_limited: true,
+        chord_tolerance: 1e-5,
+        period: plan.period(),
+        sections: &[],
+        end_speeds: [0.0; 2],
     };
-    let requirement = Requirement::new(plan.path(), &tool, &limits, 1e-5, plan.period());
-    let mut sampler = plan.sampler(&arm, plan.period()).expect("a valid period");
+    let mut sampler = plan.setpoints(plan.period()).expect("a valid period");
     for duration in [f64::INFINITY, f64::NAN, 1e300, -1.0] {
-        let result = verify(&arm, &requirement, duration, |t| sampler.at(t));
+        let result = verify(&requirement, duration, &[], |t| sampler.at(t));
         assert!(!result.as_ref().is_ok_and(|v| v.holds(1e-6)), "{duration} s hold: {result:?}");
     }
 }
@@ -158,11 +166,7 @@ fn a_peak_between_the_samples_is_not_missed() {
         knots.extend(vec![next; if i == 5 { 5 } else { 1 }]);
     }
     let curve = NurbsCurve::new(4, points.map(Vector3::from).to_vec(), weights, knots).expect("a valid curve");
-    let down = UnitQuaternion::from_euler_angles(std::f64::consts::PI, 0.0, 0.0);
-    let path = PosePath::new(
-        ArcLengthCurve::new(curve, 1e-15).expect("a curve of some length"),
-        OrientationPath::Constant(down),
-    );
+    let path = tool_down(ArcLengthCurve::new(curve, 1e-15).expect("a curve of some length"));
     let arm = models::cr7();
     let limits = arm
         .range()
@@ -172,23 +176,25 @@ fn a_peak_between_the_samples_is_not_missed() {
             Joints::repeat(375.61177008562095),
         )
         .expect("valid");
-    let tool = ToolLimits {
-        feed: 0.21096931205794667,
-        tangential_acceleration: 2.4906292510949273,
-        tangential_jerk: 153.59805801344237,
-        normal_acceleration: 1.1559040291987546,
-        normal_jerk: Some(55.61613716602325),
-        angular_speed: None,
-    };
-    let start = best_start(&arm, &path, limits.lower(), limits.upper()).expect("in reach");
+    let tool = tool([0.21096931205794667, 2.4906292510949273, 153.59805801344237, 1.1559040291987546]);
+    let limits = Limits::new(limits).with_tool(tool.with_normal_jerk(55.61613716602325).expect("valid"));
+    let path = ToolPath::new(&arm, path, arm.range()).expect("in reach");
     let (chord_tolerance, period) = (8.757132687754506e-6, 0.004731580506084866);
-    let planner = Planner::new(&arm, limits, tool).and_then(|p| p.with_period(period)).expect("valid");
-    let planner = planner.with_chord_tolerance(chord_tolerance).expect("valid");
-    let plan = planner.plan(path, &start).expect("it can be followed");
+    let planner = Planner::new(&arm, limits).with_period(period).and_then(|p| p.with_chord_tolerance(chord_tolerance));
+    let plan = planner.expect("valid").plan(&path).expect("it can be followed");
     // Held against the same limits at a hundredth of the period.
-    let requirement = Requirement::new(plan.path(), &tool, &limits, chord_tolerance, 0.01 * period);
-    let mut sampler = plan.sampler(&arm, period).expect("a valid period");
-    let dense = verify(&arm, &requirement, plan.duration(), |t| sampler.at(t)).expect("on the path");
+    let requirement = Requirement {
+        arm: &arm,
+        path: &path,
+        limits: &limits,
+        jerk_limited: true,
+        chord_tolerance,
+        period: 0.01 * period,
+        sections: &[],
+        end_speeds: [0.0; 2],
+    };
+    let mut sampler = plan.setpoints(period).expect("a valid period");
+    let dense = verify(&requirement, plan.duration(), &[], |t| sampler.at(t)).expect("on the path");
     assert!(dense.holds(1e-6), "{:?}", dense.worst());
 }
 
@@ -223,10 +229,8 @@ fn a_winding_path_is_followed_from_its_start() {
     knots.extend((1..597).map(f64::from));
     knots.extend([597.0; 4]);
     let curve = NurbsCurve::bspline(3, points, knots).expect("a valid curve");
-    let down = UnitQuaternion::from_euler_angles(std::f64::consts::PI, 0.0, 0.0);
-    let path =
-        PosePath::new(ArcLengthCurve::new(curve, 1e-15).expect("of some length"), OrientationPath::Constant(down));
+    let path = tool_down(ArcLengthCurve::new(curve, 1e-15).expect("of some length"));
     let arm = models::cr7();
-    let start = best_start(&arm, &path, arm.range().lower(), arm.range().upper()).expect("well inside the reach");
+    let start = ToolPath::new(&arm, path, arm.range()).expect("well inside the reach").start();
     assert!(arm.range().contains(&start));
 }

@@ -3,9 +3,9 @@
 
 use std::path::Path;
 
-use arcfeed_interp::{PlanError, best_start};
+use arcfeed_interp::{LimitError, MotionPath, PlanError, ToolPath};
 use integration_tests::tight_bends::{Outcome, TightBend};
-use robot_cr7::{Cr7Error, Job, PathFile, Robot, Task, plan};
+use robot_cr7::{Cr7Error, Job, PathFile, Robot, Task};
 
 fn read(path: &str, job: &str) -> (Job, PathFile) {
     let job = Job::from_bytes(job.as_bytes(), Path::new("job.toml")).expect("a valid job");
@@ -16,9 +16,10 @@ fn read(path: &str, job: &str) -> (Job, PathFile) {
 #[test]
 fn a_bend_between_two_grid_points_is_seen() {
     let (job, file) = read(include_str!("data/near_cusp.json"), include_str!("data/near_cusp.toml"));
-    let motion = plan(&job, &file).expect("it can be followed");
-    let plan = motion.plan();
-    assert!(plan.verification().expect("verified").holds(1e-6));
+    let task = Task::of_cr7(&job, &file).expect("in reach");
+    let motion = task.plan().expect("it can be followed");
+    let plan = motion.trajectory();
+    assert!(plan.verification().holds(1e-6));
     let bend = 0.812_552;
     let near = plan.joint_path().nodes().iter().filter(|node| (node.s - bend).abs() < 3e-5).count();
     assert!(near >= 8, "{near} grid points within two radii of the bend");
@@ -32,9 +33,12 @@ fn corners_a_hundredth_of_a_nanometre_apart_can_be_planned() -> Result<(), Cr7Er
     let robot = Robot::load("puma560", None, None)?;
     let (limits, _) = robot.limits::<6>(&job.joints)?;
     let arm = robot.arm::<6>(job.tool).map_err(Cr7Error::from)?;
-    let start = |path: &_| best_start(&arm, path, limits.lower(), limits.upper()).map(|start| (arm, start));
-    let motion = Task::new(&job, &file, &limits, None, start)?.plan()?;
-    assert!(motion.plan().verification().expect("verified").holds(1e-6));
+    let start = |path: &arcfeed_geometry::PosePath| {
+        let start = ToolPath::new(&arm, path.clone(), limits.range())?.start();
+        Ok((arm, start))
+    };
+    let task = Task::new(&job, &file, &limits, None, start)?;
+    assert!(task.plan()?.trajectory().verification().holds(1e-6));
     Ok(())
 }
 
@@ -46,7 +50,8 @@ fn a_feed_out_of_reach_changes_nothing() {
     let at = |feed: f64| {
         let mut job = Job::default();
         job.feed.feed = feed;
-        plan(&job, &file).expect("it can be followed").plan().duration()
+        let task = Task::of_cr7(&job, &file).expect("in reach");
+        task.plan().expect("it can be followed").trajectory().duration()
     };
     let high = at(10.0);
     for feed in [1e9, 1e12, 1e100, 1e300] {
@@ -58,7 +63,7 @@ fn a_feed_out_of_reach_changes_nothing() {
 #[test]
 fn a_motion_that_is_too_long_names_the_key() {
     let file = robot_cr7::butterfly().expect("embedded");
-    let error = |job: Job| plan(&job, &file).expect_err("too long");
+    let error = |job: Job| Task::of_cr7(&job, &file).expect("in reach").plan().expect_err("too long");
     let mut slow = Job::default();
     slow.feed.feed = 1e-7;
     let mut lazy = Job::default();
@@ -66,7 +71,10 @@ fn a_motion_that_is_too_long_names_the_key() {
     for (job, key) in [(slow, "feed.feed_mm_s"), (lazy, "feed.tangential_acceleration_mm_s2")] {
         let error = error(job);
         let Cr7Error::Plan { source, .. } = &error else { panic!("{error}") };
-        assert!(matches!(**source, PlanError::TooLong { longest, .. } if longest == 5000.0), "{error}");
+        assert!(
+            matches!(**source, PlanError::Limit(LimitError::TooLong { longest, .. }) if longest == 5000.0),
+            "{error}"
+        );
         assert!(error.to_string().contains(key), "{error}");
     }
 }

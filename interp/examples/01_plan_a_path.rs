@@ -3,7 +3,7 @@
 //! `cargo run -p arcfeed-interp --example 01_plan_a_path`
 
 use arcfeed_geometry::{ArcLengthCurve, NurbsCurve, OrientationPath, PosePath};
-use arcfeed_interp::{Planner, ToolLimits, best_start};
+use arcfeed_interp::{Limits, MotionPath, Planner, ToolLimits, ToolPath};
 use arcfeed_kinematics::{Joints, models};
 use nalgebra::{UnitQuaternion, Vector3, vector};
 
@@ -20,25 +20,19 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let arm = models::ur5e();
     let limits = arm.range().with_rates(Joints::repeat(3.1), Joints::repeat(8.0), Joints::repeat(80.0))?;
-    let tool = ToolLimits {
-        feed: 0.25,
-        tangential_acceleration: 1.5,
-        tangential_jerk: 30.0,
-        normal_acceleration: 1.5,
-        normal_jerk: None,
-        angular_speed: None,
-    };
-    let start = best_start(&arm, &path, limits.lower(), limits.upper())?;
-    let plan = Planner::new(&arm, limits, tool)?.plan(path, &start)?;
+    let tool = ToolLimits::new()
+        .with_feed(0.25)?
+        .with_tangential_acceleration(1.5)?
+        .with_tangential_jerk(30.0)?
+        .with_normal_acceleration(1.5)?;
+    let path = ToolPath::new(&arm, path, arm.range())?;
+    let plan = Planner::new(&arm, Limits::new(limits).with_tool(tool)).plan(&path)?;
 
-    println!("{:.1} mm in {:.3} s, verified:", plan.path().length() * 1e3, plan.duration());
-    if let Some(verification) = plan.verification() {
-        for check in verification.checks().iter().filter(|c| c.ratio > 0.5) {
-            let joint = check.joint.map_or(String::new(), |j| format!(" of joint {}", j + 1));
-            println!("  {}{joint}: {:.1} % at s = {:.1} mm", check.quantity.name(), 100.0 * check.ratio, check.s * 1e3);
-        }
+    println!("{:.1} mm in {:.3} s, verified:", path.length() * 1e3, plan.duration());
+    for check in plan.verification().checks().iter().filter(|c| c.ratio > 0.5) {
+        println!("  {}: {:.1} % at s = {:.1} mm", check.id, 100.0 * check.ratio, check.s * 1e3);
     }
-    for setpoint in plan.sampler(&arm, 0.2)? {
+    for setpoint in plan.setpoints(0.2)? {
         let p = setpoint?;
         println!(
             "  t {:.1} s  feed {:6.1} mm/s  q {:?}",

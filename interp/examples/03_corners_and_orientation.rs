@@ -3,7 +3,7 @@
 //! `cargo run -p arcfeed-interp --example 03_corners_and_orientation`
 
 use arcfeed_geometry::{ArcLengthCurve, NurbsCurve, OrientationPath, PosePath};
-use arcfeed_interp::{Planner, ToolLimits, best_start};
+use arcfeed_interp::{Limits, MotionPath, Planner, ToolLimits, ToolPath};
 use arcfeed_kinematics::{Joints, models};
 use nalgebra::{UnitQuaternion, Vector3, vector};
 
@@ -22,19 +22,16 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let arm = models::cr7();
     let limits = arm.range().with_rates(Joints::repeat(3.1), Joints::repeat(10.0), Joints::repeat(100.0))?;
-    let tool = ToolLimits {
-        feed: 0.2,
-        tangential_acceleration: 2.0,
-        tangential_jerk: 40.0,
-        normal_acceleration: 2.0,
-        normal_jerk: None,
-        angular_speed: None,
-    };
-    let start = best_start(&arm, &path, limits.lower(), limits.upper())?;
-    let plan = Planner::new(&arm, limits, tool)?.plan(path, &start)?;
-    println!("{:.1} mm in {:.3} s", plan.path().length() * 1e3, plan.duration());
+    let tool = ToolLimits::new()
+        .with_feed(0.2)?
+        .with_tangential_acceleration(2.0)?
+        .with_tangential_jerk(40.0)?
+        .with_normal_acceleration(2.0)?;
+    let path = ToolPath::new(&arm, path, arm.range())?;
+    let plan = Planner::new(&arm, Limits::new(limits).with_tool(tool)).plan(&path)?;
+    println!("{:.1} mm in {:.3} s", path.length() * 1e3, plan.duration());
     for s in plan.stops() {
-        println!("  stops at the corner s = {:.1} mm (speed there {} mm/s)", s * 1e3, plan.speed().v_at_s(s) * 1e3);
+        println!("  stops at the corner s = {:.1} mm (speed there {} mm/s)", s * 1e3, plan.law().v_at_s(s) * 1e3);
     }
     Ok(())
 }

@@ -4,7 +4,8 @@
 
 use arcfeed_geometry::{ArcLengthCurve, NurbsCurve, OrientationPath, PosePath};
 use arcfeed_interp::{
-    Command, Excursion, HybridMotion, HybridState, LeaveBy, Planner, SingularityPolicy, ToolLimits, best_start,
+    Command, Excursion, HybridMotion, HybridState, LeaveBy, Limits, MotionPath, Planner, SingularityPolicy, ToolLimits,
+    ToolPath,
 };
 use arcfeed_kinematics::{Joints, models};
 use nalgebra::{UnitQuaternion, Vector3, vector};
@@ -26,17 +27,16 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let arm = models::cr7();
     let limits = arm.range().with_rates(Joints::repeat(3.1), Joints::repeat(10.0), Joints::repeat(100.0))?;
-    let tool = ToolLimits {
-        feed: 0.15, // the highest that any override leads to
-        tangential_acceleration: 1.0,
-        tangential_jerk: 20.0,
-        normal_acceleration: 1.0,
-        normal_jerk: None,
-        angular_speed: None,
-    };
-    let start = best_start(&arm, &path, limits.lower(), limits.upper())?;
-    let route = Planner::new(&arm, limits, tool)?.route(path, &start, SingularityPolicy::GoRound { stall: 0.05 })?;
-    let mut motion = HybridMotion::along(&arm, &route, 0.1)?;
+    let tool = ToolLimits::new()
+        .with_feed(0.15)? // the highest that any override leads to
+        .with_tangential_acceleration(1.0)?
+        .with_tangential_jerk(20.0)?
+        .with_normal_acceleration(1.0)?;
+    let path = ToolPath::new(&arm, path, arm.range())?;
+    let start = path.start();
+    let planner = Planner::new(&arm, Limits::new(limits).with_tool(tool));
+    let route = planner.route(&arm, path, SingularityPolicy::GoRound { stall: 0.05 })?;
+    let mut motion = HybridMotion::along(&route, 0.1)?;
 
     let beside = start + Joints::from([0.4, 0.0, 0.0, 0.0, 0.0, 0.0]);
     let park = Excursion::new(&[beside, Joints::from([0.8, 0.2, 1.2, 0.2, -1.5, 0.0])], LeaveBy::AtOnce)?;

@@ -3,7 +3,7 @@
 //! `cargo run -p arcfeed-interp --example 04_pose_to_pose`
 
 use arcfeed_geometry::PoseMotion;
-use arcfeed_interp::{ArmMotion, ScheduleLimits, Scheduler, SpeedPlanner};
+use arcfeed_interp::{Limits, Method, Planner, PoseMove, ToolLimits};
 use arcfeed_kinematics::{ForwardKinematics, Inertial, Joints, models};
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 
@@ -21,30 +21,20 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // The links are known, so torques can be limited; the flange carries 4 kg.
     let load = Inertial::new(4.0, Vector3::new(0.0, 0.0, 0.08), Matrix3::identity() * 0.01)?;
     let dynamics = arm.dynamics().ok_or("its links are known")?.with_payload(load)?;
-    let limits = ScheduleLimits {
-        velocity: Some(Joints::repeat(2.5)),
-        acceleration: Some(Joints::repeat(15.0)),
-        jerk: Some(Joints::repeat(300.0)),
-        torque: Some(Joints::from([60.0, 90.0, 50.0, 12.0, 12.0, 8.0])),
-        linear_speed: Some(1.0),
-        ..ScheduleLimits::default()
-    };
-    let path = ArmMotion::from_best_start(&arm, motion, arm.range())?;
-    let scheduler = Scheduler::new(&arm, limits)?.with_dynamics(&dynamics);
-    for planner in
-        [SpeedPlanner::BothEnds, SpeedPlanner::Reachability, SpeedPlanner::Certified, SpeedPlanner::JerkLimited]
+    let rates = [2.5, 15.0, 300.0].map(Joints::repeat);
+    let limits = Limits::new(arm.range().with_rates(rates[0], rates[1], rates[2])?)
+        .with_torque(&dynamics, Joints::from([60.0, 90.0, 50.0, 12.0, 12.0, 8.0]))?
+        .with_tool(ToolLimits::new().with_feed(1.0)?);
+    let path = PoseMove::new(&arm, motion, arm.range())?;
+    let planner = Planner::new(&arm, limits);
+    for method in [Method::ForwardBackward, Method::Reachability, Method::InterpolatedReachability, Method::JerkLimited]
     {
-        let schedule = scheduler.plan(&path, planner)?;
-        let check = schedule.check(20)?;
-        println!(
-            "\n{}: {:.4} s, at most {:.4} % of a limit",
-            planner.name(),
-            schedule.duration(),
-            100.0 * check.worst_ratio()
-        );
-        for binding in &check.bindings {
+        let plan = planner.clone().with_method(method).plan(&path)?;
+        let check = plan.verification();
+        println!("\n{method}: {:.4} s, at most {:.4} % of a limit", plan.duration(), 100.0 * check.worst().ratio);
+        for binding in check.bindings() {
             let places: Vec<String> = binding.intervals.iter().map(|(a, b)| format!("{a:.3}..{b:.3}")).collect();
-            println!("  {:<26}{}", binding.source.to_string(), places.join(" "));
+            println!("  {:<26}{}", binding.id.to_string(), places.join(" "));
         }
     }
     Ok(())

@@ -23,7 +23,7 @@ pub trait PathArm<const N: usize>: ForwardKinematics<N> + InverseKinematics<N> {
     fn derivatives(&self, q: &Joints<N>, tool: &ToolDerivatives) -> Result<JointDerivatives<N>, KinematicsError>;
 }
 
-impl<A: ForwardKinematics<6> + InverseKinematics<6> + ?Sized> PathArm<6> for A {
+impl<A: ForwardKinematics<6> + InverseKinematics<6>> PathArm<6> for A {
     #[inline]
     fn derivatives(&self, q: &Joints<6>, tool: &ToolDerivatives) -> Result<JointDerivatives<6>, KinematicsError> {
         joint_derivatives(self, q, tool, MIN_SINGULAR_VALUE)

@@ -1,8 +1,21 @@
-//! Shape, speed and arm together: from a tool path to a verified, sampled joint trajectory.
+//! Shape, speed and arm together: from a path to a verified, sampled joint trajectory.
 //!
-//! A tool path is a [`PosePath`](arcfeed_geometry::PosePath): pose by arc length `s`. Through the inverse kinematics it
-//! becomes a [`JointPath`], `q(s)` with three derivatives, and every limit of tool and joints becomes a bound on the
-//! motion `s(t)`:
+//! # From path to setpoints
+//! ```text
+//! MotionPath      s -> q, q', q'', q''' and, where there is one, the pose of the tool:
+//!   |             ToolPath, PoseMove, JointSpline, or a type of your own
+//! PathProblem     the path on a grid, every limit stated once: as a row, as a bound over an interval, as a cap for live motion
+//!   |
+//! FeedPlanner     any planner of the feedrate crate: rows in, SpeedLaw out; Method names those that Planner uses
+//!   |
+//! SpeedLaw        s(t)
+//!   |
+//! Trajectory      path, law and arm; verified before it is returned
+//!   |
+//! Setpoint        joint position, velocity, acceleration, jerk, and the pose of the tool
+//! ```
+//!
+//! At a place with joint derivatives `q', q'', q'''` and tool curvature `kappa` a motion `(v, a, j)` along the path means
 //!
 //! ```text
 //! joint velocity      q' v                              v = ds/dt
@@ -14,74 +27,54 @@
 //! chord error         of the curve between two control cycles, v T apart
 //! ```
 //!
-//! The [`Planner`] hands these to a planner of the feedrate crate ([`Scan`]) as rows on a grid and bounds between its points, and
-//! holds the result against the limits themselves with [`verify`], which knows nothing of either. A [`Plan`] that comes out of [`Planner::plan`] has passed; its [`Sampler`] yields setpoints for a
-//! controller.
+//! The [`Planner`] states these as rows and holds the result against the limits themselves with [`verify`], which knows nothing of
+//! rows or planners. A [`Trajectory`] that comes out has passed.
 //!
-//! | room | holds |
+//! | folder | holds |
 //! |---|---|
-//! | `arm` | what is asked of an arm: [`PathArm`] |
-//! | `locked` | arms of seven joints: [`LockedArm`] |
-//! | `joint_path` | joint values and derivatives along the path, branch by continuity, best start |
-//! | `grid`, `derivative_bounds` | where along the path limits are looked at, and how large its derivatives are between |
-//! | `sections` | programmed feed per section of the path: [`FeedSection`] |
-//! | `torque` | torque limits along the path: [`TorqueLimits`] |
-//! | `path_problem` | all limits as rows and bounds, for the planners of the feedrate crate |
-//! | `planner`, `plan` | the way from path to verified plan, and what came out |
-//! | `schedule` | from pose to pose and through joint way-points, torque included: [`Scheduler`] |
-//! | `sampler`, `trajectory` | setpoints at the control period, without allocation |
-//! | `verify` | the independent check |
-//! | `live_path`, `hybrid` | motion that is changed, left and resumed while it runs: [`LivePath`], [`HybridMotion`] |
-//! | `singular` | stretches of a path near singular poses: slowed down, gone round or refused |
-//! | `drive` | simulated drives behind their setpoints: [`DriveLag`] |
+//! | `path` | [`MotionPath`] and its three kinds, the choice of a configuration, the walk by continuity |
+//! | `limits` | [`Limits`], [`ToolLimits`], [`TorqueLimits`], [`FeedSection`] |
+//! | `problem` | [`PathProblem`]: grid, bounds, torque |
+//! | `planner`, `method`, `trajectory` | [`Planner`], [`Method`], [`Trajectory`] |
+//! | `verify` | [`Verification`]: the independent check |
+//! | `live` | motion that is changed, left and resumed while it runs: [`LivePath`], [`HybridMotion`] |
 //! | [`parameter`] | Taylor steps, closed-loop steps and the arc-length map behind one trait |
+//! | `error` | [`PlanError`], split by what a caller can do |
 //!
-//! Units: m, rad, s. Poses: tool in base. The arm is any [`PathArm`]: of six joints, anything with
+//! Units: m, rad, s. Poses: tool in base. The arm of a tool path or a pose move is any [`PathArm`]: of six joints, anything with
 //! [`ForwardKinematics`](arcfeed_kinematics::ForwardKinematics) and
-//! [`InverseKinematics`](arcfeed_kinematics::InverseKinematics).
+//! [`InverseKinematics`](arcfeed_kinematics::InverseKinematics); of seven, a [`LockedArm`].
 #![forbid(unsafe_code)]
 
 mod arm;
-mod derivative_bounds;
-mod drive;
+mod diagnosis;
 mod error;
-mod grid;
-mod hybrid;
-mod joint_path;
 mod limits;
-mod live_path;
-mod locked;
+mod live;
+mod method;
 pub mod parameter;
-mod path_problem;
-mod plan;
+mod path;
+mod place;
 mod planner;
-mod sampler;
-mod schedule;
-mod sections;
-mod singular;
-mod torque;
+mod problem;
+mod setpoint;
 mod trajectory;
 mod verify;
-mod withheld;
 
+pub use arcfeed_feedrate::{Quantity, RowSource};
 pub use arm::{MIN_SINGULAR_VALUE, PathArm};
-pub use drive::DriveLag;
-pub use error::{Infeasibility, PlanError};
-pub use hybrid::{Command, Excursion, HybridError, HybridMotion, HybridState, HybridStep, LeaveBy, MAX_POINTS};
-pub use joint_path::{JointJet, JointPath, best_start, joint_jet};
-pub use limits::ToolLimits;
-pub use live_path::LivePath;
-pub use locked::LockedArm;
-pub use plan::{MadeBy, Method, Plan, Timings};
-pub use planner::{Planner, Scan};
-pub use sampler::Sampler;
-pub use schedule::{
-    ArmMotion, Binding, JointSpline, LimitPoint, LimitUse, RowsNeeded, Schedule, ScheduleCheck, ScheduleLimits,
-    ScheduleParameter, SchedulePath, ScheduleSampler, Scheduler, SpeedPlanner,
+pub use error::{Cause, Infeasibility, LimitError, PathEnd, PathError, PlanError, SpeedError};
+pub use limits::{Extent, FeedSection, Limits, Section, ToolLimits, TorqueLimits};
+pub use live::{
+    Command, Detour, DriveLag, Excursion, HybridError, HybridMotion, HybridState, HybridStep, LeaveBy, LiveError,
+    LivePath, LiveRoute, MAX_POINTS, SingularInterval, SingularityKind, SingularityPolicy,
 };
-pub use sections::{Extent, FeedSection, Section};
-pub use singular::{Detour, LiveRoute, SingularityPolicy, Stretch, Trouble};
-pub use torque::TorqueLimits;
-pub use trajectory::Setpoint;
-pub use verify::{Check, Quantity, Requirement, Verification, verify};
-pub use withheld::Cause;
+pub use method::Method;
+pub use nalgebra;
+pub use path::{JointJet, JointPath, JointSpline, LockedArm, MotionPath, PoseMove, ToolPath};
+pub use place::{PathParameter, PathPlace};
+pub use planner::Planner;
+pub use problem::{PathProblem, RowsNeeded};
+pub use setpoint::Setpoint;
+pub use trajectory::{LimitPoint, PlanInfo, Setpoints, Timings, Trajectory};
+pub use verify::{Binding, Check, Requirement, Verification, verify};

@@ -1,374 +1,401 @@
-//! From a tool path to a verified plan.
+//! From a path to a verified trajectory.
 
-use std::time::Instant;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
 
-use arcfeed_feedrate::{
-    ContinuousAccelerationScan, Fallback, FeedError, FeedPlanner, FeedProblem, JerkLimitedOrScan, PerSegmentScan,
-    SpeedLaw,
-};
-use arcfeed_geometry::{PosePath, SegmentationMethod};
-use arcfeed_kinematics::{Dynamics, JointLimits, Joints};
+use arcfeed_feedrate::{ChosenLaw, FeedError, Quantity, RowSource, SpeedLaw};
+use arcfeed_kinematics::ForwardKinematics;
 
-use crate::arm::PathArm;
-use crate::error::PlanError;
-use crate::grid;
-use crate::joint_path::JointPath;
-use crate::limits::{ToolLimits, positive};
-use crate::path_problem::{PathLimits, PathProblem};
-use crate::plan::{MadeBy, Method, Plan, Timings};
-use crate::sections::{self, FeedSection, Feeds};
-use crate::torque::TorqueLimits;
-use crate::verify::{Requirement, Verification};
-use crate::withheld;
+use crate::diagnosis;
+use crate::error::{LimitError, PlanError, positive};
+use crate::limits::{FeedSection, Limits};
+use crate::method::Method;
+use crate::path::MotionPath;
+use crate::problem::{Held, LimitFractions, PathProblem, RowsNeeded, Settings};
+use crate::trajectory::{PlanInfo, Timings, Trajectory};
+use crate::verify::{Requirement, Verification, verify};
 
-/// Directions that turn by less than this at a knot (rad) count as smooth.
-pub(crate) const CORNER: f64 = 1e-6;
 /// By how much a limit may seem to be exceeded in verification through rounding.
-const VERIFY_TOLERANCE: f64 = 1e-6;
+const TOLERANCE: f64 = 1e-6;
 /// A motion has at most this many setpoints: 1.4 hours at 1 ms, some 1.5 GB for whoever collects them all.
 const MOST_SETPOINTS: f64 = 5e6;
-/// What a joint's jerk means at the tool, m/rad, times the part of it that is left for a step of acceleration: a low estimate.
-const STEP: f64 = 0.03;
-/// How often a plan that fails its verification is planned again with tighter bounds.
-const ROUNDS: usize = 4;
+/// Rounds of planning until the verification passes.
+const ROUNDS: usize = 12;
+/// A limit that is exceeded by more than this, relative to it, asks for a finer grid; by less, for less of the limit.
+const COARSE: f64 = 1e-4;
+/// A finer grid has this many times the intervals, and no more than that many.
+const FINER: usize = 4;
+const FINEST: usize = 4_000;
+/// By how much more all limits are lowered than the worst was exceeded, and by what at the most in one round.
+const SLOWER: f64 = 0.999;
+const MOST_SLOWER: f64 = 1.5;
+/// By how much more a limit is lowered than it was exceeded.
+const MARGIN: f64 = 2e-7;
+/// Intervals of a grid of equal steps unless set otherwise.
+const INTERVALS: usize = 500;
+/// The most intervals that are taken: a million points of six joints fill a gigabyte.
+const MOST_INTERVALS: usize = 1_000_000;
+/// Another attempt of a planner that did not converge does not take a finer grid than this.
+const MOST_AGAIN: usize = 8000;
 
-/// How the speed is scanned along the path.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Scan {
-    /// The least time under all limits at once, by an interior-point method: the default. Where the joints' accelerations
-    /// have to step (the curvature of the path jumps, or the turning of the tool) [`Scan::Joined`] is used.
-    JerkLimited,
-    /// One jerk-limited profile between the speed minima, each limit shared out between speed, acceleration and jerk
-    /// by fixed parts: a third of the computing time, a longer motion.
-    Joined,
-    /// One S-profile per segment with zero acceleration at each boundary (Liu et al. 2023, algorithm 2), looking
-    /// `window` segments ahead, or to the end of the path.
-    PerSegment {
-        /// Look-ahead in segments; `None` for the whole path.
-        window: Option<usize>,
-    },
-}
-
-/// Plans motions of one arm along tool paths.
+/// Plans motions of one arm along paths of any kind.
 ///
-/// ```no_run
-/// # fn example(path: arcfeed_geometry::PosePath) -> Result<(), Box<dyn std::error::Error>> {
-/// use arcfeed_interp::{Planner, ToolLimits, best_start};
+/// ```
+/// use arcfeed_interp::{JointSpline, Limits, Planner};
 /// use arcfeed_kinematics::{Joints, models};
 ///
 /// let arm = models::ur5e();
-/// let limits = arm.range().with_rates(Joints::repeat(3.0), Joints::repeat(10.0), Joints::repeat(100.0))?;
-/// let tool = ToolLimits {
-///     feed: 0.1,
-///     tangential_acceleration: 1.0,
-///     tangential_jerk: 20.0,
-///     normal_acceleration: 1.0,
-///     normal_jerk: None,
-///     angular_speed: None,
-/// };
-/// let planner = Planner::new(&arm, limits, tool)?;
-/// let start = best_start(&arm, &path, limits.lower(), limits.upper())?;
-/// let plan = planner.plan(path, &start)?;
-/// for setpoint in plan.sampler(&arm, 1e-3)? {
-///     let q = setpoint?.q;
-///     // send q to the controller
+/// let joints = arm.range().with_rates(Joints::repeat(3.0), Joints::repeat(10.0), Joints::repeat(100.0))?;
+/// let path = JointSpline::through(&[Joints::repeat(0.0), Joints::repeat(0.5), Joints::repeat(-0.2)])?;
+/// let trajectory = Planner::new(&arm, Limits::new(joints)).plan(&path)?;
+/// for setpoint in trajectory.setpoints(1e-3)? {
+///     let q = setpoint?.q; // rad, for the controller
+/// #   assert!(q.iter().all(|q| q.is_finite()));
 /// }
-/// # Ok(()) }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+///
+/// A curve of the tool ([`ToolPath`](crate::ToolPath)) and a motion between poses ([`PoseMove`](crate::PoseMove)) are planned by
+/// the same call, with limits of the tool and of the drives where they are set. Every trajectory that is returned was verified on
+/// dense samples and keeps every limit.
 #[derive(Debug, Clone)]
-pub struct Planner<'a, A: ?Sized, const N: usize = 6> {
-    pub(crate) arm: &'a A,
-    pub(crate) joints: JointLimits<N>,
-    pub(crate) tool: ToolLimits,
-    pub(crate) torque: Option<TorqueLimits<'a, N>>,
-    pub(crate) sections: Vec<FeedSection>,
-    /// Speeds at the start and at the end, m/s.
-    pub(crate) ends: [f64; 2],
-    pub(crate) chord_tolerance: f64,
-    pub(crate) period: f64,
-    scan: Scan,
+pub struct Planner<'a, const N: usize = 6> {
+    settings: Settings<'a, N>,
+    method: Method,
 }
 
-impl<'a, A, const N: usize> Planner<'a, A, N>
-where
-    A: PathArm<N> + ?Sized,
-{
-    /// A planner for `arm` under limits of its joints and of the tool, from rest to rest, with a chord tolerance of 1 um, a
-    /// control period of 1 ms and the jerk-limited planner.
-    ///
-    /// # Errors
-    /// When a limit is not a finite number above 0.
-    pub fn new(arm: &'a A, joints: JointLimits<N>, tool: ToolLimits) -> Result<Self, PlanError> {
-        tool.check()?;
-        Ok(Self {
+impl<'a, const N: usize> Planner<'a, N> {
+    /// A planner for `arm` under `limits`, from rest to rest, with a chord tolerance of 1 um, a control period of 1 ms, 500 intervals
+    /// where no curve of the tool says how many there have to be, and the jerk-limited planner.
+    pub fn new(arm: &'a dyn ForwardKinematics<N>, limits: Limits<'a, N>) -> Self {
+        let settings = Settings {
             arm,
-            joints,
-            tool,
-            torque: None,
+            limits,
             sections: Vec::new(),
             ends: [0.0; 2],
             chord_tolerance: 1e-6,
             period: 1e-3,
-            scan: Scan::JerkLimited,
-        })
+            intervals: INTERVALS,
+        };
+        Self { settings, method: Method::JerkLimited }
     }
 
     /// Sets the chord tolerance, m: how far the straight line between two setpoints, and the chord of a segment, may lie
     /// from the path.
     ///
     /// # Errors
-    /// When it is not a finite number above 0.
-    pub fn with_chord_tolerance(mut self, tolerance: f64) -> Result<Self, PlanError> {
-        positive("chord tolerance", tolerance)?;
-        self.chord_tolerance = tolerance;
+    /// [`LimitError::NotPositive`].
+    pub fn with_chord_tolerance(mut self, tolerance: f64) -> Result<Self, LimitError> {
+        self.settings.chord_tolerance = positive("chord tolerance", tolerance)?;
         Ok(self)
     }
 
     /// Sets the control period, s.
     ///
     /// # Errors
-    /// When it is not a finite number above 0.
-    pub fn with_period(mut self, period: f64) -> Result<Self, PlanError> {
-        positive("control period", period)?;
-        self.period = period;
+    /// [`LimitError::NotPositive`].
+    pub fn with_period(mut self, period: f64) -> Result<Self, LimitError> {
+        self.settings.period = positive("control period", period)?;
         Ok(self)
     }
 
-    /// Sets the way the speed is scanned.
-    pub fn with_scan(mut self, scan: Scan) -> Self {
-        self.scan = scan;
+    /// Sets the planner of the speed.
+    pub fn with_method(mut self, method: Method) -> Self {
+        self.method = method;
         self
     }
 
-    /// Adds torque limits: the drives give at most `torque` (N m, either sign; infinite means no limit), and `dynamics` says
-    /// what a motion takes, payload and friction included.
-    ///
-    /// ```
-    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-    /// use arcfeed_interp::{Planner, ToolLimits};
-    /// use arcfeed_kinematics::{Joints, models};
-    ///
-    /// let robot = models::description("ur5e").ok_or("built in")?.build::<6>()?;
-    /// let (Some(limits), Some(dynamics), Some(torque)) =
-    ///     (robot.range().with_rates(Joints::repeat(3.0), Joints::repeat(10.0), Joints::repeat(100.0)).ok(), robot.dynamics(), robot.drive_limits().torque)
-    /// else {
-    ///     return Err("not known".into());
-    /// };
-    /// let tool = ToolLimits {
-    ///     feed: 0.1,
-    ///     tangential_acceleration: 1.0,
-    ///     tangential_jerk: 20.0,
-    ///     normal_acceleration: 1.0,
-    ///     normal_jerk: None,
-    ///     angular_speed: None,
-    /// };
-    /// let planner = Planner::new(&robot, limits, tool)?.with_dynamics(dynamics, torque)?;
-    /// # let _ = planner; Ok(()) }
-    /// ```
+    /// Sets about how many intervals the grid has on paths without a curve of the tool; the knots of a spline are among its points.
     ///
     /// # Errors
-    /// When a torque is not above 0.
-    pub fn with_dynamics(mut self, dynamics: &'a dyn Dynamics<N>, torque: Joints<N>) -> Result<Self, PlanError> {
-        self.torque = Some(TorqueLimits::new(dynamics, torque)?);
+    /// [`LimitError::Intervals`].
+    pub fn with_intervals(mut self, intervals: usize) -> Result<Self, LimitError> {
+        if !(4..=MOST_INTERVALS).contains(&intervals) {
+            return Err(LimitError::Intervals { intervals, most: MOST_INTERVALS });
+        }
+        self.settings.intervals = intervals;
         Ok(self)
     }
 
-    /// Gives parts of the path a feed of their own; they must not overlap. Whether they lie on the path shows when it is planned.
+    /// Gives parts of a curve of the tool a feed of their own; they must not overlap. Whether they lie on the path shows when it is
+    /// planned.
     pub fn with_sections(mut self, sections: Vec<FeedSection>) -> Self {
-        self.sections = sections;
+        self.settings.sections = sections;
         self
     }
 
-    /// Sets the speeds along the path at its start and at its end, m/s, both with no tangential acceleration; 0 is rest.
+    /// Sets the speeds along the path at its start and at its end, units of its parameter per s, both with no acceleration along it;
+    /// 0 is rest.
     ///
     /// # Errors
-    /// [`PlanError::Feed`] for a number that is negative or not finite.
+    /// [`PlanError::Speed`] for a number that is negative or not finite.
     pub fn with_end_speeds(mut self, v_start: f64, v_end: f64) -> Result<Self, PlanError> {
         for (what, value) in [("start speed", v_start), ("end speed", v_end)] {
-            if !value.is_finite() {
-                return Err(FeedError::NotFinite { what, value }.into());
-            }
-            if value < 0.0 {
-                return Err(FeedError::Negative { what, value }.into());
-            }
+            let wrong = match value {
+                v if !v.is_finite() => FeedError::NotFinite { what, value },
+                v if v < 0.0 => FeedError::Negative { what, value },
+                _ => continue,
+            };
+            return Err(PlanError::Speed(wrong.into()));
         }
-        self.ends = [v_start, v_end];
+        self.settings.ends = [v_start, v_end];
         Ok(self)
     }
 
-    /// Plans the motion along `path`, starting from the solution of the inverse nearest to `start`, and verifies it on
-    /// dense samples. A plan that is returned keeps every limit.
-    ///
-    /// # Errors
-    /// [`PlanError::Arm`] or [`PlanError::BranchChange`] where the arm cannot follow; [`PlanError::Infeasible`] where no
-    /// speed keeps the limits, [`PlanError::EndSpeed`] for speeds at the ends that cannot be had, [`PlanError::Section`] and
-    /// [`PlanError::SectionsOverlap`]; [`PlanError::TooLong`] for a motion of more than 5e6 setpoints;
-    /// [`PlanError::Unverified`] when no plan passes verification.
-    pub fn plan(&self, path: PosePath, start: &Joints<N>) -> Result<Plan<N>, PlanError> {
-        let (mut plan, problem) = self.prepare(path, start)?;
-        let longest = MOST_SETPOINTS * self.period;
-        if plan.duration() > longest {
-            return Err(PlanError::TooLong { duration: plan.duration(), longest });
-        }
-        let mut scale = 1.0;
-        for round in 1..=ROUNDS {
-            let begin = Instant::now();
-            let verification = self.verify(&plan)?;
-            plan.timings.verification += begin.elapsed();
-            plan.made_by.rounds = round;
-            if verification.holds(VERIFY_TOLERANCE) {
-                plan.verification = Some(verification);
-                return Ok(plan);
-            }
-            let worst = verification.worst();
-            plan.verification = Some(verification);
-            if !(worst.ratio.is_finite() && scale > 0.5) {
-                break;
-            }
-            // Bounds between grid points are estimates; where they were too wide all are tightened by as much.
-            scale *= 0.999 / worst.ratio.min(1.5);
-            let begin = Instant::now();
-            self.set_speed(&mut plan, &problem, scale)?;
-            plan.timings.scan += begin.elapsed();
-        }
-        let worst = plan.verification.as_ref().map(Verification::worst);
-        Err(worst.map_or(PlanError::Limit { what: "verification", value: f64::NAN }, |w| PlanError::Unverified {
-            quantity: match w.joint {
-                Some(joint) => format!("{} of joint {}", w.quantity.name(), joint + 1),
-                None => w.quantity.name().to_owned(),
-            },
-            ratio: w.ratio,
-            s: w.s,
-            t: w.t,
-            cause: withheld::cause(self.arm, &plan, w.s, plan.feed_at(w.s, self.tool.feed)),
-        }))
+    /// The planner of the speed.
+    pub fn method(&self) -> Method {
+        self.method
     }
 
-    /// Like [`Planner::plan`], without the verification: for benchmarks, and for callers who run [`Planner::verify`]
-    /// themselves.
+    /// The limits.
+    pub fn limits(&self) -> &Limits<'a, N> {
+        &self.settings.limits
+    }
+
+    pub(crate) fn settings(&self) -> &Settings<'a, N> {
+        &self.settings
+    }
+
+    /// Plans the motion along `path` and verifies it on dense samples. A trajectory that is returned keeps every limit.
+    ///
+    /// What a plan exceeds between the points of its grid it is planned again for: on a finer grid, or with a little less of that limit.
+    ///
+    /// # Errors
+    /// [`PlanError::Path`] where the arm cannot follow, [`PlanError::Limit`] for limits and settings that do not suit the path,
+    /// [`PlanError::Speed`] naming place, joint and limit where no motion keeps the limits, [`PlanError::Unverified`] when no plan
+    /// passes verification.
+    pub fn plan<'p>(&self, path: &'p dyn MotionPath<N>) -> Result<Trajectory<'p, N>, PlanError>
+    where
+        'a: 'p,
+    {
+        self.plan_held(Held::Borrowed(path))
+    }
+
+    /// The same for a path that the trajectory keeps.
     ///
     /// # Errors
     /// As [`Planner::plan`].
-    pub fn draft(&self, path: PosePath, start: &Joints<N>) -> Result<Plan<N>, PlanError> {
-        self.prepare(path, start).map(|(plan, _)| plan)
+    pub fn plan_shared<'p>(&self, path: Arc<dyn MotionPath<N> + 'p>) -> Result<Trajectory<'p, N>, PlanError>
+    where
+        'a: 'p,
+    {
+        self.plan_held(Held::Shared(path))
     }
 
-    fn prepare(&self, path: PosePath, start: &Joints<N>) -> Result<(Plan<N>, PathProblem<N>), PlanError> {
-        let mut timings = Timings::default();
-        let begin = Instant::now();
-        let segmentation =
-            path.curve().curve().segment(SegmentationMethod::Longest { across_knots: false }, self.chord_tolerance)?;
-        let breaks: Vec<f64> = segmentation.breaks().iter().map(|&u| path.curve().arc_length_at(u)).collect();
-        let mut sections = sections::resolve(&self.sections, &path, &breaks)?;
-        timings.segmentation = begin.elapsed();
+    /// The path on its grid with the rows that `needs` names: for planners of the caller's own.
+    ///
+    /// # Errors
+    /// As [`Planner::plan`].
+    pub fn prepare<'p>(
+        &self,
+        path: &'p dyn MotionPath<N>,
+        needs: RowsNeeded,
+    ) -> Result<PathProblem<'p, N>, PlanError>
+    where
+        'a: 'p,
+    {
+        PathProblem::new(&self.settings, Held::Borrowed(path), needs, self.method.is_by_interval())
+    }
 
+    /// A trajectory of a law from elsewhere, which has to run over the whole path; verified, and with a limit on jerk where
+    /// `jerk_limited` says so.
+    ///
+    /// # Errors
+    /// [`PlanError::Unverified`] for a law that breaks a limit, [`LimitError::Law`] for one that does not run over the path.
+    pub fn finish<'p>(
+        &self,
+        problem: PathProblem<'p, N>,
+        law: SpeedLaw,
+        jerk_limited: bool,
+    ) -> Result<Trajectory<'p, N>, PlanError>
+    where
+        'a: 'p,
+    {
         let begin = Instant::now();
-        let knots = path.knots();
-        let feed =
-            Feeds { elsewhere: self.tool.feed, sections: &sections }.highest().min(self.reachable(path.length()));
-        // Chord segments matter to the scans, which know one box for each interval.
-        let mut places = if self.scan == Scan::JerkLimited { Vec::new() } else { breaks.clone() };
-        places.extend(sections.iter().flat_map(|section| [section.from, section.to]));
-        let grid = grid::build(&path, &knots, &places, &self.tool.at_feed(feed), self.acceleration_step());
-        sections::snap(&mut sections, &grid);
-        let joint_path = JointPath::new(self.arm, &path, start, &grid, &knots)
-            .map_err(|e| e.within(self.joints.lower(), self.joints.upper()))?;
-        timings.joint_path = begin.elapsed();
+        let verification = self.verify(&problem, &law, jerk_limited)?;
+        let [grid, joint_path] = problem.times();
+        let timings = Timings { grid, joint_path, speed: Duration::ZERO, verification: begin.elapsed() };
+        if !verification.holds(TOLERANCE) {
+            return Err(unverified(&problem, &verification, true));
+        }
+        let intervals = problem.intervals();
+        let info = PlanInfo { method: None, fallback: None, rounds: 1, intervals, refined: 1, lowered: Vec::new() };
+        Ok(Trajectory::new(problem, law, info, verification, timings))
+    }
 
-        let stops = grid::stops(&grid, path.corners(CORNER).iter().map(|corner| corner.s));
-        let mut plan = Plan {
-            path,
-            joint_path,
-            segmentation,
-            breaks,
-            stops,
-            sections,
-            caps: Vec::new(),
-            speed: SpeedLaw::chain(0.0, []),
-            made_by: MadeBy { method: Method::Given, fallback: None, rounds: 0, scale: 1.0 },
-            end_speeds: self.ends,
-            chord_tolerance: self.chord_tolerance,
-            period: self.period,
-            verification: None,
-            timings,
+    /// Holds the motion by a law, whoever made it, against all limits; see [`verify`](crate::verify).
+    ///
+    /// # Errors
+    /// [`LimitError::Law`] for a law that does not run over the path, [`PlanError::Path`] where a setpoint cannot be computed.
+    pub fn verify(
+        &self,
+        problem: &PathProblem<'_, N>,
+        law: &SpeedLaw,
+        jerk_limited: bool,
+    ) -> Result<Verification, PlanError> {
+        problem.runs_over(law)?;
+        let longest = MOST_SETPOINTS * self.settings.period;
+        if law.duration() > longest {
+            return Err(LimitError::TooLong { duration: law.duration(), longest }.into());
+        }
+        let requirement = Requirement {
+            arm: self.settings.arm,
+            path: problem.path(),
+            limits: &self.settings.limits,
+            jerk_limited,
+            chord_tolerance: self.settings.chord_tolerance,
+            period: self.settings.period,
+            sections: problem.sections(),
+            end_speeds: self.settings.ends,
         };
+        let mut setpoints = problem.setpoints(law, self.settings.period)?;
+        verify(&requirement, law.duration(), &knots(law, self.settings.period), |t| setpoints.at(t))
+    }
+
+    fn plan_held<'p>(&self, path: Held<'p, N>) -> Result<Trajectory<'p, N>, PlanError>
+    where
+        'a: 'p,
+    {
         let begin = Instant::now();
-        let problem = self.path_problem(&plan);
-        self.set_speed(&mut plan, &problem, 1.0)?;
-        plan.timings.scan = begin.elapsed();
-        Ok((plan, problem))
+        let needs = self.method.needs();
+        let on_breaks = self.method.is_by_interval();
+        let mut problem = PathProblem::new(&self.settings, path, needs, on_breaks)?;
+        let prepared = begin.elapsed();
+        let mut used = LimitFractions::default();
+        let mut chosen = self.choose_over_grids(&mut problem)?;
+        let (mut verifying, mut last, mut refined) = (Duration::ZERO, None, 1);
+        for rounds in 1..=ROUNDS {
+            let started = Instant::now();
+            let verification = self.verify(&problem, &chosen.law, self.method.limits_jerk())?;
+            verifying += started.elapsed();
+            if verification.holds(TOLERANCE) {
+                let [grid, joint_path] = problem.times();
+                let speed = begin.elapsed().saturating_sub(verifying + prepared);
+                let timings = Timings { grid, joint_path, speed, verification: verifying };
+                let info = self.info(&problem, &chosen, (rounds, refined), &used);
+                return Ok(Trajectory::new(problem, chosen.law, info, verification, timings));
+            }
+            let exceeded = lowerable(&verification, self.method.limits_jerk());
+            let excess = verification.worst().ratio - 1.0;
+            last = Some(verification);
+            let Some(exceeded) = exceeded else { break };
+            if excess > COARSE && problem.intervals() * FINER <= FINEST {
+                problem = problem.refined(FINER)?;
+                refined *= FINER;
+            } else if excess > COARSE {
+                // Far too much of one limit is a place that the grid does not see: a slower motion is slower there as well.
+                used.lower_all(SLOWER / (1.0 + excess).min(MOST_SLOWER));
+            } else {
+                exceeded.into_iter().for_each(|(id, ratio)| used.lower(id, 1.0 / (ratio + MARGIN)));
+            }
+            // A speed at an end may go with the limits that were asked for and with none below.
+            let Ok(again) = self.choose(&problem, &used) else { break };
+            chosen = again;
+        }
+        let between = needs > RowsNeeded::Points;
+        Err(match last {
+            Some(verification) => unverified(&problem, &verification, between),
+            None => LimitError::NotPositive { what: "rounds of planning", value: 0.0 }.into(),
+        })
     }
 
-    /// Holds the setpoints of a plan, whoever made it, against all limits of this planner; see [`verify`](crate::verify).
-    ///
-    /// # Errors
-    /// [`PlanError::Arm`] where a setpoint cannot be computed.
-    pub fn verify(&self, plan: &Plan<N>) -> Result<Verification, PlanError> {
-        let requirement = Requirement { torque: self.torque, ..plan.requirement(&self.tool, &self.joints) };
-        plan.verify_against(self.arm, &requirement)
+    fn choose(&self, problem: &PathProblem<'_, N>, used: &LimitFractions) -> Result<ChosenLaw, PlanError> {
+        let rows = problem.rows_within(used, self.method.needs())?;
+        Ok(self.method.choose(&rows).map_err(|error| problem.explained(error))?)
     }
 
-    /// All limits of this planner as rows on the grid of `plan`: what its own jerk-limited planner takes. Without `jerk` those
-    /// on jerk are left out, for planners of second order.
-    ///
-    /// # Errors
-    /// [`PlanError::Feed`] for rows that are not finite.
-    pub fn problem(&self, plan: &Plan<N>, jerk: bool) -> Result<FeedProblem, PlanError> {
-        Ok(self.path_problem(plan).rows(&self.limits(1.0), jerk)?)
+    /// The law; where the planner did not converge on a grid of equal steps, the fastest of several grids.
+    fn choose_over_grids(&self, problem: &mut PathProblem<'_, N>) -> Result<ChosenLaw, PlanError> {
+        let full = LimitFractions::default();
+        let mut best = self.choose(problem, &full);
+        if problem.path().tool_curve().is_some() {
+            return best;
+        }
+        let n = self.settings.intervals;
+        for intervals in [n + 1, 2 * n, 2 * n + 1, 4 * n].into_iter().filter(|n| *n <= MOST_AGAIN) {
+            let doubtful = match &best {
+                Ok(chosen) => !chosen.converged,
+                Err(PlanError::Speed(error)) => error.is_not_converged(),
+                Err(_) => false,
+            };
+            if !doubtful {
+                break;
+            }
+            let settings = Settings { intervals, ..problem.settings.clone() };
+            let other = PathProblem::new(&settings, problem.path.clone(), self.method.needs(), false)?;
+            let again = self.choose(&other, &full);
+            let faster = match (&again, &best) {
+                (Ok(again), Ok(best)) => again.law.duration() < best.law.duration(),
+                (again, best) => again.is_ok() && best.is_err(),
+            };
+            if faster {
+                (*problem, best) = (other, again);
+            }
+        }
+        best
     }
 
-    fn path_problem(&self, plan: &Plan<N>) -> PathProblem<N> {
-        let reachable = self.reachable(plan.path.length());
-        let feeds = plan.feeds(self.tool.feed).into_iter().map(|feed| feed.min(reachable)).collect();
-        PathProblem::new(self.arm, &plan.path, &plan.joint_path, &plan.stops, feeds, self.torque.as_ref())
-    }
-
-    /// The limits, each used to the fraction `scale`.
-    pub(crate) fn limits(&self, scale: f64) -> PathLimits<'_, N> {
-        PathLimits {
-            tool: &self.tool,
-            joints: &self.joints,
-            chord: self.chord_tolerance,
-            period: self.period,
-            ends: self.ends,
-            scale,
+    fn info(
+        &self,
+        problem: &PathProblem<'_, N>,
+        chosen: &ChosenLaw,
+        (rounds, refined): (usize, usize),
+        used: &LimitFractions,
+    ) -> PlanInfo {
+        let method = if chosen.fallback.is_some() { Method::ContinuousAcceleration } else { self.method };
+        PlanInfo {
+            method: Some(method),
+            fallback: chosen.fallback,
+            rounds,
+            intervals: problem.intervals(),
+            refined,
+            lowered: used.lowered().to_vec(),
         }
     }
+}
 
-    /// About the step of acceleration that the joints' jerk limits allow within a control period, at the tool, m/s^2.
-    pub(crate) fn acceleration_step(&self) -> f64 {
-        STEP * self.joints.jerk().min() * self.period
+/// Times just before every knot of a law and at it: there its acceleration or its jerk may jump.
+fn knots(law: &SpeedLaw, period: f64) -> Vec<f64> {
+    let before = |t: f64| t - (1e-10 * period).max(4.0 * f64::EPSILON * t);
+    law.knots().skip(1).flat_map(|(t, _)| [before(t), t]).collect()
+}
+
+/// The limits that are exceeded, with the ratios; `None` where one of them is nothing that less of a limit could mend.
+fn lowerable(verification: &Verification, jerk_limited: bool) -> Option<Vec<(RowSource, f64)>> {
+    let mut exceeded: Vec<(RowSource, f64)> = Vec::new();
+    for check in verification.checks().iter().filter(|check| !(check.ratio <= 1.0 + 0.5 * TOLERANCE)) {
+        let id = match check.quantity() {
+            Quantity::JointPosition
+            | Quantity::PathDeviation
+            | Quantity::OrientationDeviation
+            | Quantity::Ends
+            | Quantity::SetpointAgreement => return None,
+            Quantity::Continuity if jerk_limited => RowSource { quantity: Quantity::JointJerk, ..check.id },
+            Quantity::Continuity => RowSource { quantity: Quantity::JointAcceleration, ..check.id },
+            _ => check.id,
+        };
+        if !check.ratio.is_finite() {
+            return None;
+        }
+        match exceeded.iter_mut().find(|(known, _)| *known == id) {
+            Some((_, ratio)) => *ratio = ratio.max(check.ratio),
+            None => exceeded.push((id, check.ratio)),
+        }
     }
+    (!exceeded.is_empty()).then_some(exceeded)
+}
 
-    /// A speed that is not reached on a path of `length` (m) by accelerating over all of it, m/s. A higher feed limits
-    /// nothing, and its size must not spoil the measures that are taken relative to it.
-    pub(crate) fn reachable(&self, length: f64) -> f64 {
-        let fastest_end = self.ends[0].max(self.ends[1]);
-        2.0 * fastest_end.hypot((2.0 * self.tool.tangential_acceleration * length).sqrt())
-    }
-
-    /// Gives the plan a motion law that uses the fraction `scale` of each limit, and the caps on the speed that go with it.
-    fn set_speed(&self, plan: &mut Plan<N>, problem: &PathProblem<N>, scale: f64) -> Result<(), PlanError> {
-        let grid = |i: usize| plan.joint_path.nodes().get(i).map_or(plan.path.length(), |node| node.s);
-        let explain = |error| PlanError::explained(error, &plan.path, grid);
-        let problem = problem.rows(&self.limits(scale), true).map_err(explain)?;
-        let (speed, method, fallback) = self.speed(&problem).map_err(explain)?;
-        plan.caps = (0..problem.grid().len()).map(|i| problem.cap(i).0.sqrt()).collect();
-        plan.speed = speed;
-        plan.made_by = MadeBy { method, fallback, scale, ..plan.made_by };
-        Ok(())
-    }
-
-    fn speed(&self, problem: &FeedProblem) -> Result<(SpeedLaw, Method, Option<Fallback>), FeedError> {
-        Ok(match self.scan {
-            Scan::JerkLimited => {
-                let (law, fallback) = JerkLimitedOrScan::default().choose(problem)?;
-                let method = if fallback.is_some() { Method::Joined } else { Method::JerkLimited };
-                (law, method, fallback)
-            }
-            Scan::Joined => (ContinuousAccelerationScan.plan(problem)?, Method::Joined, None),
-            Scan::PerSegment { window } => (PerSegmentScan { window }.plan(problem)?, Method::PerSegment, None),
-        })
+fn unverified<const N: usize>(
+    problem: &PathProblem<'_, N>,
+    verification: &Verification,
+    between: bool,
+) -> PlanError {
+    let worst = verification.worst();
+    PlanError::Unverified {
+        limit: worst.id,
+        ratio: worst.ratio,
+        place: problem.path().place(worst.s),
+        t: worst.t,
+        cause: diagnosis::cause(problem, worst.s, between),
     }
 }

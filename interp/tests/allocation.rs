@@ -51,15 +51,15 @@ fn sampling_allocates_nothing() {
         PosePath::new(curve, turning)
     };
     for path in [tool_down(knotted()), slerp, tool_down(line_and_arc(0.05, 0.04))] {
-        let plan = plan_path(&arm, path, common::TOOL).expect("in reach");
+        let plan = plan_path(&arm, path, common::tool()).expect("in reach");
         // The sampler itself, its first setpoint, all the others, the `None` at the end.
         let before = COUNT.with(Cell::get);
-        let mut sampler = plan.sampler(&arm, 1e-3).expect("a valid period");
+        let mut sampler = plan.setpoints(1e-3).expect("a valid period");
         let mut sum = 0.0;
-        while let Some(setpoint) = sampler.next_setpoint() {
+        for setpoint in sampler.by_ref() {
             sum += black_box(setpoint).expect("on the path").q.sum();
         }
-        assert!(sampler.next_setpoint().is_none());
+        assert!(sampler.next().is_none());
         for i in (0..100).rev() {
             sum += black_box(sampler.at(plan.duration() * f64::from(i) / 99.0)).expect("on the path").q.sum();
         }
@@ -74,19 +74,21 @@ fn sampling_allocates_nothing() {
 
 #[test]
 fn a_step_of_motion_in_both_spaces_allocates_nothing() {
-    use arcfeed_interp::{Command, Excursion, HybridMotion, HybridState, LeaveBy, Planner, best_start};
+    use arcfeed_interp::{
+        Command, Excursion, HybridMotion, HybridState, LeaveBy, Limits, MotionPath, Planner, ToolPath,
+    };
     use arcfeed_kinematics::Joints;
 
     let arm = arm();
-    let limits = common::limits(&arm);
-    let path = tool_down(knotted());
-    let start = best_start(&arm, &path, limits.lower(), limits.upper()).expect("in reach");
-    let live = Planner::new(&arm, limits, common::TOOL).expect("valid").live(path, &start).expect("in reach");
+    let path = ToolPath::new(&arm, tool_down(knotted()), arm.range()).expect("in reach");
+    let start = path.start();
+    let limits = Limits::new(common::limits(&arm)).with_tool(common::tool());
+    let live = Planner::new(&arm, limits).live(path).expect("in reach");
     let points = [start + Joints::repeat(0.2), start + Joints::repeat(-0.1)];
     let [braking, at_once] =
         [LeaveBy::Braking, LeaveBy::AtOnce].map(|leave| Excursion::new(&points, leave).expect("two points"));
     let before = COUNT.with(Cell::get);
-    let mut motion = HybridMotion::new(&arm, &live, 0.1).expect("a valid feed");
+    let mut motion = HybridMotion::new(&live, 0.1).expect("a valid feed");
     let mut refused = 0;
     for cycle in 0.. {
         let command = match cycle {

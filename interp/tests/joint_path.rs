@@ -3,7 +3,7 @@
 mod common;
 
 use arcfeed_geometry::{NurbsCurve, OrientationPath, PosePath};
-use arcfeed_interp::{JointPath, PlanError, best_start, joint_jet};
+use arcfeed_interp::{JointPath, MotionPath, PathError, ToolPath};
 use arcfeed_kinematics::{
     AnalyticInverse, ForwardKinematics, InverseKinematics, Joints, KinematicsError, ParallelAxisArm, ReachSide,
     smallest_singular_value,
@@ -72,12 +72,12 @@ fn compare(name: &str, s: f64, order: usize, ours: &Joints<6>, differences: &Joi
 fn derivatives_agree_with_differences_of_the_inverse() {
     let arm = arm();
     for (name, path) in paths() {
-        let start = best_start(&arm, &path, arm.range().lower(), arm.range().upper()).expect("in reach");
-        let mut seed = start;
+        let followed = ToolPath::new(&arm, path.clone(), arm.range()).expect("in reach");
+        let mut seed = followed.start();
         let length = path.length();
         for i in 1..20 {
             let s = length * f64::from(i) / 20.0;
-            let jet = joint_jet(&arm, s, &path.jet(s), &seed).expect("in reach");
+            let jet = followed.jet(s, &seed).expect("in reach");
             seed = jet.q;
             let reached = arm.forward(&jet.q);
             assert!((reached.translation.vector - path.pose(s).translation.vector).norm() < 1e-13);
@@ -103,12 +103,13 @@ fn a_heading_that_follows_the_tangent_has_the_right_derivatives() {
         OrientationPath::following_tangent(&curve, Unit::new_normalize(z), start, 1e-3).expect("a heading everywhere");
     let knots = heading.knots().to_vec();
     let path = PosePath::new(curve, heading);
-    let mut seed = best_start(&arm, &path, arm.range().lower(), arm.range().upper()).expect("in reach");
+    let followed = ToolPath::new(&arm, path.clone(), arm.range()).expect("in reach");
+    let mut seed = followed.start();
     let mut looked_at = 0;
     // Between the knots of the heading's spline everything is smooth.
     for pair in knots.windows(2) {
         let (s, room) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
-        let jet = joint_jet(&arm, s, &path.jet(s), &seed).expect("in reach");
+        let jet = followed.jet(s, &seed).expect("in reach");
         seed = jet.q;
         let h: Vec<f64> = (-4..=4).map(|i| f64::from(i) * room.min(8e-3) / 4.5).collect();
         compare("tangent", s, 1, &jet.d1, &by_differences(&arm, &path, s, &jet.q, &h, 1), 1e-6);
@@ -136,8 +137,8 @@ fn both_sides_of_a_knot_are_right() {
         (0..=50).map(|i| path.length() * f64::from(i) / 50.0).chain(knots.iter().copied()).collect();
     grid.sort_by(f64::total_cmp);
     grid.dedup();
-    let start = best_start(&arm, &path, arm.range().lower(), arm.range().upper()).expect("in reach");
-    let joints = JointPath::new(&arm, &path, &start, &grid, &knots).expect("in reach");
+    let followed = ToolPath::new(&arm, path.clone(), arm.range()).expect("in reach");
+    let joints = JointPath::follow(&followed, &grid).expect("in reach");
     assert_eq!(joints.nodes().len(), grid.len());
     assert_eq!(joints.intervals(), grid.len() - 1);
     let mut jumps = 0;
@@ -167,8 +168,8 @@ fn both_sides_of_a_knot_are_right() {
     // `near` predicts between the grid points.
     for i in 0..200 {
         let s = path.length() * (f64::from(i) + 0.3) / 200.0;
-        let q = arm.inverse(&path.pose(s), &joints.near(s)).expect("in reach");
-        assert!((q - joints.near(s)).amax() < 1e-3, "at s = {s}");
+        let q = arm.inverse(&path.pose(s), &joints.near(s).q).expect("in reach");
+        assert!((q - joints.near(s).q).amax() < 1e-3, "at s = {s}");
     }
 }
 
@@ -194,7 +195,7 @@ fn quality(arm: &ParallelAxisArm, path: &PosePath, start: &Joints<6>) -> Option<
 fn the_best_start_is_the_best_of_all_branches() {
     let arm = arm();
     for (name, path) in paths().into_iter().chain([("knotted", tool_down(knotted()))]) {
-        let start = best_start(&arm, &path, arm.range().lower(), arm.range().upper()).expect("in reach");
+        let start = ToolPath::new(&arm, path.clone(), arm.range()).expect("in reach").start();
         let reached = arm.forward(&start);
         assert!((reached.translation.vector - path.pose(0.0).translation.vector).norm() < 1e-12, "{name}");
         let best = quality(&arm, &path, &start).expect("the chosen branch goes to the end");
@@ -209,11 +210,11 @@ fn the_best_start_is_the_best_of_all_branches() {
 #[test]
 fn a_start_out_of_reach_says_by_how_much() {
     let arm = arm();
-    let (lower, upper) = (*arm.range().lower(), *arm.range().upper());
-    let line = |a, b| tool_down(NurbsCurve::line(a, b).expect("a line"));
-    match best_start(&arm, &line(vector![2.0, 0.1, 0.2], vector![2.1, 0.1, 0.2]), &lower, &upper) {
-        Err(PlanError::Arm { s, position, source: KinematicsError::Unreachable { distance, side } }) => {
-            assert_eq!((s, side), (0.0, ReachSide::TooFar));
+    let best = |a, b| ToolPath::new(&arm, tool_down(NurbsCurve::line(a, b).expect("a line")), arm.range());
+    match best(vector![2.0, 0.1, 0.2], vector![2.1, 0.1, 0.2]) {
+        Err(PathError::Arm { place, source: KinematicsError::Unreachable { distance, side } }) => {
+            assert_eq!((place.s, side), (0.0, ReachSide::TooFar));
+            let position = place.tool.expect("a tool path");
             assert!((Vector3::from(position) - vector![2.0, 0.1, 0.2]).norm() < 1e-12, "{position:?}");
             // The stretched arm reaches 0.8172 m from the shoulder, plus offsets of the wrist.
             assert!((0.9..1.3).contains(&distance), "{distance}");
@@ -221,11 +222,12 @@ fn a_start_out_of_reach_says_by_how_much() {
         other => panic!("{other:?}"),
     }
     // It starts in reach and leaves it: every branch is named as failing, the best one with the place.
-    match best_start(&arm, &line(vector![0.5, 0.1, 0.2], vector![1.5, 0.1, 0.2]), &lower, &upper) {
-        Err(PlanError::NoConfiguration { candidates, best }) => {
+    match best(vector![0.5, 0.1, 0.2], vector![1.5, 0.1, 0.2]) {
+        Err(PathError::NoConfiguration { candidates, best }) => {
             assert_eq!(candidates, arm.inverse_all(&tool_down(analytic()).pose(0.0)).expect("in reach").len());
             match *best {
-                PlanError::Arm { s, position, .. } => {
+                PathError::Arm { place, .. } => {
+                    let (s, position) = (place.s, place.tool.expect("a tool path"));
                     assert!((position[0] - 0.5 - s).abs() < 1e-12, "{position:?} at {s}");
                     assert!((0.2..0.5).contains(&s), "the reach ends at {s} m");
                 }

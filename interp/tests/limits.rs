@@ -2,13 +2,19 @@
 
 mod common;
 
+use std::sync::Arc;
+
 use arcfeed_feedrate::Fallback;
 use arcfeed_geometry::{NurbsCurve, OrientationPath, PosePath};
 use arcfeed_interp::{
-    Extent, FeedSection, Infeasibility, Method, Plan, PlanError, Planner, Quantity, Scan, ToolLimits, best_start,
+    Extent, FeedSection, Infeasibility, LimitError, Limits, Method, PathEnd, PlanError, Planner, Quantity, SpeedError,
+    ToolLimits, ToolPath, Trajectory,
 };
 use arcfeed_kinematics::{ArmDynamics, Friction, Inertial, JointLimits, Joints, ParallelAxisArm};
-use common::{TOOL, arm, by_length, down, knotted, limits, line_and_arc, tool_down};
+use common::{
+    FEED, TANGENTIAL_ACCELERATION, TANGENTIAL_JERK, arm, by_length, down, knotted, limits, line_and_arc, tool,
+    tool_down, tool_with_feed,
+};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3, vector};
 
 const LENGTH: f64 = 0.3;
@@ -23,20 +29,26 @@ fn free(arm: &ParallelAxisArm) -> JointLimits<6> {
     arm.range().with_rates(Joints::repeat(1e3), Joints::repeat(1e4), Joints::repeat(1e6)).expect("valid limits")
 }
 
-fn planner<'a>(arm: &'a ParallelAxisArm, tool: ToolLimits) -> Planner<'a, ParallelAxisArm> {
-    let planner = Planner::new(arm, free(arm), tool).and_then(|p| p.with_period(2e-3)).expect("valid");
-    planner.with_chord_tolerance(1e-5).expect("valid")
+fn planner(arm: &ParallelAxisArm, tool: ToolLimits) -> Planner<'_> {
+    with_limits(arm, Limits::new(free(arm)).with_tool(tool))
 }
 
-fn plan(planner: &Planner<'_, ParallelAxisArm>, arm: &ParallelAxisArm, path: PosePath) -> Result<Plan, PlanError> {
-    let range = arm.range();
-    let start = best_start(arm, &path, range.lower(), range.upper())?;
-    planner.plan(path, &start)
+fn with_limits<'a>(arm: &'a ParallelAxisArm, limits: Limits<'a>) -> Planner<'a> {
+    let planner = Planner::new(arm, limits).with_period(2e-3).and_then(|p| p.with_chord_tolerance(1e-5));
+    planner.expect("valid")
+}
+
+fn plan<'a>(planner: &Planner<'a>, arm: &'a ParallelAxisArm, path: PosePath) -> Result<Trajectory<'a>, PlanError> {
+    planner.plan_shared(Arc::new(ToolPath::new(arm, path, arm.range())?))
+}
+
+fn worst_of(plan: &Trajectory<'_>, quantity: Quantity) -> arcfeed_interp::Check {
+    plan.verification().worst_of(quantity).expect("looked at")
 }
 
 /// Time and distance of a change of speed with the tool's tangential limits: the trapezium or triangle of acceleration.
 fn change(v0: f64, v1: f64) -> (f64, f64) {
-    let (a, j) = (TOOL.tangential_acceleration, TOOL.tangential_jerk);
+    let (a, j) = (TANGENTIAL_ACCELERATION, TANGENTIAL_JERK);
     let dv = (v1 - v0).abs();
     let t = if dv > a * a / j { dv / a + a / j } else { 2.0 * (dv / j).sqrt() };
     (t, 0.5 * (v0 + v1) * t)
@@ -60,9 +72,9 @@ fn least_time(stretches: &[(f64, f64)], v_start: f64, v_end: f64) -> f64 {
     time + left.iter().zip(stretches).map(|(left, s)| left / s.1).sum::<f64>()
 }
 
-fn near_optimum(plan: &Plan, least: f64) {
+fn near_optimum(plan: &Trajectory<'_>, least: f64) {
     let ratio = plan.duration() / least;
-    assert!(ratio > 1.0 - 1e-6 && ratio < 1.005, "{} s against {least} s, {}", plan.duration(), plan.made_by());
+    assert!(ratio > 1.0 - 1e-6 && ratio < 1.005, "{} s against {least} s, {}", plan.duration(), plan.info());
 }
 
 fn section(from: f64, to: f64, feed: f64) -> FeedSection {
@@ -74,19 +86,20 @@ fn feed_by_section_takes_the_time_of_its_profiles() {
     let arm = arm();
     // Slower, back to the feed, faster, and to rest from there.
     let sections = vec![section(0.2, LENGTH, 0.3), section(0.05, 0.12, 0.05)];
-    let planner = planner(&arm, ToolLimits { feed: 0.15, ..TOOL });
+    let planner = planner(&arm, tool_with_feed(0.15));
     let least = least_time(&[(0.05, 0.15), (0.07, 0.05), (0.08, 0.15), (0.1, 0.3)], 0.0, 0.0);
-    for scan in [Scan::JerkLimited, Scan::Joined] {
-        let plan = plan(&planner.clone().with_scan(scan).with_sections(sections.clone()), &arm, tool_down(line()))
+    for method in [Method::JerkLimited, Method::ContinuousAcceleration] {
+        let plan = plan(&planner.clone().with_method(method).with_sections(sections.clone()), &arm, tool_down(line()))
             .expect("in reach");
         near_optimum(&plan, least);
-        let check = plan.verification().expect("verified").worst_of(Quantity::Feed);
+        let check = worst_of(&plan, Quantity::Feed);
         assert!(check.ratio > 0.9999 && check.ratio <= 1.0 + 1e-6, "{check:?}");
         // The borders are on the grid, and the limit curve shows the sections.
         for (s, feed) in [(0.02, 0.15), (0.06, 0.05), (0.11, 0.05), (0.16, 0.15), (0.25, 0.3)] {
-            let cap = plan.limit_curve().take_while(|c| c.0 <= s).last().expect("on the path").1;
-            assert!((cap - feed).abs() < 1e-12, "{cap} at {s}, {:?}", plan.made_by());
-            assert!(plan.speed().v_at_s(s) <= feed * (1.0 + 1e-9));
+            let curve = plan.limit_curve().expect("finite");
+            let cap = curve.into_iter().take_while(|c| c.s <= s).last().expect("on the path").speed;
+            assert!((cap - feed).abs() < 1e-12, "{cap} at {s}, {:?}", plan.info());
+            assert!(plan.law().v_at_s(s) <= feed * (1.0 + 1e-9));
         }
         assert_eq!(plan.sections().len(), 2);
         assert!((plan.sections()[0].from - 0.05).abs() < 1e-9);
@@ -96,12 +109,12 @@ fn feed_by_section_takes_the_time_of_its_profiles() {
 #[test]
 fn sections_by_parameter_and_by_segment_are_the_same_places() {
     let arm = arm();
-    let planner = planner(&arm, TOOL);
+    let planner = planner(&arm, tool());
     let path = tool_down(knotted());
     let plain = plan(&planner, &arm, path.clone()).expect("in reach");
     let (first, last) = (3, plain.breaks().len() - 4);
     let (from, to) = (plain.breaks()[first - 1], plain.breaks()[last]);
-    let u = |k: usize| plain.segmentation().breaks()[k];
+    let u = |k: usize| plain.segmentation().expect("a curve").breaks()[k];
     let mut durations = Vec::new();
     for extent in [
         Extent::Length { from, to },
@@ -120,7 +133,7 @@ fn sections_by_parameter_and_by_segment_are_the_same_places() {
 fn sections_off_the_path_are_refused() {
     let arm = arm();
     let wrong = |sections: Vec<FeedSection>| {
-        plan(&planner(&arm, TOOL).with_sections(sections), &arm, tool_down(line()))
+        plan(&planner(&arm, tool()).with_sections(sections), &arm, tool_down(line()))
             .expect_err("not on the path")
             .to_string()
     };
@@ -145,13 +158,14 @@ fn sections_off_the_path_are_refused() {
 fn speeds_at_the_ends_take_the_time_of_their_profile() {
     let arm = arm();
     for (v_start, v_end) in [(0.08, 0.0), (0.0, 0.12), (0.05, 0.2)] {
-        for scan in [Scan::JerkLimited, Scan::Joined] {
-            let planner = planner(&arm, TOOL).with_scan(scan).with_end_speeds(v_start, v_end).expect("not negative");
+        for method in [Method::JerkLimited, Method::ContinuousAcceleration] {
+            let planner =
+                planner(&arm, tool()).with_method(method).with_end_speeds(v_start, v_end).expect("not negative");
             let plan = plan(&planner, &arm, tool_down(line())).expect("in reach");
-            near_optimum(&plan, least_time(&[(LENGTH, TOOL.feed)], v_start, v_end));
-            let (first, last) = (plan.speed().v_at_s(0.0), plan.speed().v_at_s(LENGTH));
+            near_optimum(&plan, least_time(&[(LENGTH, FEED)], v_start, v_end));
+            let (first, last) = (plan.law().v_at_s(0.0), plan.law().v_at_s(LENGTH));
             assert!((first - v_start).abs() < 1e-9 && (last - v_end).abs() < 1e-9, "{first} {last}");
-            assert!(plan.verification().expect("verified").worst_of(Quantity::Ends).ratio <= 1.0);
+            assert!(worst_of(&plan, Quantity::Ends).ratio <= 1.0);
         }
     }
 }
@@ -159,29 +173,37 @@ fn speeds_at_the_ends_take_the_time_of_their_profile() {
 #[test]
 fn speeds_at_the_ends_that_cannot_be_had_are_explained() {
     let arm = arm();
-    let ask = |v_start: f64, v_end: f64, sections: Vec<FeedSection>, scan| {
-        let planner = planner(&arm, TOOL).with_scan(scan).with_sections(sections);
+    let ask = |v_start: f64, v_end: f64, sections: Vec<FeedSection>, method| {
+        let planner = planner(&arm, tool()).with_method(method).with_sections(sections);
         plan(&planner.with_end_speeds(v_start, v_end)?, &arm, tool_down(line()))
     };
-    for scan in [Scan::JerkLimited, Scan::Joined] {
+    for method in [Method::JerkLimited, Method::ContinuousAcceleration] {
         // Faster than the feed.
         for (v_start, v_end, word) in [(0.25, 0.0, "start speed 0.25"), (0.0, 0.25, "end speed 0.25")] {
-            let error = ask(v_start, v_end, vec![], scan).expect_err("above the feed");
-            let PlanError::EndSpeed { highest, .. } = error else { panic!("{error}") };
-            assert!((highest - TOOL.feed).abs() < 1e-6, "{highest}");
+            let error = ask(v_start, v_end, vec![], method).expect_err("above the feed");
+            let PlanError::Speed(SpeedError::EndSpeed { highest, .. }) = error else { panic!("{error}") };
+            assert!((highest - FEED).abs() < 1e-6, "{highest}");
             assert!(error.to_string().contains(word), "{error}");
         }
         // From 0.2 to 0.02 m/s takes 0.013 m with the tool's acceleration alone; only 5 mm are given. The highest speed by v^2 =
         // 0.02^2 + 2 a s is 0.102 without jerk, less with it.
-        let error = ask(0.2, 0.0, vec![section(0.005, 0.1, 0.02)], scan).expect_err("too fast");
-        let PlanError::EndSpeed { at_start: true, highest, .. } = error else { panic!("{error}") };
+        let error = ask(0.2, 0.0, vec![section(0.005, 0.1, 0.02)], method).expect_err("too fast");
+        let PlanError::Speed(SpeedError::EndSpeed { end: PathEnd::Start, highest, .. }) = error else {
+            panic!("{error}")
+        };
         assert!(highest > 0.02 && highest < 0.1020, "{highest}");
     }
-    let windowed = Scan::PerSegment { window: Some(5) };
-    assert!(matches!(ask(0.0, 0.1, vec![], windowed), Err(PlanError::WindowEndSpeed { .. })));
+    let windowed = Method::PerSegment { window: Some(5) };
+    assert!(matches!(ask(0.0, 0.1, vec![], windowed), Err(PlanError::Speed(SpeedError::WindowEndSpeed { .. }))));
     for bad in [-0.1, f64::NAN, f64::INFINITY] {
-        assert!(matches!(ask(bad, 0.0, vec![], Scan::Joined), Err(PlanError::Feed(_))));
-        assert!(matches!(ask(0.0, bad, vec![], Scan::Joined), Err(PlanError::Feed(_))));
+        assert!(matches!(
+            ask(bad, 0.0, vec![], Method::ContinuousAcceleration),
+            Err(PlanError::Speed(SpeedError::Feed(_)))
+        ));
+        assert!(matches!(
+            ask(0.0, bad, vec![], Method::ContinuousAcceleration),
+            Err(PlanError::Speed(SpeedError::Feed(_)))
+        ));
     }
 }
 
@@ -192,23 +214,21 @@ fn a_tool_that_turns_evenly_is_as_fast_as_its_angular_speed_allows() {
     let turned = down() * UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
     let path = || PosePath::new(by_length(line()), OrientationPath::slerp(LENGTH, down(), turned).expect("two ends"));
     // One radian takes a quarter of a metre: 0.32 rad/s are 0.08 m/s.
-    let tool = ToolLimits { angular_speed: Some(0.32), ..TOOL };
+    let turning = tool().with_angular_speed(0.32).expect("valid");
     let least = least_time(&[(LENGTH, 0.32 * LENGTH / angle)], 0.0, 0.0);
-    for scan in [Scan::JerkLimited, Scan::Joined] {
-        let plan = plan(&planner(&arm, tool).with_scan(scan), &arm, path()).expect("in reach");
+    for method in [Method::JerkLimited, Method::ContinuousAcceleration] {
+        let plan = plan(&planner(&arm, turning).with_method(method), &arm, path()).expect("in reach");
         near_optimum(&plan, least);
-        let check = plan.verification().expect("verified").worst_of(Quantity::AngularSpeed);
-        assert_eq!(check.quantity, Quantity::AngularSpeed);
+        let check = worst_of(&plan, Quantity::AngularSpeed);
+        assert_eq!(check.quantity(), Quantity::AngularSpeed);
         assert!(check.ratio > 0.999 && (check.value - 0.32).abs() < 1e-3, "{check:?}");
     }
     // The check is its own: the same motion without the limit breaks it.
-    let unlimited = plan(&planner(&arm, TOOL), &arm, path()).expect("in reach");
-    let check = unlimited.verify(&arm, &tool, &free(&arm)).expect("on the path").worst_of(Quantity::AngularSpeed);
-    assert!((check.value - TOOL.feed * angle / LENGTH).abs() < 1e-3, "{check:?}");
-    assert!(matches!(
-        Planner::new(&arm, free(&arm), ToolLimits { angular_speed: Some(0.0), ..TOOL }),
-        Err(PlanError::Limit { .. })
-    ));
+    let unlimited = plan(&planner(&arm, tool()), &arm, path()).expect("in reach");
+    let check = planner(&arm, turning).verify(unlimited.problem(), unlimited.law(), true).expect("on the path");
+    let check = check.worst_of(Quantity::AngularSpeed).expect("looked at");
+    assert!((check.value - FEED * angle / LENGTH).abs() < 1e-3, "{check:?}");
+    assert!(matches!(tool().with_angular_speed(0.0), Err(LimitError::NotPositive { .. })));
 }
 
 /// Between the plane in which the arm moves and the axis of its first joint, m (the maker's table).
@@ -236,11 +256,15 @@ fn holding_a_load_too_far_out_is_an_error_that_names_joint_and_place() {
     let most = mass * 9.81 * reach(radius);
     let dynamics = carrying(&arm, mass);
     let torque = Joints::from_fn(|k, _| if k == 1 { most } else { f64::INFINITY });
-    for scan in [Scan::JerkLimited, Scan::Joined] {
-        let planner = planner(&arm, TOOL).with_scan(scan).with_dynamics(&dynamics, torque).expect("above 0");
+    for method in [Method::JerkLimited, Method::ContinuousAcceleration] {
+        let limits = Limits::new(free(&arm)).with_tool(tool()).with_torque(&dynamics, torque).expect("above 0");
+        let planner = with_limits(&arm, limits).with_method(method);
         let error = plan(&planner, &arm, path.clone()).expect_err("too heavy");
         let text = error.to_string();
-        let PlanError::Infeasible { s, row, why, value, limit, position } = error else { panic!("{error}") };
+        let PlanError::Speed(SpeedError::Infeasible { place, row, why, value, limit }) = error else {
+            panic!("{error}")
+        };
+        let (s, position) = (place.s, place.tool.expect("a tool path"));
         assert_eq!((row.joint, why), (Some(1), Infeasibility::AtRest));
         // The first point of the grid beyond, of a hundred or more.
         assert!(s >= radius - 0.30 && s < radius - 0.30 + 0.0026, "{s}");
@@ -261,25 +285,27 @@ fn a_lift_is_as_quick_as_the_drives_allow() {
     let room = 0.5;
     let torque = Joints::from_fn(|k, _| if k == 1 { mass * (9.81 + room) * reach(radius) } else { f64::INFINITY });
     let dynamics = carrying(&arm, mass);
-    let limited = planner(&arm, TOOL).with_dynamics(&dynamics, torque).expect("above 0");
+    let limits = Limits::new(free(&arm)).with_tool(tool()).with_torque(&dynamics, torque).expect("above 0");
+    let limited = with_limits(&arm, limits);
     let lift = plan(&limited, &arm, path()).expect("in reach");
-    assert_eq!(lift.made_by().method, Method::JerkLimited);
+    assert_eq!(lift.info().method, Some(Method::JerkLimited));
     // Upwards the drive gives 0.5 m/s^2; slowing down gravity helps, so that the tool's own limit is what counts.
-    let change = |dv: f64, a: f64| dv / a + a / TOOL.tangential_jerk;
-    let (up, down) = (change(TOOL.feed, room), change(TOOL.feed, TOOL.tangential_acceleration));
-    let least = up + down + (0.3 - 0.5 * TOOL.feed * (up + down)) / TOOL.feed;
+    let change = |dv: f64, a: f64| dv / a + a / TANGENTIAL_JERK;
+    let (up, down) = (change(FEED, room), change(FEED, TANGENTIAL_ACCELERATION));
+    let least = up + down + (0.3 - 0.5 * FEED * (up + down)) / FEED;
     near_optimum(&lift, least);
-    let check = lift.verification().expect("verified").worst_of(Quantity::JointTorque);
-    assert_eq!((check.quantity, check.joint), (Quantity::JointTorque, Some(1)));
+    let check = worst_of(&lift, Quantity::JointTorque);
+    assert_eq!((check.quantity(), check.joint()), (Quantity::JointTorque, Some(1)));
     assert!(check.ratio > 0.999 && check.ratio <= 1.0 + 1e-6, "{check:?}");
     // The scan keeps it as well, by what its share of the acceleration leaves.
-    let scanned = plan(&limited.clone().with_scan(Scan::Joined), &arm, path()).expect("in reach");
-    assert!(scanned.verification().expect("verified").worst_of(Quantity::JointTorque).ratio <= 1.0 + 1e-6);
+    let scanned = plan(&limited.clone().with_method(Method::ContinuousAcceleration), &arm, path()).expect("in reach");
+    assert!(worst_of(&scanned, Quantity::JointTorque).ratio <= 1.0 + 1e-6);
     // Without the limit the motion is quicker, and the check says what that would take.
-    let free = plan(&planner(&arm, TOOL), &arm, path()).expect("in reach");
+    let free = plan(&planner(&arm, tool()), &arm, path()).expect("in reach");
     assert!(free.duration() < lift.duration());
-    let needs = limited.verify(&free).expect("on the path").worst_of(Quantity::JointTorque);
-    let expected = (9.81 + TOOL.tangential_acceleration) / (9.81 + room);
+    let needs = limited.verify(free.problem(), free.law(), true).expect("on the path");
+    let needs = needs.worst_of(Quantity::JointTorque).expect("looked at");
+    let expected = (9.81 + TANGENTIAL_ACCELERATION) / (9.81 + room);
     assert!((needs.ratio - expected).abs() < 1e-3, "{needs:?}, {expected} expected");
 }
 
@@ -288,35 +314,36 @@ fn torque_with_friction_is_kept_on_a_winding_path() {
     let arm = arm();
     let friction = Friction::new(Joints::repeat(3.0), Joints::repeat(2.0), Joints::repeat(1.5)).expect("not negative");
     let dynamics = carrying(&arm, 6.0).with_friction(friction);
-    let path = || tool_down(knotted());
-    let tool = ToolLimits { feed: 0.3, ..TOOL };
-    let limits = limits(&arm);
-    let start = best_start(&arm, &path(), limits.lower(), limits.upper()).expect("in reach");
-    let base = Planner::new(&arm, limits, tool).and_then(|p| p.with_period(2e-3)).expect("valid");
-    let unlimited = base.clone().with_dynamics(&dynamics, Joints::repeat(1e3)).expect("above 0");
-    let fast = unlimited.plan(path(), &start).expect("in reach");
+    let tool = tool_with_feed(0.3);
+    let path = ToolPath::new(&arm, tool_down(knotted()), arm.range()).expect("in reach");
+    let base = Limits::new(limits(&arm)).with_tool(tool);
+    let under = |torque: Joints<6>, method| {
+        let limits = base.with_torque(&dynamics, torque).expect("above 0");
+        let planner = Planner::new(&arm, limits).with_period(2e-3).expect("valid").with_method(method);
+        planner.plan(&path).expect("possible")
+    };
+    let fast = under(Joints::repeat(1e3), Method::JerkLimited);
     let peak = |joint: usize| {
-        let checks = fast.verification().expect("verified").checks().iter();
-        let found = checks.into_iter().find(|c| c.quantity == Quantity::JointTorque && c.joint == Some(joint));
-        found.expect("checked").value
+        let mut checks = fast.verification().checks().iter();
+        let found = checks.find(|c| c.quantity() == Quantity::JointTorque && c.joint() == Some(joint));
+        found.expect("checked").value.abs()
     };
     // Two percent less than the fast motion takes; the most part of it is gravity.
     let torque = Joints::from_fn(|k, _| 0.98 * peak(k));
-    for scan in [Scan::JerkLimited, Scan::Joined] {
-        let planner = base.clone().with_scan(scan).with_dynamics(&dynamics, torque).expect("above 0");
-        let plan = planner.plan(path(), &start).expect("possible");
-        let check = plan.verification().expect("verified").worst_of(Quantity::JointTorque);
-        assert!(check.ratio <= 1.0 + 1e-6 && check.ratio > 0.97, "{check:?} {}", plan.made_by());
+    for method in [Method::JerkLimited, Method::ContinuousAcceleration] {
+        let plan = under(torque, method);
+        let check = worst_of(&plan, Quantity::JointTorque);
+        assert!(check.ratio <= 1.0 + 1e-6 && check.ratio > 0.97, "{check:?} {}", plan.info());
         assert!(plan.duration() > fast.duration());
         println!(
-            "{scan:?}: {} {:.4} s, without {:.4} s, {} rounds",
-            plan.made_by(),
+            "{method:?}: {} {:.4} s, without {:.4} s, {} rounds",
+            plan.info(),
             plan.duration(),
             fast.duration(),
-            plan.made_by().rounds
+            plan.info().rounds
         );
     }
-    assert!(matches!(base.with_dynamics(&dynamics, Joints::repeat(0.0)), Err(PlanError::Limit { .. })));
+    assert!(matches!(base.with_torque(&dynamics, Joints::repeat(0.0)), Err(LimitError::Joint(_))));
 }
 
 #[test]
@@ -325,23 +352,24 @@ fn one_round_is_enough_where_the_arm_bends_the_path_most() {
     let arm = arm();
     let limits =
         arm.range().with_rates(Joints::repeat(3.0), Joints::repeat(12.0), Joints::repeat(60.0)).expect("valid");
-    let planner = Planner::new(&arm, limits, ToolLimits { tangential_jerk: 200.0, ..TOOL }).expect("valid");
-    let start = best_start(&arm, &tool_down(knotted()), limits.lower(), limits.upper()).expect("in reach");
-    let plan = planner.plan(tool_down(knotted()), &start).expect("in reach");
-    let jerk = plan.verification().expect("verified").worst_of(Quantity::JointJerk);
-    assert!(plan.made_by().rounds == 1 && plan.made_by().scale == 1.0, "{:?}", plan.made_by());
+    let tool = tool().with_tangential_jerk(200.0).expect("valid");
+    let path = ToolPath::new(&arm, tool_down(knotted()), limits.range()).expect("in reach");
+    let plan = Planner::new(&arm, Limits::new(limits).with_tool(tool)).plan(&path).expect("in reach");
+    let jerk = worst_of(&plan, Quantity::JointJerk);
+    assert!(plan.info().rounds == 1 && plan.info().lowered.is_empty(), "{:?}", plan.info());
     assert!(jerk.ratio > 0.99 && jerk.ratio <= 1.0 + 1e-6, "{jerk:?}");
 }
 
 #[test]
 fn a_plan_says_who_made_it() {
     let arm = arm();
-    let smooth = plan(&planner(&arm, TOOL), &arm, tool_down(knotted())).expect("in reach");
-    assert_eq!((smooth.made_by().method, smooth.made_by().fallback), (Method::JerkLimited, None));
-    let stepped = plan(&planner(&arm, TOOL), &arm, tool_down(line_and_arc(0.1, 0.05))).expect("in reach");
-    let Some(Fallback::AccelerationStep { s }) = stepped.made_by().fallback else { panic!("{}", stepped.made_by()) };
-    assert!(stepped.made_by().method == Method::Joined && (s - 0.1).abs() < 1e-9, "{s}");
-    assert!(stepped.made_by().to_string().contains("step at s = 0.100000,"));
-    let asked = plan(&planner(&arm, TOOL).with_scan(Scan::Joined), &arm, tool_down(knotted())).expect("in reach");
-    assert_eq!((asked.made_by().method, asked.made_by().fallback), (Method::Joined, None));
+    let smooth = plan(&planner(&arm, tool()), &arm, tool_down(knotted())).expect("in reach");
+    assert_eq!((smooth.info().method, smooth.info().fallback), (Some(Method::JerkLimited), None));
+    let stepped = plan(&planner(&arm, tool()), &arm, tool_down(line_and_arc(0.1, 0.05))).expect("in reach");
+    let Some(Fallback::AccelerationStep { s }) = stepped.info().fallback else { panic!("{}", stepped.info()) };
+    assert!(stepped.info().method == Some(Method::ContinuousAcceleration) && (s - 0.1).abs() < 1e-9, "{s}");
+    assert!(stepped.info().to_string().contains("step at s = 0.100000,"));
+    let asked = plan(&planner(&arm, tool()).with_method(Method::ContinuousAcceleration), &arm, tool_down(knotted()))
+        .expect("in reach");
+    assert_eq!((asked.info().method, asked.info().fallback), (Some(Method::ContinuousAcceleration), None));
 }

@@ -2,9 +2,9 @@
 
 mod common;
 
-use arcfeed_interp::{LockedArm, PathArm, Planner};
+use arcfeed_interp::{Limits, LockedArm, PathArm, Planner, ToolPath};
 use arcfeed_kinematics::{Arm, ForwardKinematics, InverseKinematics, Joints, ToolDerivatives, models};
-use common::{TOOL, knotted, tool_down};
+use common::{knotted, tool, tool_down};
 
 #[test]
 fn a_seventh_joint_stands_still_and_the_tool_follows_the_path() {
@@ -14,15 +14,17 @@ fn a_seventh_joint_stands_still_and_the_tool_follows_the_path() {
     let (joint, value) = locked.held();
     let limits =
         arm.range().with_rates(Joints::repeat(2.0), Joints::repeat(8.0), Joints::repeat(200.0)).expect("valid limits");
-    let planner = Planner::new(&locked, limits, TOOL).expect("valid");
-    let plan = planner.plan(path, &start).expect("it can be followed");
+    let curve = path.curve().clone();
+    let followed = ToolPath::starting_near(&locked, path, &start).expect("in reach");
+    let planner = Planner::new(&locked, Limits::new(limits).with_tool(tool()));
+    let plan = planner.plan(&followed).expect("it can be followed");
     let mut worst = 0.0f64;
-    for setpoint in plan.sampler(&locked, 1e-3).expect("a period") {
+    for setpoint in plan.setpoints(1e-3).expect("a period") {
         let at = setpoint.expect("on the path");
         assert_eq!((at.q[joint], at.qd[joint], at.jerk[joint]), (value, 0.0, 0.0));
         // The whole arm, not the six joints that were planned with.
         let tool = arm.forward(&at.q);
-        worst = worst.max((tool.translation.vector - plan.path().curve().point(at.s)).norm());
+        worst = worst.max((tool.translation.vector - curve.point(at.s)).norm());
         assert!(arm.range().contains(&at.q));
     }
     assert!(worst < 1e-9, "{worst}");

@@ -7,10 +7,10 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use arcfeed_feedrate::{MotionLaw, MotionLimits, SProfile};
 use arcfeed_geometry::{ArcLengthCurve, Curve, NurbsCurve};
-use arcfeed_interp::PlanError;
 use arcfeed_interp::parameter::{
     ArcLengthStep, CompensatedTaylor, FeedCycle, FirstTaylor, Fluctuation, ParameterStep, SecondTaylor, fluctuation,
 };
+use arcfeed_interp::{LimitError, PlanError};
 use common::{by_length, knotted};
 use nalgebra::Isometry3;
 
@@ -118,7 +118,9 @@ fn a_bad_period_or_tolerance_is_refused() {
     let law = law(curve.length());
     for period in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         match fluctuation(&curve, &law, period, &mut ArcLengthStep::new(&curve)) {
-            Err(PlanError::Limit { what: "control period", value }) => assert_eq!(value.to_bits(), period.to_bits()),
+            Err(PlanError::Limit(LimitError::NotPositive { what: "control period", value })) => {
+                assert_eq!(value.to_bits(), period.to_bits());
+            }
             other => panic!("{other:?}"),
         }
         assert!(period.is_infinite() || CompensatedTaylor::new(curve.curve(), period).is_err());

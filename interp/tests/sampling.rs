@@ -4,13 +4,16 @@ mod common;
 
 use arcfeed_feedrate::MotionLaw;
 use arcfeed_geometry::{Curve, NurbsCurve};
-use arcfeed_interp::{Plan, PlanError, Quantity, Setpoint, ToolLimits};
-use arcfeed_kinematics::{ForwardKinematics, ParallelAxisArm};
-use common::{TOOL, analytic, arm, knotted, limits, line_and_arc, plan, plan_path, tool_down};
+use arcfeed_interp::{LimitError, Quantity, Setpoint, ToolLimits, Trajectory};
+use arcfeed_kinematics::ForwardKinematics;
+use common::{
+    FEED, NORMAL_ACCELERATION, TANGENTIAL_ACCELERATION, TANGENTIAL_JERK, analytic, arm, knotted, limits, line_and_arc,
+    plan, tool,
+};
 use nalgebra::{Vector3, vector};
 
-fn samples(arm: &ParallelAxisArm, plan: &Plan, period: f64) -> Vec<Setpoint> {
-    let sampler = plan.sampler(arm, period).expect("a valid period");
+fn samples(plan: &Trajectory<'_>, period: f64) -> Vec<Setpoint> {
+    let sampler = plan.setpoints(period).expect("a valid period");
     let announced = sampler.samples();
     assert_eq!(sampler.size_hint(), (announced, Some(announced)));
     let all: Vec<_> = sampler.collect::<Result<_, _>>().expect("on the path");
@@ -23,7 +26,7 @@ fn samples_end_exactly_at_the_end() {
     let arm = arm();
     for curve in [analytic(), knotted()] {
         let plan = plan(&arm, curve).expect("in reach");
-        let nurbs = plan.path().curve().curve();
+        let nurbs = plan.path().tool_curve().expect("a curve").curve().curve();
         let duration = plan.duration();
         // Also periods that divide the duration exactly, or to within rounding.
         for period in [
@@ -37,7 +40,7 @@ fn samples_end_exactly_at_the_end() {
             0.6 * duration,
             3.0 * duration,
         ] {
-            let all = samples(&arm, &plan, period);
+            let all = samples(&plan, period);
             let (first, last) = (&all[0], &all[all.len() - 1]);
             assert_eq!((first.t, first.s, first.feed, first.acceleration), (0.0, 0.0, 0.0, 0.0));
             assert_eq!((last.t, last.s, last.feed, last.acceleration), (duration, plan.path().length(), 0.0, 0.0));
@@ -58,7 +61,7 @@ fn samples_end_exactly_at_the_end() {
             assert_eq!(all.len(), expected, "{period} over {duration}");
         }
         for period in [0.0, -1e-3, f64::NAN, f64::INFINITY] {
-            assert!(matches!(plan.sampler(&arm, period), Err(PlanError::Limit { what: "control period", .. })));
+            assert!(matches!(plan.setpoints(period), Err(LimitError::NotPositive { what: "control period", .. })));
         }
     }
 }
@@ -67,13 +70,17 @@ fn samples_end_exactly_at_the_end() {
 fn setpoints_are_consistent_with_each_other() {
     let arm = arm();
     let plan = plan(&arm, knotted()).expect("in reach");
-    let mut sampler = plan.sampler(&arm, 1e-3).expect("a valid period");
+    let mut sampler = plan.setpoints(1e-3).expect("a valid period");
     let h = 1e-5;
     for i in 1..200 {
         let t = plan.duration() * f64::from(i) / 200.0;
         let [before, at, after] = [t - h, t, t + h].map(|t| sampler.at(t).expect("on the path"));
         assert!((arm.forward(&at.q).translation.vector - at.pose.translation.vector).norm() < 1e-13);
-        assert!((at.pose.translation.vector - plan.path().pose(at.s).translation.vector).norm() == 0.0);
+        assert!(
+            (at.pose.translation.vector - plan.path().tool_curve().expect("a curve").pose(at.s).translation.vector)
+                .norm()
+                == 0.0
+        );
         // Central differences miss by h^2 / 6 of the jerk where it is constant, by h / 4 of its jump where it is not.
         let jerk = before.jerk.abs().zip_map(&after.jerk.abs(), f64::max).amax() + 1.0;
         assert!(((after.q - before.q) / (2.0 * h) - at.qd).amax() < jerk * h * h + 1e-9);
@@ -102,19 +109,19 @@ fn at_corners_the_tool_stands() {
     let lengths: Vec<f64> = corners.windows(2).map(|p| (p[1] - p[0]).norm()).collect();
     assert_eq!(stops.len(), 2);
     assert!((stops[0] - lengths[0]).abs() < 1e-12 && (stops[1] - lengths[0] - lengths[1]).abs() < 1e-12, "{stops:?}");
-    assert!(plan.verification().expect("verified").holds(1e-6));
+    assert!(plan.verification().holds(1e-6));
     for &s in &stops {
-        assert!(plan.speed().at_position(s).v < 1e-6, "{}", plan.speed().at_position(s).v);
+        assert!(plan.law().at_position(s).v < 1e-6, "{}", plan.law().at_position(s).v);
         // When the law is there, it stands, and before and after it moves.
         let t = crossing(&plan, s);
-        let mut sampler = plan.sampler(&arm, 1e-3).expect("a valid period");
+        let mut sampler = plan.setpoints(1e-3).expect("a valid period");
         let at = sampler.at(t).expect("on the path");
         assert!((at.s - s).abs() < 1e-12 && at.feed < 1e-9 && at.qd.amax() < 1e-8, "{at:?}");
         assert!(sampler.at(t - 0.02).expect("on the path").feed > 1e-4);
         assert!(sampler.at(t + 0.02).expect("on the path").feed > 1e-4);
     }
     // Every corner is touched, and no setpoint leaves the lines.
-    let all = samples(&arm, &plan, 1e-3);
+    let all = samples(&plan, 1e-3);
     for corner in &corners {
         let nearest = all.iter().map(|p| (p.pose.translation.vector - corner).norm()).fold(f64::INFINITY, f64::min);
         assert!(nearest < 2e-8, "{nearest}");
@@ -138,17 +145,17 @@ fn a_straight_line_takes_the_time_of_its_s_profile() {
     let plan = plan(&arm, NurbsCurve::line(a, b).expect("a line")).expect("in reach");
     let length = (b - a).norm();
     assert!((plan.path().length() - length).abs() < 1e-15);
-    assert_eq!(plan.segmentation().len(), 1);
+    assert_eq!(plan.segmentation().expect("a curve").len(), 1);
     assert_eq!(plan.stops().len(), 0);
     // The joints are fast enough here: feed, acceleration and jerk of the tool alone give the time.
-    let (v, acc, j) = (TOOL.feed, TOOL.tangential_acceleration, TOOL.tangential_jerk);
+    let (v, acc, j) = (FEED, TANGENTIAL_ACCELERATION, TANGENTIAL_JERK);
     let ideal = length / v + v / acc + acc / j;
     assert!(plan.duration() >= ideal * (1.0 - 1e-9), "{} below {ideal}", plan.duration());
     assert!(plan.duration() <= ideal * 1.02, "{} against {ideal}", plan.duration());
-    let verification = plan.verification().expect("verified");
-    assert!(verification.worst_of(Quantity::Feed).ratio > 0.999);
-    assert!(verification.worst_of(Quantity::NormalAcceleration).value < 1e-9);
-    assert!(verification.worst_of(Quantity::ChordError).value < 1e-12);
+    let verification = plan.verification();
+    assert!(verification.worst_of(Quantity::Feed).expect("looked at").ratio > 0.999);
+    assert!(verification.worst_of(Quantity::NormalAcceleration).expect("looked at").value < 1e-9);
+    assert!(verification.worst_of(Quantity::ChordError).expect("looked at").value < 1e-12);
 }
 
 #[test]
@@ -158,12 +165,12 @@ fn on_a_very_short_path_the_feed_is_never_reached() {
         let a = vector![0.4, 0.1, 0.2];
         let plan = plan(&arm, NurbsCurve::line(a, a + Vector3::y() * length).expect("a line")).expect("in reach");
         // All of it is jerk: t = 4 (L / 2 J)^(1/3), or longer where the joints are the limit.
-        let ideal = 4.0 * (length / 2.0 / TOOL.tangential_jerk).cbrt();
+        let ideal = 4.0 * (length / 2.0 / TANGENTIAL_JERK).cbrt();
         assert!(plan.duration() >= ideal * (1.0 - 1e-6), "{length} m in {} s, below {ideal}", plan.duration());
         assert!(plan.duration() <= 3.0 * ideal, "{length} m in {} s, far above {ideal}", plan.duration());
-        let fastest = plan.verification().expect("verified").worst_of(Quantity::Feed);
+        let fastest = plan.verification().worst_of(Quantity::Feed).expect("looked at");
         assert!(fastest.ratio < 0.9 && fastest.ratio > 0.0, "{fastest:?}");
-        let all = samples(&arm, &plan, 1e-3);
+        let all = samples(&plan, 1e-3);
         assert_eq!(all[all.len() - 1].s, plan.path().length());
     }
 }
@@ -175,12 +182,12 @@ fn a_jump_of_curvature_steps_the_joints_no_more_than_a_period_of_jerk_allows() {
     let plan = plan(&arm, line_and_arc(0.1, radius)).expect("in reach");
     assert_eq!(plan.stops().len(), 0, "the tangent is continuous");
     let limits = limits(&arm);
-    assert!(plan.verification().expect("verified").holds(1e-6));
+    assert!(plan.verification().holds(1e-6));
     let knot = 0.1;
-    let v = plan.speed().at_position(knot).v;
-    assert!(v > 1e-3 && v * v / radius <= TOOL.normal_acceleration, "v = {v}");
+    let v = plan.law().at_position(knot).v;
+    assert!(v > 1e-3 && v * v / radius <= NORMAL_ACCELERATION, "v = {v}");
     // Joint acceleration right before and right after the knot.
-    let mut sampler = plan.sampler(&arm, 1e-3).expect("a valid period");
+    let mut sampler = plan.setpoints(1e-3).expect("a valid period");
     let t = crossing(&plan, knot);
     let (before, after) = (sampler.at(t - 1e-9).expect("on the path"), sampler.at(t + 1e-9).expect("on the path"));
     assert!(before.s < knot && after.s > knot);
@@ -192,33 +199,34 @@ fn a_jump_of_curvature_steps_the_joints_no_more_than_a_period_of_jerk_allows() {
 }
 
 /// The time at which the law passes `s`, by bisection.
-fn crossing(plan: &Plan, s: f64) -> f64 {
+fn crossing(plan: &Trajectory<'_>, s: f64) -> f64 {
     let (mut a, mut b) = (0.0, plan.duration());
     for _ in 0..80 {
         let t = 0.5 * (a + b);
-        if plan.speed().at(t).p < s { a = t } else { b = t }
+        if plan.law().at(t).p < s { a = t } else { b = t }
     }
     0.5 * (a + b)
 }
 
 #[test]
 fn limits_that_are_none_are_refused() {
-    let arm = arm();
-    let path = tool_down(analytic());
+    type With = fn(ToolLimits, f64) -> Result<ToolLimits, LimitError>;
+    let limits: [(&str, With); 6] = [
+        ("feed rate", ToolLimits::with_feed),
+        ("tangential acceleration", ToolLimits::with_tangential_acceleration),
+        ("tangential jerk", ToolLimits::with_tangential_jerk),
+        ("normal acceleration", ToolLimits::with_normal_acceleration),
+        ("normal jerk", ToolLimits::with_normal_jerk),
+        ("angular speed", ToolLimits::with_angular_speed),
+    ];
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        for (what, tool) in [
-            ("feed rate", ToolLimits { feed: bad, ..TOOL }),
-            ("tangential acceleration", ToolLimits { tangential_acceleration: bad, ..TOOL }),
-            ("tangential jerk", ToolLimits { tangential_jerk: bad, ..TOOL }),
-            ("normal acceleration", ToolLimits { normal_acceleration: bad, ..TOOL }),
-            ("normal jerk", ToolLimits { normal_jerk: Some(bad), ..TOOL }),
-        ] {
-            match plan_path(&arm, path.clone(), tool) {
-                Err(error @ PlanError::Limit { what: named, .. }) => {
+        for (what, with) in limits {
+            match with(tool(), bad) {
+                Err(error @ LimitError::NotPositive { what: named, .. }) => {
                     assert_eq!(named, what);
                     assert!(error.to_string().contains(what), "{error}");
                 }
-                other => panic!("{what} {bad}: {:?}", other.err()),
+                other => panic!("{what} {bad}: {other:?}"),
             }
         }
     }

@@ -5,7 +5,7 @@ mod six_joints;
 
 use arcfeed_interp::Quantity;
 use arcfeed_kinematics::{ForwardKinematics, InverseKinematics};
-use six_joints::{Outcome, bent_wrist, draw_case, play};
+use six_joints::{Outcome, bent_wrist, draw_case, plan, play};
 
 /// The inverse stopped at a miss of 1e-11, and continuity reached 118 % of what the jerk limit
 /// allows.
@@ -13,9 +13,8 @@ use six_joints::{Outcome, bent_wrist, draw_case, play};
 fn a_bent_wrist_follows_a_line() {
     let case = bent_wrist();
     assert_eq!(play(&case), Ok(Outcome::Planned));
-    let planner = arcfeed_interp::Planner::new(&case.arm, case.limits, case.tool).expect("limits");
-    let plan = planner.plan(case.path, &case.start).expect("in reach");
-    let continuity = plan.verification().expect("verified").worst_of(Quantity::Continuity);
+    let plan = plan(&case).expect("in reach");
+    let continuity = plan.verification().worst_of(Quantity::Continuity).expect("looked at");
     assert!(continuity.ratio <= 1.0 + 1e-9, "{continuity:?}");
 }
 

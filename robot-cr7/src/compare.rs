@@ -1,27 +1,20 @@
 //! Every planner on one job: how long the motion is, how long planning takes, and which limits it breaks.
 //!
 //! All planners read the same rows on the grid of the job's own joint path; those of second order get them without the limits on
-//! jerk. Each law then is held against the limits themselves on twenty places in every interval of the grid, with the inverse
-//! kinematics solved anew there.
+//! jerk. Each law is then verified as a plan is: on dense samples, by code that knows no planner.
 
 use std::fmt::{self, Display, Formatter};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use arcfeed_feedrate::{
-    BothEndsScan, CertifiedReachability, FeedError, FeedPlanner, FeedProblem, JerkLimited, PublishedScan, Reachability,
-    SpeedLaw, caps,
-};
-use arcfeed_interp::{JointJet, PathArm, Plan, PlanError, Scan, joint_jet};
-use arcfeed_kinematics::{Dynamics, Joints};
+use arcfeed_feedrate::{FeedError, FeedPlanner, FeedProblem, PublishedScan, SpeedLaw};
+use arcfeed_interp::{Method, MotionPath, PathArm, PathProblem, PlanError, Planner, Verification};
 use serde::Serialize;
 
 use crate::cr7::{Cr7Error, Task};
 use crate::report::clip;
 use crate::verdict::TOLERANCE;
 
-/// Places looked at in every interval of the grid.
-const DENSITY: usize = 20;
 /// Places of the path at which profiles are drawn.
 const DRAWN: usize = 3000;
 
@@ -98,213 +91,138 @@ pub fn compare<A: PathArm<N>, const N: usize>(
 ) -> Result<Comparison, Cr7Error> {
     let fail = |error: PlanError| task.error(error);
     let planner = task.planner()?;
+    let path = task.tool_path()?;
     progress("joint path");
-    let ground = task.planner()?.with_scan(Scan::JerkLimited).draft(task.path().clone(), task.start()).map_err(fail)?;
-    let samples = samples(task, &ground).map_err(fail)?;
-    let drawn = |speed: &SpeedLaw| profile(speed, task.path().length());
-    let rows_begin = Instant::now();
-    let second = planner.problem(&ground, false).map_err(fail)?;
-    let second_rows = rows_begin.elapsed();
-
+    let second = Field::new(&planner, &path, Method::InterpolatedReachability).map_err(fail)?;
     let mut entries = Vec::new();
     let mut lower_bound_s = None;
-    let mut on_rows = |name,
-                       problem: &FeedProblem,
-                       rows: Duration,
-                       jerk,
-                       run: &mut dyn FnMut(&FeedProblem) -> Result<SpeedLaw, FeedError>| {
+    let mut on = |field: &Field<'_, N>, name, run: &mut dyn FnMut(&FeedProblem) -> Result<SpeedLaw, FeedError>| {
         progress(name);
-        let begin = Instant::now();
-        let result = run(problem);
-        let time = rows + begin.elapsed();
-        entries.push(match result {
-            Ok(law) => finished(name, jerk, time, &law, worst(task, &ground, &samples, &law, jerk), drawn(&law)),
-            Err(error) => failed(name, jerk, time, error.to_string()),
-        });
+        field.entry(&planner, name, run).map(|entry| entries.push(entry)).map_err(|error| task.error(error))
     };
-    on_rows("published scan", &second, second_rows, false, &mut |p| PublishedScan.plan(p));
-    on_rows("both ends", &second, second_rows, false, &mut |p| BothEndsScan.plan(p));
-    on_rows("reachability", &second, second_rows, false, &mut |p| Reachability.plan(p));
-    on_rows("certified", &second, second_rows, false, &mut |p| CertifiedReachability.plan(p));
+    on(&second, "published", &mut |rows| PublishedScan.plan(rows))?;
+    for method in [Method::ForwardBackward, Method::Reachability, Method::InterpolatedReachability] {
+        on(&second, method.name(), &mut |rows| method.plan(rows))?;
+    }
     #[cfg(feature = "baseline")]
-    on_rows("conic optimum", &second, second_rows, false, &mut |p| {
-        let bounded = arcfeed_feedrate::ClarabelBaseline.solve(p)?;
+    on(&second, "conic optimum", &mut |rows| {
+        let bounded = arcfeed_feedrate::ClarabelBaseline.solve(rows)?;
         lower_bound_s = Some(bounded.lower_bound);
         Ok(bounded.plan)
-    });
-    let begin = Instant::now();
-    let third = planner.problem(&ground, true).map_err(fail)?;
-    let third_rows = begin.elapsed();
-    on_rows("jerk-limited", &third, third_rows, true, &mut |p| JerkLimited::default().plan(p));
+    })?;
+    let third = Field::new(&planner, &path, Method::JerkLimited).map_err(fail)?;
+    on(&third, Method::JerkLimited.name(), &mut |rows| Method::JerkLimited.plan(rows))?;
+    // The scans want chord segments to begin and end on the grid.
+    for method in [Method::ContinuousAcceleration, Method::PerSegment { window: None }] {
+        let field = Field::new(&planner.clone().with_method(method), &path, method).map_err(fail)?;
+        on(&field, method.name(), &mut |rows| method.plan(rows))?;
+    }
     #[cfg(not(feature = "baseline"))]
     let _ = &mut lower_bound_s;
 
-    for (name, scan) in
-        [("box scan, joined", Scan::Joined), ("box scan, per segment", Scan::PerSegment { window: None })]
-    {
-        progress(name);
-        let begin = Instant::now();
-        entries.push(match task.planner()?.with_scan(scan).draft(task.path().clone(), task.start()) {
-            Ok(plan) => {
-                let worst = worst(task, &ground, &samples, plan.speed(), true);
-                finished(name, true, plan.timings().scan, plan.speed(), worst, drawn(plan.speed()))
-            }
-            Err(error) => failed(name, true, begin.elapsed(), error.to_string()),
-        });
-    }
     progress("plan of the job");
     let begin = Instant::now();
-    entries.push(match planner.plan(task.path().clone(), task.start()) {
-        Ok(plan) => {
-            let worst = worst(task, &ground, &samples, plan.speed(), true);
-            finished("cr7 plan, verified", true, plan.timings().scan, plan.speed(), worst, drawn(plan.speed()))
-        }
-        Err(error) => failed("cr7 plan, verified", true, begin.elapsed(), error.to_string()),
+    entries.push(match planner.plan(&path) {
+        Ok(plan) => Entry::new("cr7 plan, verified", true, plan.timings().speed, plan.law(), plan.verification()),
+        Err(error) => Entry::failed("cr7 plan, verified", true, begin.elapsed(), error.to_string()),
     });
     if let Some(bound) = lower_bound_s {
         entries.iter_mut().for_each(|entry| entry.ratio_to_bound = entry.duration_s.map(|duration| duration / bound));
     }
+    let limit_curve = second.problem.initial_velocity_limit().map_err(|error| fail(error.into()))?;
     Ok(Comparison {
         path: task.name().to_owned(),
-        length_m: task.path().length(),
-        intervals: second.intervals(),
+        length_m: path.length(),
+        intervals: second.problem.intervals(),
         lower_bound_s,
         entries,
         files: Vec::new(),
-        limit_curve: limit_curve(&second),
+        limit_curve: limit_curve.iter().map(|point| (point.s, point.speed)).collect(),
     })
 }
 
-fn finished(
-    planner: &'static str,
-    jerk_limited: bool,
+/// A path with the rows for planners of one order.
+struct Field<'p, const N: usize> {
+    problem: PathProblem<'p, N>,
+    rows: FeedProblem,
+    /// Time spent on the rows.
     time: Duration,
-    law: &SpeedLaw,
-    worst: Vec<Use>,
-    profile: Vec<(f64, f64)>,
-) -> Entry {
-    Entry {
-        planner,
-        jerk_limited,
-        duration_s: Some(law.duration()),
-        ratio_to_bound: None,
-        planning_time_s: time.as_secs_f64(),
-        worst,
-        error: None,
-        profile,
+    jerk_limited: bool,
+}
+
+impl<'p, const N: usize> Field<'p, N> {
+    fn new(planner: &Planner<'p, N>, path: &'p dyn MotionPath<N>, method: Method) -> Result<Self, PlanError> {
+        let problem = planner.prepare(path, method.needs())?;
+        let begin = Instant::now();
+        let rows = problem.rows(method.needs())?;
+        Ok(Self { problem, rows, time: begin.elapsed(), jerk_limited: method.limits_jerk() })
     }
-}
 
-fn failed(planner: &'static str, jerk_limited: bool, time: Duration, error: String) -> Entry {
-    Entry {
-        planner,
-        jerk_limited,
-        duration_s: None,
-        ratio_to_bound: None,
-        planning_time_s: time.as_secs_f64(),
-        worst: Vec::new(),
-        error: Some(error),
-        profile: Vec::new(),
-    }
-}
-
-fn profile(law: &SpeedLaw, length: f64) -> Vec<(f64, f64)> {
-    (0..=DRAWN).map(|i| length * i as f64 / DRAWN as f64).map(|s| (s, law.v_at_s(s))).collect()
-}
-
-/// The greatest constant speed at every grid point that rows and caps allow.
-fn limit_curve(problem: &FeedProblem) -> Vec<(f64, f64)> {
-    let one = |i: usize| {
-        let mut v = problem.cap(i).0.sqrt();
-        for row in problem.rows(i) {
-            // b v^2 + c v + d leaves its bounds where it first meets one.
-            for bound in [row.hi - row.d, row.lo - row.d].into_iter().filter(|bound| bound.is_finite()) {
-                let (b, c) = if bound < 0.0 { (-row.b, -row.c) } else { (row.b, row.c) };
-                let square = c * c + 4.0 * b * bound.abs();
-                let root = c + square.sqrt();
-                if square >= 0.0 && root > 0.0 {
-                    v = v.min(2.0 * bound.abs() / root);
-                }
+    fn entry(
+        &self,
+        planner: &Planner<'_, N>,
+        name: &'static str,
+        run: &mut dyn FnMut(&FeedProblem) -> Result<SpeedLaw, FeedError>,
+    ) -> Result<Entry, PlanError> {
+        let begin = Instant::now();
+        let result = run(&self.rows);
+        let time = self.time + begin.elapsed();
+        Ok(match result {
+            Ok(law) => {
+                let verification = planner.verify(&self.problem, &law, self.jerk_limited)?;
+                Entry::new(name, self.jerk_limited, time, &law, &verification)
             }
-        }
-        v
-    };
-    problem.grid().iter().enumerate().map(|(i, &s)| (s, one(i))).collect()
+            Err(error) => Entry::failed(name, self.jerk_limited, time, error.to_string()),
+        })
+    }
 }
 
-/// What a path demands at one place, whatever the speed there.
-struct Sample<const N: usize> {
-    jet: JointJet<N>,
-    /// Curvature of the path, 1/m, and angle the tool turns by per length, rad/m.
-    curvature: f64,
-    turning: f64,
-}
-
-fn samples<A: PathArm<N>, const N: usize>(task: &Task<A, N>, ground: &Plan<N>) -> Result<Vec<Sample<N>>, PlanError> {
-    let nodes = ground.joint_path().nodes();
-    let mut samples = Vec::with_capacity(DENSITY * nodes.len());
-    for pair in nodes.windows(2) {
-        let h = pair[1].s - pair[0].s;
-        for i in 0..DENSITY {
-            // Just inside at both ends, where derivatives may jump.
-            let fraction = (i as f64 / (DENSITY - 1) as f64).clamp(1e-6, 1.0 - 1e-6);
-            let s = pair[0].s + h * fraction;
-            let tool = task.path().jet(s);
-            let jet = joint_jet(task.arm(), s, &tool, &pair[0].ahead(h * fraction))?;
-            let (curvature, turning) = (tool.d2.fixed_rows::<3>(0).norm(), tool.d1.fixed_rows::<3>(3).norm());
-            samples.push(Sample { jet, curvature, turning });
+impl Entry {
+    fn new(
+        planner: &'static str,
+        jerk_limited: bool,
+        time: Duration,
+        law: &SpeedLaw,
+        verification: &Verification,
+    ) -> Self {
+        let (from, length) = (law.start(), law.end().p - law.start());
+        let at = |i: usize| from + length * i as f64 / DRAWN as f64;
+        Self {
+            planner,
+            jerk_limited,
+            duration_s: Some(law.duration()),
+            ratio_to_bound: None,
+            planning_time_s: time.as_secs_f64(),
+            worst: worst(verification),
+            error: None,
+            profile: (0..=DRAWN).map(at).map(|s| (s, law.v_at_s(s))).collect(),
         }
     }
-    Ok(samples)
+
+    fn failed(planner: &'static str, jerk_limited: bool, time: Duration, error: String) -> Self {
+        Self {
+            planner,
+            jerk_limited,
+            duration_s: None,
+            ratio_to_bound: None,
+            planning_time_s: time.as_secs_f64(),
+            worst: Vec::new(),
+            error: Some(error),
+            profile: Vec::new(),
+        }
+    }
 }
 
 /// The worst use of each kind of limit, the worst first.
-fn worst<A: PathArm<N>, const N: usize>(
-    task: &Task<A, N>,
-    ground: &Plan<N>,
-    samples: &[Sample<N>],
-    law: &SpeedLaw,
-    jerk: bool,
-) -> Vec<Use> {
-    let (joints, tool) = (task.joint_limits(), task.tool_limits());
+fn worst(verification: &Verification) -> Vec<Use> {
     let mut uses: Vec<Use> = Vec::new();
-    let mut see = |limit: &'static str, joint: Option<usize>, ratio: f64, s: f64| {
-        // A NaN, once seen, stays.
+    for check in verification.checks() {
+        let (limit, joint) = (check.quantity().name(), check.joint().map(|joint| joint + 1));
+        let new = Use { limit, joint, ratio: check.ratio, at_s_m: check.s };
         match uses.iter_mut().find(|known| known.limit == limit) {
-            Some(known) if known.ratio.is_nan() || ratio <= known.ratio => {}
-            Some(known) => *known = Use { limit, joint, ratio, at_s_m: s },
-            None => uses.push(Use { limit, joint, ratio, at_s_m: s }),
-        }
-    };
-    for sample in samples {
-        let (jet, state) = (&sample.jet, law.at_position(sample.jet.s));
-        let (s, v, a, j) = (jet.s, state.v, state.a, state.j);
-        let (qd, qdd) = (jet.d1 * v, jet.d1 * a + jet.d2 * (v * v));
-        let mut each = |limit, values: &Joints<N>, limits: &Joints<N>| {
-            for k in 0..N {
-                see(limit, Some(k + 1), values[k].abs() / limits[k], s);
-            }
-        };
-        each("joint velocity", &qd, joints.velocity());
-        each("joint acceleration", &qdd, joints.acceleration());
-        if let Some(drives) = task.drives() {
-            each("joint torque", &drives.dynamics.torque(&jet.q, &qd, &qdd), &drives.torque);
-        }
-        if jerk {
-            let jerk = jet.d1 * j + jet.d2 * (3.0 * v * a) + jet.d3 * (v * v * v);
-            each("joint jerk", &jerk, joints.jerk());
-            see("tangential jerk", None, j.abs() / tool.tangential_jerk, s);
-        }
-        see("feed", None, v / ground.feed_at(s, tool.feed), s);
-        see("tangential acceleration", None, a.abs() / tool.tangential_acceleration, s);
-        see("normal acceleration", None, sample.curvature * v * v / tool.normal_acceleration, s);
-        let chord = caps::chord_error_speed(sample.curvature, ground.chord_tolerance(), ground.period());
-        see("chord error", None, (v / chord).powi(2), s);
-        if let Some(limit) = tool.normal_jerk {
-            see("normal jerk", None, sample.curvature.powi(2) * v.powi(3) / limit, s);
-        }
-        if let Some(limit) = tool.angular_speed {
-            see("angular speed", None, sample.turning * v / limit, s);
+            Some(known) if known.ratio.is_nan() || check.ratio <= known.ratio => {}
+            Some(known) => *known = new,
+            None => uses.push(new),
         }
     }
     uses.sort_by(|a, b| b.ratio.total_cmp(&a.ratio));
@@ -328,7 +246,7 @@ impl Display for Comparison {
         let ratio = if self.lower_bound_s.is_some() { "/ bound" } else { "" };
         writeln!(
             f,
-            "\n  {:<22}{:<9}{:>13}{ratio:>10}{:>12}   worst on {DENSITY} places per interval",
+            "\n  {:<22}{:<9}{:>13}{ratio:>10}{:>12}   worst on dense samples",
             "planner", "jerk", "duration [s]", "plan [ms]"
         )?;
         for entry in &self.entries {

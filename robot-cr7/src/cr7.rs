@@ -1,23 +1,26 @@
 //! From a job and a path file to a verified motion of the CR7, in one call.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use arcfeed_geometry::{
-    ArcLengthCurve, GeometryError, NurbsCurve, OrientationPath, PosePath, SegmentationMethod, Spacing,
+    ArcLengthCurve, GeometryError, NurbsCurve, OrientationPath, PosePath, Segmentation, SegmentationMethod, Spacing,
 };
 use arcfeed_interp::{
-    FeedSection, PathArm, Plan, PlanError, Planner, Quantity, Scan as PlanScan, Setpoint, ToolLimits, best_start,
+    FeedSection, HybridError, LimitError, Limits, LiveError, Method, MotionPath, PathArm, PathError, PlanError, Planner, Setpoint,
+    Setpoints, ToolLimits, ToolPath, Trajectory,
 };
 use arcfeed_kinematics::{ArmDynamics, JointLimits, Joints, KinematicsError, ParallelAxisArm};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use thiserror::Error;
 
 use crate::error::InputError;
-use crate::job::{Job, Scan, ToolOrientation};
+use crate::job::{Job, ToolOrientation};
 use crate::model::Cr7;
 use crate::path_file::{MOST_CONTROL_POINTS, PathFile};
-use crate::report::{LimitLine, LimitUnit, Report, SegmentCount};
+use crate::limit_lines::limit_lines;
+use crate::report::{Report, SegmentCount};
 use crate::robot::Robot;
 use crate::samples::TooManySamples;
 use crate::trajectory_csv::TrajectoryRow;
@@ -115,55 +118,23 @@ pub enum Cr7Error {
         /// A likely cause, starting with a separator; empty when there is none to name.
         hint: String,
     },
+    /// The part of a scenario in joint space cannot be set up: exit code 1.
+    #[error("{file}: {source}")]
+    Hybrid {
+        /// The file.
+        file: String,
+        /// Why.
+        source: HybridError,
+    },
 }
 
-/// A planned and verified motion of an arm of type `A` with `N` joints, with all that a report needs.
+/// A planned and verified motion along the path of a [`Task`], with all that a report needs.
 #[derive(Debug, Clone)]
-pub struct Motion<A = ParallelAxisArm, const N: usize = 6> {
-    name: String,
-    arm: A,
-    limits: JointLimits<N>,
-    tool: ToolLimits,
-    plan: Plan<N>,
+pub struct Motion<'t, const N: usize = 6> {
+    name: &'t str,
+    trajectory: Trajectory<'t, N>,
     preparation: Duration,
     warnings: Vec<String>,
-}
-
-/// Plans the motion of the CR7 that `job` describes along the path of `file`.
-///
-/// ```
-/// use robot_cr7::{Job, SamplePath, plan};
-///
-/// let motion = plan(&Job::default(), &SamplePath::SixPoint.load()?)?;
-/// for setpoint in motion.sampler()? {
-///     let joints = setpoint?.q; // rad, for the controller
-/// #   assert!(joints.iter().all(|q| q.is_finite()));
-/// }
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-///
-/// # Errors
-/// [`Cr7Error`], naming the file and the place.
-pub fn plan(job: &Job, file: &PathFile) -> Result<Motion, Cr7Error> {
-    Task::of_cr7(job, file)?.plan()
-}
-
-/// Plans the motion that `job` describes along the path of `file` with any arm: `arm_for` gives the arm, tool included, and
-/// the joints to start from, once the path is known. The joint limits of the job are not looked at, but `limits`; nor is torque:
-/// [`Task::new`] takes drives.
-///
-/// # Errors
-/// [`Cr7Error`], naming the file and the place.
-pub fn plan_with<A, const N: usize>(
-    job: &Job,
-    file: &PathFile,
-    limits: &JointLimits<N>,
-    arm_for: impl FnOnce(&PosePath) -> Result<(A, Joints<N>), PlanError>,
-) -> Result<Motion<A, N>, Cr7Error>
-where
-    A: PathArm<N>,
-{
-    Task::new(job, file, limits, None, arm_for)?.plan()
 }
 
 /// What the drives of an arm have to move, and what they can do.
@@ -176,6 +147,18 @@ pub struct Drives<const N: usize = 6> {
 }
 
 /// A job made ready: the path in the base frame, the arm with its limits and where it starts. Nothing is planned yet.
+///
+/// ```
+/// use robot_cr7::{Job, SamplePath, Task};
+///
+/// let task = Task::of_cr7(&Job::default(), &SamplePath::SixPoint.load()?)?;
+/// let motion = task.plan()?;
+/// for setpoint in motion.setpoints()? {
+///     let joints = setpoint?.q; // rad, for the controller
+/// #   assert!(joints.iter().all(|q| q.is_finite()));
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Task<A = ParallelAxisArm, const N: usize = 6> {
     name: String,
@@ -190,7 +173,7 @@ pub struct Task<A = ParallelAxisArm, const N: usize = 6> {
     end_speeds: [f64; 2],
     chord_tolerance: f64,
     period: f64,
-    scan: PlanScan,
+    method: Method,
     preparation: Duration,
     warnings: Vec<String>,
 }
@@ -203,7 +186,7 @@ impl Task {
     pub fn of_cr7(job: &Job, file: &PathFile) -> Result<Self, Cr7Error> {
         let cr7 = Cr7::of(job)?;
         Self::new(job, file, cr7.limits(), Robot::load("cr7", None, None)?.drives::<6>(job)?, |path| {
-            let start = best_start(cr7.arm(), path, cr7.limits().lower(), cr7.limits().upper())?;
+            let start = ToolPath::new(cr7.arm(), path.clone(), cr7.limits().range())?.start();
             Ok((*cr7.arm(), start))
         })
     }
@@ -219,18 +202,13 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
         file: &PathFile,
         limits: &JointLimits<N>,
         drives: Option<Drives<N>>,
-        arm_for: impl FnOnce(&PosePath) -> Result<(A, Joints<N>), PlanError>,
+        arm_for: impl FnOnce(&PosePath) -> Result<(A, Joints<N>), PathError>,
     ) -> Result<Self, Cr7Error> {
         let begin = Instant::now();
         let shown = file.file.display().to_string();
         let path = path_of(job, file)?;
-        let tool = tool_of(job);
-        let scan = match (job.scan, job.lookahead) {
-            (Scan::JerkLimited, _) => PlanScan::JerkLimited,
-            (Scan::Joined, _) => PlanScan::Joined,
-            (Scan::Segments, window) => PlanScan::PerSegment { window },
-        };
-        let (arm, start) = arm_for(&path).map_err(|source| plan_error(&shown, source))?;
+        let tool = tool_of(job).map_err(|source| plan_error(&shown, source.into()))?;
+        let (arm, start) = arm_for(&path).map_err(|source| plan_error(&shown, source.into()))?;
         let mut warnings = file.warnings.clone();
         warnings.extend(job.warnings.iter().cloned());
         Ok(Self {
@@ -246,7 +224,7 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
             end_speeds: job.feed.end_speeds,
             chord_tolerance: job.chord_tolerance,
             period: job.period,
-            scan,
+            method: job.method,
             preparation: begin.elapsed(),
             warnings,
         })
@@ -287,27 +265,38 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
         self.drives.as_ref()
     }
 
+    /// The path of the tool as the arm follows it from its start.
+    ///
+    /// # Errors
+    /// [`Cr7Error::Plan`] when the arm cannot stand at the start.
+    pub fn tool_path(&self) -> Result<ToolPath<'_, N>, Cr7Error> {
+        ToolPath::starting_near(&self.arm, self.path.clone(), &self.start).map_err(|source| self.error(source.into()))
+    }
+
     /// The planner with all limits of the job.
     ///
     /// # Errors
     /// [`Cr7Error::Plan`] for a limit that cannot be used.
-    pub fn planner(&self) -> Result<Planner<'_, A, N>, Cr7Error> {
-        let planner = Planner::new(&self.arm, self.limits, self.tool)
-            .and_then(|p| p.with_chord_tolerance(self.chord_tolerance))
-            .and_then(|p| p.with_period(self.period))
-            .and_then(|p| p.with_end_speeds(self.end_speeds[0], self.end_speeds[1]));
-        let planner = match &self.drives {
-            Some(drives) => planner.and_then(|p| p.with_dynamics(&drives.dynamics, drives.torque)),
-            None => planner,
+    pub fn planner(&self) -> Result<Planner<'_, N>, Cr7Error> {
+        let planner = || {
+            let mut limits = Limits::new(self.limits).with_tool(self.tool);
+            if let Some(drives) = &self.drives {
+                limits = limits.with_torque(&drives.dynamics, drives.torque)?;
+            }
+            let [v_start, v_end] = self.end_speeds;
+            Planner::new(&self.arm, limits)
+                .with_chord_tolerance(self.chord_tolerance)?
+                .with_period(self.period)?
+                .with_end_speeds(v_start, v_end)
         };
-        let planner = planner.map_err(|source| self.error(source))?;
-        Ok(planner.with_sections(self.sections.clone()).with_scan(self.scan))
+        let planner = planner().map_err(|source| self.error(source))?;
+        Ok(planner.with_sections(self.sections.clone()).with_method(self.method))
     }
 
     /// The error of a planner, with the file and a likely cause.
     pub(crate) fn error(&self, source: PlanError) -> Cr7Error {
         let slow = match source {
-            PlanError::TooLong { longest, .. } => self.slow_key(longest),
+            PlanError::Limit(LimitError::TooLong { longest, .. }) => self.slow_key(longest),
             _ => String::new(),
         };
         match plan_error(&self.file, source) {
@@ -319,10 +308,12 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
     /// The key of the job that makes the motion longer than `longest` (s).
     fn slow_key(&self, longest: f64) -> String {
         let (length, tool) = (self.path.length(), &self.tool);
-        let (a, j) = (tool.tangential_acceleration, tool.tangential_jerk);
+        let or_none = |limit: Option<f64>| limit.unwrap_or(f64::INFINITY);
+        let feed = or_none(tool.feed());
+        let (a, j) = (or_none(tool.tangential_acceleration()), or_none(tool.tangential_jerk()));
         // The times that feed, acceleration and jerk take alone, from rest to rest.
         let alone = [
-            ("feed.feed_mm_s", tool.feed * 1e3, length / tool.feed),
+            ("feed.feed_mm_s", feed * 1e3, length / feed),
             ("feed.tangential_acceleration_mm_s2", a * 1e3, 2.0 * (length / a).sqrt()),
             ("feed.tangential_jerk_mm_s3", j * 1e3, (32.0 * length / j).cbrt()),
         ];
@@ -338,18 +329,29 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
     ///
     /// # Errors
     /// [`Cr7Error::Plan`].
-    pub fn plan(self) -> Result<Motion<A, N>, Cr7Error> {
-        let plan = self.planner()?.plan(self.path.clone(), &self.start).map_err(|source| self.error(source))?;
-        let mut warnings = self.warnings;
-        if plan.stops().len() > 0 {
-            warnings.push(format!("the path has {} corners, where the tool stops", plan.stops().len()));
+    pub fn plan(&self) -> Result<Motion<'_, N>, Cr7Error> {
+        let path = Arc::new(self.tool_path()?);
+        let trajectory = self.planner()?.plan_shared(path).map_err(|source| self.error(source))?;
+        let mut warnings = self.warnings.clone();
+        let corners = trajectory.stops().len();
+        if corners > 0 {
+            warnings.push(format!("the path has {corners} corners, where the tool stops"));
         }
-        let Self { name, arm, limits, tool, preparation, .. } = self;
-        Ok(Motion { name, arm, limits, tool, plan, preparation, warnings })
+        Ok(Motion { name: &self.name, trajectory, preparation: self.preparation, warnings })
     }
 }
 
-fn plan_error(file: &str, source: PlanError) -> Cr7Error {
+/// The error of a live motion, with the file and a likely cause.
+pub(crate) fn live_error(file: &str, error: LiveError) -> Cr7Error {
+    match error {
+        LiveError::Plan(source) => plan_error(file, source),
+        LiveError::Hybrid(source) => Cr7Error::Hybrid { file: file.to_owned(), source },
+        // No other kind is known.
+        other => Cr7Error::Hybrid { file: format!("{file}: {other}"), source: HybridError::Points { count: 0 } },
+    }
+}
+
+pub(crate) fn plan_error(file: &str, source: PlanError) -> Cr7Error {
     let hint = unit_hint(&source);
     Cr7Error::Plan { file: file.to_owned(), source: Box::new(source), hint }
 }
@@ -381,15 +383,20 @@ pub(crate) fn path_of(job: &Job, file: &PathFile) -> Result<PosePath, Cr7Error> 
 }
 
 /// The limits of the tool in a job.
-pub(crate) fn tool_of(job: &Job) -> ToolLimits {
-    ToolLimits {
-        feed: job.feed.feed,
-        tangential_acceleration: job.feed.tangential_acceleration,
-        tangential_jerk: job.feed.tangential_jerk,
-        normal_acceleration: job.feed.normal_acceleration,
-        normal_jerk: job.feed.normal_jerk,
-        angular_speed: job.feed.angular_speed,
+pub(crate) fn tool_of(job: &Job) -> Result<ToolLimits, LimitError> {
+    let feed = &job.feed;
+    let mut tool = ToolLimits::new()
+        .with_feed(feed.feed)?
+        .with_tangential_acceleration(feed.tangential_acceleration)?
+        .with_tangential_jerk(feed.tangential_jerk)?
+        .with_normal_acceleration(feed.normal_acceleration)?;
+    if let Some(jerk) = feed.normal_jerk {
+        tool = tool.with_normal_jerk(jerk)?;
     }
+    if let Some(speed) = feed.angular_speed {
+        tool = tool.with_angular_speed(speed)?;
+    }
+    Ok(tool)
 }
 
 fn orientation_of(job: &Job, curve: &ArcLengthCurve<3>) -> Result<OrientationPath, GeometryError> {
@@ -411,43 +418,34 @@ fn orientation_of(job: &Job, curve: &ArcLengthCurve<3>) -> Result<OrientationPat
 }
 
 /// A mix-up of millimetres and metres shows as a path that is metres out of reach.
-pub(crate) fn unit_hint(error: &PlanError) -> String {
-    match error {
-        PlanError::Arm { source: KinematicsError::Unreachable { distance, .. }, .. } if *distance > FAR_OUT => {
-            format!(
-                "; {distance:.1} m is more than the arm is long: check the \"units\" of the path file and \
-                 workpiece.position_mm of the job"
-            )
+fn unit_hint(error: &PlanError) -> String {
+    fn of(error: &PathError) -> String {
+        match error {
+            PathError::Arm { source: KinematicsError::Unreachable { distance, .. }, .. } if *distance > FAR_OUT => {
+                format!(
+                    "; {distance:.1} m is more than the arm is long: check the \"units\" of the path file and \
+                     workpiece.position_mm of the job"
+                )
+            }
+            PathError::NoConfiguration { best, .. } => of(best),
+            _ => String::new(),
         }
-        PlanError::NoConfiguration { best, .. } => unit_hint(best),
+    }
+    match error {
+        PlanError::Path(error) => of(error),
         _ => String::new(),
     }
 }
 
-impl<A: PathArm<N>, const N: usize> Motion<A, N> {
+impl<'t, const N: usize> Motion<'t, N> {
     /// Name of the path.
     pub fn name(&self) -> &str {
-        &self.name
+        self.name
     }
 
-    /// The arm, tool included.
-    pub fn arm(&self) -> &A {
-        &self.arm
-    }
-
-    /// Limits of its joints.
-    pub fn joint_limits(&self) -> &JointLimits<N> {
-        &self.limits
-    }
-
-    /// Limits of the tool.
-    pub fn tool_limits(&self) -> &ToolLimits {
-        &self.tool
-    }
-
-    /// The plan: path, speed, bounds, verification.
-    pub fn plan(&self) -> &Plan<N> {
-        &self.plan
+    /// The trajectory: path, speed, limits, verification.
+    pub fn trajectory(&self) -> &Trajectory<'t, N> {
+        &self.trajectory
     }
 
     /// What a person should look at before running the motion.
@@ -462,41 +460,40 @@ impl<A: PathArm<N>, const N: usize> Motion<A, N> {
 
     /// Time from the path file to the finished plan without its verification.
     pub fn planning_time(&self) -> Duration {
-        let t = self.plan.timings();
-        self.preparation + t.segmentation + t.joint_path + t.scan
+        self.preparation + self.trajectory.timings().planning()
     }
 
     /// Setpoints at the job's control period, start and end included.
     ///
     /// # Errors
-    /// Never for a motion that was planned; the signature is the sampler's.
-    pub fn sampler(&self) -> Result<arcfeed_interp::Sampler<'_, A, N>, PlanError> {
-        self.plan.sampler(&self.arm, self.plan.period())
+    /// Never for a motion that was planned; the signature is that of [`Trajectory::setpoints`].
+    pub fn setpoints(&self) -> Result<Setpoints<'_, 't, N>, LimitError> {
+        self.trajectory.setpoints(self.trajectory.period())
     }
 
     /// The report of the motion; `samples` setpoints were computed in `sampling`.
     pub fn report(&self, samples: usize, sampling: Duration) -> Report {
-        let plan = &self.plan;
+        let (plan, info) = (&self.trajectory, self.trajectory.info());
         let planning_time_s = self.planning_time().as_secs_f64();
         let verification_time_s = plan.timings().verification.as_secs_f64();
         let sampling_time_s = sampling.as_secs_f64();
         Report {
-            path: self.name.clone(),
+            path: self.name.to_owned(),
             length_m: plan.path().length(),
             duration_s: plan.duration(),
-            planner: plan.made_by().method.to_string(),
-            fallback: plan.made_by().fallback.map(|reason| reason.to_string()),
-            planning_rounds: plan.made_by().rounds,
+            planner: info.method.map_or_else(String::new, |method| method.to_string()),
+            fallback: info.fallback.map(|reason| reason.to_string()),
+            planning_rounds: info.rounds,
             samples,
             period_s: plan.period(),
             segments: self.segment_counts(),
             chord_tolerance_m: plan.chord_tolerance(),
-            max_deviation_m: plan.segmentation().max_deviation(),
+            max_deviation_m: plan.segmentation().map_or(0.0, |segments| segments.max_deviation()),
             planning_time_s,
             verification_time_s,
             sampling_time_s,
             motion_per_computing: plan.duration() / (planning_time_s + verification_time_s + sampling_time_s),
-            limits: plan.verification().map_or_else(Vec::new, limit_lines),
+            limits: limit_lines(plan.verification(), plan.path().parameter()),
             warnings: self.warnings.clone(),
             files: Vec::new(),
         }
@@ -504,25 +501,19 @@ impl<A: PathArm<N>, const N: usize> Motion<A, N> {
 
     /// Segments by each method for the chord tolerance, the one in use first.
     fn segment_counts(&self) -> Vec<SegmentCount> {
-        let used = self.plan.segmentation();
-        let mut counts = vec![SegmentCount {
-            method: "longest pieces".to_owned(),
-            segments: used.len(),
-            max_deviation_m: used.max_deviation(),
-        }];
-        let curve = self.plan.path().curve().curve();
-        for (method, name) in
-            [(SegmentationMethod::CType, "C-type, bisected"), (SegmentationMethod::Hull, "hull, bisected")]
-        {
-            if let Ok(other) = curve.segment(method, self.plan.chord_tolerance()) {
-                counts.push(SegmentCount {
-                    method: name.to_owned(),
-                    segments: other.len(),
-                    max_deviation_m: other.max_deviation(),
-                });
-            }
-        }
-        counts
+        let plan = &self.trajectory;
+        let (Some(used), Some(path)) = (plan.segmentation(), plan.path().tool_curve()) else { return Vec::new() };
+        let curve = path.curve().curve();
+        let others = [(SegmentationMethod::CType, "C-type, bisected"), (SegmentationMethod::Hull, "hull, bisected")];
+        let others = others
+            .into_iter()
+            .filter_map(|(method, name)| Some((name, curve.segment(method, plan.chord_tolerance()).ok()?)));
+        let count = |(name, segmentation): (&str, &Segmentation)| SegmentCount {
+            method: name.to_owned(),
+            segments: segmentation.len(),
+            max_deviation_m: segmentation.max_deviation(),
+        };
+        std::iter::once(count(("longest pieces", used))).chain(others.map(|(name, s)| count((name, &s)))).collect()
     }
 }
 
@@ -540,38 +531,11 @@ pub fn trajectory_row<const N: usize>(setpoint: &Setpoint<N>) -> TrajectoryRow<N
     }
 }
 
-fn limit_lines(verification: &arcfeed_interp::Verification) -> Vec<LimitLine> {
-    verification
-        .checks()
-        .iter()
-        .map(|c| LimitLine {
-            name: c.quantity.name().to_owned(),
-            joint: c.joint.map(|j| j + 1),
-            unit: match c.quantity {
-                Quantity::JointPosition | Quantity::OrientationDeviation => LimitUnit::Radian,
-                Quantity::JointVelocity | Quantity::AngularSpeed => LimitUnit::RadianPerSecond,
-                Quantity::JointTorque => LimitUnit::NewtonMetre,
-                Quantity::JointAcceleration => LimitUnit::RadianPerSecond2,
-                Quantity::JointJerk => LimitUnit::RadianPerSecond3,
-                Quantity::Feed => LimitUnit::MetrePerSecond,
-                Quantity::TangentialAcceleration | Quantity::NormalAcceleration => LimitUnit::MetrePerSecond2,
-                Quantity::TangentialJerk | Quantity::NormalJerk => LimitUnit::MetrePerSecond3,
-                Quantity::ChordError | Quantity::PathDeviation => LimitUnit::Metre,
-                _ => LimitUnit::One,
-            },
-            value: c.value,
-            limit: c.limit,
-            ratio: c.ratio,
-            at_s_m: Some(c.s),
-            at_t_s: c.t,
-        })
-        .collect()
-}
-
 /// Points of each chord segment, dense enough to be drawn as a curve, seen along the workpiece's z axis (m).
-pub fn drawn_segments<const N: usize>(plan: &Plan<N>, workpiece: &nalgebra::Isometry3<f64>) -> Vec<Vec<[f64; 2]>> {
+pub fn drawn_segments<const N: usize>(plan: &Trajectory<'_, N>, workpiece: &nalgebra::Isometry3<f64>) -> Vec<Vec<[f64; 2]>> {
     let inverse = workpiece.inverse();
-    let curve = plan.path().curve();
+    let Some(path) = plan.path().tool_curve() else { return Vec::new() };
+    let curve = path.curve();
     plan.breaks()
         .windows(2)
         .map(|b| {

@@ -5,11 +5,11 @@
 
 use std::path::{Path, PathBuf};
 
-use arcfeed_interp::{Extent, FeedSection};
+use arcfeed_interp::{Extent, FeedSection, Method};
 use nalgebra::{Isometry3, Unit, UnitQuaternion, Vector3};
 
 use crate::error::{InputError, read_text, text_of};
-use crate::job_file::{RawJob, RawMode, RawOrientation, RawScan, RawSection, RawTorque};
+use crate::job_file::{RawJob, RawMode, RawOrientation, RawPlan, RawSection, RawTorque};
 use crate::toml_check::{Check, read_toml, rotation};
 use crate::unit::LengthUnit;
 
@@ -106,18 +106,6 @@ impl JointValues {
     }
 }
 
-/// How the speed is planned over the segments.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Scan {
-    /// The least time under all limits at once.
-    #[default]
-    JerkLimited,
-    /// Over all segments at once, joined between the speed minima, with the limits shared out by fixed parts.
-    Joined,
-    /// Segment by segment, with zero acceleration at every joint between two of them.
-    Segments,
-}
-
 /// A checked job, in SI units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Job {
@@ -145,10 +133,8 @@ pub struct Job {
     pub chord_tolerance: f64,
     /// Control period in s.
     pub period: f64,
-    /// How the speed is planned over the segments.
-    pub scan: Scan,
-    /// How many segments the planner looks ahead; `None`: to the end.
-    pub lookahead: Option<usize>,
+    /// Which planner finds the speed.
+    pub method: Method,
     /// Values that are allowed but look like a slip of the unit.
     pub warnings: Vec<String>,
 }
@@ -178,8 +164,7 @@ impl Default for Job {
             torque: None,
             chord_tolerance: 1e-6,
             period: 1e-3,
-            scan: Scan::JerkLimited,
-            lookahead: None,
+            method: Method::JerkLimited,
             warnings: Vec::new(),
         }
     }
@@ -281,12 +266,7 @@ impl JobCheck<'_> {
                 .limit("tolerance.chord_mm", raw.tolerance.chord_mm, mm)?
                 .unwrap_or(default.chord_tolerance),
             period: self.0.period(raw.sampling.period_ms)?.unwrap_or(default.period),
-            scan: match raw.plan.scan {
-                RawScan::JerkLimited => Scan::JerkLimited,
-                RawScan::Joined => Scan::Joined,
-                RawScan::Segments => Scan::Segments,
-            },
-            lookahead: self.lookahead(raw.plan.lookahead)?,
+            method: self.method(&raw.plan)?,
             warnings: Vec::new(),
         };
         if job.chord_tolerance > 0.01 {
@@ -404,15 +384,28 @@ impl JobCheck<'_> {
         Ok(limited.then_some(TorqueJob { limit, payload }))
     }
 
-    fn lookahead(&self, segments: Option<i64>) -> Result<Option<usize>, InputError> {
-        segments
-            .map(|n| {
-                usize::try_from(n).ok().filter(|&n| n > 0).ok_or_else(|| {
-                    let rule = "it counts segments and has to be a whole number from 1 on";
-                    self.0.wrong("plan.lookahead", n, rule, "raise it, or remove the key to look ahead to the end")
-                })
-            })
-            .transpose()
+    fn method(&self, raw: &RawPlan) -> Result<Method, InputError> {
+        let method = match &raw.planner {
+            None => Method::default(),
+            Some(name) => name.parse().map_err(|_| {
+                let rule = "it has to be the name of a planner";
+                let remedy = "choose one of jerk-limited, continuous-acceleration, per-segment, forward-backward, reachability, \
+                              interpolated-reachability";
+                self.0.wrong("plan.planner", format!("\"{name}\""), rule, remedy)
+            })?,
+        };
+        let Some(ahead) = raw.lookahead else { return Ok(method) };
+        let window = usize::try_from(ahead).ok().filter(|&n| n > 0).ok_or_else(|| {
+            let rule = "it counts segments and has to be a whole number from 1 on";
+            self.0.wrong("plan.lookahead", ahead, rule, "raise it, or remove the key to look ahead to the end")
+        })?;
+        match method {
+            Method::PerSegment { .. } => Ok(Method::PerSegment { window: Some(window) }),
+            _ => {
+                let rule = "only the planner per-segment looks ahead by segments";
+                Err(self.0.wrong("plan.lookahead", ahead, rule, "remove it, or set planner = \"per-segment\""))
+            }
+        }
     }
 
     fn orientation(&mut self, raw: &RawOrientation) -> Result<ToolOrientation, InputError> {

@@ -111,17 +111,8 @@ pub(crate) struct RawSampling {
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct RawPlan {
-    pub scan: RawScan,
+    pub planner: Option<String>,
     pub lookahead: Option<i64>,
-}
-
-#[derive(Debug, Default, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub(crate) enum RawScan {
-    #[default]
-    JerkLimited,
-    Joined,
-    Segments,
 }
 
 /// One number for all joints, or a list with one for each.

@@ -21,11 +21,11 @@ use arcfeed_geometry::{NurbsCurve, SegmentationMethod};
 use arcfeed_interp::parameter::{
     ArcLengthStep, CompensatedTaylor, FirstTaylor, ParameterStep, SecondTaylor, fluctuation,
 };
-use arcfeed_interp::{PlanError, Planner, Scan};
+use arcfeed_interp::{Method, PlanError};
 use serde::Serialize;
 
-use crate::cr7::{Cr7Error, Motion, plan};
-use crate::job::{Job, Scan as JobScan};
+use crate::cr7::{Cr7Error, Motion, Task};
+use crate::job::Job;
 use crate::sample_paths::SamplePath;
 
 /// One number of a paper and ours.
@@ -165,11 +165,12 @@ pub fn liu_2023() -> Result<Reproduction, Cr7Error> {
     table_1(&mut r)?;
     segment_counts(&mut r)?;
     // The paper scans; so does this, and the jerk-limited planner stands beside it below.
-    let job = Job { scan: JobScan::Joined, ..Job::default() };
-    let motion = plan(&job, &SamplePath::Butterfly.load()?)?;
+    let job = Job { method: Method::ContinuousAcceleration, ..Job::default() };
+    let task = Task::of_cr7(&job, &SamplePath::Butterfly.load()?)?;
+    let motion = task.plan()?;
     table_2(&mut r, &motion)?;
     interpolators(&mut r, &motion)?;
-    joining(&mut r, &motion)?;
+    joining(&mut r, &task, &motion)?;
     Ok(r)
 }
 
@@ -282,16 +283,16 @@ fn segment_counts(r: &mut Reproduction) -> Result<(), Cr7Error> {
     Ok(())
 }
 
-fn table_2(r: &mut Reproduction, motion: &Motion) -> Result<(), Cr7Error> {
+fn table_2(r: &mut Reproduction, motion: &Motion<'_>) -> Result<(), Cr7Error> {
     const PLACE: &str =
         "Table 2: butterfly at 0.001 mm, MATLAB on an i7-11800H (in brackets its columns X.D., L.H., L.F.)";
-    let plan = motion.plan();
+    let plan = motion.trajectory();
     let timings = plan.timings();
     let begin = Instant::now();
     let mut samples = 0usize;
     let mut last_s = 0.0;
     let mut sampling_error = None;
-    match motion.sampler() {
+    match motion.setpoints() {
         Ok(sampler) => {
             for setpoint in sampler {
                 match setpoint {
@@ -303,14 +304,15 @@ fn table_2(r: &mut Reproduction, motion: &Motion) -> Result<(), Cr7Error> {
                 }
             }
         }
-        Err(e) => sampling_error = Some(e),
+        Err(e) => sampling_error = Some(e.into()),
     }
     if let Some(source) = sampling_error {
         return Err(failed(source));
     }
     let sampling = begin.elapsed().as_secs_f64();
 
-    let curve = plan.path().curve().curve();
+    let Some(path) = plan.path().tool_curve() else { return Ok(()) };
+    let curve = path.curve().curve();
     let halved = curve
         .segment(SegmentationMethod::CType, 1e-6)
         .map_err(|source| Cr7Error::Curve { file: "butterfly".to_owned(), source })?;
@@ -325,16 +327,16 @@ fn table_2(r: &mut Reproduction, motion: &Motion) -> Result<(), Cr7Error> {
         format!("at most {}", (longest / shortest).log2().ceil()),
     )
     .note("ours by halving; the pieces in use are found by a search, without rounds");
-    r.add(PLACE, "time to cut the curve, s (0, 8, 0)", "0.7", format!("{:.4}", timings.segmentation.as_secs_f64()));
-    let deviation = dense_deviation(curve, plan.segmentation().breaks());
+    r.add(PLACE, "time to cut the curve, s (0, 8, 0)", "0.7", format!("{:.4}", timings.grid.as_secs_f64()));
+    let deviation = dense_deviation(curve, plan.segmentation().map_or(&[], |s| s.breaks()));
     r.add(PLACE, "largest chord error, mm (1.8, 0.03, 2)", "0.001", format!("{:.7}", deviation * 1e3))
         .guaranteed(deviation <= 1e-6);
-    let end = plan.path().curve().parameter(last_s);
+    let end = path.curve().parameter(last_s);
     r.add(PLACE, "end value of u (0.997, 0.997, 0.999)", "1", format!("{end}")).guaranteed(end == 1.0);
     let missing = plan.path().length() - last_s;
     r.add(PLACE, "truncation error, mm (0.001, 0.001, 0)", "0", format!("{}", missing * 1e3))
         .guaranteed(missing == 0.0);
-    r.add(PLACE, "bidirectional scan, s (0.01, 0.1, 0.01)", "0.3", format!("{:.4}", timings.scan.as_secs_f64()))
+    r.add(PLACE, "bidirectional scan, s (0.01, 0.1, 0.01)", "0.3", format!("{:.4}", timings.speed.as_secs_f64()))
         .note("ours: up to four scans with different shares of the joint limits, the fastest kept");
     r.add(PLACE, "one S-profile, s (6e-5, 6e-5, 6e-5)", "7e-5", format!("{:.1e}", s_profile_time()));
     r.add(PLACE, "interpolation of the whole path, s (9, 10, 13)", "10", format!("{sampling:.4}")).note(format!(
@@ -345,7 +347,7 @@ fn table_2(r: &mut Reproduction, motion: &Motion) -> Result<(), Cr7Error> {
     r.add(PLACE, "total computing time, s (10, 19, 14)", "12", format!("{total:.4}"));
     r.add(PLACE, "duration of the motion, s", "", format!("{:.3}", plan.duration()))
         .note("the paper prints neither its feed nor its limits; ours are the defaults of `cr7 plan`, scanned");
-    let worst = plan.verification().map_or(f64::NAN, |v| v.worst().ratio);
+    let worst = plan.verification().worst().ratio;
     r.add(PLACE, "worst use of any limit, verified, %", "", format!("{:.4}", 100.0 * worst))
         .guaranteed(worst <= 1.0 + 1e-6);
     Ok(())
@@ -369,9 +371,9 @@ fn s_profile_time() -> f64 {
     times[times.len() / 2]
 }
 
-fn interpolators(r: &mut Reproduction, motion: &Motion) -> Result<(), Cr7Error> {
+fn interpolators(r: &mut Reproduction, motion: &Motion<'_>) -> Result<(), Cr7Error> {
     const PLACE: &str = "Section 5: feed fluctuation by arc length, butterfly, 1 ms (largest / rms in %; end of u)";
-    let path = motion.plan().path();
+    let Some(path) = motion.trajectory().path().tool_curve() else { return Ok(()) };
     let curve = path.curve();
     for feed in [0.01, 0.1] {
         let Ok(profile) = MotionLimits::new(feed, 1.0, 20.0).and_then(|l| SProfile::new(curve.length(), 0.0, 0.0, &l))
@@ -403,21 +405,19 @@ fn interpolators(r: &mut Reproduction, motion: &Motion) -> Result<(), Cr7Error> 
 }
 
 /// What zero acceleration at every segment boundary costs.
-fn joining(r: &mut Reproduction, motion: &Motion) -> Result<(), Cr7Error> {
+fn joining(r: &mut Reproduction, task: &Task, motion: &Motion<'_>) -> Result<(), Cr7Error> {
     const PLACE: &str = "Section 4: what zero acceleration at every segment boundary costs, butterfly";
-    let joined = motion.plan();
-    let start = joined.joint_path().nodes()[0].q;
-    let planner = Planner::new(motion.arm(), *motion.joint_limits(), *motion.tool_limits()).map_err(failed)?;
-    let least = planner.plan(joined.path().clone(), &start).map_err(failed)?;
-    let planner = planner.with_scan(Scan::PerSegment { window: None });
-    let separate = planner.plan(joined.path().clone(), &start).map_err(failed)?;
+    let joined = motion.trajectory();
+    let path = task.tool_path()?;
+    let with = |method| task.planner()?.with_method(method).plan(&path).map_err(failed);
+    let (least, separate) = (with(Method::JerkLimited)?, with(Method::PerSegment { window: None })?);
     r.add(PLACE, "zero acceleration at each boundary, s", "", format!("{:.3}", separate.duration()));
     r.add(PLACE, "joined between the speed minima, s", "", format!("{:.3}", joined.duration()))
         .note(format!("saves {:.1} % of the time", 100.0 * (1.0 - joined.duration() / separate.duration())))
         .guaranteed(joined.duration() <= separate.duration());
     r.add(PLACE, "jerk-limited under all limits at once, s", "", format!("{:.3}", least.duration()))
         .note(format!("saves {:.1} %; in {:.2} s", 100.0 * (1.0 - least.duration() / separate.duration()), {
-            least.timings().scan.as_secs_f64()
+            least.timings().speed.as_secs_f64()
         }))
         .guaranteed(least.duration() <= joined.duration());
     Ok(())

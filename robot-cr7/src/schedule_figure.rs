@@ -1,7 +1,6 @@
 //! What is drawn of a scheduled motion, as plain numbers in the units of the labels.
 
-use arcfeed_feedrate::RowSource;
-use arcfeed_interp::{LimitPoint, Schedule, ScheduleCheck, ScheduleParameter, SchedulePath};
+use arcfeed_interp::{Binding, LimitPoint, PathParameter, RowSource, SpeedError, Trajectory};
 
 /// Speed along a motion, under the curves that limit it, with what binds below.
 #[derive(Debug, Clone, PartialEq)]
@@ -86,57 +85,54 @@ pub struct JointPanel {
 }
 
 /// Factor and unit in which people read the parameter.
-fn shown(parameter: ScheduleParameter) -> (f64, &'static str) {
+fn shown(parameter: PathParameter) -> (f64, &'static str) {
     match parameter {
-        ScheduleParameter::ArcLength => (1e3, "mm"),
+        PathParameter::ArcLength => (1e3, "mm"),
         _ => (1f64.to_degrees(), "deg"),
     }
 }
 
-pub(crate) fn speed_figure<P: SchedulePath<N>, const N: usize>(
-    schedule: &Schedule<'_, P, N>,
-    check: &ScheduleCheck,
+pub(crate) fn speed_figure<const N: usize>(
+    trajectory: &Trajectory<'_, N>,
     name: &str,
     facts: &str,
-) -> SpeedFigure {
-    let parameter = schedule.path().parameter();
+) -> Result<SpeedFigure, SpeedError> {
+    let parameter = trajectory.path().parameter();
     let (factor, unit) = shown(parameter);
-    let end = schedule.path().end();
+    let end = trajectory.path().length();
     let points = 2000;
     let speed = (0..=points).map(|i| {
         let s = end * f64::from(i) / f64::from(points);
-        (s * factor, schedule.law().at_position(s).v * factor)
+        (s * factor, trajectory.law().at_position(s).v * factor)
     });
-    let curve = |points: &mut dyn Iterator<Item = LimitPoint>| {
-        points.map(|p| (p.s * factor, p.speed * factor)).collect::<Vec<_>>()
-    };
-    SpeedFigure {
+    let curve = |points: Vec<LimitPoint>| points.iter().map(|p| (p.s * factor, p.speed * factor)).collect();
+    Ok(SpeedFigure {
         file: "speed.svg".to_owned(),
-        title: format!("{name}: speed along the motion"),
+        title: name.to_owned(),
         facts: facts.to_owned(),
         x_label: format!("{parameter} s [{unit}]"),
         y_label: format!("speed [{unit}/s]"),
         speeds: vec![("speed".to_owned(), speed.collect())],
-        initial: curve(&mut schedule.initial_velocity_limit()),
-        ceiling: curve(&mut schedule.maximum_velocity_curve()),
-        bindings: binding_bars(check, factor),
-    }
+        initial: curve(trajectory.initial_velocity_limit()?),
+        ceiling: curve(trajectory.maximum_velocity_curve()?),
+        bindings: binding_bars(trajectory.verification().bindings(), factor),
+    })
 }
 
 /// The limits that bind, as bars along the motion.
-pub(crate) fn binding_bars(check: &ScheduleCheck, factor: f64) -> Vec<BindingBar> {
-    let bar = |b: &arcfeed_interp::Binding| BindingBar {
-        name: short(b.source),
-        joint: b.source.joint.map(usize::from),
+pub(crate) fn binding_bars(bindings: &[Binding], factor: f64) -> Vec<BindingBar> {
+    let bar = |b: &Binding| BindingBar {
+        name: short(b.id),
+        joint: b.id.joint.map(usize::from),
         intervals: b.intervals.iter().map(|&(from, to)| (from * factor, to * factor)).collect(),
     };
-    check.bindings.iter().map(bar).collect()
+    bindings.iter().map(bar).collect()
 }
 
 /// "J3 torque".
-fn short(source: RowSource) -> String {
-    match source.joint {
-        Some(joint) => format!("J{} {}", joint + 1, source.quantity),
-        None => source.quantity.to_string(),
+fn short(id: RowSource) -> String {
+    match id.joint {
+        Some(joint) => format!("J{} {}", joint + 1, id.quantity.name().trim_start_matches("joint ")),
+        None => id.quantity.to_string(),
     }
 }

@@ -3,22 +3,20 @@
 use std::fmt::{self, Display, Formatter};
 use std::path::PathBuf;
 
-use arcfeed_interp::{
-    ArmMotion, JointSpline, PlanError, ScheduleCheck, ScheduleLimits, ScheduleParameter, SchedulePath, SpeedPlanner,
-};
-use arcfeed_kinematics::{Arm, ArmDynamics, Joints};
+use arcfeed_interp::{JointSpline, Limits, Method, MotionPath, PathParameter, PlanError, Planner, ToolLimits, Trajectory};
+use arcfeed_kinematics::{Arm, ArmDynamics, JointLimits, Joints};
 use serde::Serialize;
 
-use crate::cr7::Cr7Error;
+use crate::cr7::{Cr7Error, plan_error, trajectory_row};
 use crate::error::InputError;
-use crate::report::{LimitLine, clip, duration, limit_table, number};
+use crate::limit_lines::limit_lines;
+use crate::report::{LimitLine, clip, duration, limit_table, number, percent};
 use crate::robot::Robot;
 use crate::samples::few_enough;
-use crate::schedule_figure::{ShareFigure, SpeedFigure, speed_figure};
+use crate::schedule_figure::{ShareFigure, SharePanel, SpeedFigure, speed_figure};
 use crate::schedule_file::{ScheduleFile, ScheduleWay};
-use crate::schedule_plan::{CheckedSchedule, SpeedTask};
-use crate::schedule_rows::ScheduleRows;
 use crate::schedule_way::PoseWay;
+use crate::series::Series;
 use crate::trajectory_csv::TrajectoryRow;
 
 const WIDTH: usize = 100;
@@ -86,93 +84,76 @@ pub struct ScheduleRun {
     pub shares: ShareFigure,
 }
 
-/// A motion between poses for an arm of six joints, or through way-points for any. `write` is given the rows of the
-/// trajectory in their order.
+/// A motion through the joint way-points of `file`. `write` is given the rows of the trajectory in their order.
 ///
 /// # Errors
-/// [`Cr7Error::Input`] for what the file says wrongly, [`Cr7Error::Plan`] for what cannot be planned, with the place,
-/// [`Cr7Error::Configuration`] for joints that the motion does not lead to.
-pub fn run_schedule<const N: usize>(
+/// [`Cr7Error::Input`] for what the file says wrongly, [`Cr7Error::Plan`] for what cannot be planned, with the place.
+pub fn run_way_points<const N: usize>(
     file: &ScheduleFile,
     robot: &Robot,
-    planner: SpeedPlanner,
+    method: Method,
     write: impl FnMut(&TrajectoryRow<N>) -> Result<(), InputError>,
 ) -> Result<ScheduleRun, Cr7Error> {
     let arm = robot.arm::<N>(file.tool)?;
-    let setting = Setting::new(file, robot, &arm, planner)?;
-    match &file.way {
-        ScheduleWay::Waypoints(points) => {
-            let points = points
-                .iter()
-                .enumerate()
-                .map(|(i, point)| Ok(Joints::from(file.of::<N>(&format!("waypoint[{i}].q_deg"), point)?)));
-            let spline = JointSpline::through(&points.collect::<Result<Vec<_>, Cr7Error>>()?);
-            let spline = spline.map_err(|e| setting.failed(e))?;
-            spline.within(arm.range()).map_err(|e| setting.failed(e))?;
-            let ends = [spline.points().first().copied(), spline.points().last().copied()];
-            setting.run(&arm, (&spline, ends), ("joint way-points", None), write)
-        }
-        ScheduleWay::Poses { start, goal, near } => {
-            // A pose has six freedoms: the arm is one of six joints by another name.
-            let six = robot.arm::<6>(file.tool).map_err(|_| {
-                setting.failed(PlanError::Missing {
-                    needed: "an arm of six joints",
-                    purpose: "a motion between poses",
-                    remedy: "take another --robot, or give joint way-points",
-                })
-            })?;
-            let way = PoseWay::new(file, &six, [start, goal], near.as_ref())?;
-            let ends = way.ends.map(|q| q.map(|q| renamed(&q)));
-            let motion = *way.path.motion();
-            let words = motion.kind().to_string();
-            setting.run(&arm, (&Renamed(way.path), ends), (&words, Some(motion.angle())), write)
-        }
-    }
+    let task = SpeedTask::new(file, robot, &arm, method)?;
+    let ScheduleWay::Waypoints(points) = &file.way else { return Err(wrong_kind(file)) };
+    let points = points
+        .iter()
+        .enumerate()
+        .map(|(i, point)| Ok(Joints::from(file.of::<N>(&format!("waypoint[{i}].q_deg"), point)?)));
+    let spline = JointSpline::through(&points.collect::<Result<Vec<_>, Cr7Error>>()?);
+    let spline = spline.map_err(|e| task.failed(e))?;
+    spline.within(arm.range()).map_err(|e| task.failed(e))?;
+    task.run(&arm, &spline, ("joint way-points", None), write)
 }
 
-/// A path of six joints for an arm of `N`, which are six.
-struct Renamed<'a>(ArmMotion<'a, Arm<6>, 6>);
-
-impl<const N: usize> SchedulePath<N> for Renamed<'_> {
-    fn parameter(&self) -> ScheduleParameter {
-        self.0.parameter()
-    }
-
-    fn end(&self) -> f64 {
-        self.0.end()
-    }
-
-    fn start(&self) -> Joints<N> {
-        renamed(&self.0.start())
-    }
-
-    fn jet(&self, s: f64, near: &Joints<N>) -> Result<arcfeed_interp::JointJet<N>, PlanError> {
-        let jet = self.0.jet(s, &renamed(near))?;
-        let (q, d1, d2, d3) = (renamed(&jet.q), renamed(&jet.d1), renamed(&jet.d2), renamed(&jet.d3));
-        Ok(arcfeed_interp::JointJet { s, q, d1, d2, d3 })
-    }
+/// A motion between the poses of `file`, for an arm of six joints. `write` is given the rows of the trajectory in their order.
+///
+/// # Errors
+/// As [`run_way_points`]; [`Cr7Error::Configuration`] for joints that the motion does not lead to.
+pub fn run_pose_move(
+    file: &ScheduleFile,
+    robot: &Robot,
+    method: Method,
+    write: impl FnMut(&TrajectoryRow) -> Result<(), InputError>,
+) -> Result<ScheduleRun, Cr7Error> {
+    let arm = robot.arm::<6>(file.tool)?;
+    let task = SpeedTask::new(file, robot, &arm, method)?;
+    let ScheduleWay::Poses { start, goal, near } = &file.way else { return Err(wrong_kind(file)) };
+    let way = PoseWay::new(file, &arm, [start, goal], near.as_ref())?;
+    let motion = *way.path.motion();
+    task.run(&arm, &way.path, (&motion.kind().to_string(), Some(motion.angle())), write)
 }
 
-fn renamed<const N: usize, const M: usize>(q: &Joints<N>) -> Joints<M> {
-    Joints::from_fn(|i, _| q.get(i).copied().unwrap_or(0.0))
+/// The way of the file is not of the kind that was called for.
+fn wrong_kind(file: &ScheduleFile) -> Cr7Error {
+    let error = InputError::Value {
+        file: file.file.clone(),
+        line: None,
+        key: "waypoint".to_owned(),
+        value: "a motion of the other kind".to_owned(),
+        rule: "a motion runs between poses or through way-points",
+        remedy: "give [start] and [goal], or [[waypoint]]",
+    };
+    Cr7Error::Input(error)
 }
 
-/// Everything but the path.
-struct Setting<'a, const N: usize> {
+/// What is planned, but for the path.
+struct SpeedTask<'a, const N: usize> {
     file: &'a ScheduleFile,
     robot: String,
-    planner: SpeedPlanner,
-    limits: ScheduleLimits<N>,
-    dynamics: Option<ArmDynamics<N>>,
+    method: Method,
+    joints: JointLimits<N>,
+    tool: ToolLimits,
+    drives: Option<(ArmDynamics<N>, Joints<N>)>,
     warnings: Vec<String>,
 }
 
-impl<'a, const N: usize> Setting<'a, N> {
-    fn new(file: &'a ScheduleFile, robot: &Robot, arm: &Arm<N>, planner: SpeedPlanner) -> Result<Self, Cr7Error> {
+impl<'a, const N: usize> SpeedTask<'a, N> {
+    fn new(file: &'a ScheduleFile, robot: &Robot, arm: &Arm<N>, method: Method) -> Result<Self, Cr7Error> {
         let (joints, assumed) = robot.limits::<N>(&file.joints)?;
-        let with_jerk = planner == SpeedPlanner::JerkLimited;
         let mut warnings = file.warnings.clone();
-        warnings.extend(assumed.into_iter().filter(|text| with_jerk || !text.contains(" jerk")));
+        warnings.extend(assumed.into_iter().filter(|text| method.limits_jerk() || !text.contains(" jerk")));
         let dynamics = match (arm.dynamics(), file.payload) {
             (Some(dynamics), Some(payload)) => Some(dynamics.with_payload(payload)?),
             (dynamics, _) => dynamics.copied(),
@@ -181,115 +162,169 @@ impl<'a, const N: usize> Setting<'a, N> {
             Some(values) => Some(Joints::from(file.of::<N>("limits.torque_nm", values)?)),
             None => arm.drive_limits().torque.filter(|_| dynamics.is_some()),
         };
-        if file.payload.is_some() && torque.is_none() {
+        let drives = match (torque, dynamics) {
+            (Some(torque), Some(dynamics)) => Some((dynamics, torque)),
+            (Some(_), None) => {
+                return Err(Cr7Error::NoDynamics {
+                    robot: robot.description().name.clone(),
+                    missing: "the masses of its links are",
+                    remedy: "give masses and inertias of the links, or drop limits.torque_nm",
+                });
+            }
+            (None, _) => None,
+        };
+        if file.payload.is_some() && drives.is_none() {
             warnings.push("the payload has no effect: no torques are limited".to_owned());
         }
-        if planner == SpeedPlanner::Published {
-            warnings.push("the published scan breaks the limits it is given: for comparison only".to_owned());
+        if !method.limits_jerk() && file.joints.jerk.is_some() {
+            warnings.push(format!("--planner {method} does not limit jerk; jerk-limited does"));
         }
-        if !with_jerk && file.joints.jerk.is_some() {
-            warnings.push(format!("--planner {} does not limit jerk; jerk-limited does", planner.name()));
+        let robot = robot.description().name.clone();
+        let mut task = Self { file, robot, method, joints, tool: ToolLimits::new(), drives, warnings };
+        if let Some(speed) = file.linear_speed {
+            task.tool = task.tool.with_feed(speed).map_err(|e| task.failed(e))?;
         }
-        let limits = ScheduleLimits {
-            velocity: Some(*joints.velocity()),
-            acceleration: Some(*joints.acceleration()),
-            jerk: with_jerk.then(|| *joints.jerk()),
-            torque,
-            linear_speed: file.linear_speed,
-            angular_speed: file.angular_speed,
-        };
-        Ok(Self { file, robot: robot.description().name.clone(), planner, limits, dynamics, warnings })
+        if let Some(speed) = file.angular_speed {
+            task.tool = task.tool.with_angular_speed(speed).map_err(|e| task.failed(e))?;
+        }
+        Ok(task)
     }
 
-    fn failed(&self, source: PlanError) -> Cr7Error {
-        Cr7Error::Plan { file: self.file.file.display().to_string(), source: Box::new(source), hint: String::new() }
+    fn failed(&self, source: impl Into<PlanError>) -> Cr7Error {
+        plan_error(&self.file.file.display().to_string(), source.into())
     }
 
-    /// `ends` are the joints asked for at start and end, where they are.
-    fn run<P: SchedulePath<N>>(
-        self,
+    fn plan<'p>(&'p self, arm: &'p Arm<N>, path: &'p dyn MotionPath<N>) -> Result<Trajectory<'p, N>, PlanError> {
+        let to_si = if path.parameter() == PathParameter::ArcLength { 1e-3 } else { 1f64.to_radians() };
+        let [v_start, v_end] = self.file.speeds.map(|v| v * to_si);
+        let mut limits = Limits::new(self.joints).with_tool(self.tool);
+        if let Some((dynamics, torque)) = &self.drives {
+            limits = limits.with_torque(dynamics, *torque)?;
+        }
+        Planner::new(arm, limits)
+            .with_method(self.method)
+            .with_period(self.file.period)?
+            .with_intervals(self.file.intervals)?
+            .with_end_speeds(v_start, v_end)?
+            .plan(path)
+    }
+
+    fn run(
+        &self,
         arm: &Arm<N>,
-        (path, ends): (&P, [Option<Joints<N>>; 2]),
+        path: &dyn MotionPath<N>,
         (motion, rotation): (&str, Option<f64>),
-        write: impl FnMut(&TrajectoryRow<N>) -> Result<(), InputError>,
+        mut write: impl FnMut(&TrajectoryRow<N>) -> Result<(), InputError>,
     ) -> Result<ScheduleRun, Cr7Error> {
-        let failed = |e| self.failed(e);
-        let parameter = path.parameter();
-        let to_si = if parameter == ScheduleParameter::ArcLength { 1e-3 } else { 1f64.to_radians() };
-        let task = SpeedTask {
-            arm,
-            dynamics: self.dynamics.as_ref(),
-            limits: self.limits,
-            intervals: self.file.intervals,
-            speeds: self.file.speeds.map(|v| v * to_si),
-            planner: self.planner,
-            period: self.file.period,
-        };
-        let CheckedSchedule { schedule, check, limits, notes } = task.plan(path).map_err(failed)?;
-        few_enough(schedule.duration(), self.file.period, "the [limits] of the file")
+        let trajectory = self.plan(arm, path).map_err(|e| self.failed(e))?;
+        few_enough(trajectory.duration(), self.file.period, "the [limits] of the file")
             .map_err(|source| Cr7Error::TooManySamples { file: self.file.file.display().to_string(), source })?;
-        let planner = if schedule.fallback().is_some() { "joined scan" } else { self.planner.name() };
-        let facts =
-            format!("{motion}, {planner}: {} s; {} on {}", number(schedule.duration()), used_most(&check), self.robot);
+        let setpoints = trajectory.setpoints(self.file.period).map_err(|e| self.failed(e))?;
+        let samples = setpoints.samples();
+        let panels = self.panels();
+        let mut series = Series::new(1 + panels.len() * N, samples);
+        for setpoint in setpoints {
+            let at = setpoint.map_err(|e| self.failed(e))?;
+            write(&trajectory_row(&at))?;
+            let torque = trajectory.torque(&at).unwrap_or(Joints::zeros());
+            let shares = panels.iter().flat_map(|(label, limit)| {
+                let value = match *label {
+                    "velocity" => &at.qd,
+                    "acceleration" => &at.qdd,
+                    "torque" => &torque,
+                    _ => &at.jerk,
+                };
+                (0..N).map(move |j| value[j] / limit[j])
+            });
+            series.push(std::iter::once(at.t).chain(shares));
+        }
+        series.cut();
+
+        let (info, verification) = (trajectory.info(), trajectory.verification());
+        let planner = info.method.unwrap_or(self.method).name();
+        let worst = verification.worst();
+        let facts = format!(
+            "{motion}, {planner}: {} s; {} uses {} on {}",
+            number(trajectory.duration()),
+            worst.id,
+            percent(worst.ratio),
+            self.robot
+        );
         let name = self.file.file.display().to_string();
-        let mut rows = ScheduleRows::new(&schedule, &self.limits, arm.range(), self.file.period).map_err(failed)?;
-        rows.write(write, failed)?;
-        rows.see_ends(ends, self.file.speeds);
-        let samples = rows.samples();
-        let (checked, shares) = rows.finish(&name, &facts);
-        let [following, planning] = schedule.timings().map(|t| t.as_secs_f64());
-        let instead = schedule
-            .fallback()
-            .map(|why| format!("the joined scan made the motion instead of the jerk-limited planner: {why}"));
+        let line = |column: usize| {
+            series.column(0).iter().copied().zip(series.column(column).iter().copied()).collect::<Vec<_>>()
+        };
+        let panel = |(i, (label, _)): (usize, &(&str, Joints<N>))| SharePanel {
+            label: (*label).to_owned(),
+            joints: (0..N).map(|j| line(1 + i * N + j)).collect(),
+        };
+        let shares = ShareFigure {
+            file: "joints.svg".to_owned(),
+            title: format!("{name}: joints in units of their limits"),
+            facts: facts.clone(),
+            panels: panels.iter().enumerate().map(panel).collect(),
+        };
+        let (parameter, times) = (path.parameter(), trajectory.timings());
         let report = ScheduleReport {
             robot: self.robot.clone(),
             motion: motion.to_owned(),
             parameter: parameter.to_string(),
             parameter_unit: parameter.unit(),
-            parameter_end: path.end(),
+            parameter_end: path.length(),
             rotation_rad: rotation,
             planner,
-            intervals: schedule.problem().intervals(),
-            duration_s: schedule.duration(),
+            intervals: info.intervals,
+            duration_s: trajectory.duration(),
             samples,
             period_s: self.file.period,
-            following_time_s: following,
-            planning_time_s: planning,
-            limits: joined(limits, checked),
-            checked_samples: check.samples,
-            binding: check
-                .bindings
+            following_time_s: (times.grid + times.joint_path).as_secs_f64(),
+            planning_time_s: times.speed.as_secs_f64(),
+            limits: limit_lines(verification, parameter),
+            checked_samples: verification.samples(),
+            binding: verification
+                .bindings()
                 .iter()
                 .map(|b| BindingLine {
-                    limit: b.source.to_string(),
+                    limit: b.id.to_string(),
                     intervals: b.intervals.iter().map(|&(from, to)| [from, to]).collect(),
                 })
                 .collect(),
-            warnings: self.warnings.iter().cloned().chain(instead).chain(notes).collect(),
+            warnings: self.warnings.iter().cloned().chain(self.notes(&trajectory)).collect(),
             files: Vec::new(),
             name,
         };
-        let speed = speed_figure(&schedule, &check, &report.name, &facts);
+        let speed = speed_figure(&trajectory, &report.name, &facts).map_err(|e| self.failed(e))?;
         Ok(ScheduleRun { report, speed, shares })
     }
-}
 
-/// The limits of both checks: of each limit that is in both the worse line.
-fn joined(mut lines: Vec<LimitLine>, others: Vec<LimitLine>) -> Vec<LimitLine> {
-    for other in others {
-        match lines.iter_mut().find(|line| line.name == other.name && line.joint == other.joint) {
-            Some(line) if other.ratio > line.ratio || other.ratio.is_nan() => *line = other,
-            Some(_) => {}
-            None => lines.push(other),
-        }
+    /// Quantities that are limited, with the limits.
+    fn panels(&self) -> Vec<(&'static str, Joints<N>)> {
+        let mut panels = vec![("velocity", *self.joints.velocity()), ("acceleration", *self.joints.acceleration())];
+        panels.extend(self.drives.as_ref().map(|(_, torque)| ("torque", *torque)));
+        panels.extend(self.method.limits_jerk().then(|| ("jerk", *self.joints.jerk())));
+        panels
     }
-    lines
-}
 
-fn used_most(check: &ScheduleCheck) -> String {
-    check.worst().map_or("nothing is limited".to_owned(), |worst| {
-        format!("{} uses {}", worst.source, crate::report::percent(worst.ratio))
-    })
+    /// What was done to make the limits hold, and who planned.
+    fn notes(&self, trajectory: &Trajectory<'_, N>) -> Vec<String> {
+        let info = trajectory.info();
+        let mut notes = Vec::new();
+        if let Some(why) = &info.fallback {
+            notes.push(format!("continuous-acceleration made the motion instead of jerk-limited: {why}"));
+        }
+        if info.rounds > 1 {
+            let rounds = info.rounds;
+            let mut words = format!("planned {rounds} times, so that the limits hold between the grid points");
+            if info.refined > 1 {
+                words += &format!("; intervals raised to {}", info.intervals);
+            }
+            for (id, fraction) in &info.lowered {
+                words += &format!("; {id} lowered by {} %", number(100.0 * (1.0 - fraction)));
+            }
+            notes.push(words);
+        }
+        notes
+    }
 }
 
 impl ScheduleReport {

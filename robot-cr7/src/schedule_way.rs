@@ -3,10 +3,10 @@
 use std::f64::consts::TAU;
 
 use arcfeed_geometry::PoseMotion;
-use arcfeed_interp::{ArmMotion, PlanError, SchedulePath};
+use arcfeed_interp::{MotionPath, PathError, PoseMove};
 use arcfeed_kinematics::{Arm, ForwardKinematics, Joints};
 
-use crate::cr7::Cr7Error;
+use crate::cr7::{Cr7Error, plan_error};
 use crate::job::JointValues;
 use crate::report::number;
 use crate::schedule_file::{ScheduleFile, SchedulePlace};
@@ -18,7 +18,7 @@ const STEPS: usize = 256;
 
 /// A motion between poses from a start configuration, with the joints asked for at its ends.
 pub(crate) struct PoseWay<'a> {
-    pub path: ArmMotion<'a, Arm<6>, 6>,
+    pub path: PoseMove<'a>,
     /// At start and goal, where the file gives joints.
     pub ends: [Option<Joints<6>>; 2],
 }
@@ -36,10 +36,7 @@ impl<'a> PoseWay<'a> {
         places: [&SchedulePlace; 2],
         near: Option<&JointValues>,
     ) -> Result<Self, Cr7Error> {
-        let failed = |source: PlanError| {
-            let file = file.file.display().to_string();
-            Cr7Error::Plan { file, source: Box::new(source), hint: String::new() }
-        };
+        let failed = |source: PathError| plan_error(&file.file.display().to_string(), source.into());
         let ends = [joints(file, arm, KEYS[0], places[0])?, joints(file, arm, KEYS[1], places[1])?];
         let poses = [0, 1].map(|i| match (places[i], &ends[i]) {
             (SchedulePlace::Pose(pose), _) => *pose,
@@ -48,16 +45,16 @@ impl<'a> PoseWay<'a> {
         let motion = PoseMotion::new(&poses[0], &poses[1]).map_err(|e| failed(e.into()))?;
         let near = near.map(|near| file.of::<6>("start.near_deg", near)).transpose()?.map(Joints::from);
         let path = match (near, ends[1]) {
-            (Some(near), _) => ArmMotion::new(arm, motion, &near).map_err(failed)?,
+            (Some(near), _) => PoseMove::starting_near(arm, motion, &near).map_err(failed)?,
             (None, Some(goal)) => {
                 let back = PoseMotion::new(&poses[1], &poses[0]).map_err(|e| failed(e.into()))?;
-                let start = ArmMotion::new(arm, back, &goal).and_then(|back| followed(&back)).map_err(|e| {
+                let start = PoseMove::starting_near(arm, back, &goal).and_then(|back| followed(&back)).map_err(|e| {
                     let problem = format!("the tool cannot be led back from these joints to [start]: {e}");
                     configuration(file, KEYS[1], problem)
                 })?;
-                ArmMotion::new(arm, motion, &start).map_err(failed)?
+                PoseMove::starting_near(arm, motion, &start).map_err(failed)?
             }
-            (None, None) => ArmMotion::from_best_start(arm, motion, arm.range()).map_err(failed)?,
+            (None, None) => PoseMove::new(arm, motion, arm.range()).map_err(failed)?,
         };
         let way = Self { path, ends };
         way.check(file).map(|()| way)
@@ -127,10 +124,10 @@ fn joints(
 }
 
 /// The joints at the end of a motion.
-fn followed(path: &ArmMotion<'_, Arm<6>, 6>) -> Result<Joints<6>, PlanError> {
+fn followed(path: &PoseMove<'_>) -> Result<Joints<6>, PathError> {
     let mut last = path.jet(0.0, &path.start())?;
     for i in 1..=STEPS {
-        let s = path.end() * (i as f64 / STEPS as f64);
+        let s = path.length() * (i as f64 / STEPS as f64);
         last = path.jet(s, &last.ahead(s - last.s))?;
     }
     Ok(last.q)

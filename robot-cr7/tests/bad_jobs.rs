@@ -4,10 +4,10 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::{Path, PathBuf};
 
 use approx::assert_relative_eq;
-use arcfeed_interp::Extent;
+use arcfeed_interp::{Extent, Method};
 use nalgebra::{UnitQuaternion, Vector3, point};
 use proptest::prelude::*;
-use robot_cr7::{Job, LengthUnit, Scan, ToolOrientation};
+use robot_cr7::{Job, LengthUnit, ToolOrientation};
 
 fn read(text: &str) -> Result<Job, robot_cr7::InputError> {
     Job::from_bytes(text.as_bytes(), Path::new("jobs/a.toml"))
@@ -54,7 +54,7 @@ fn the_example_shows_every_key() {
         10_000.0 * PI / 180.0,
         max_relative = 1e-15
     );
-    assert_eq!(job.lookahead, Some(100));
+    assert_eq!(job.method, Method::PerSegment { window: Some(100) });
     assert_relative_eq!(job.feed.angular_speed.expect("given"), FRAC_PI_2);
     let torque = job.torque.expect("limited");
     assert_relative_eq!(torque.limit.expect("given").of::<6>().expect("six")[3], 28.0);
@@ -84,7 +84,7 @@ fn values_are_converted_to_si() {
         [tolerance]
         chord_mm = 0.005
         [plan]
-        scan = "segments"
+        planner = "per-segment"
         lookahead = 7
         "#,
     )
@@ -102,7 +102,7 @@ fn values_are_converted_to_si() {
     assert_relative_eq!(feed.tangential_jerk, 30.0);
     assert_relative_eq!(feed.normal_acceleration, 1.5);
     assert_relative_eq!(job.chord_tolerance, 5e-6);
-    assert_eq!((job.scan, job.lookahead), (Scan::Segments, Some(7)));
+    assert_eq!(job.method, Method::PerSegment { window: Some(7) });
     assert!(job.warnings.is_empty(), "{:?}", job.warnings);
 }
 
@@ -206,7 +206,8 @@ fn values_of_the_wrong_kind() {
     says("[feed]\nfeed_mm_s = \"fast\"", &["a.toml:2:13", "\"fast\"", "butterfly.toml"]);
     says("[tool]\nposition_mm = [1, 2]", &["a.toml:2:15", "length 2", "length 3"]);
     says("[joints]\njerk_deg_s3 = \"much\"", &["a.toml:2:15", "\"much\"", "one number for all joints"]);
-    says("[plan]\nscan = \"best\"", &["a.toml:2:8", "`best`", "`joined`", "`segments`", "choose one"]);
+    says("[plan]\nplanner = \"best\"", &["a.toml:2", "plan.planner", "best", "continuous-acceleration", "choose one"]);
+    says("[plan]\nlookahead = 7", &["a.toml:2", "plan.lookahead", "per-segment"]);
     says("[orientation]\nmode = \"free\"", &["a.toml:2:8", "`free`", "`constant`", "`slerp`", "`tangent`"]);
     says("[path]\ncsv_unit = \"mile\"", &["path.csv_unit", "line 2", "\"mile\"", "\"mm\""]);
     says("[plan]\nlookahead = 0", &["a.toml:2", "plan.lookahead", "is 0", "from 1 on", "raise it"]);

@@ -47,7 +47,7 @@ fn compare_runs_every_planner_on_a_job() {
     let run = desk.run(&["compare", "job.toml", "--out", "table"]).done();
     assert_eq!(run.stderr, "");
     for part in
-        ["published scan", "both ends", "reachability", "certified", "jerk-limited", "box scan, joined", "compare.svg"]
+        ["published", "forward-backward", "interpolated-reachability", "jerk-limited", "continuous-acceleration", "compare.svg"]
     {
         assert!(run.stdout.contains(part), "{part}: {run:?}");
     }

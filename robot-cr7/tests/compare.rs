@@ -1,5 +1,6 @@
 //! All planners on one job, and torque, sections and speeds at the ends through job files.
 
+use arcfeed_interp::{MotionPath, ToolPath};
 use std::path::Path;
 
 use arcfeed_kinematics::Arm;
@@ -15,7 +16,7 @@ fn on(robot: &str, job: &Job) -> Result<Task<Arm<6>>, Cr7Error> {
     let arm = robot.arm::<6>(job.tool)?;
     let file = SamplePath::SixPoint.load().expect("comes with the program");
     Task::new(job, &file, &limits, robot.drives::<6>(job)?, |path| {
-        let start = arcfeed_interp::best_start(&arm, path, limits.lower(), limits.upper())?;
+        let start = ToolPath::new(&arm, path.clone(), limits.range())?.start();
         Ok((arm, start))
     })
 }
@@ -36,31 +37,31 @@ fn every_planner_is_held_against_the_same_limits() {
     // grid points that it assumes: that costs up to 0.5 %.
     let best = duration("reachability");
     for name in
-        ["both ends", "certified", "jerk-limited", "box scan, joined", "box scan, per segment", "cr7 plan, verified"]
+        ["forward-backward", "interpolated-reachability", "jerk-limited", "continuous-acceleration", "per-segment", "cr7 plan, verified"]
     {
         assert!(duration(name) > best * (1.0 - 5e-3), "{name}: {} against {best}", duration(name));
     }
-    assert!(duration("jerk-limited") < duration("box scan, joined"));
-    assert!(duration("box scan, joined") < duration("box scan, per segment"));
-    for name in ["jerk-limited", "box scan, joined", "box scan, per segment", "cr7 plan, verified"] {
+    assert!(duration("jerk-limited") < duration("continuous-acceleration"));
+    assert!(duration("continuous-acceleration") < duration("per-segment"));
+    for name in ["jerk-limited", "continuous-acceleration", "per-segment", "cr7 plan, verified"] {
         let worst = &entry(name).worst[0];
         assert!(entry(name).jerk_limited && worst.ratio < 1.001, "{name}: {worst:?}");
         assert!(entry(name).worst.iter().any(|w| w.limit == "joint jerk"));
     }
     assert!(entry("cr7 plan, verified").keeps());
-    let published = &entry("published scan").worst[0];
-    assert!(published.ratio > 1.001 && published.ratio > entry("both ends").worst[0].ratio, "{published:?}");
+    let published = &entry("published").worst[0];
+    assert!(published.ratio > 1.001 && published.ratio > entry("forward-backward").worst[0].ratio, "{published:?}");
     assert!(
-        !entry("published scan").jerk_limited && entry("published scan").worst.iter().all(|w| w.limit != "joint jerk")
+        !entry("published").jerk_limited && entry("published").worst.iter().all(|w| w.limit != "joint jerk")
     );
-    for name in ["published scan", "certified", "jerk-limited", "plan of the job"] {
+    for name in ["published", "interpolated-reachability", "jerk-limited", "plan of the job"] {
         assert!(seen.contains(&name), "{name} in {seen:?}");
     }
     // Either the bound, or how to get it.
     let text = comparison.to_string();
     if cfg!(feature = "baseline") {
         let bound = comparison.lower_bound_s.expect("solved");
-        assert!(duration("both ends") >= bound && duration("conic optimum") / bound < 1.0001, "{bound}");
+        assert!(duration("forward-backward") >= bound && duration("conic optimum") / bound < 1.0001, "{bound}");
         assert!(entry("jerk-limited").ratio_to_bound.expect("known") > 1.0);
     } else {
         assert!(comparison.lower_bound_s.is_none() && text.contains("--features baseline"));
@@ -72,14 +73,15 @@ fn every_planner_is_held_against_the_same_limits() {
     #[cfg(feature = "plot")]
     {
         let svg = robot_cr7::plot::compare_picture(&comparison).expect("drawn");
-        assert!(svg.contains("jerk-limited") && svg.contains("published scan") && !svg.contains("NaN"));
+        assert!(svg.contains("jerk-limited") && svg.contains("published") && !svg.contains("NaN"));
     }
 }
 
 #[test]
 fn a_payload_too_heavy_is_refused_by_joint_and_place() {
     let base = "[torque]\nlimited = true\n";
-    let light = on("ur5e", &job(&format!("{base}payload_kg = 5"))).expect("a task").plan().expect("light enough");
+    let task = on("ur5e", &job(&format!("{base}payload_kg = 5"))).expect("a task");
+    let light = task.plan().expect("light enough");
     let check = light.report(0, std::time::Duration::ZERO);
     let torque: Vec<_> = check.limits.iter().filter(|l| l.name == "joint torque").collect();
     assert!(torque.len() == 6 && torque.iter().all(|l| l.ratio < 1.0), "{torque:?}");
@@ -106,13 +108,14 @@ fn torque_limits_nobody_knows_are_asked_for() {
 fn the_feeds_of_a_job_are_those_of_the_motion() {
     let file = SamplePath::SixPoint.load().expect("comes with the program");
     let text = "[feed]\nfeed_mm_s = 60\nend_mm_s = 20\n[[sections]]\nfeed_mm_s = 20\nfrom_mm = 10\nto_mm = 16";
-    let motion = Task::of_cr7(&job(text), &file).expect("a task").plan().expect("a motion");
-    for setpoint in motion.sampler().expect("a period") {
+    let task = Task::of_cr7(&job(text), &file).expect("a task");
+    let motion = task.plan().expect("a motion");
+    for setpoint in motion.setpoints().expect("a period") {
         let at = setpoint.expect("on the path");
         let feed = if at.s > 0.010 && at.s < 0.016 { 0.020 } else { 0.060 };
         assert!(at.feed <= feed * (1.0 + 1e-6), "{} m/s at {} m", at.feed, at.s);
     }
-    let end = motion.sampler().expect("a period").last().expect("an end").expect("on the path");
+    let end = motion.setpoints().expect("a period").last().expect("an end").expect("on the path");
     assert!((end.feed - 0.020).abs() < 1e-9, "{}", end.feed);
     let wrong = "[[sections]]\nfeed_mm_s = 20\nfrom_mm = 10\nto_mm = 9999";
     let error = Task::of_cr7(&job(wrong), &file).expect("a task").plan().expect_err("off the path").to_string();

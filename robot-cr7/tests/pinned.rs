@@ -28,9 +28,9 @@ struct Pin {
     joints: f64,
 }
 
-const JOINED: &str = "[plan]\nscan = \"joined\"\n";
-const SEGMENTS: &str = "[plan]\nscan = \"segments\"\n";
-const WINDOW: &str = "[plan]\nscan = \"segments\"\nlookahead = 40\n";
+const JOINED: &str = "[plan]\nplanner = \"continuous-acceleration\"\n";
+const SEGMENTS: &str = "[plan]\nplanner = \"per-segment\"\n";
+const WINDOW: &str = "[plan]\nplanner = \"per-segment\"\nlookahead = 40\n";
 const SECTIONS: &str = "[feed]\nstart_mm_s = 20.0\nend_mm_s = 10.0\n[[sections]]\nfeed_mm_s = 40.0\nfrom_mm = 100.0\nto_mm = 150.0\n\
     [[sections]]\nfeed_mm_s = 60.0\nfrom_mm = 200.0\nto_mm = 230.0\n";
 const TORQUE: &str = "[torque]\nlimited = true\npayload_kg = 2.0\n[feed]\nangular_speed_deg_s = 30.0\n\

@@ -37,7 +37,7 @@ fn seven_joints_from_a_urdf_file_and_by_name_are_the_same_robot() {
     let urdf = desk.run(&["robots", "--urdf", "panda"]).done().stdout;
     desk.write("arm.urdf", &urdf);
     // The scan gives the same motion to rounding; the jerk-limited planner stops within a tolerance.
-    desk.write("job.toml", "[plan]\nscan = \"joined\"\n");
+    desk.write("job.toml", "[plan]\nplanner = \"continuous-acceleration\"\n");
     let plan =
         |robot, out| desk.run(&["plan", "--job", "job.toml", "--robot", robot, "--out", out, "--json"]).done().json();
     let (by_name, by_file) = (plan("panda", "a"), plan("arm.urdf", "b"));

@@ -1,7 +1,7 @@
 //! Speeds at the ends that cannot be had: the largest that can, and the limit in the way.
 
 use super::{Binding, JerkLimited, NotSolved};
-use crate::error::FeedError;
+use crate::error::{FeedError, PathEnd};
 use crate::problem::FeedProblem;
 use crate::row::{Quantity, RowSource};
 
@@ -21,9 +21,9 @@ pub(super) fn explain(planner: &JerkLimited, problem: &FeedProblem, why: NotSolv
     }
     let trials = (INTERVALS / problem.intervals()).clamp(LEAST_TRIALS, MOST_TRIALS);
     let search = Search { planner: *planner, problem, trials };
-    if let FeedError::SpeedOutOfReach { what, highest, .. } = why.error {
+    if let FeedError::SpeedOutOfReach { end, highest, .. } = why.error {
         // What is possible without limits on jerk may be so with them.
-        let speeds = if what == "start speed" { [highest, asked[1]] } else { [asked[0], highest] };
+        let speeds = if end == PathEnd::Start { [highest, asked[1]] } else { [asked[0], highest] };
         if search.is_possible(speeds).is_ok() {
             return why.error;
         }
@@ -31,15 +31,15 @@ pub(super) fn explain(planner: &JerkLimited, problem: &FeedProblem, why: NotSolv
     // Which end alone is too fast; if neither is, the end for this start.
     let [start, end] = asked;
     let found = if start > 0.0 && search.is_possible([start, 0.0]).is_err() {
-        search.largest(start, |v| [v, 0.0]).map(|found| ("start speed", start, problem.grid()[0], found))
+        search.largest(start, |v| [v, 0.0]).map(|found| (PathEnd::Start, start, problem.grid()[0], found))
     } else if end == 0.0 {
         None
     } else {
-        search.largest(end, |v| [start, v]).map(|found| ("end speed", end, problem.grid()[problem.intervals()], found))
+        search.largest(end, |v| [start, v]).map(|found| (PathEnd::End, end, problem.grid()[problem.intervals()], found))
     };
-    let Some((what, speed, place, (highest, binding))) = found else { return why.error };
+    let Some((end, speed, place, (highest, binding))) = found else { return why.error };
     let (row, s) = binding.or(why.binding).unwrap_or((RowSource::path(Quantity::Ahead), place));
-    FeedError::SpeedOutOfReach { what, speed, lowest: 0.0, highest, row, s }
+    FeedError::SpeedOutOfReach { end, speed, lowest: 0.0, highest, row, s }
 }
 
 struct Search<'a> {

@@ -65,6 +65,16 @@ pub(super) struct Outcome {
     pub wider: f64,
 }
 
+/// A law that may be this far from its optimum has not converged.
+const CLOSE: f64 = 0.02;
+
+impl Outcome {
+    /// Whether the solution is close to the optimum.
+    pub fn is_close(&self) -> bool {
+        self.gap.max(self.ahead) < CLOSE
+    }
+}
+
 /// Iterates and their scratch space.
 #[derive(Debug, Default)]
 pub(super) struct Solver {

@@ -92,6 +92,14 @@ impl JerkLimited {
         Ok(Self { tolerance: positive("tolerance", tolerance)?.clamp(1e-8, 1e-2) })
     }
 
+    /// The law, and whether the iterations converged.
+    ///
+    /// # Errors
+    /// As [`FeedPlanner::plan`].
+    pub fn plan_noting_convergence(&self, problem: &FeedProblem) -> Result<JerkLimitedPlan, FeedError> {
+        self.plan_or_why(problem).map_err(|why| end_speed::explain(self, problem, why))
+    }
+
     /// The fastest iterate inside all bounds, of one stretch.
     fn solve(
         &self,
@@ -116,15 +124,15 @@ impl JerkLimited {
         let start = start::start(problem, &mut stretch, fastest);
         let outcome = solver.minimise(problem, &mut stretch, start, self.tolerance, attempt.drop_distant);
         if outcome.wider <= 10.0 * self.tolerance {
-            // Inside all bounds: a motion, whatever it is from the optimum.
-            return Ok(Solution { stretch, c: solver.c.clone() });
+            // Inside all bounds: a motion, however far it is from the optimum.
+            return Ok(Solution { stretch, c: solver.c.clone(), converged: outcome.is_close() });
         }
         if part.slows(problem) {
             // The bounds were widened for the start and could not be taken back: from a start that is inside.
             let mut stretch = fresh();
             if let Some(start) = start::inside(problem, &stretch, fastest) {
-                solver.minimise(problem, &mut stretch, start, self.tolerance, false);
-                return Ok(Solution { stretch, c: solver.c.clone() });
+                let outcome = solver.minimise(problem, &mut stretch, start, self.tolerance, false);
+                return Ok(Solution { stretch, c: solver.c.clone(), converged: outcome.is_close() });
             }
         }
         let error = FeedError::NotConverged {
@@ -138,7 +146,7 @@ impl JerkLimited {
     }
 
     /// The plan, or why there is none, with all rows.
-    fn plan_or_why(&self, problem: &FeedProblem) -> Result<SpeedLaw, NotSolved> {
+    fn plan_or_why(&self, problem: &FeedProblem) -> Result<JerkLimitedPlan, NotSolved> {
         self.plan_with(problem, DROP_UP_TO).or_else(|why| match why.error {
             FeedError::NotConverged { .. } => self.plan_with(problem, 0),
             _ => Err(why),
@@ -146,7 +154,7 @@ impl JerkLimited {
     }
 
     /// The plan. Rows far from their bounds are dropped on stretches of up to `drop_up_to` intervals.
-    fn plan_with(&self, problem: &FeedProblem, drop_up_to: usize) -> Result<SpeedLaw, NotSolved> {
+    fn plan_with(&self, problem: &FeedProblem, drop_up_to: usize) -> Result<JerkLimitedPlan, NotSolved> {
         let prepared = &prepare(problem)?;
         let Prepared { problem, parts, .. } = prepared;
         let mut solver = Solver::default();
@@ -178,7 +186,7 @@ impl JerkLimited {
                 }
             }
             if !changed {
-                return Ok(plan);
+                return Ok(JerkLimitedPlan::of(plan, &solutions));
             }
             plan = assemble(problem, &solutions)?;
         }
@@ -191,7 +199,7 @@ impl JerkLimited {
         prepared: &Prepared,
         mut solutions: Vec<Solution>,
         mut plan: SpeedLaw,
-    ) -> Result<SpeedLaw, NotSolved> {
+    ) -> Result<JerkLimitedPlan, NotSolved> {
         let Prepared { problem, parts, .. } = prepared;
         for _ in 0..SLOWED_AT_LAST {
             let mut changed = false;
@@ -209,7 +217,7 @@ impl JerkLimited {
         }
         let left = 1.0 - largest_scale(problem, &plan, 0..problem.intervals());
         if left <= EXCEEDED {
-            return Ok(plan);
+            return Ok(JerkLimitedPlan::of(plan, &solutions));
         }
         Err(FeedError::NotConverged {
             what: "the jerk-limited planner between the grid points",
@@ -217,6 +225,21 @@ impl JerkLimited {
             residual: left,
         }
         .into())
+    }
+}
+
+/// A law of [`JerkLimited`], and whether its iterations came close to the optimum.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JerkLimitedPlan {
+    /// The law. It keeps all limits whether the iterations converged or not.
+    pub law: SpeedLaw,
+    /// Whether the law is within 2 % of the optimum of its problem; where not, another grid or planner may find a faster one.
+    pub converged: bool,
+}
+
+impl JerkLimitedPlan {
+    fn of(law: SpeedLaw, solutions: &[Solution]) -> Self {
+        Self { law, converged: solutions.iter().all(|solution| solution.converged) }
     }
 }
 
@@ -250,6 +273,8 @@ struct Attempt<'a> {
 struct Solution {
     stretch: Stretch,
     c: Vec<f64>,
+    /// Whether the iterations came close to the optimum.
+    converged: bool,
 }
 
 impl Solution {
@@ -258,7 +283,7 @@ impl Solution {
     }
 
     fn push(&self, problem: &FeedProblem, builder: &mut Builder, values: &mut Values) {
-        let Self { stretch, c } = self;
+        let Self { stretch, c, .. } = self;
         stretch.knots.evaluate(c, values);
         let (m, a, grid) = (stretch.knots.intervals(), stretch.from, problem.grid());
         if let End::Rest { h } = stretch.ends[0] {
@@ -305,6 +330,6 @@ const EXCEEDED: f64 = 1e-7;
 
 impl FeedPlanner for JerkLimited {
     fn plan(&self, problem: &FeedProblem) -> Result<SpeedLaw, FeedError> {
-        self.plan_or_why(problem).map_err(|why| end_speed::explain(self, problem, why))
+        self.plan_noting_convergence(problem).map(|plan| plan.law)
     }
 }

@@ -13,7 +13,7 @@
 //!
 //! So `m` is in every `R_k`. This needs no convexity, only segments along the axes: it holds for viscous friction too.
 
-use crate::error::FeedError;
+use crate::error::{FeedError, PathEnd};
 use crate::problem::{FeedPlanner, FeedProblem};
 use crate::row::{Quantity, Row, RowSource};
 use crate::speed_law::SpeedLaw;
@@ -166,9 +166,9 @@ fn step(x: f64, limit: f64, h: f64, sign: f64, near: &[Row], far: &[Row], both_e
 fn scan(problem: &FeedProblem, limit: &[f64], both_ends: bool) -> Result<Vec<f64>, FeedError> {
     let n = problem.intervals();
     let (x_start, x_end) = (problem.v_start().powi(2), problem.v_end().powi(2));
-    for (what, i, x) in [("start speed", 0, x_start), ("end speed", n, x_end)] {
+    for (end, i, x) in [(PathEnd::Start, 0, x_start), (PathEnd::End, n, x_end)] {
         if x > limit[i] {
-            return Err(out_of_reach(problem, what, i, limit[i]));
+            return Err(out_of_reach(problem, end, i, limit[i]));
         }
     }
     let mut forward = Vec::with_capacity(n + 1);
@@ -188,7 +188,7 @@ fn scan(problem: &FeedProblem, limit: &[f64], both_ends: bool) -> Result<Vec<f64
         forward.push(x);
     }
     if forward[n] < x_end * (1.0 - 1e-12) {
-        return Err(out_of_reach(problem, "end speed", n, forward[n]));
+        return Err(out_of_reach(problem, PathEnd::End, n, forward[n]));
     }
     let mut x = x_end;
     forward[n] = x_end;
@@ -202,17 +202,17 @@ fn scan(problem: &FeedProblem, limit: &[f64], both_ends: bool) -> Result<Vec<f64
         forward[k] = forward[k].min(x);
     }
     if x < x_start * (1.0 - 1e-12) {
-        return Err(out_of_reach(problem, "start speed", 0, x));
+        return Err(out_of_reach(problem, PathEnd::Start, 0, x));
     }
     forward[0] = x_start;
     Ok(forward)
 }
 
-fn out_of_reach(problem: &FeedProblem, what: &'static str, i: usize, highest: f64) -> FeedError {
+fn out_of_reach(problem: &FeedProblem, end: PathEnd, i: usize, highest: f64) -> FeedError {
     let speed = if i == 0 { problem.v_start() } else { problem.v_end() };
     let (cap, source) = problem.cap(i);
     let row = if highest >= cap { source } else { RowSource::path(Quantity::Ahead) };
-    FeedError::SpeedOutOfReach { what, speed, lowest: 0.0, highest: highest.sqrt(), row, s: problem.grid()[i] }
+    FeedError::SpeedOutOfReach { end, speed, lowest: 0.0, highest: highest.sqrt(), row, s: problem.grid()[i] }
 }
 
 /// Refuses a plan that rests over a whole interval, naming the limit that holds it.

@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::on_problem::ContinuousAccelerationScan;
 use crate::error::FeedError;
-use crate::jerk_limited::JerkLimited;
+use crate::jerk_limited::{JerkLimited, JerkLimitedPlan};
 use crate::problem::{FeedPlanner, FeedProblem};
 use crate::speed_law::SpeedLaw;
 
@@ -50,26 +50,41 @@ impl fmt::Display for Fallback {
     }
 }
 
+/// The law of [`JerkLimitedOrScan`], and how it was come by.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChosenLaw {
+    /// The law.
+    pub law: SpeedLaw,
+    /// Why it is not the jerk-limited planner's; `None` where it is.
+    pub fallback: Option<Fallback>,
+    /// Whether the jerk-limited planner did its part: where it did not converge, another grid may give a faster law.
+    pub converged: bool,
+}
+
 impl JerkLimitedOrScan {
     /// The law, and why it is not the jerk-limited planner's where it is not.
     ///
     /// # Errors
     /// Those of the jerk-limited planner where neither finds a law; a limit that is broken at rest is named first.
-    pub fn choose(&self, problem: &FeedProblem) -> Result<(SpeedLaw, Option<Fallback>), FeedError> {
+    pub fn choose(&self, problem: &FeedProblem) -> Result<ChosenLaw, FeedError> {
         let scan = || ContinuousAccelerationScan.plan(problem);
         if let Some(i) = problem.first_acceleration_step() {
-            return Ok((scan()?, Some(Fallback::AccelerationStep { s: problem.grid()[i] })));
+            let fallback = Some(Fallback::AccelerationStep { s: problem.grid()[i] });
+            return Ok(ChosenLaw { law: scan()?, fallback, converged: true });
         }
-        match self.jerk_limited.plan(problem) {
-            Ok(law) if problem.intervals() > COARSE => Ok((law, None)),
-            Ok(law) => Ok(match scan() {
-                Ok(scanned) if law.duration() >= scanned.duration() => {
-                    (scanned, Some(Fallback::Slower { duration: law.duration() }))
-                }
-                _ => (law, None),
-            }),
+        match self.jerk_limited.plan_noting_convergence(problem) {
+            Ok(JerkLimitedPlan { law, converged }) => {
+                let scanned = if problem.intervals() > COARSE && converged { None } else { scan().ok() };
+                Ok(match scanned {
+                    Some(scanned) if law.duration() >= scanned.duration() => {
+                        let fallback = Some(Fallback::Slower { duration: law.duration() });
+                        ChosenLaw { law: scanned, fallback, converged }
+                    }
+                    _ => ChosenLaw { law, fallback: None, converged },
+                })
+            }
             Err(error) => match scan() {
-                Ok(scanned) => Ok((scanned, Some(Fallback::Failed(error)))),
+                Ok(law) => Ok(ChosenLaw { law, fallback: Some(Fallback::Failed(error)), converged: false }),
                 Err(still @ FeedError::StaticallyInfeasible { .. }) => Err(still),
                 // The scan knows what is in the way.
                 Err(scanned) if matches!(error, FeedError::NotConverged { .. }) => Err(scanned),
@@ -81,6 +96,6 @@ impl JerkLimitedOrScan {
 
 impl FeedPlanner for JerkLimitedOrScan {
     fn plan(&self, problem: &FeedProblem) -> Result<SpeedLaw, FeedError> {
-        self.choose(problem).map(|(law, _)| law)
+        self.choose(problem).map(|chosen| chosen.law)
     }
 }

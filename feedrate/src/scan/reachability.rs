@@ -11,7 +11,7 @@
 use super::both_ends::{moves, squared_speeds};
 use super::feasible_pairs::{FeasiblePairs, Line, greatest_beside};
 use crate::constraint::Within;
-use crate::error::FeedError;
+use crate::error::{FeedError, PathEnd};
 use crate::lp2::{Band, NoOptimum, gap, greatest_x};
 use crate::problem::{FeedPlanner, FeedProblem, InnerRow, inner_row};
 use crate::row::{Quantity, Row, RowSource};
@@ -115,7 +115,7 @@ impl<'a> Solver<'a> {
         let n = problem.intervals();
         let (x_start, x_end) = (problem.v_start().powi(2), problem.v_end().powi(2));
         if x_end > problem.x_max(n) {
-            return Err(self.out_of_reach("end speed", n, [0.0, problem.x_max(n)]));
+            return Err(self.out_of_reach(PathEnd::End, n, [0.0, problem.x_max(n)]));
         }
         self.sets = vec![[x_end; 2]; n + 1];
         // Only the rows at the points are few enough that looking ahead pays.
@@ -141,7 +141,7 @@ impl<'a> Solver<'a> {
         }
         let [lowest, highest] = self.sets[0];
         if x_start > highest * (1.0 + 1e-12) || x_start < lowest * (1.0 - 1e-12) {
-            return Err(self.out_of_reach("start speed", 0, [lowest, highest]));
+            return Err(self.out_of_reach(PathEnd::Start, 0, [lowest, highest]));
         }
         let mut x = Vec::with_capacity(n + 1);
         x.push(x_start);
@@ -411,13 +411,13 @@ impl<'a> Solver<'a> {
         FeedError::Infeasible { index: k, s, row: first.source, against: second.source, excess, limit }
     }
 
-    fn out_of_reach(&self, what: &'static str, i: usize, [lowest, highest]: [f64; 2]) -> FeedError {
+    fn out_of_reach(&self, end: PathEnd, i: usize, [lowest, highest]: [f64; 2]) -> FeedError {
         let problem = self.problem;
         let speed = if i == 0 { problem.v_start() } else { problem.v_end() };
         let (cap, source) = problem.cap(i);
         let row = if highest >= cap { source } else { RowSource::path(Quantity::Ahead) };
         let (lowest, highest, s) = (lowest.sqrt(), highest.sqrt(), problem.grid()[i]);
-        FeedError::SpeedOutOfReach { what, speed, lowest, highest, row, s }
+        FeedError::SpeedOutOfReach { end, speed, lowest, highest, row, s }
     }
 }
 

@@ -90,7 +90,7 @@ pub(super) fn checked_caps(segments: &[Segment], v_start: f64, v_end: f64) -> Re
     let caps = boundary_caps(segments);
     let limit = caps[caps.len() - 1];
     if v_end > limit {
-        return Err(FeedError::AboveLimit { what: "v_end", value: v_end, limit });
+        return Err(FeedError::EndTooFast { speed: v_end, highest: limit });
     }
     Ok(caps)
 }

@@ -15,8 +15,7 @@ pub use taylor::{FirstTaylor, SecondTaylor};
 use arcfeed_feedrate::MotionLaw;
 use arcfeed_geometry::{ArcLengthCurve, Curve};
 
-use crate::error::PlanError;
-use crate::limits::positive;
+use crate::error::{PlanError, positive};
 
 /// What the feed asks of one control cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]

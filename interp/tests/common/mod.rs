@@ -2,20 +2,30 @@
 #![allow(dead_code, reason = "every test uses some of it")]
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 use arcfeed_geometry::{ArcLengthCurve, NurbsCurve, OrientationPath, PosePath};
-use arcfeed_interp::{Plan, PlanError, Planner, ToolLimits, best_start};
+use arcfeed_interp::{Limits, MotionPath, PlanError, Planner, ToolLimits, ToolPath, Trajectory};
 use arcfeed_kinematics::{JointLimits, Joints, ParallelAxisArm, models};
 use nalgebra::{UnitQuaternion, Vector3, vector};
 
-pub const TOOL: ToolLimits = ToolLimits {
-    feed: 0.2,
-    tangential_acceleration: 1.0,
-    tangential_jerk: 30.0,
-    normal_acceleration: 1.0,
-    normal_jerk: None,
-    angular_speed: None,
-};
+pub const FEED: f64 = 0.2;
+pub const TANGENTIAL_ACCELERATION: f64 = 1.0;
+pub const TANGENTIAL_JERK: f64 = 30.0;
+pub const NORMAL_ACCELERATION: f64 = 1.0;
+
+pub fn tool() -> ToolLimits {
+    tool_with_feed(FEED)
+}
+
+pub fn tool_with_feed(feed: f64) -> ToolLimits {
+    ToolLimits::new()
+        .with_feed(feed)
+        .and_then(|t| t.with_tangential_acceleration(TANGENTIAL_ACCELERATION))
+        .and_then(|t| t.with_tangential_jerk(TANGENTIAL_JERK))
+        .and_then(|t| t.with_normal_acceleration(NORMAL_ACCELERATION))
+        .expect("valid limits")
+}
 
 pub fn arm() -> ParallelAxisArm {
     models::ur5e()
@@ -89,12 +99,20 @@ pub fn line_and_arc(length: f64, radius: f64) -> NurbsCurve<3> {
 }
 
 /// A plan of the tool-down motion along `curve` at a control period of 2 ms and a chord tolerance of 10 um.
-pub fn plan(arm: &ParallelAxisArm, curve: NurbsCurve<3>) -> Result<Plan, PlanError> {
-    plan_path(arm, tool_down(curve), TOOL)
+pub fn plan(arm: &ParallelAxisArm, curve: NurbsCurve<3>) -> Result<Trajectory<'_>, PlanError> {
+    plan_path(arm, tool_down(curve), tool())
 }
 
-pub fn plan_path(arm: &ParallelAxisArm, path: PosePath, tool: ToolLimits) -> Result<Plan, PlanError> {
+pub fn plan_path(arm: &ParallelAxisArm, path: PosePath, tool: ToolLimits) -> Result<Trajectory<'_>, PlanError> {
     let limits = limits(arm);
-    let start = best_start(arm, &path, limits.lower(), limits.upper())?;
-    Planner::new(arm, limits, tool)?.with_period(2e-3)?.with_chord_tolerance(1e-5)?.plan(path, &start)
+    let path = ToolPath::new(arm, path, limits.range())?;
+    Planner::new(arm, Limits::new(limits).with_tool(tool))
+        .with_period(2e-3)?
+        .with_chord_tolerance(1e-5)?
+        .plan_shared(Arc::new(path))
+}
+
+/// The joints at the start of `path` in the best of all configurations.
+pub fn start(arm: &ParallelAxisArm, path: &PosePath) -> Joints<6> {
+    ToolPath::new(arm, path.clone(), arm.range()).expect("in reach").start()
 }

@@ -7,8 +7,8 @@
 #![allow(dead_code, reason = "every test uses some of it")]
 
 use arcfeed_geometry::PoseMotion;
-use arcfeed_interp::ScheduleLimits;
-use arcfeed_kinematics::{Arm, Inertial, Joints, models};
+use arcfeed_interp::Limits;
+use arcfeed_kinematics::{Arm, Inertial, JointLimits, Joints, models};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 
 pub const VELOCITY: [f64; 6] = [1.02, 0.77, 1.16, 1.25, 1.25, 1.86];
@@ -57,14 +57,19 @@ pub fn to() -> PoseMotion {
         .expect("two poses")
 }
 
-pub fn kinematic() -> ScheduleLimits<6> {
-    ScheduleLimits {
-        velocity: Some(Joints::from(VELOCITY)),
-        acceleration: Some(Joints::from(ACCELERATION)),
-        ..ScheduleLimits::default()
-    }
+/// A limit that no motion of these tests comes to.
+pub const FREE: f64 = 1e6;
+
+/// The limits of the joints in Table 1, which names none on jerk.
+pub fn joints(arm: &Arm<6>, jerk: f64) -> JointLimits<6> {
+    let rates = arm.range().with_rates(Joints::from(VELOCITY), Joints::from(ACCELERATION), Joints::repeat(jerk));
+    rates.expect("valid limits")
 }
 
-pub fn with_torque() -> ScheduleLimits<6> {
-    ScheduleLimits { torque: Some(Joints::from(TORQUE)), ..kinematic() }
+pub fn kinematic(arm: &Arm<6>) -> Limits<'_, 6> {
+    Limits::new(joints(arm, FREE))
+}
+
+pub fn with_torque(arm: &Arm<6>) -> Limits<'_, 6> {
+    kinematic(arm).with_torque(arm.dynamics().expect("known"), Joints::from(TORQUE)).expect("valid limits")
 }

@@ -2,12 +2,13 @@
 #![allow(dead_code, reason = "each user takes its own part")]
 
 use arcfeed_geometry::{ArcLengthCurve, NurbsCurve, OrientationPath, PosePath};
-use arcfeed_interp::{Planner, ToolLimits, best_start};
+use arcfeed_interp::{Limits, MotionPath, PlanError, Planner, ToolLimits, ToolPath, Trajectory};
 use arcfeed_kinematics::{
     Arm, Chain, ForwardKinematics, InverseMethod, Joint, JointLimits, JointRange, Joints, smallest_singular_value,
 };
 use nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3, Vector6};
 use std::f64::consts::FRAC_PI_2;
+use std::sync::Arc;
 
 /// A multiplicative sequence, the same on every machine.
 pub struct Sequence(pub u64);
@@ -78,19 +79,17 @@ pub fn bent_wrist() -> Case {
     let curve = NurbsCurve::line(from, from + Vector3::x() * 0.03).expect("a line");
     let curve = ArcLengthCurve::new(curve, 1e-15).expect("a length");
     let path = PosePath::new(curve, OrientationPath::Constant(turn));
-    let start = best_start(&arm, &path, limits.lower(), limits.upper()).expect("in reach");
+    let start = ToolPath::new(&arm, path.clone(), limits.range()).expect("in reach").start();
     Case { arm, limits, tool: tool(0.05), path, start }
 }
 
 fn tool(feed: f64) -> ToolLimits {
-    ToolLimits {
-        feed,
-        tangential_acceleration: 1.0,
-        tangential_jerk: 30.0,
-        normal_acceleration: 1.0,
-        normal_jerk: None,
-        angular_speed: None,
-    }
+    ToolLimits::new()
+        .with_feed(feed)
+        .and_then(|t| t.with_tangential_acceleration(1.0))
+        .and_then(|t| t.with_tangential_jerk(30.0))
+        .and_then(|t| t.with_normal_acceleration(1.0))
+        .expect("valid limits")
 }
 
 /// One of four families: an offset and bent wrist, nearly parallel axes, a wrist that misses its
@@ -178,14 +177,22 @@ pub fn draw_case(seed: u64) -> Option<Case> {
     Some(Case { arm, limits, tool: tool(draw.log(0.01, 0.3)), path, start })
 }
 
+/// Plans the case from its start on.
+///
+/// # Errors
+/// What the planner says.
+pub fn plan(case: &Case) -> Result<Trajectory<'_>, PlanError> {
+    let path = ToolPath::starting_near(&case.arm, case.path.clone(), &case.start)?;
+    Planner::new(&case.arm, Limits::new(case.limits).with_tool(case.tool)).plan_shared(Arc::new(path))
+}
+
 /// Plans the case. A plan must hold its verification; a refusal must have a reason in the arm.
 ///
 /// # Errors
 /// What was said although the arm can follow the path.
 pub fn play(case: &Case) -> Result<Outcome, String> {
-    let planner = Planner::new(&case.arm, case.limits, case.tool).map_err(|error| error.to_string())?;
-    match planner.plan(case.path.clone(), &case.start) {
-        Ok(plan) if plan.verification().is_some_and(|result| result.holds(1e-6)) => Ok(Outcome::Planned),
+    match plan(case) {
+        Ok(plan) if plan.verification().holds(1e-6) => Ok(Outcome::Planned),
         Ok(_) => Err("a plan that is not verified".to_owned()),
         Err(_) if !can_follow(case) => Ok(Outcome::OutOfReach),
         Err(error) => Err(error.to_string()),

@@ -2,7 +2,7 @@
 
 use std::io;
 
-use arcfeed_interp::{HybridState, PathArm};
+use arcfeed_interp::HybridState;
 use nalgebra::Vector3;
 use plotters::prelude::RGBColor;
 
@@ -35,7 +35,7 @@ fn colour_of(state: &str) -> RGBColor {
 pub type Picture = (&'static str, Result<String, io::Error>);
 
 /// All pictures of a run.
-pub fn run_pictures<A: PathArm<6>>(stage: &Stage<'_, A>, played: &Played, report: &RunReport) -> Vec<Picture> {
+pub fn run_pictures(stage: &Stage<'_>, played: &Played, report: &RunReport) -> Vec<Picture> {
     vec![
         ("tool_path.svg", space_picture(stage, played, report)),
         ("joints.svg", joints_picture(stage, played, report)),
@@ -80,12 +80,12 @@ impl View {
 }
 
 /// The way of the tool in space, coloured by state, over its shadow on the floor.
-fn space_picture<A: PathArm<6>>(
-    stage: &Stage<'_, A>,
+fn space_picture(
+    stage: &Stage<'_>,
     played: &Played,
     report: &RunReport,
 ) -> Result<String, io::Error> {
-    let path = stage.live().path();
+    let path = stage.live().path().pose_path();
     let tool = |c: &crate::scenario::Cycle| c.setpoint.pose.translation.vector * 1e3;
     let way: Vec<Vector3<f64>> = played.cycles().iter().map(tool).collect();
     let whole: Vec<Vector3<f64>> =
@@ -298,8 +298,8 @@ fn legend(report: &RunReport) -> Vec<(&'static str, Pen)> {
 }
 
 /// Position, velocity, acceleration and jerk of all joints, each in units of its limit.
-fn joints_picture<A: PathArm<6>>(
-    stage: &Stage<'_, A>,
+fn joints_picture(
+    stage: &Stage<'_>,
     played: &Played,
     report: &RunReport,
 ) -> Result<String, io::Error> {
@@ -394,7 +394,7 @@ fn timeline_picture(report: &RunReport) -> Result<String, io::Error> {
 }
 
 /// The feed of the tool, what was asked for, and the limit curve where the tool is.
-fn feed_picture<A: PathArm<6>>(stage: &Stage<'_, A>, played: &Played, report: &RunReport) -> Result<String, io::Error> {
+fn feed_picture(stage: &Stage<'_>, played: &Played, report: &RunReport) -> Result<String, io::Error> {
     let cycles = played.cycles();
     let t = (0.0, report.duration_s.max(1e-6));
     let gap = f64::NAN;
@@ -418,7 +418,7 @@ fn feed_picture<A: PathArm<6>>(stage: &Stage<'_, A>, played: &Played, report: &R
     let facts = format!(
         "programmed {} mm/s at the start; highest {} mm/s; the limit curve is what the rest of the path allows",
         number(programmed.first().map_or(0.0, |p| p.1)),
-        number(stage.live().tool().feed * 1e3)
+        number(stage.live().tool().feed().unwrap_or(f64::INFINITY) * 1e3)
     );
     let lines = [
         ("limit curve", allowed, Pen::solid(LIMIT, 1.0)),

@@ -2,7 +2,6 @@
 
 use arcfeed_geometry::SegmentationMethod;
 use arcfeed_interp::{HybridState, LivePath, Setpoint};
-use arcfeed_kinematics::ParallelAxisArm;
 
 use super::{Figure, FigureLine, Reproduction, dense_deviation};
 use crate::cr7::Cr7Error;
@@ -26,7 +25,7 @@ const TABLE_6: &str = "Table 6, figures 11 and 12: butterfly at 0.05 mm, feeds o
 pub(super) fn played<T>(
     text: &str,
     name: &str,
-    look: impl FnOnce(&Stage<'_, ParallelAxisArm>, &Played, &RunReport) -> T,
+    look: impl FnOnce(&Stage<'_>, &Played, &RunReport) -> T,
 ) -> Result<T, Cr7Error> {
     let scenario = Scenario::parse(text, name.as_ref())?;
     let cr7 = Cr7::of(scenario.job())?;
@@ -66,7 +65,7 @@ fn section(breaks: &[f64], first: usize, last: usize) -> (f64, f64) {
 
 /// Arc lengths at the ends of the segments by halving.
 fn breaks_of(live: &LivePath) -> Result<Vec<f64>, Cr7Error> {
-    let curve = live.path().curve();
+    let curve = live.path().pose_path().curve();
     let segments = curve
         .curve()
         .segment(SegmentationMethod::CType, CHORD)
@@ -85,12 +84,12 @@ pub(super) fn table_6(r: &mut Reproduction, figures: &mut Vec<Figure>) -> Result
 
 fn claims_6(
     r: &mut Reproduction,
-    stage: &Stage<'_, ParallelAxisArm>,
+    stage: &Stage<'_>,
     played: &Played,
     report: &RunReport,
     breaks: &[f64],
 ) -> Result<(), Cr7Error> {
-    let curve = stage.live().path().curve();
+    let curve = stage.live().path().pose_path().curve();
     let segments = curve
         .curve()
         .segment(SegmentationMethod::CType, CHORD)
@@ -146,9 +145,9 @@ fn held(r: &mut Reproduction, place: &str, report: &RunReport) {
     r.add(place, "one step, us: median, 99 %", "", format!("{:.2}, {:.2}", times.median_s * 1e6, times.p99_s * 1e6));
 }
 
-fn figures_6(figures: &mut Vec<Figure>, stage: &Stage<'_, ParallelAxisArm>, played: &Played, breaks: &[f64]) {
+fn figures_6(figures: &mut Vec<Figure>, stage: &Stage<'_>, played: &Played, breaks: &[f64]) {
     const S: &str = "path length s [mm]";
-    let curve = stage.live().path().curve();
+    let curve = stage.live().path().pose_path().curve();
     let facts = format!("butterfly, {} segments by halving at 0.05 mm", breaks.len() - 1);
     let deviations: Vec<f64> =
         curve.curve().segment(SegmentationMethod::CType, CHORD).map(|s| s.deviations().to_vec()).unwrap_or_default();

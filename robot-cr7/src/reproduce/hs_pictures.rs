@@ -20,7 +20,7 @@ pub fn liu_2024_pictures() -> Result<Vec<NamedPicture>, Cr7Error> {
     let mut pictures: Vec<NamedPicture> = Vec::new();
     let (text, breaks) = table_6_scenario()?;
     pictures.push(played(&text, "table 6", |stage, _, _| {
-        let curve = stage.live().path().curve();
+        let curve = stage.live().path().pose_path().curve();
         let segments: Vec<Vec<[f64; 2]>> = breaks
             .windows(2)
             .map(|b| {

@@ -1,6 +1,5 @@
 //! A run held against every limit, with nothing but its setpoints and the arm's forward kinematics.
 
-use arcfeed_interp::PathArm;
 use arcfeed_kinematics::Joints;
 use nalgebra::Vector3;
 
@@ -13,7 +12,7 @@ use crate::report::{LimitLine, LimitUnit};
 pub(super) const ON_PATH: f64 = 1e-9;
 
 /// Every limit with its worst place: those of the joints all the time, those of the tool on the path.
-pub(super) fn limits<A: PathArm<6>>(stage: &Stage<'_, A>, played: &Played) -> Vec<LimitLine> {
+pub(super) fn limits(stage: &Stage<'_>, played: &Played) -> Vec<LimitLine> {
     let live = stage.live();
     let joints = live.joints();
     let rates = Rates::from(joints);
@@ -22,14 +21,15 @@ pub(super) fn limits<A: PathArm<6>>(stage: &Stage<'_, A>, played: &Played) -> Ve
         check.see(&row, live.period(), &rates);
     }
     let mut lines = check.into_lines();
-    let tool = live.tool();
+    let (tool, none) = (live.tool(), f64::INFINITY);
+    let or_none = |limit: Option<f64>| limit.unwrap_or(none);
     let mut worst = [
-        Worst::new("feed", LimitUnit::MetrePerSecond, tool.feed),
-        Worst::new("tangential acceleration", LimitUnit::MetrePerSecond2, tool.tangential_acceleration),
-        Worst::new("tangential jerk", LimitUnit::MetrePerSecond3, tool.tangential_jerk),
-        Worst::new("normal acceleration", LimitUnit::MetrePerSecond2, tool.normal_acceleration),
+        Worst::new("feed", LimitUnit::MetrePerSecond, or_none(tool.feed())),
+        Worst::new("tangential acceleration", LimitUnit::MetrePerSecond2, or_none(tool.tangential_acceleration())),
+        Worst::new("tangential jerk", LimitUnit::MetrePerSecond3, or_none(tool.tangential_jerk())),
+        Worst::new("normal acceleration", LimitUnit::MetrePerSecond2, or_none(tool.normal_acceleration())),
         Worst::new("chord error", LimitUnit::Metre, live.chord_tolerance()),
-        Worst::new("path deviation", LimitUnit::Metre, ON_PATH),
+        Worst::new("deviation from the path", LimitUnit::Metre, ON_PATH),
     ];
     // Place on the path and tangential acceleration one cycle before, while on the path.
     let mut before: Option<(f64, f64)> = Some((played.start.s, 0.0));
@@ -43,9 +43,9 @@ pub(super) fn limits<A: PathArm<6>>(stage: &Stage<'_, A>, played: &Played) -> Ve
         let linear = |v: nalgebra::SVector<f64, 6>| v.fixed_rows::<3>(0).into_owned();
         let velocity = linear(configuration.jacobian() * p.qd);
         let acceleration = linear(configuration.jacobian() * p.qdd + configuration.acceleration_bias(&p.qd));
-        let direction = live.path().curve().jet(p.s).d1;
+        let direction = live.path().pose_path().curve().jet(p.s).d1;
         let tangential = acceleration.dot(&direction);
-        let off = configuration.pose().translation.vector - live.path().pose(p.s).translation.vector;
+        let off = configuration.pose().translation.vector - live.path().pose_path().pose(p.s).translation.vector;
         let mut see = |k: usize, value: f64| worst[k].see(value, p.s, p.t);
         see(0, velocity.norm());
         see(1, tangential);
@@ -59,7 +59,7 @@ pub(super) fn limits<A: PathArm<6>>(stage: &Stage<'_, A>, played: &Played) -> Ve
         }
         before = Some((p.s, tangential));
     }
-    lines.extend(worst.into_iter().map(|w| w.0));
+    lines.extend(worst.into_iter().map(|w| w.0).filter(|line| line.limit != none));
     lines
 }
 
@@ -81,8 +81,8 @@ impl Worst {
 }
 
 /// Distance of the middle of a piece of path from the straight line between its ends.
-fn chord_error<A>(stage: &Stage<'_, A>, from: f64, to: f64) -> f64 {
-    let curve = stage.live().path().curve();
+fn chord_error(stage: &Stage<'_>, from: f64, to: f64) -> f64 {
+    let curve = stage.live().path().pose_path().curve();
     let (a, b, middle) = (curve.point(from), curve.point(to), curve.point(0.5 * (from + to)));
     let (chord, d) = (b - a, middle - a);
     let f = if chord.norm_squared() > 0.0 { d.dot(&chord) / chord.norm_squared() } else { 0.0 };
@@ -91,11 +91,11 @@ fn chord_error<A>(stage: &Stage<'_, A>, from: f64, to: f64) -> f64 {
 
 /// Largest distance of the tool from the path over cycles on it: of the setpoints at their arc length, and of the simulated joints from the
 /// nearest point of the path.
-pub(super) fn accuracy<'c, A: PathArm<6>>(
-    stage: &Stage<'_, A>,
+pub(super) fn accuracy<'c>(
+    stage: &Stage<'_>,
     cycles: impl Iterator<Item = &'c Cycle>,
 ) -> Option<(f64, f64)> {
-    let path = stage.live().path();
+    let path = stage.live().path().pose_path();
     let slowest = stage.drive.amax();
     let mut worst: Option<(f64, f64)> = None;
     for cycle in cycles.filter(|c| c.on_path) {
@@ -114,10 +114,10 @@ pub(super) fn accuracy<'c, A: PathArm<6>>(
 }
 
 /// Distance of `point` from the path around `s`.
-fn nearest<A>(stage: &Stage<'_, A>, point: &Vector3<f64>, s: f64, reach: f64) -> f64 {
+fn nearest(stage: &Stage<'_>, point: &Vector3<f64>, s: f64, reach: f64) -> f64 {
     const PIECES: u32 = 12;
     const HALVINGS: usize = 24;
-    let curve = stage.live().path().curve();
+    let curve = stage.live().path().pose_path().curve();
     let (from, to) = ((s - reach).max(0.0), (s + reach).min(curve.length()));
     let at = |s: f64| (curve.point(s) - point).norm();
     let h = (to - from) / f64::from(PIECES);

@@ -3,13 +3,13 @@
 use std::time::{Duration, Instant};
 
 use arcfeed_feedrate::LiveSection;
-use arcfeed_interp::{Command, DriveLag, HybridMotion, HybridState, HybridStep, PathArm, PlanError, Setpoint};
+use arcfeed_interp::{Command, DriveLag, HybridMotion, HybridState, HybridStep, LimitError, Setpoint};
 use arcfeed_kinematics::Joints;
 use serde::Serialize;
 
 use super::stage::{Order, Stage, What};
 use super::{Action, When};
-use crate::cr7::Cr7Error;
+use crate::cr7::{Cr7Error, live_error, plan_error};
 use crate::samples::MOST_CYCLES;
 
 /// How time passes.
@@ -119,21 +119,17 @@ impl Asked {
     }
 }
 
-impl<A: PathArm<6>> Stage<'_, A> {
+impl Stage<'_> {
     /// Plays the scenario to its end.
     ///
     /// # Errors
     /// [`Cr7Error::Input`] naming the line for an event after the end of the motion, or a motion longer than `run.longest_s`.
     pub fn play(&self, clock: Clock) -> Result<Played, Cr7Error> {
-        let failed = |source: PlanError| Cr7Error::Plan {
-            file: self.name.clone(),
-            source: Box::new(source),
-            hint: String::new(),
-        };
         let (scenario, period) = (self.scenario, self.live().period());
-        let mut motion = HybridMotion::along(self.arm, &self.route, scenario.feed).map_err(failed)?;
+        let mut motion = HybridMotion::along(&self.route, scenario.feed).map_err(|e| live_error(&self.name, e))?;
         let start = *motion.setpoint();
-        let mut drive = DriveLag::new(start.q, self.drive, period).map_err(failed)?;
+        let mut drive = DriveLag::new(start.q, self.drive, period)
+            .map_err(|e: LimitError| plan_error(&self.name, e.into()))?;
         let mut asked = Asked { feed: scenario.feed, factor: 1.0, sections: Vec::new() };
         let longest = (scenario.longest / period).ceil();
         let most = longest.min(MOST_CYCLES as f64) as usize;
@@ -198,7 +194,7 @@ impl<A: PathArm<6>> Stage<'_, A> {
         Err(scenario.check().wrong("run.longest_s", value, rule, remedy).into())
     }
 
-    fn is_due(&self, order: &Order, cycle: usize, motion: &HybridMotion<'_, A>, stood: usize) -> bool {
+    fn is_due(&self, order: &Order, cycle: usize, motion: &HybridMotion<'_>, stood: usize) -> bool {
         let period = self.live().period();
         let now = cycle as f64 * period;
         match order.when {

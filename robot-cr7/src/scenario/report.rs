@@ -3,7 +3,7 @@
 use std::fmt::{self, Display, Formatter};
 use std::path::PathBuf;
 
-use arcfeed_interp::{Detour, HybridState, PathArm};
+use arcfeed_interp::{Detour, HybridState};
 use serde::Serialize;
 
 use super::measure::{self, ON_PATH};
@@ -130,7 +130,7 @@ pub struct Accuracy {
 
 impl RunReport {
     /// Measures a run.
-    pub fn new<A: PathArm<6>>(stage: &Stage<'_, A>, played: &Played) -> Self {
+    pub fn new(stage: &Stage<'_>, played: &Played) -> Self {
         let scenario = stage.scenario;
         let cycles = &played.cycles;
         let limits = measure::limits(stage, played);
@@ -153,7 +153,7 @@ impl RunReport {
         Self {
             scenario: scenario.file.display().to_string(),
             path: stage.name.clone(),
-            length_m: stage.live().path().length(),
+            length_m: stage.live().path().pose_path().length(),
             duration_s: last.setpoint.t,
             cycles: cycles.len(),
             period_s: stage.live().period(),
@@ -193,7 +193,7 @@ impl Played {
     }
 }
 
-impl<A: PathArm<6>> Stage<'_, A> {
+impl Stage<'_> {
     /// Rows of the simulated arm, behind its setpoints: positions and velocities of its joints, the pose of its tool; accelerations and
     /// jerks are left at 0.
     pub fn simulated_rows<'p>(&'p self, played: &'p Played) -> impl Iterator<Item = TrajectoryRow> + 'p {
@@ -238,7 +238,7 @@ fn spans(played: &Played) -> Vec<StateSpan> {
     spans
 }
 
-fn events<A>(stage: &Stage<'_, A>, played: &Played) -> Vec<EventLine> {
+fn events(stage: &Stage<'_>, played: &Played) -> Vec<EventLine> {
     let period = stage.live().period();
     let line = |(event, given): (&Event, &super::play::Given)| {
         let t_s = given.cycle as f64 * period;
@@ -259,18 +259,18 @@ fn events<A>(stage: &Stage<'_, A>, played: &Played) -> Vec<EventLine> {
     stage.scenario.events.iter().zip(&played.given).map(line).collect()
 }
 
-fn detours<A>(stage: &Stage<'_, A>) -> Vec<DetourLine> {
+fn detours(stage: &Stage<'_>) -> Vec<DetourLine> {
     let line = |detour: &Detour| DetourLine {
-        from_m: detour.stretch.from,
-        to_m: detour.stretch.to,
+        from_m: detour.interval.from,
+        to_m: detour.interval.to,
         deviation_m: detour.deviation,
         duration_s: detour.duration,
-        why: detour.stretch.trouble.to_string(),
+        why: detour.interval.kind.to_string(),
     };
     stage.route.detours().iter().map(line).collect()
 }
 
-fn excursions<A>(stage: &Stage<'_, A>, played: &Played) -> Vec<ExcursionLine> {
+fn excursions(stage: &Stage<'_>, played: &Played) -> Vec<ExcursionLine> {
     let period = stage.live().period();
     let cycles = &played.cycles;
     // Cycle of the last event of a kind at or before another.

@@ -1,23 +1,23 @@
 //! Path, arm and limits of a scenario made ready, and its events as commands.
 
 use arcfeed_geometry::{ArcLengthCurve, NurbsCurve, OrientationPath, PosePath};
-use arcfeed_interp::{Command, Excursion, LivePath, LiveRoute, PathArm, PlanError, Planner, best_start};
+use arcfeed_interp::{Command, Excursion, Limits, LiveError, LivePath, LiveRoute, MotionPath, PathArm, Planner, ToolPath};
 use arcfeed_kinematics::{AnalyticInverse, JointLimits, Joints};
 
 use super::{Action, Place, Scenario, ScenarioPath, When};
-use crate::cr7::{ARC_LENGTH_TOLERANCE, Cr7Error, path_of, tool_of, unit_hint};
+use crate::cr7::{ARC_LENGTH_TOLERANCE, Cr7Error, live_error, path_of, tool_of};
 use crate::error::InputError;
 use crate::job::JointValues;
 use crate::path_file::PathFile;
 use crate::toml_check::Check;
 
 /// A scenario for one arm, ready to be played.
-#[derive(Debug, Clone)]
-pub struct Stage<'a, A> {
+#[derive(Clone)]
+pub struct Stage<'a> {
     pub(super) scenario: &'a Scenario,
-    pub(super) arm: &'a A,
+    pub(super) arm: &'a dyn PathArm<6>,
     pub(super) name: String,
-    pub(super) route: LiveRoute,
+    pub(super) route: LiveRoute<'a>,
     pub(super) orders: Vec<Order>,
     pub(super) drive: Joints<6>,
     pub(super) warnings: Vec<String>,
@@ -37,19 +37,19 @@ pub(super) enum What {
     StepBackBy(f64),
 }
 
-impl<A> Stage<'_, A> {
+impl<'a> Stage<'a> {
     /// Name of the path.
     pub fn name(&self) -> &str {
         &self.name
     }
 
     /// The path, made ready: in one part, or in several with ways round between them.
-    pub fn route(&self) -> &LiveRoute {
+    pub fn route(&self) -> &LiveRoute<'a> {
         &self.route
     }
 
     /// The first part of the path, with the limits of the arm and the tool.
-    pub fn live(&self) -> &LivePath {
+    pub fn live(&self) -> &LivePath<'a> {
         self.route.first()
     }
 
@@ -70,26 +70,28 @@ impl Scenario {
     /// # Errors
     /// [`Cr7Error::Input`] naming the line for a place the arm cannot take, a place behind the end of the path, a list of another length than
     /// the arm has joints; [`Cr7Error::Plan`] for a path that cannot be followed.
-    pub fn stage<'a, A>(&'a self, arm: &'a A, limits: &JointLimits<6>) -> Result<Stage<'a, A>, Cr7Error>
+    pub fn stage<'a, A>(&'a self, arm: &'a A, limits: &JointLimits<6>) -> Result<Stage<'a>, Cr7Error>
     where
         A: PathArm<6> + AnalyticInverse<6>,
     {
         let (name, shown, path, warnings, first) = self.load(arm)?;
-        let plan_error = |source: PlanError| {
-            let hint = unit_hint(&source);
-            Cr7Error::Plan { file: shown.clone(), source: Box::new(source), hint }
-        };
-        let start = match (&self.start, first) {
-            (Some(place), _) => self.joints_at("run.start", place, arm, &Joints::zeros())?,
-            (None, Some(first)) => first,
-            (None, None) => best_start(arm, &path, limits.lower(), limits.upper()).map_err(plan_error)?,
+        let near = match (&self.start, first) {
+            (Some(place), _) => Some(self.joints_at("run.start", place, arm, &Joints::zeros())?),
+            (None, first) => first,
         };
         let job = &self.job;
-        let route = Planner::new(arm, *limits, tool_of(job))
-            .and_then(|p| p.with_chord_tolerance(job.chord_tolerance))
-            .and_then(|p| p.with_period(job.period))
-            .and_then(|p| p.with_sections(job.sections.clone()).route(path, &start, self.singularities))
-            .map_err(plan_error)?;
+        let route = || {
+            let path = match near {
+                Some(near) => ToolPath::starting_near(arm, path, &near)?,
+                None => ToolPath::new(arm, path, limits.range())?,
+            };
+            Planner::new(arm, Limits::new(*limits).with_tool(tool_of(job)?))
+                .with_chord_tolerance(job.chord_tolerance)?
+                .with_period(job.period)?
+                .with_sections(job.sections.clone())
+                .route(arm, path, self.singularities)
+        };
+        let route = route().map_err(|error: LiveError| live_error(&shown, error))?;
         let orders = self.orders(arm, route.first())?;
         let drive = self.values("run.drive_time_constant_ms", &self.drive)?;
         Ok(Stage { scenario: self, arm, name, route, orders, drive, warnings })
@@ -152,7 +154,7 @@ impl Scenario {
     }
 
     /// The events as commands.
-    fn orders<A>(&self, arm: &A, live: &LivePath) -> Result<Vec<Order>, Cr7Error>
+    fn orders<A>(&self, arm: &A, live: &LivePath<'_>) -> Result<Vec<Order>, Cr7Error>
     where
         A: PathArm<6> + AnalyticInverse<6>,
     {

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use arcfeed_interp::{LockedArm, PathArm, best_start};
+use arcfeed_interp::{LockedArm, MotionPath, PathArm, ToolPath};
 use robot_cr7::plot::{compare_picture, save_picture};
 use robot_cr7::{Cr7Error, InputError, Job, Task, compare};
 
@@ -47,7 +47,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             let (limits, _) = robot.limits::<6>(&job.joints)?;
             let arm = robot.arm::<6>(job.tool).map_err(Cr7Error::from)?;
             let task = Task::new(&job, &file, &limits, robot.drives::<6>(&job)?, |path| {
-                let start = best_start(&arm, path, limits.lower(), limits.upper())?;
+                let start = ToolPath::new(&arm, path.clone(), limits.range())?.start();
                 Ok((arm, start))
             })?;
             finish(args, &task)

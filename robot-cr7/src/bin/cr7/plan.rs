@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use arcfeed_interp::{LockedArm, PathArm, best_start};
+use arcfeed_interp::{LockedArm, MotionPath, PathArm, ToolPath};
 use robot_cr7::plot::{Along, Bound, JointQuantity, feed_picture, joint_picture, path_picture};
 use robot_cr7::{
     Cr7Error, Job, LengthUnit, LimitsHold, Motion, PathFile, Series, Staging, Task, TrajectoryWriter, butterfly,
@@ -66,7 +66,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             let (limits, assumed) = robot.limits::<6>(&job.joints)?;
             let arm = robot.arm::<6>(job.tool).map_err(Cr7Error::from)?;
             let task = Task::new(&job, &file, &limits, robot.drives::<6>(&job)?, |path| {
-                let start = best_start(&arm, path, limits.lower(), limits.upper())?;
+                let start = ToolPath::new(&arm, path.clone(), limits.range())?.start();
                 Ok((arm, start))
             })?;
             finish(args, &job, task, (staging, progress), assumed)
@@ -113,11 +113,11 @@ fn finish<A: PathArm<N>, const N: usize>(
     few_enough(task.path().length() / fastest, job.period, LEVERS)?;
     let mut motion = task.plan()?;
     motion.warn(warnings);
-    few_enough(motion.plan().duration(), motion.plan().period(), LEVERS)?;
+    few_enough(motion.trajectory().duration(), motion.trajectory().period(), LEVERS)?;
 
     progress.step("sampling and writing");
     let begin = Instant::now();
-    let sampler = motion.sampler().map_err(|e| Failure::Undoable(e.to_string()))?;
+    let sampler = motion.setpoints().map_err(|e| Failure::Undoable(e.to_string()))?;
     let samples = sampler.samples();
     let mut series = Series::new(3 + 3 * N, samples);
     let name = FILES[0];
@@ -132,7 +132,7 @@ fn finish<A: PathArm<N>, const N: usize>(
     let sampling = begin.elapsed();
 
     progress.step("drawing");
-    for (name, svg) in pictures(&motion, job, &series) {
+    for (name, svg) in pictures(&motion, job, &series)? {
         staging.write(name, &svg.map_err(|source| staging.failed(name, source))?)?;
     }
     let mut report = motion.report(samples, sampling);
@@ -166,34 +166,34 @@ pub fn read_path(file: Option<&Path>, unit: Option<&str>, job_unit: Option<Lengt
 type Picture = (&'static str, Result<String, std::io::Error>);
 
 /// Pictures of a motion whose time, place, feed and joint rates are the columns of `series`.
-fn pictures<A: PathArm<N>, const N: usize>(motion: &Motion<A, N>, job: &Job, series: &Series) -> Vec<Picture> {
-    let plan = motion.plan();
+fn pictures<const N: usize>(motion: &Motion<'_, N>, job: &Job, series: &Series) -> Result<Vec<Picture>, Failure> {
+    let plan = motion.trajectory();
     let name = motion.name();
     let segments = drawn_segments(plan, &job.workpiece);
     let [t, s, feed] = [0, 1, 2].map(|column| series.column(column));
     let pairs = |x: &[f64], y: &[f64]| x.iter().copied().zip(y.iter().copied()).collect::<Vec<_>>();
-    // The limit curve is constant on every interval: a step at each grid point.
-    let mut limit: Vec<(f64, f64)> = Vec::new();
-    for (s, v) in plan.limit_curve() {
-        if let Some(&(_, before)) = limit.last() {
-            limit.push((s, before));
-        }
-        limit.push((s, v));
-    }
-    let limit_at = |s: f64| limit[limit.partition_point(|l| l.0 <= s).saturating_sub(1)].1;
+    let caps = plan.limit_curve().map_err(|e| Failure::Undoable(e.to_string()))?;
+    let limit: Vec<(f64, f64)> = caps.iter().map(|point| (point.s, point.speed)).collect();
+    // Between two grid points the square of the speed may lie on the straight line through both.
+    let limit_at = |s: f64| {
+        let i = limit.partition_point(|l| l.0 <= s).clamp(1, limit.len() - 1);
+        let ((s0, v0), (s1, v1)) = (limit[i - 1], limit[i]);
+        (v0 * v0 + (v1 * v1 - v0 * v0) * (s - s0) / (s1 - s0)).max(0.0).sqrt()
+    };
     let limit_by_time: Vec<_> = t.iter().zip(s).map(|(&t, &s)| (t, limit_at(s))).collect();
-    let joints = motion.joint_limits();
+    let joints = plan.limits().joints();
     let picture = |quantity, column: usize, limits: [f64; N]| {
         let values: [&[f64]; N] = std::array::from_fn(|k| series.column(column + k));
         joint_picture(name, quantity, t, &values, &limits.map(Bound::Constant), &[])
     };
     let rates = [joints.velocity(), joints.acceleration(), joints.jerk()].map(|limits| (*limits).into());
-    vec![
-        ("path.svg", path_picture(name, &segments, plan.segmentation().deviations(), plan.chord_tolerance())),
+    let deviations = plan.segmentation().map_or(&[] as &[f64], |segmentation| segmentation.deviations());
+    Ok(vec![
+        ("path.svg", path_picture(name, &segments, deviations, plan.chord_tolerance())),
         ("feed.svg", feed_picture(name, Along::Length, &pairs(s, feed), &limit)),
         ("feed_time.svg", feed_picture(name, Along::Time, &pairs(t, feed), &limit_by_time)),
         ("joint_velocity.svg", picture(JointQuantity::Velocity, 3, rates[0])),
         ("joint_acceleration.svg", picture(JointQuantity::Acceleration, 3 + N, rates[1])),
         ("joint_jerk.svg", picture(JointQuantity::Jerk, 3 + 2 * N, rates[2])),
-    ]
+    ])
 }

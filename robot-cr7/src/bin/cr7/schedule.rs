@@ -2,10 +2,13 @@
 
 use std::path::PathBuf;
 
-use arcfeed_interp::SpeedPlanner;
+use arcfeed_interp::Method;
 use clap::ValueEnum;
 use robot_cr7::plot::{shares_picture, speed_picture};
-use robot_cr7::{LimitsHold, Robot, ScheduleFile, Staging, TrajectoryWriter, run_schedule};
+use robot_cr7::{
+    Cr7Error, InputError, LimitsHold, Robot, ScheduleFile, ScheduleRun, ScheduleWay, Staging, TrajectoryRow, TrajectoryWriter,
+    run_pose_move, run_way_points,
+};
 
 use crate::Failure;
 use crate::joint_space::for_joints;
@@ -19,7 +22,7 @@ use crate::robots::RobotArgs;
   cr7 schedule --print-example > pick.toml     a motion between poses, with every key explained
   cr7 schedule pick.toml --robot kr6_r700 --out pick
   cr7 schedule --print-example=waypoints > way.toml
-  cr7 schedule way.toml --planner jerk-limited
+  cr7 schedule way.toml --planner reachability
   cr7 schedule pick.toml --robot kr6_r700 --json | jq .binding
 
 The same rotation at both ends makes a pure translation, the same position a pure orientation.")]
@@ -33,7 +36,7 @@ pub struct Args {
     #[arg(long, value_enum, num_args = 0..=1, require_equals = true, default_missing_value = "poses")]
     print_example: Option<Example>,
     /// Which planner finds the speed
-    #[arg(long, value_enum, default_value = "certified")]
+    #[arg(long, value_enum, default_value = "jerk-limited")]
     planner: Planner,
     /// Folder for trajectory, report and pictures; created when missing
     #[arg(long, default_value = "out")]
@@ -53,26 +56,26 @@ enum Example {
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Planner {
-    /// Every limit at the grid points, fastest to compute
-    BothEnds,
-    /// The scan of Electronics 2025, 14, 3869, for comparison: it breaks the limits
-    Published,
-    /// The optimum of the limits at the grid points
-    Reachability,
-    /// The limits between the grid points too
-    Certified,
-    /// Those and jerk
+    /// The least time under all limits, jerk included
     JerkLimited,
+    /// Profiles with continuous acceleration, the limits shared out by fixed parts
+    ContinuousAcceleration,
+    /// Every limit but those on jerk, forward and backward: fastest to compute
+    ForwardBackward,
+    /// The optimum of every limit but those on jerk
+    Reachability,
+    /// The same, kept between the grid points by interpolation
+    InterpolatedReachability,
 }
 
-impl From<Planner> for SpeedPlanner {
+impl From<Planner> for Method {
     fn from(planner: Planner) -> Self {
         match planner {
-            Planner::BothEnds => Self::BothEnds,
-            Planner::Published => Self::Published,
-            Planner::Reachability => Self::Reachability,
-            Planner::Certified => Self::Certified,
             Planner::JerkLimited => Self::JerkLimited,
+            Planner::ContinuousAcceleration => Self::ContinuousAcceleration,
+            Planner::ForwardBackward => Self::ForwardBackward,
+            Planner::Reachability => Self::Reachability,
+            Planner::InterpolatedReachability => Self::InterpolatedReachability,
         }
     }
 }
@@ -85,28 +88,48 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             let staging = Staging::new(&args.out, &FILES, &[file])?;
             let file = ScheduleFile::read(file)?;
             let robot = args.robot.load()?;
-            return for_joints!(robot, run_with(args, &file, &robot, staging));
+            return match (&file.way, robot.joints()) {
+                (ScheduleWay::Waypoints(_), _) => for_joints!(robot, way_points(args, &file, &robot, staging)),
+                (ScheduleWay::Poses { .. }, 6) => {
+                    finish(args, staging, |write| run_pose_move(&file, &robot, args.planner.into(), write))
+                }
+                (ScheduleWay::Poses { .. }, n) => Err(Failure::Undoable(format!(
+                    "{} has {n} joints: a motion between poses needs an arm of six joints: take another --robot, or give joint \
+                     way-points",
+                    args.robot.robot
+                ))),
+            };
         }
     }
     Ok(())
 }
 
-/// What the command writes.
-const FILES: [&str; 5] = ["trajectory.csv", "speed.svg", "joints.svg", "report.json", "report.txt"];
-
-fn run_with<const N: usize>(
+fn way_points<const N: usize>(
     args: &Args,
     file: &ScheduleFile,
     robot: &Robot,
+    staging: Staging,
+) -> Result<(), Failure> {
+    finish(args, staging, |write| run_way_points::<N>(file, robot, args.planner.into(), write))
+}
+
+/// What the command writes.
+const FILES: [&str; 5] = ["trajectory.csv", "speed.svg", "joints.svg", "report.json", "report.txt"];
+
+/// Takes the rows of a trajectory in their order.
+type Write<'w, const N: usize> = &'w mut dyn FnMut(&TrajectoryRow<N>) -> Result<(), InputError>;
+
+/// Runs the motion and writes all there is to write.
+fn finish<const N: usize>(
+    args: &Args,
     mut staging: Staging,
+    run: impl FnOnce(Write<'_, N>) -> Result<ScheduleRun, Cr7Error>,
 ) -> Result<(), Failure> {
     staging.clear()?;
     let progress = Progress::new("scheduling");
     let name = FILES[0];
     let mut trajectory = TrajectoryWriter::new(staging.create(name)?).map_err(|e| staging.failed(name, e))?;
-    let run = run_schedule::<N>(file, robot, args.planner.into(), |row| {
-        trajectory.write(row).map_err(|e| staging.failed(name, e))
-    })?;
+    let run = run(&mut |row| trajectory.write(row).map_err(|e| staging.failed(name, e)))?;
     trajectory.finish().map_err(|e| staging.failed(name, e))?;
     let mut report = run.report;
     let held = LimitsHold::of(&report.limits);
@@ -125,6 +148,6 @@ fn run_with<const N: usize>(
     } else {
         say_as_is!("{report}");
     }
-    let remedy = "take --planner certified or jerk-limited, more intervals, or lower start_speed and end_speed";
+    let remedy = "take --planner jerk-limited, more intervals, or lower start_speed and end_speed";
     held.map(drop).map_err(|error| Failure::exceeded(&error, remedy))
 }

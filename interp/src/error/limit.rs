@@ -1,0 +1,92 @@
+//! What is wrong with the limits of a motion.
+
+use arcfeed_kinematics::KinematicsError;
+use thiserror::Error;
+
+/// Why limits, sections or settings cannot be used. The way out is another number.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum LimitError {
+    /// A limit is not a finite number above 0.
+    #[error("{what} is {value}, but has to be a finite number above 0")]
+    NotPositive {
+        /// Which limit.
+        what: &'static str,
+        /// The value given.
+        value: f64,
+    },
+    /// A limit of a joint is unusable.
+    #[error("limits: {0}")]
+    Joint(#[from] KinematicsError),
+    /// A path of this kind cannot be planned without a limit, or not with it.
+    #[error("{limit} {problem}: {remedy}")]
+    Unsuited {
+        /// Which limit.
+        limit: &'static str,
+        /// Why it does not suit.
+        problem: &'static str,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// The grid of a path is too coarse or too fine.
+    #[error("{intervals} intervals: a plan takes 4 to {most}; 200 to 2000 are usual")]
+    Intervals {
+        /// Intervals asked for.
+        intervals: usize,
+        /// The most that are taken.
+        most: usize,
+    },
+    /// A section with a feed of its own is not a part of the path.
+    #[error("feed section {}, {from} to {to} {unit}: {rule}", index + 1)]
+    Section {
+        /// Which one, from 0.
+        index: usize,
+        /// Where it begins.
+        from: f64,
+        /// Where it ends.
+        to: f64,
+        /// What the two are.
+        unit: &'static str,
+        /// The rule that is broken.
+        rule: &'static str,
+    },
+    /// Two sections with feeds of their own overlap.
+    #[error(
+        "feed sections {} and {} overlap at s = {s:.6} m: let one end where the other begins",
+        first + 1,
+        second + 1
+    )]
+    SectionsOverlap {
+        /// The one that begins first, from 0.
+        first: usize,
+        /// The other one, from 0.
+        second: usize,
+        /// Where the overlap begins, m.
+        s: f64,
+    },
+    /// A speed law does not run over the whole path.
+    #[error("the speed law runs from {start} to {end}, the path from 0 to {length}: a law has to run over the whole path")]
+    Law {
+        /// Where the law begins.
+        start: f64,
+        /// Where it ends.
+        end: f64,
+        /// Where the path ends.
+        length: f64,
+    },
+    /// A motion takes longer than can be verified.
+    #[error(
+        "the motion takes {duration:.3e} s, more than the {longest:.3e} s that are planned at this control period: raise the limits, lengthen the period, or split the path"
+    )]
+    TooLong {
+        /// Duration, s.
+        duration: f64,
+        /// Longest duration that is taken at the control period, s.
+        longest: f64,
+    },
+}
+
+/// A finite number above 0.
+pub(crate) fn positive(what: &'static str, value: f64) -> Result<f64, LimitError> {
+    if value.is_finite() && value > 0.0 { Ok(value) } else { Err(LimitError::NotPositive { what, value }) }
+}

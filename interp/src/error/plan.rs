@@ -1,0 +1,49 @@
+//! What can stop a path from becoming a motion.
+
+use arcfeed_feedrate::RowSource;
+use arcfeed_geometry::GeometryError;
+use thiserror::Error;
+
+use super::cause::Cause;
+use super::limit::LimitError;
+use super::path::PathError;
+use super::speed::SpeedError;
+use crate::place::PathPlace;
+
+/// Everything that can go wrong between a path and a verified trajectory, by what a caller can do about it.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum PlanError {
+    /// The arm cannot follow the path.
+    #[error(transparent)]
+    Path(#[from] PathError),
+    /// A limit or a setting cannot be used.
+    #[error(transparent)]
+    Limit(#[from] LimitError),
+    /// No speed keeps the limits.
+    #[error(transparent)]
+    Speed(#[from] SpeedError),
+    /// The finished trajectory breaks a limit; it must not be executed.
+    #[error(
+        "the finished trajectory breaks a limit and is withheld: {} reaches {:.4} % of its limit at {place}, t = {t:.4} s; {cause}",
+        limit, 100.0 * ratio
+    )]
+    Unverified {
+        /// Which limit.
+        limit: RowSource,
+        /// Value over limit.
+        ratio: f64,
+        /// Where.
+        place: PathPlace,
+        /// When, s.
+        t: f64,
+        /// What is special about the place.
+        cause: Cause,
+    },
+}
+
+impl From<GeometryError> for PlanError {
+    fn from(error: GeometryError) -> Self {
+        Self::Path(error.into())
+    }
+}

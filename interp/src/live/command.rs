@@ -1,0 +1,74 @@
+//! What the motion is told.
+
+use arcfeed_feedrate::LiveSection;
+use arcfeed_kinematics::Joints;
+
+use super::error::{HybridError, MAX_POINTS};
+
+/// How a tool path is left.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LeaveBy {
+    /// Brake on the path first: the tool stays on it until it stands.
+    #[default]
+    Braking,
+    /// From the present motion straight into joint space: position, velocity and acceleration of the joints go on without a jump.
+    AtOnce,
+}
+
+/// A way through joint space: intermediate points, and a goal where the arm waits. It stands at each of them for a moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Excursion<const N: usize = 6> {
+    points: [Joints<N>; MAX_POINTS],
+    count: usize,
+    /// How the path is left.
+    pub leave: LeaveBy,
+}
+
+impl<const N: usize> Excursion<N> {
+    /// Through `points` (rad) in order; the last one is the goal.
+    ///
+    /// # Errors
+    /// [`HybridError::Points`] for none or more than [`MAX_POINTS`].
+    pub fn new(points: &[Joints<N>], leave: LeaveBy) -> Result<Self, HybridError> {
+        if points.is_empty() || points.len() > MAX_POINTS {
+            return Err(HybridError::Points { count: points.len() });
+        }
+        let mut all = [Joints::zeros(); MAX_POINTS];
+        all[..points.len()].copy_from_slice(points);
+        Ok(Self { points: all, count: points.len(), leave })
+    }
+
+    /// The points, the goal last.
+    pub fn points(&self) -> &[Joints<N>] {
+        &self.points[..self.count]
+    }
+}
+
+/// One order to a [`HybridMotion`](super::HybridMotion), given in a cycle.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
+pub enum Command<const N: usize = 6> {
+    /// Go on.
+    #[default]
+    None,
+    /// Another programmed feed, m/s.
+    Feed(f64),
+    /// Feed override, 1 for 100 %; 0 holds.
+    Override(f64),
+    /// A feed of its own on a stretch of the path, besides those set before.
+    Section(LiveSection),
+    /// No more stretches with feeds of their own.
+    ClearSections,
+    /// Brake and stay, on the path or in joint space.
+    Hold,
+    /// Go on after a hold or a step back.
+    Resume,
+    /// Back along the path to this arc length, m, and hold there.
+    StepBack(f64),
+    /// An event: into joint space, or to other points if the arm is there already.
+    Leave(Excursion<N>),
+    /// Back to where the path was left, through the points that were passed, and on along it.
+    Return,
+    /// Brake and stay for good.
+    Stop,
+}

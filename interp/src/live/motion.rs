@@ -1,0 +1,415 @@
+//! The executor: one step a cycle.
+
+use arcfeed_feedrate::{LiveFeed, LiveSection, LiveStatus, MAX_SECTIONS, MotionState};
+use arcfeed_kinematics::Joints;
+
+use super::command::{Command, Excursion, LeaveBy};
+use super::error::{HybridError, LiveError, MAX_POINTS};
+use super::joints::JointSpace;
+use super::live_path::LivePath;
+use super::singular::LiveRoute;
+use super::state::{HybridState, HybridStep};
+use crate::error::{LimitError, SpeedError};
+use crate::path::MotionPath;
+use crate::setpoint::Setpoint;
+
+/// A motion along a tool path that can be slowed down, held, stepped back, left for joint space, resumed and stopped in any cycle.
+///
+/// **Guarantees**, whatever is commanded and whenever: no limit of joints or tool is exceeded; position, velocity and acceleration of every
+/// joint go on without a jump, with its jerk inside its limit; while [`HybridStep::on_path`] is true the tool is on the path; a path that was
+/// left is resumed exactly where it was left. A step allocates nothing and takes a bounded number of operations.
+///
+/// The speed on the path is that of a [`LiveFeed`]; joint space is an [`OnlineGenerator`](arcfeed_sync::OnlineGenerator). Nothing is known
+/// of obstacles: the points of an excursion are chosen by who gives it.
+///
+/// ```no_run
+/// # fn example(path: arcfeed_geometry::PosePath) -> Result<(), Box<dyn std::error::Error>> {
+/// use arcfeed_interp::{Command, Excursion, HybridMotion, HybridState, LeaveBy, Limits, Planner, ToolLimits, ToolPath};
+/// use arcfeed_kinematics::{Joints, models};
+///
+/// let arm = models::ur5e();
+/// let joints = arm.range().with_rates(Joints::repeat(3.0), Joints::repeat(10.0), Joints::repeat(100.0))?;
+/// // The highest feed that any override leads to.
+/// let tool = ToolLimits::new().with_feed(0.15)?.with_tangential_acceleration(1.0)?.with_tangential_jerk(20.0)?;
+/// let planner = Planner::new(&arm, Limits::new(joints).with_tool(tool));
+/// let live = planner.live(ToolPath::new(&arm, path, arm.range())?)?;
+/// let mut motion = HybridMotion::new(&live, 0.1)?;
+/// let park = Excursion::new(&[Joints::repeat(0.3)], LeaveBy::Braking)?;
+/// for cycle in 0.. {
+///     let command = match cycle {
+///         1000 => Command::Override(0.5),
+///         2000 => Command::Leave(park),
+///         9000 => Command::Return,
+///         _ => Command::None,
+///     };
+///     let step = motion.step(&command);
+///     // send step.setpoint.q to the controller
+///     if step.state == HybridState::Done {
+///         break;
+///     }
+/// }
+/// # Ok(()) }
+/// ```
+#[derive(Debug, Clone)]
+pub struct HybridMotion<'a, const N: usize = 6> {
+    live: &'a LivePath<'a, N>,
+    /// Parts of the path after this one, each reached through joint space.
+    ahead: &'a [LivePath<'a, N>],
+    feed: LiveFeed<'a>,
+    sections: [LiveSection; MAX_SECTIONS],
+    section_count: usize,
+    joints: JointSpace<N>,
+    state: HybridState,
+    on_path: bool,
+    /// What the operator wants of the motion on the path, whatever events do to it meanwhile.
+    held: bool,
+    excursion: Option<Excursion<N>>,
+    /// Points that were reached since the path was left, for the way back, and how many.
+    passed: [Joints<N>; MAX_POINTS],
+    passed_count: usize,
+    last: Setpoint<N>,
+    cycles: u64,
+}
+
+impl<'a, const N: usize> HybridMotion<'a, N> {
+    /// At rest at the start of `live`, with a programmed `feed` (m/s).
+    ///
+    /// # Errors
+    /// [`SpeedError::Feed`] for a feed that is not a finite number above 0.
+    pub fn new(live: &'a LivePath<'a, N>, feed: f64) -> Result<Self, LiveError> {
+        Self::over(live, &[], feed)
+    }
+
+    /// At rest at the start of a route, with a programmed `feed` (m/s): each detour is a joint move in the state
+    /// [`HybridState::GoingRound`].
+    ///
+    /// # Errors
+    /// As [`HybridMotion::new`].
+    pub fn along(route: &'a LiveRoute<'a, N>, feed: f64) -> Result<Self, LiveError> {
+        let Some((first, ahead)) = route.parts().split_first() else {
+            return Err(LimitError::NotPositive { what: "number of parts of the route", value: 0.0 }.into());
+        };
+        Self::over(first, ahead, feed)
+    }
+
+    fn over(live: &'a LivePath<'a, N>, ahead: &'a [LivePath<'a, N>], feed: f64) -> Result<Self, LiveError> {
+        let feed = LiveFeed::new(live.curve(), live.period(), feed).map_err(SpeedError::from)?;
+        let start = live.joint_path().nodes()[0];
+        let joints = JointSpace::new(live.joints(), live.period(), &start.q)?;
+        let none = LiveSection { from: 0.0, to: 0.0, feed: 0.0 };
+        let still = Joints::zeros();
+        let pose = live.path().pose_path().jet(start.s).pose;
+        let last = start.setpoint(0.0, &MotionState { p: start.s, ..MotionState::default() }, pose);
+        Ok(Self {
+            live,
+            ahead,
+            feed,
+            sections: [none; MAX_SECTIONS],
+            section_count: 0,
+            joints,
+            state: HybridState::TaskPath,
+            on_path: true,
+            held: false,
+            excursion: None,
+            passed: [still; MAX_POINTS],
+            passed_count: 0,
+            last,
+            cycles: 0,
+        })
+    }
+
+    /// Follows a command and moves on by one cycle.
+    pub fn step(&mut self, command: &Command<N>) -> HybridStep<N> {
+        let refused = self.tell(command).err();
+        let refused = self.advance().err().or(refused);
+        let holding = match self.on_path {
+            true => self.state == HybridState::TaskPath && self.held && self.feed.is_at_rest(),
+            false => self.joints.is_held() && self.last.qd.amax() == 0.0,
+        };
+        HybridStep { setpoint: self.last, state: self.state, on_path: self.on_path, holding, refused }
+    }
+
+    /// Where the motion is.
+    pub fn state(&self) -> HybridState {
+        self.state
+    }
+
+    /// The setpoint of the last cycle; before the first one, the start.
+    pub fn setpoint(&self) -> &Setpoint<N> {
+        &self.last
+    }
+
+    /// The motion along the path.
+    pub fn feed(&self) -> &LiveFeed<'a> {
+        &self.feed
+    }
+
+    /// Takes a command to heart; the motion changes with the next cycle.
+    fn tell(&mut self, command: &Command<N>) -> Result<(), HybridError> {
+        if let Command::None = command {
+            return Ok(());
+        }
+        if matches!(self.state, HybridState::Done | HybridState::Stopping | HybridState::Stopped) {
+            return Err(self.not_now(command, "the motion is over; start another one"));
+        }
+        match *command {
+            Command::None => {}
+            Command::Feed(feed) => self.feed.set_feed(feed)?,
+            Command::Override(factor) => self.feed.set_override(factor)?,
+            Command::Section(section) => self.add_section(section)?,
+            Command::ClearSections => {
+                self.section_count = 0;
+                self.feed.set_sections(&[])?;
+            }
+            Command::Hold => self.hold()?,
+            Command::Resume => self.resume()?,
+            Command::StepBack(place) => {
+                if self.state != HybridState::TaskPath {
+                    return Err(self.not_now(command, "the tool has to be on its task path"));
+                }
+                self.feed.step_back(place)?;
+                self.held = true;
+            }
+            Command::Leave(excursion) => self.leave(excursion)?,
+            Command::Return => self.go_back(command)?,
+            Command::Stop => {
+                self.halt()?;
+                self.state = HybridState::Stopping;
+            }
+        }
+        Ok(())
+    }
+
+    fn not_now(&self, command: &Command<N>, rule: &'static str) -> HybridError {
+        let command = match command {
+            Command::None => "nothing",
+            Command::Feed(_) => "a new feed",
+            Command::Override(_) => "an override",
+            Command::Section(_) | Command::ClearSections => "a feed section",
+            Command::Hold => "hold",
+            Command::Resume => "resume",
+            Command::StepBack(_) => "step back",
+            Command::Leave(_) => "leave",
+            Command::Return => "return",
+            Command::Stop => "stop",
+        };
+        HybridError::NotNow { command, state: self.state.name(), rule }
+    }
+
+    fn add_section(&mut self, section: LiveSection) -> Result<(), HybridError> {
+        let mut all = self.sections;
+        let Some(place) = all.get_mut(self.section_count) else {
+            let (value, limit) = ((MAX_SECTIONS + 1) as f64, MAX_SECTIONS as f64);
+            let what = "number of feed sections";
+            return Err(arcfeed_feedrate::FeedError::AboveLimit { what, value, limit }.into());
+        };
+        *place = section;
+        self.feed.set_sections(&all[..=self.section_count])?;
+        self.sections = all;
+        self.section_count += 1;
+        Ok(())
+    }
+
+    fn hold(&mut self) -> Result<(), HybridError> {
+        self.held = true;
+        self.halt()
+    }
+
+    /// Brakes, wherever it is.
+    fn halt(&mut self) -> Result<(), HybridError> {
+        if self.on_path {
+            self.feed.hold();
+            Ok(())
+        } else {
+            self.joints.hold()
+        }
+    }
+
+    fn resume(&mut self) -> Result<(), HybridError> {
+        self.held = false;
+        if !self.on_path {
+            return self.joints.resume();
+        }
+        // While it brakes for an event the motion along the path stays held.
+        if self.state == HybridState::TaskPath {
+            self.feed.resume();
+        }
+        Ok(())
+    }
+
+    fn leave(&mut self, excursion: Excursion<N>) -> Result<(), HybridError> {
+        let (lower, upper) = (self.live.joints().lower(), self.live.joints().upper());
+        for (point, q) in excursion.points().iter().enumerate() {
+            for (joint, &value) in q.iter().enumerate() {
+                let (lower, upper) = (lower[joint], upper[joint]);
+                if !(lower..=upper).contains(&value) {
+                    return Err(HybridError::OutsideRange { point, joint, value, lower, upper });
+                }
+            }
+        }
+        let first = excursion.points()[0];
+        if !self.on_path {
+            // Already in joint space: other points, from the present motion.
+            self.joints.retarget(&first)?;
+            self.excursion = Some(excursion);
+            self.state = HybridState::JointMove(0);
+            self.held = false;
+            return Ok(());
+        }
+        let mut outcome = Ok(());
+        if excursion.leave == LeaveBy::AtOnce && !self.feed.is_at_rest() {
+            let now = self.last;
+            match self.joints.start(&now.q, &now.qd, &now.qdd, &first) {
+                Ok(()) => {
+                    self.feed.stand();
+                    self.on_path = false;
+                }
+                Err(error @ HybridError::BrakesFirst { .. }) => outcome = Err(error),
+                Err(error) => return Err(error),
+            }
+        }
+        if self.on_path {
+            self.feed.hold();
+        }
+        self.passed_count = 0;
+        self.excursion = Some(excursion);
+        self.state = HybridState::Leaving;
+        outcome
+    }
+
+    fn go_back(&mut self, command: &Command<N>) -> Result<(), HybridError> {
+        match self.state {
+            HybridState::Leaving if self.on_path => {
+                // It has not left yet.
+                self.excursion = None;
+                self.state = HybridState::TaskPath;
+                if !self.held {
+                    self.feed.resume();
+                }
+                Ok(())
+            }
+            HybridState::Leaving | HybridState::JointMove(_) | HybridState::Waiting => {
+                self.joints.retarget(&self.way_back(self.passed_count))?;
+                self.state = HybridState::Returning;
+                self.held = false;
+                Ok(())
+            }
+            HybridState::Returning | HybridState::GoingRound => Ok(()),
+            _ => Err(self.not_now(command, "the path has to have been left before")),
+        }
+    }
+
+    /// The last of the `count` points still to be passed on the way back, or else the place where the path was left.
+    fn way_back(&self, count: usize) -> Joints<N> {
+        if count > 0 { self.passed[count - 1] } else { self.place_left() }
+    }
+
+    /// Joint values at the place where the path was left.
+    fn place_left(&self) -> Joints<N> {
+        let s = self.feed.position();
+        let near = self.live.joint_path().near(s).q;
+        self.live.path().jet(s, &near).map_or(near, |jet| jet.q)
+    }
+
+    fn advance(&mut self) -> Result<(), HybridError> {
+        self.cycles += 1;
+        if self.on_path { self.advance_on_path() } else { self.advance_in_joint_space() }
+    }
+
+    fn advance_on_path(&mut self) -> Result<(), HybridError> {
+        let step = self.feed.step();
+        self.last = self.on_path_at(step.state);
+        match self.state {
+            HybridState::TaskPath if step.status == LiveStatus::Finished => match self.ahead.split_first() {
+                Some((next, ahead)) => {
+                    (self.live, self.ahead) = (next, ahead);
+                    self.feed = self.feed.moved_to(next.curve());
+                    self.feed.stand();
+                    let still = Joints::zeros();
+                    self.joints.start(&self.last.q, &still, &still, &next.joint_path().nodes()[0].q)?;
+                    self.passed_count = 0;
+                    self.on_path = false;
+                    self.state = HybridState::GoingRound;
+                }
+                None => self.state = HybridState::Done,
+            },
+            HybridState::Stopping if self.feed.is_at_rest() => self.state = HybridState::Stopped,
+            HybridState::Leaving if self.feed.is_at_rest() => {
+                if let Some(excursion) = self.excursion {
+                    let still = Joints::zeros();
+                    let first = excursion.points()[0];
+                    self.joints.start(&self.last.q, &still, &still, &first)?;
+                    self.feed.stand();
+                    self.on_path = false;
+                    self.state = HybridState::JointMove(0);
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn advance_in_joint_space(&mut self) -> Result<(), HybridError> {
+        let ([q, qd, qdd, jerk], arrived) = self.joints.step();
+        let (pose, jacobian) = self.live.path().arm().forward_jacobian(&q);
+        let feed = (jacobian * qd).fixed_rows::<3>(0).norm();
+        let t = self.cycles as f64 * self.live.period();
+        self.last = Setpoint { t, s: self.feed.position(), feed, acceleration: 0.0, q, qd, qdd, jerk, pose };
+        if !arrived {
+            return Ok(());
+        }
+        if self.state == HybridState::Stopping {
+            self.state = HybridState::Stopped;
+        }
+        if self.joints.is_held() {
+            return Ok(());
+        }
+        match self.state {
+            HybridState::Leaving => self.reached(0),
+            HybridState::JointMove(point) => self.reached(point),
+            HybridState::Returning if self.passed_count > 0 => {
+                self.passed_count -= 1;
+                let next = self.way_back(self.passed_count);
+                self.joints.retarget(&next)
+            }
+            HybridState::Returning | HybridState::GoingRound => {
+                self.on_path = true;
+                self.excursion = None;
+                self.state = HybridState::TaskPath;
+                if self.held {
+                    self.feed.hold();
+                } else {
+                    self.feed.resume();
+                }
+                Ok(())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// A point of the excursion is reached.
+    fn reached(&mut self, point: usize) -> Result<(), HybridError> {
+        let Some(excursion) = self.excursion else { return Ok(()) };
+        match excursion.points().get(point + 1) {
+            Some(next) => {
+                // Points passed in an excursion that another one replaced are not gone back through.
+                if self.passed_count < MAX_POINTS {
+                    self.passed[self.passed_count] = excursion.points()[point];
+                    self.passed_count += 1;
+                }
+                self.joints.retarget(next)?;
+                self.state = HybridState::JointMove(point + 1);
+            }
+            None => self.state = HybridState::Waiting,
+        }
+        Ok(())
+    }
+
+    /// The joints at a state of motion along the path.
+    fn on_path_at(&self, state: MotionState) -> Setpoint<N> {
+        let (path, t) = (self.live.path(), self.cycles as f64 * self.live.period());
+        // The path was followed before, so that the inverse is there; should it fail by rounding, the series from the grid is good.
+        let jet = path.jet(state.p, &self.last.q).unwrap_or_else(|_| self.live.joint_path().near(state.p));
+        jet.setpoint(t, &state, path.pose_path().jet(state.p).pose)
+    }
+}

@@ -1,0 +1,179 @@
+//! The joints along a whole path, on a grid of its parameter.
+
+use arcfeed_kinematics::{Joints, largest_step};
+
+use super::jet::JointJet;
+use super::motion_path::MotionPath;
+use crate::error::PathError;
+
+/// A prediction by Taylor's series may be off by its own step, and by this much in any case (rad), before the joints count as
+/// having jumped to another branch.
+const SAME_BRANCH: f64 = 0.05;
+/// A turning point this near to a grid point (in parts of the interval) takes its place.
+const NEAR: f64 = 0.25;
+
+/// Joint values and derivatives at every point of a grid, on one branch of the inverse.
+#[derive(Debug, Clone)]
+pub struct JointPath<const N: usize = 6> {
+    /// Values after each grid point.
+    after: Vec<JointJet<N>>,
+    /// Values before it: they differ at the path's knots, where derivatives jump.
+    before: Vec<JointJet<N>>,
+}
+
+impl<const N: usize> JointPath<N> {
+    /// Follows `path` over the increasing values `grid` of its parameter. At its knots and at the end derivatives are taken from
+    /// both sides.
+    ///
+    /// # Errors
+    /// [`PathError::Arm`] or [`PathError::BranchChange`] with the place.
+    pub fn follow(path: &dyn MotionPath<N>, grid: &[f64]) -> Result<Self, PathError> {
+        Self::follow_from(path, &path.start(), grid)
+    }
+
+    /// The same from the joint values nearest to `start` at the first grid point, which may lie inside the path.
+    pub(crate) fn follow_from(path: &dyn MotionPath<N>, start: &Joints<N>, grid: &[f64]) -> Result<Self, PathError> {
+        let (mut after, mut before) = (Vec::with_capacity(grid.len()), Vec::with_capacity(grid.len()));
+        let mut last: Option<JointJet<N>> = None;
+        let (knots, end) = (path.knots(), path.length());
+        let mut knot = 0;
+        for &s in grid {
+            // The Taylor series from the grid point before tells where to look, and how far off a jump would be.
+            let near = last.map_or(*start, |jet: JointJet<N>| jet.ahead(s - jet.s));
+            let jet = path.jet(s, &near)?;
+            if let Some(last) = last {
+                check_step(path, &jet, &near, SAME_BRANCH + (near - last.q).amax())?;
+            }
+            while knot < knots.len() && knots[knot] < s {
+                knot += 1;
+            }
+            let jumps = knots.get(knot) == Some(&s) || s == end;
+            before.push(if jumps { path.jet_before(&jet)? } else { jet });
+            after.push(jet);
+            last = Some(jet);
+        }
+        Ok(Self { after, before })
+    }
+
+    /// Grid points, with the derivatives after each.
+    pub fn nodes(&self) -> &[JointJet<N>] {
+        &self.after
+    }
+
+    /// Values of the parameter at the grid points.
+    pub fn grid(&self) -> impl ExactSizeIterator<Item = f64> + '_ {
+        self.after.iter().map(|jet| jet.s)
+    }
+
+    /// Number of intervals between grid points.
+    pub fn intervals(&self) -> usize {
+        self.after.len().saturating_sub(1)
+    }
+
+    /// The two ends of interval `i`, each with the derivatives inside the interval.
+    pub fn interval(&self, i: usize) -> (&JointJet<N>, &JointJet<N>) {
+        (&self.after[i], &self.before[i + 1])
+    }
+
+    /// Both one-sided values at grid point `i`: before it, after it.
+    pub fn sides(&self, i: usize) -> (&JointJet<N>, &JointJet<N>) {
+        (&self.before[i], &self.after[i])
+    }
+
+    /// Joint values and derivatives near `s`, by the Taylor series from the grid point before.
+    pub fn near(&self, s: f64) -> JointJet<N> {
+        let i = self.after.partition_point(|jet| jet.s <= s).saturating_sub(1);
+        self.after[i].shifted(s - self.after[i].s)
+    }
+
+    /// Puts a grid point at every place where a joint turns back, so that inside the intervals the friction of each joint has one
+    /// direction. A grid point that is no knot and near enough gives way.
+    pub(crate) fn insert_turning_points(&mut self, path: &dyn MotionPath<N>) -> Result<(), PathError> {
+        let mut turns = Vec::new();
+        for i in 0..self.intervals() {
+            let (from, to) = self.interval(i);
+            for joint in (0..N).filter(|&j| from.d1[j] * to.d1[j] < 0.0) {
+                turns.push(turning_point(path, from, to, joint)?);
+            }
+        }
+        turns.sort_by(|a, b| a.s.total_cmp(&b.s));
+        let mut taken: Vec<f64> = Vec::with_capacity(turns.len());
+        for at in turns {
+            let i = self.after.partition_point(|jet| jet.s <= at.s).clamp(1, self.after.len() - 1);
+            let (s0, s1) = (self.after[i - 1].s, self.after[i].s);
+            let closest = if at.s - s0 <= s1 - at.s { i - 1 } else { i };
+            let distance = (at.s - self.after[closest].s).abs();
+            let movable = closest > 0
+                && closest + 1 < self.after.len()
+                && !path.knots().contains(&self.after[closest].s)
+                && !taken.contains(&self.after[closest].s);
+            if distance < 1e-9 * (s1 - s0) {
+                // It stands on the point already.
+                self.rest_at(closest, &at);
+            } else if distance < NEAR * (s1 - s0) && movable {
+                (self.after[closest], self.before[closest]) = (at, at);
+            } else {
+                self.after.insert(i, at);
+                self.before.insert(i, at);
+            }
+            taken.push(at.s);
+        }
+        Ok(())
+    }
+
+    /// The joints that turn back at `at` stand still at grid point `i`.
+    fn rest_at(&mut self, i: usize, at: &JointJet<N>) {
+        for joint in (0..N).filter(|&j| at.d1[j] == 0.0) {
+            (self.after[i].d1[joint], self.before[i].d1[joint]) = (0.0, 0.0);
+        }
+    }
+}
+
+/// Where `joint` turns back between two places, by Newton's method kept inside a shrinking bracket.
+fn turning_point<const N: usize>(
+    path: &dyn MotionPath<N>,
+    from: &JointJet<N>,
+    to: &JointJet<N>,
+    joint: usize,
+) -> Result<JointJet<N>, PathError> {
+    let (mut low, mut high) = (from.s, to.s);
+    let share = from.d1[joint] / (from.d1[joint] - to.d1[joint]);
+    let mut s = low + share * (high - low);
+    let mut jet = *from;
+    for _ in 0..60 {
+        jet = path.jet(s, &jet.ahead(s - jet.s))?;
+        let rate = jet.d1[joint];
+        if rate == 0.0 || high - low <= 1e-14 * high {
+            break;
+        }
+        if (rate > 0.0) == (from.d1[joint] > 0.0) {
+            low = s
+        } else {
+            high = s
+        }
+        let newton = s - rate / jet.d2[joint];
+        let next = if low < newton && newton < high { newton } else { 0.5 * (low + high) };
+        if (next - s).abs() <= 1e-15 * s.abs() {
+            break;
+        }
+        s = next;
+    }
+    jet.d1[joint] = 0.0;
+    Ok(jet)
+}
+
+/// A step that misses the prediction by more than `allowed` (rad) is a change of branch.
+pub(crate) fn check_step<const N: usize>(
+    path: &dyn MotionPath<N>,
+    jet: &JointJet<N>,
+    predicted: &Joints<N>,
+    allowed: f64,
+) -> Result<(), PathError> {
+    let (joint, jump) = largest_step(&jet.q, predicted);
+    // Not `jump > allowed`: a NaN has to show.
+    if jump <= allowed {
+        return Ok(());
+    }
+    let predicted = predicted.iter().copied().collect();
+    Err(PathError::BranchChange { place: path.place(jet.s), joint, jump, predicted })
+}

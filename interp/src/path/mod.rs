@@ -1,0 +1,19 @@
+//! Paths of the joints by one parameter: what a motion follows.
+
+mod configuration;
+mod follow;
+mod inverse;
+mod jet;
+mod joint_spline;
+mod locked;
+mod motion_path;
+mod pose_move;
+mod tool_path;
+
+pub use follow::JointPath;
+pub use jet::JointJet;
+pub use joint_spline::JointSpline;
+pub use locked::LockedArm;
+pub use motion_path::MotionPath;
+pub use pose_move::PoseMove;
+pub use tool_path::ToolPath;

@@ -1,0 +1,69 @@
+//! What a planner needs to know of a path.
+
+use arcfeed_geometry::{PoseJet, PosePath};
+use arcfeed_kinematics::Joints;
+
+use super::jet::JointJet;
+use crate::place::{PathParameter, PathPlace};
+use crate::error::PathError;
+
+/// A path of the joints by one parameter `s`, from 0 to [`MotionPath::length`].
+///
+/// [`ToolPath`](crate::ToolPath) follows a curve of the tool through the inverse kinematics, [`PoseMove`](crate::PoseMove) a motion
+/// between two poses, [`JointSpline`](crate::JointSpline) runs through joint way-points. A path of another kind is a type that
+/// implements this trait: four methods are enough.
+pub trait MotionPath<const N: usize>: std::fmt::Debug {
+    /// What the parameter measures.
+    fn parameter(&self) -> PathParameter;
+
+    /// Value of the parameter at the end of the path, above 0.
+    fn length(&self) -> f64;
+
+    /// Joint values at the start, rad.
+    fn start(&self) -> Joints<N>;
+
+    /// Joint values and derivatives at `s`, near the joint values `near`; where derivatives jump, those after the place.
+    ///
+    /// # Errors
+    /// [`PathError::Arm`] where the arm cannot stand.
+    fn jet(&self, s: f64, near: &Joints<N>) -> Result<JointJet<N>, PathError>;
+
+    /// The same just before the place of `after`; it differs at knots alone.
+    ///
+    /// # Errors
+    /// As [`MotionPath::jet`].
+    fn jet_before(&self, after: &JointJet<N>) -> Result<JointJet<N>, PathError> {
+        Ok(*after)
+    }
+
+    /// Where derivatives may jump, inside the path, increasing.
+    fn knots(&self) -> &[f64] {
+        &[]
+    }
+
+    /// Where the motion has to stop because its direction jumps, inside the path, increasing.
+    fn corners(&self) -> &[f64] {
+        &[]
+    }
+
+    /// The pose of the tool with its derivatives by the parameter, where the path prescribes one.
+    fn tool(&self, _s: f64) -> Option<PoseJet> {
+        None
+    }
+
+    /// The curve of the tool, where the path is one: its chords can be bounded and parts of it can have a feed of their own.
+    fn tool_curve(&self) -> Option<&PosePath> {
+        None
+    }
+
+    /// By how much rounding may have moved each joint of a setpoint at `q`, rad.
+    fn rounding(&self, q: &Joints<N>) -> Joints<N> {
+        q.map(|value| 16.0 * f64::EPSILON * value.abs())
+    }
+
+    /// The place at `s`, for messages.
+    fn place(&self, s: f64) -> PathPlace {
+        let tool = self.tool(s).map(|jet| jet.pose.translation.vector.into());
+        PathPlace { s, parameter: self.parameter(), tool }
+    }
+}

@@ -1,0 +1,149 @@
+//! A curve of the tool as the joints of an arm follow it.
+
+use arcfeed_geometry::{PoseJet, PosePath};
+use arcfeed_kinematics::{AnalyticInverse, JointRange, Joints, KinematicsError};
+
+use super::configuration::select_configuration;
+use super::inverse;
+use super::jet::JointJet;
+use super::motion_path::MotionPath;
+use crate::place::PathParameter;
+use crate::arm::PathArm;
+use crate::error::PathError;
+
+/// Directions that turn by less than this at a knot (rad) count as smooth.
+const CORNER: f64 = 1e-6;
+
+/// A [`PosePath`] that an arm follows on one branch of its inverse; the parameter is the arc length, m.
+///
+/// ```
+/// use arcfeed_geometry::{ArcLengthCurve, NurbsCurve, OrientationPath, PosePath};
+/// use arcfeed_interp::{MotionPath, ToolPath};
+/// use arcfeed_kinematics::models;
+/// use nalgebra::{UnitQuaternion, Vector3};
+///
+/// let arm = models::ur5e();
+/// let line = NurbsCurve::line(Vector3::new(0.4, -0.1, 0.2), Vector3::new(0.4, 0.1, 0.3))?;
+/// let down = OrientationPath::Constant(UnitQuaternion::from_euler_angles(std::f64::consts::PI, 0.0, 0.0));
+/// let path = ToolPath::new(&arm, PosePath::new(ArcLengthCurve::new(line, 1e-15)?, down), arm.range())?;
+/// assert!((path.length() - 0.05_f64.sqrt()).abs() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone)]
+pub struct ToolPath<'a, const N: usize = 6> {
+    arm: &'a dyn PathArm<N>,
+    path: PosePath,
+    start: Joints<N>,
+    knots: Vec<f64>,
+    corners: Vec<f64>,
+}
+
+impl<const N: usize> std::fmt::Debug for ToolPath<'_, N> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("ToolPath").field("length", &self.length()).field("start", &self.start).finish_non_exhaustive()
+    }
+}
+
+impl<'a, const N: usize> ToolPath<'a, N> {
+    /// The path from that of all configurations at its start which stays farthest from singular poses and from the ends of
+    /// `range`.
+    ///
+    /// # Errors
+    /// [`PathError::Arm`] when the start is out of reach, [`PathError::NoConfiguration`] when no branch gets to the end.
+    pub fn new<A>(arm: &'a A, path: PosePath, range: &JointRange<N>) -> Result<Self, PathError>
+    where
+        A: PathArm<N> + AnalyticInverse<N>,
+    {
+        Self::judged(arm, path, range).map(|(_, path)| path)
+    }
+
+    /// The same with the quality of the configuration: the more, the better.
+    pub(super) fn judged<A>(arm: &'a A, path: PosePath, range: &JointRange<N>) -> Result<(f64, Self), PathError>
+    where
+        A: PathArm<N> + AnalyticInverse<N>,
+    {
+        let bare = Self::bare(arm, path);
+        let candidates = arm.inverse_all(&bare.pose(0.0)).map_err(bare.refused(0.0))?;
+        let (quality, start) = select_configuration(&bare, arm, candidates.iter(), range)?;
+        Ok((quality, Self { start, ..bare }))
+    }
+
+    /// The path from that configuration at its start which is nearest to `near` (rad).
+    ///
+    /// # Errors
+    /// [`PathError::Arm`] when the arm cannot stand there.
+    pub fn starting_near<A: PathArm<N>>(arm: &'a A, path: PosePath, near: &Joints<N>) -> Result<Self, PathError> {
+        let bare = Self::bare(arm, path);
+        let start = arm.inverse(&bare.pose(0.0), near).map_err(bare.refused(0.0))?;
+        Ok(Self { start, ..bare })
+    }
+
+    /// Without a configuration yet.
+    fn bare<A: PathArm<N>>(arm: &'a A, path: PosePath) -> Self {
+        let mut knots = path.knots();
+        let length = path.length();
+        knots.retain(|&s| s > 0.0 && s < length);
+        let corners = path.corners(CORNER).iter().map(|corner| corner.s).filter(|s| *s > 0.0 && *s < length).collect();
+        Self { arm, path, start: Joints::zeros(), knots, corners }
+    }
+
+    /// The curve of the tool with its orientation.
+    pub fn pose_path(&self) -> &PosePath {
+        &self.path
+    }
+
+    /// The arm.
+    pub fn arm(&self) -> &'a dyn PathArm<N> {
+        self.arm
+    }
+
+    fn pose(&self, s: f64) -> nalgebra::Isometry3<f64> {
+        self.path.jet(s).pose
+    }
+
+    fn refused(&self, s: f64) -> impl Fn(KinematicsError) -> PathError + '_ {
+        move |source| PathError::Arm { place: self.place(s), source }
+    }
+}
+
+impl<const N: usize> MotionPath<N> for ToolPath<'_, N> {
+    fn parameter(&self) -> PathParameter {
+        PathParameter::ArcLength
+    }
+
+    fn length(&self) -> f64 {
+        self.path.length()
+    }
+
+    fn start(&self) -> Joints<N> {
+        self.start
+    }
+
+    fn jet(&self, s: f64, near: &Joints<N>) -> Result<JointJet<N>, PathError> {
+        inverse::jet_near(self.arm, s, &self.path.jet(s), near).map_err(self.refused(s))
+    }
+
+    fn jet_before(&self, after: &JointJet<N>) -> Result<JointJet<N>, PathError> {
+        inverse::jet_at(self.arm, after.s, &self.path.jet_left(after.s), after.q).map_err(self.refused(after.s))
+    }
+
+    fn knots(&self) -> &[f64] {
+        &self.knots
+    }
+
+    fn corners(&self) -> &[f64] {
+        &self.corners
+    }
+
+    fn tool(&self, s: f64) -> Option<PoseJet> {
+        Some(self.path.jet(s))
+    }
+
+    fn tool_curve(&self) -> Option<&PosePath> {
+        Some(&self.path)
+    }
+
+    fn rounding(&self, q: &Joints<N>) -> Joints<N> {
+        inverse::rounding(self.arm, self.length(), q)
+    }
+}

@@ -1,0 +1,54 @@
+//! How much of each limit a plan may use.
+
+use arcfeed_feedrate::{Quantity, RowSource};
+use arcfeed_kinematics::Joints;
+
+/// The fractions of the limits that a plan may use: 1, or less for those that the verification found exceeded between the points of
+/// the grid.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct LimitFractions {
+    lowered: Vec<(RowSource, f64)>,
+    /// Of every limit, beside what is lowered.
+    all: Option<f64>,
+}
+
+impl LimitFractions {
+    /// The fraction `used` of every limit.
+    pub fn uniform(used: f64) -> Self {
+        Self { lowered: Vec::new(), all: Some(used) }
+    }
+
+    /// The fraction of one limit.
+    pub fn of(&self, limit: RowSource) -> f64 {
+        let own = self.lowered.iter().find(|(known, _)| *known == limit).map_or(1.0, |(_, fraction)| *fraction);
+        own * self.all.unwrap_or(1.0)
+    }
+
+    /// The fraction of a limit of the tool.
+    pub fn tool(&self, quantity: Quantity) -> f64 {
+        self.of(RowSource::path(quantity))
+    }
+
+    /// The fractions of the limits of all joints.
+    pub fn joints<const N: usize>(&self, quantity: Quantity) -> Joints<N> {
+        Joints::from_fn(|j, _| self.of(RowSource::joint(quantity, j)))
+    }
+
+    /// Lowers one limit by `factor` more.
+    pub fn lower(&mut self, limit: RowSource, factor: f64) {
+        match self.lowered.iter_mut().find(|(known, _)| *known == limit) {
+            Some((_, fraction)) => *fraction *= factor,
+            None => self.lowered.push((limit, factor)),
+        }
+    }
+
+    /// Lowers all limits by `factor` more.
+    pub fn lower_all(&mut self, factor: f64) {
+        self.all = Some(self.all.unwrap_or(1.0) * factor);
+    }
+
+    /// The limits that are lowered, with their fractions.
+    pub fn lowered(&self) -> &[(RowSource, f64)] {
+        &self.lowered
+    }
+}

@@ -1,0 +1,18 @@
+//! A path with its limits on a grid: what planners of speed take.
+
+mod bounds;
+mod fractions;
+mod grid;
+mod ground;
+mod needs;
+mod path_problem;
+mod settings;
+mod tool_speed;
+mod torque;
+
+pub(crate) use fractions::LimitFractions;
+pub(crate) use ground::Ground;
+pub use needs::RowsNeeded;
+pub(crate) use path_problem::Held;
+pub use path_problem::PathProblem;
+pub(crate) use settings::Settings;

@@ -1,0 +1,27 @@
+//! One moment of a motion, as a controller takes it.
+
+use arcfeed_kinematics::Joints;
+use nalgebra::Isometry3;
+
+/// What the joints do at one moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Setpoint<const N: usize = 6> {
+    /// Time since the start, s.
+    pub t: f64,
+    /// Value of the path's parameter, m or rad.
+    pub s: f64,
+    /// Its derivative by time: the feed rate on a tool path, m/s (rad/s).
+    pub feed: f64,
+    /// Its second derivative by time: the tangential acceleration on a tool path, m/s^2 (rad/s^2).
+    pub acceleration: f64,
+    /// Joint positions, rad.
+    pub q: Joints<N>,
+    /// Joint velocities, rad/s.
+    pub qd: Joints<N>,
+    /// Joint accelerations, rad/s^2.
+    pub qdd: Joints<N>,
+    /// Joint jerks, rad/s^3.
+    pub jerk: Joints<N>,
+    /// Commanded tool pose in base.
+    pub pose: Isometry3<f64>,
+}

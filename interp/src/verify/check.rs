@@ -1,0 +1,103 @@
+//! The result of a verification.
+
+use arcfeed_feedrate::{Quantity, RowSource};
+
+/// The worst place of a motion for one limit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Check {
+    /// Which limit.
+    pub id: RowSource,
+    /// The value there, SI.
+    pub value: f64,
+    /// Its limit, SI.
+    pub limit: f64,
+    /// Value over limit: above 1 the limit is broken.
+    pub ratio: f64,
+    /// Value of the path's parameter there, m or rad.
+    pub s: f64,
+    /// Time, s.
+    pub t: f64,
+}
+
+impl Check {
+    /// What was checked.
+    pub fn quantity(&self) -> Quantity {
+        self.id.quantity
+    }
+
+    /// Which joint, from 0, where it is a joint's limit.
+    pub fn joint(&self) -> Option<usize> {
+        self.id.joint.map(usize::from)
+    }
+}
+
+/// Where one limit binds: uses 99.9 % of its bound or more.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Binding {
+    /// Which limit.
+    pub id: RowSource,
+    /// From where to where, by the path's parameter, increasing.
+    pub intervals: Vec<(f64, f64)>,
+}
+
+impl Binding {
+    /// Length of all its intervals, in units of the parameter.
+    pub fn length(&self) -> f64 {
+        self.intervals.iter().map(|(a, b)| b - a).sum()
+    }
+}
+
+/// For every limit the place where a motion comes closest to it, and where limits bind.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Verification {
+    pub(super) checks: Vec<Check>,
+    pub(super) bindings: Vec<Binding>,
+    pub(super) samples: usize,
+}
+
+impl Verification {
+    /// The worst place for each limit, joint by joint.
+    pub fn checks(&self) -> &[Check] {
+        &self.checks
+    }
+
+    /// The limits that bind somewhere, in the same order.
+    pub fn bindings(&self) -> &[Binding] {
+        &self.bindings
+    }
+
+    /// Where one limit binds; empty where it does not.
+    pub fn binding(&self, id: RowSource) -> &[(f64, f64)] {
+        self.bindings.iter().find(|binding| binding.id == id).map_or(&[], |binding| &binding.intervals)
+    }
+
+    /// The check with the largest ratio.
+    pub fn worst(&self) -> Check {
+        self.checks
+            .iter()
+            .copied()
+            .fold(self.checks[0], |m, c| if c.ratio > m.ratio || c.ratio.is_nan() { c } else { m })
+    }
+
+    /// The check of one limit, where it was looked at.
+    pub fn of(&self, id: RowSource) -> Option<&Check> {
+        self.checks.iter().find(|check| check.id == id)
+    }
+
+    /// The check of one quantity with the largest ratio over all joints, where it was looked at.
+    pub fn worst_of(&self, quantity: Quantity) -> Option<Check> {
+        let of = self.checks.iter().copied().filter(|check| check.quantity() == quantity);
+        of.reduce(|m, c| if c.ratio > m.ratio || c.ratio.is_nan() { c } else { m })
+    }
+
+    /// True where no ratio exceeds `1 + tolerance`.
+    pub fn holds(&self, tolerance: f64) -> bool {
+        // NaN does not hold.
+        self.checks.iter().all(|check| check.ratio <= 1.0 + tolerance)
+    }
+
+    /// Number of setpoints looked at.
+    pub fn samples(&self) -> usize {
+        self.samples
+    }
+}

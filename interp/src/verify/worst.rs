@@ -1,0 +1,61 @@
+//! The worst place of one limit, and where it binds.
+
+use arcfeed_feedrate::RowSource;
+
+use super::check::{Binding, Check};
+use crate::setpoint::Setpoint;
+
+/// A limit binds where it is used to this part at the least.
+const BINDS: f64 = 1.0 - 1e-3;
+
+/// Largest ratio found so far for one limit.
+#[derive(Debug, Clone)]
+pub(super) struct Worst {
+    check: Check,
+    intervals: Vec<(f64, f64)>,
+}
+
+impl Worst {
+    pub fn new(id: RowSource, limit: f64) -> Self {
+        Self { check: Check { id, value: 0.0, limit, ratio: 0.0, s: 0.0, t: 0.0 }, intervals: Vec::new() }
+    }
+
+    pub fn ratio(&self) -> f64 {
+        self.check.ratio
+    }
+
+    pub fn see<const N: usize>(&mut self, value: f64, at: &Setpoint<N>) {
+        self.see_against(value, self.check.limit, at);
+    }
+
+    /// Where the limit is not the same everywhere.
+    pub fn see_against<const N: usize>(&mut self, value: f64, limit: f64, at: &Setpoint<N>) {
+        let ratio = if value == 0.0 { 0.0 } else { value.abs() / limit };
+        // A NaN, once seen, stays.
+        if self.check.ratio.is_nan() {
+            return;
+        }
+        if ratio > self.check.ratio || ratio.is_nan() {
+            self.check = Check { value, limit, ratio, s: at.s, t: at.t, ..self.check };
+        }
+    }
+
+    /// The same, noting where the limit binds; gaps of up to `gap` in the parameter do not count.
+    pub fn see_binding<const N: usize>(&mut self, value: f64, limit: f64, at: &Setpoint<N>, gap: f64) {
+        self.see_against(value, limit, at);
+        if value.abs() >= BINDS * limit {
+            match self.intervals.last_mut() {
+                Some(last) if at.s - last.1 <= gap => last.1 = last.1.max(at.s),
+                _ => self.intervals.push((at.s, at.s)),
+            }
+        }
+    }
+
+    pub fn check(&self) -> Check {
+        self.check
+    }
+
+    pub fn binding(self) -> Option<Binding> {
+        (!self.intervals.is_empty()).then_some(Binding { id: self.check.id, intervals: self.intervals })
+    }
+}
