@@ -59,6 +59,8 @@
 pub use nalgebra;
 
 mod arc_length;
+#[cfg(feature = "fit")]
+mod banded;
 mod basis;
 mod bezier;
 mod chord;
