@@ -55,6 +55,8 @@
 #[cfg(feature = "clarabel")]
 pub mod baseline;
 pub mod caps;
+#[cfg(feature = "clarabel")]
+mod conic_program;
 pub mod constraint;
 pub mod error;
 pub mod jerk_limited;

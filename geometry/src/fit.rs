@@ -1,10 +1,8 @@
 //! Curves through points, or near them within a tolerance.
 
-use faer::Mat;
-use faer::linalg::solvers::Solve;
-use faer::sparse::{SparseColMat, Triplet};
 use nalgebra::SVector;
 
+use crate::banded::Banded;
 use crate::basis::basis_functions;
 use crate::chord::check_positive;
 use crate::curve::Curve;
@@ -49,8 +47,8 @@ impl<const D: usize> NurbsCurve<D> {
     /// First and last point may coincide; the curve then closes there, without being made smooth at the seam.
     ///
     /// # Errors
-    /// When there are fewer than degree + 1 points, the degree is 0 or above 15, two consecutive points coincide, or a
-    /// coordinate is not finite.
+    /// When there are fewer than degree + 1 points, the degree is 0 or above 15, two consecutive points coincide, a
+    /// coordinate is not finite, or the points are spread so unevenly that the equations are singular to rounding.
     pub fn interpolate(points: &[SVector<f64, D>], degree: usize, spacing: Spacing) -> Result<Fit<D>, GeometryError> {
         check_input(points, degree, degree.saturating_add(1))?;
         interpolate(points, degree, spaced(points, spacing)?)
@@ -150,16 +148,20 @@ fn interpolate<const D: usize>(
     let interior: Vec<f64> =
         (1..n - degree).map(|j| parameters[j..j + degree].iter().sum::<f64>() / degree as f64).collect();
     let knots = clamped(degree, &interior)?;
-    let mut entries = Vec::with_capacity(n * (degree + 1));
+    // With averaged knots the basis function of every point is not 0 there (Schoenberg and Whitney), so that no entry is
+    // farther than the degree from the diagonal.
+    let mut matrix = Banded::zeros(n, degree, degree);
     let mut values = Vec::new();
     for (row, &u) in parameters.iter().enumerate() {
         let first = basis_functions(&knots, u, &mut values);
-        entries.extend(values.iter().enumerate().map(|(j, &v)| Triplet::new(row, first + j, v)));
+        if !(first..=first + degree).contains(&row) {
+            return Err(SINGULAR);
+        }
+        for (j, &v) in values.iter().enumerate() {
+            matrix.add(row, first + j, v);
+        }
     }
-    let matrix = sparse(n, &entries)?;
-    let lu = matrix.sp_lu().map_err(|_| SINGULAR)?;
-    let solution = lu.solve(Mat::from_fn(n, D, |i, l| points[i][l]));
-    let mut control = read_points(&solution, n)?;
+    let mut control = solved(matrix, points.to_vec())?;
     // The ends are known exactly.
     (control[0], control[n - 1]) = (points[0], points[n - 1]);
     let curve = NurbsCurve::bspline(degree, control, knots.as_slice().to_vec())?;
@@ -180,9 +182,8 @@ fn least_squares<const D: usize>(
     control[n - 1] = end;
     let unknowns = n - 2;
     if unknowns > 0 {
-        // Row i of the lower band holds the entries (i, i - p) to (i, i).
-        let mut band = vec![0.0; unknowns * (p + 1)];
-        let mut rhs: Mat<f64> = Mat::zeros(unknowns, D);
+        let mut matrix = Banded::zeros(unknowns, p, p);
+        let mut right = vec![SVector::zeros(); unknowns];
         let mut values = Vec::new();
         for (point, &u) in points.iter().zip(parameters).skip(1).take(m - 2) {
             let first = basis_functions(&knots, u, &mut values);
@@ -199,25 +200,15 @@ fn least_squares<const D: usize>(
                 if i == 0 || i == n - 1 {
                     continue;
                 }
-                for l in 0..D {
-                    rhs[(i - 1, l)] += v * rest[l];
-                }
-                for (k, &w) in values[..=j].iter().enumerate() {
-                    if first + k > 0 {
-                        band[(i - 1) * (p + 1) + p - (j - k)] += v * w;
+                right[i - 1] += rest * v;
+                for (k, &w) in values.iter().enumerate() {
+                    if first + k > 0 && first + k < n - 1 {
+                        matrix.add(i - 1, first + k - 1, v * w);
                     }
                 }
             }
         }
-        let mut entries = Vec::with_capacity(band.len());
-        for i in 0..unknowns {
-            for back in 0..=p.min(i) {
-                entries.push(Triplet::new(i, i - back, band[i * (p + 1) + p - back]));
-            }
-        }
-        let cholesky = sparse(unknowns, &entries)?.sp_cholesky(faer::Side::Lower).map_err(|_| SINGULAR)?;
-        let solution = cholesky.solve(&rhs);
-        control[1..n - 1].copy_from_slice(&read_points(&solution, unknowns)?);
+        control[1..n - 1].copy_from_slice(&solved(matrix, right)?);
     }
     NurbsCurve::bspline(p, control, knots.as_slice().to_vec())
 }
@@ -225,13 +216,9 @@ fn least_squares<const D: usize>(
 const SINGULAR: GeometryError =
     GeometryError::SingularFit { reason: "the points leave a control point undetermined; lower the degree" };
 
-fn sparse(n: usize, entries: &[Triplet<usize, usize, f64>]) -> Result<SparseColMat<usize, f64>, GeometryError> {
-    SparseColMat::try_new_from_triplets(n, n, entries).map_err(|_| SINGULAR)
-}
-
-fn read_points<const D: usize>(solution: &Mat<f64>, n: usize) -> Result<Vec<SVector<f64, D>>, GeometryError> {
-    let points: Vec<SVector<f64, D>> = (0..n).map(|i| SVector::from_fn(|l, _| solution[(i, l)])).collect();
-    if points.iter().all(|p| p.iter().all(|x| x.is_finite())) { Ok(points) } else { Err(SINGULAR) }
+fn solved<const D: usize>(matrix: Banded, right: Vec<SVector<f64, D>>) -> Result<Vec<SVector<f64, D>>, GeometryError> {
+    let solution = matrix.solve(right).ok_or(SINGULAR)?;
+    if solution.iter().all(|p| p.iter().all(|x| x.is_finite())) { Ok(solution) } else { Err(SINGULAR) }
 }
 
 /// True where every basis function has a data point of its own (Schoenberg and Whitney), so that the least-squares fit is

@@ -59,11 +59,12 @@
 pub use nalgebra;
 
 mod arc_length;
+#[cfg(feature = "fit")]
+mod banded;
 mod basis;
 mod bezier;
 mod chord;
 mod curve;
-mod decompose;
 mod error;
 #[cfg(feature = "fit")]
 mod fit;
@@ -71,11 +72,13 @@ mod knots;
 mod nurbs;
 mod nurbs_edit;
 mod orientation;
+mod pieces;
 mod pose_motion;
 mod pose_path;
 mod quadrature;
 mod segmentation;
 mod shapes;
+mod span;
 mod spline;
 
 pub use arc_length::{ArcLengthCurve, Corner};

@@ -1,12 +1,13 @@
-//! Editing a curve without moving it: knot insertion, splitting, degree elevation; and moving it as a whole.
+//! Other forms of the same curve: knot insertion, splitting, degree elevation, Bezier pieces; and moving it as a whole.
 
 use nalgebra::{Isometry3, SVector};
 
-use crate::bezier::{Homogeneous, lerp, project};
+use crate::bezier::{Homogeneous, RationalBezier, lerp, project};
 use crate::chord::check_positive;
 use crate::curve::Curve;
 use crate::error::GeometryError;
 use crate::nurbs::NurbsCurve;
+use crate::span::bezier_points;
 
 impl<const D: usize> NurbsCurve<D> {
     /// The same curve with the knot `u` inserted `times` times (Boehm's algorithm; Liu et al. 2023, eqs. 4-7). A value
@@ -145,6 +146,22 @@ impl<const D: usize> NurbsCurve<D> {
             points.push(sum.map(|x| x / (p + 1) as f64));
         }
         self.rebuilt(p + 1, &points, knots)
+    }
+
+    /// The rational Bezier pieces of the curve, one per non-empty knot span, in order.
+    ///
+    /// Each piece knows its interval `[m, n]` of the curve's parameter. The control points come from the polar form
+    /// (blossom) of the span, which equals inserting every knot to full multiplicity (Boehm; Liu et al. 2023,
+    /// eqs. 4-7) and works for clamped and unclamped vectors alike. The curve does not move.
+    pub fn decompose(&self) -> Vec<RationalBezier<D>> {
+        self.knots()
+            .spans()
+            .map(|k| {
+                let t = self.knots().as_slice();
+                let interval = (t[k], t[k + 1]);
+                RationalBezier::from_homogeneous(interval, bezier_points(t, self.homogeneous(), self.degree(), k))
+            })
+            .collect()
     }
 
     /// The curve with all coordinates multiplied by `factor`; 0.001 turns millimetres into metres.

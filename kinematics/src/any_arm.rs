@@ -7,7 +7,8 @@ use crate::{
     error::{KinematicsError, Part},
     joint::Joints,
     singular_pose::{SingularPose, weakest_motion},
-    singularity::{SingularityDistances, SingularityKind, condition_number, manipulability, smallest_singular_value},
+    singularity::{SingularityDistances, condition_number, manipulability, smallest_singular_value},
+    singularity_kind::SingularityKind,
     traits::{AnalyticInverse, ForwardKinematics, InverseKinematics},
 };
 use nalgebra::Isometry3;
@@ -68,7 +69,7 @@ impl AnyArm {
     /// The greatest number of joints.
     pub const MAX_JOINTS: usize = 10;
 
-    pub(crate) fn new(description: &ArmDescription) -> Result<Self, KinematicsError> {
+    fn new(description: &ArmDescription) -> Result<Self, KinematicsError> {
         let arm: Box<dyn Erased> = match description.joints.len() {
             1 => Box::new(description.build::<1>()?),
             2 => Box::new(description.build::<2>()?),
@@ -190,6 +191,16 @@ impl AnyArm {
     pub fn torque(&self, q: &[f64], qd: &[f64], qdd: &[f64]) -> Result<Vec<f64>, KinematicsError> {
         [q, qd, qdd].into_iter().try_for_each(|values| self.check(values))?;
         self.arm.torque(q, qd, qdd)
+    }
+}
+
+impl ArmDescription {
+    /// The arm, whatever its number of joints.
+    ///
+    /// # Errors
+    /// [`KinematicsError::JointCount`] for none or more than [`AnyArm::MAX_JOINTS`]; as [`ArmDescription::build`].
+    pub fn build_any(&self) -> Result<AnyArm, KinematicsError> {
+        AnyArm::new(self)
     }
 }
 

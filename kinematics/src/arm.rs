@@ -11,7 +11,8 @@ use crate::{
     joint::{JointLimits, JointRange, Joints, check_finite},
     numeric::{NumericArm, NumericSettings, size},
     singular_pose::{Search, SingularPose},
-    singularity::{SingularityDistances, SingularityKind},
+    singularity::SingularityDistances,
+    singularity_kind::SingularityKind,
     traits::{AnalyticInverse, ForwardKinematics, InverseKinematics, PoseResidual},
 };
 use nalgebra::Isometry3;

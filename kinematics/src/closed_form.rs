@@ -8,7 +8,8 @@ use crate::{
     jacobian::{Configuration, Target},
     joint::{JointRange, Joints, check_finite},
     lu::Lu6,
-    singularity::{SingularityDistances, SingularityKind},
+    singularity::SingularityDistances,
+    singularity_kind::SingularityKind,
     traits::{AnalyticInverse, ForwardKinematics, InverseKinematics, PoseResidual},
 };
 use nalgebra::Isometry3;

@@ -1,7 +1,6 @@
 //! An arm as files describe it: any number of joints, with names, and with gaps.
 
 use crate::{
-    any_arm::AnyArm,
     arm::{Arm, DriveLimits},
     chain::Chain,
     dynamics::{ArmDynamics, Friction, Inertial},
@@ -124,14 +123,6 @@ impl ArmDescription {
         let friction = Friction::new(friction(0), friction(1), friction(2)).map_err(named)?;
         let dynamics = ArmDynamics::new(&chain, bodies)?.with_rotor_inertia(rotor).map_err(named)?;
         Ok(arm.with_dynamics(dynamics.with_friction(friction)))
-    }
-
-    /// The arm, whatever its number of joints.
-    ///
-    /// # Errors
-    /// [`KinematicsError::JointCount`] for none or more than [`AnyArm::MAX_JOINTS`]; as [`ArmDescription::build`].
-    pub fn build_any(&self) -> Result<AnyArm, KinematicsError> {
-        AnyArm::new(self)
     }
 }
 

@@ -1,6 +1,6 @@
 //! The errors of this crate.
 
-use crate::singularity::SingularityKind;
+use crate::singularity_kind::SingularityKind;
 
 /// On which side of its reach an arm misses a target.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

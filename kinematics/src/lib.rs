@@ -65,6 +65,7 @@ mod normalised;
 mod numeric;
 mod singular_pose;
 mod singularity;
+mod singularity_kind;
 mod traits;
 mod trig;
 #[cfg(feature = "urdf")]
@@ -91,6 +92,7 @@ pub use joint::{Joint, JointKind, JointLimits, JointRange, Joints};
 pub use numeric::{NullSpace, NumericArm, NumericSettings, NumericSolution};
 pub use singular_pose::{SingularPose, WeakestMotion, weakest_motion};
 pub use singularity::{
-    SingularityDistances, SingularityKind, condition_number, manipulability, singular_values, smallest_singular_value,
+    SingularityDistances, condition_number, manipulability, singular_values, smallest_singular_value,
 };
+pub use singularity_kind::SingularityKind;
 pub use traits::{AnalyticInverse, ForwardKinematics, InverseKinematics, PoseResidual};

@@ -11,7 +11,8 @@ use crate::{
     jacobian::{Configuration, Jacobian, Twist},
     joint::{JointKind, JointRange, Joints},
     lu::solve_positive,
-    singularity::{SingularityKind, dot, orthogonalise},
+    singularity::{dot, orthogonalise},
+    singularity_kind::SingularityKind,
     traits::ForwardKinematics,
 };
 use nalgebra::Vector3;

@@ -5,7 +5,7 @@ use crate::{
     error::KinematicsError,
     jacobian::{Configuration, Jacobian, Twist},
     joint::Joints,
-    singularity::SingularityKind,
+    singularity_kind::SingularityKind,
 };
 use nalgebra::Isometry3;
 

@@ -12,11 +12,7 @@ pub struct Sampler<'a, const N: usize> {
     windows: [Window; N],
 }
 
-impl<'a, const N: usize> Sampler<'a, N> {
-    pub(crate) fn new(motion: &'a Trajectory<N>) -> Self {
-        Self { motion, windows: [Window::default(); N] }
-    }
-
+impl<const N: usize> Sampler<'_, N> {
     /// As [`Trajectory::at`].
     #[inline]
     pub fn at(&mut self, t: f64) -> JointState<N> {
@@ -26,6 +22,13 @@ impl<'a, const N: usize> Sampler<'a, N> {
             (state.q[k], state.qd[k], state.qdd[k], state.qddd[k]) = (p, v, a, j);
         }
         state
+    }
+}
+
+impl<const N: usize> Trajectory<N> {
+    /// Samples in a few ns as long as no axis passes on to its next phase.
+    pub fn sampler(&self) -> Sampler<'_, N> {
+        Sampler { motion: self, windows: [Window::default(); N] }
     }
 }
 

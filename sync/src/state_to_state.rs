@@ -5,7 +5,6 @@ use arcfeed_feedrate::{AxisLimits, AxisProblem, AxisState, MotionLaw, StateToSta
 use crate::error::SyncError;
 use crate::mode::{MotionOptions, Synchronisation};
 use crate::point_to_point::JointState;
-use crate::sampler::Sampler;
 use crate::straight::Line;
 
 /// The shortest common motion of `N` axes, each from a state to a state within its own limits.
@@ -188,11 +187,6 @@ impl<const N: usize> Trajectory<N> {
             (state.q[k], state.qd[k], state.qdd[k], state.qddd[k]) = (s.p, s.v, s.a, s.j);
         }
         state
-    }
-
-    /// Samples in a few ns as long as no axis passes on to its next phase.
-    pub fn sampler(&self) -> Sampler<'_, N> {
-        Sampler::new(self)
     }
 }
 

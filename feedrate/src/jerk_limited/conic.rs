@@ -6,8 +6,7 @@
 use super::spline::{End, Knots, Values};
 use super::stretch::Stretch;
 use super::{Part, Prepared, Solution, assemble, prepare, start};
-use crate::baseline::program::{Optimum, Program};
-use crate::baseline::straight;
+use crate::conic_program::{Optimum, Program, straight};
 use crate::constraint::Within;
 use crate::error::FeedError;
 use crate::problem::FeedProblem;

@@ -1,4 +1,4 @@
-//! The motion along a live curve, cycle by cycle.
+//! The motion along a live curve: its state, and what may be asked of it.
 
 use super::curve::LiveCurve;
 use super::landing::Landing;
@@ -195,40 +195,6 @@ impl<'a> LiveFeed<'a> {
     /// The override.
     pub fn override_factor(&self) -> f64 {
         self.factor
-    }
-
-    /// Moves on by one cycle.
-    #[inline]
-    pub fn step(&mut self) -> LiveStep {
-        let before = self.a;
-        let status = self.advance();
-        let state = MotionState { p: self.s, v: self.v, a: self.a, j: (self.a - before) / self.period };
-        LiveStep { state, status }
-    }
-
-    fn advance(&mut self) -> LiveStatus {
-        if self.landing.is_none() && self.is_at_rest() {
-            match self.intent {
-                Intent::Back(place) if place < self.s => self.land(place, -1.0),
-                Intent::Back(_) => self.intent = Intent::Hold,
-                _ => {}
-            }
-            if self.intent == Intent::Hold || self.asked() == 0.0 && self.landing.is_none() {
-                return LiveStatus::Holding;
-            }
-            let Some(&stop) = self.curve.stops().get(self.next) else { return LiveStatus::Finished };
-            // So close that it is there within a few cycles: the curve says nothing there.
-            if self.landing.is_none() && stop - self.s < 64.0 * self.curve.jerk() * self.period.powi(3) {
-                self.land(stop, 1.0);
-            }
-        }
-        match self.landing {
-            Some(landing) => self.follow_landing(landing),
-            None => {
-                self.follow_curve();
-                LiveStatus::Moving
-            }
-        }
     }
 
     /// The feed asked for here, 0 where the motion is to stand (m/s).

@@ -40,7 +40,6 @@ impl LiveFeed<'_> {
             self.towards(feed, brake)
         };
         (self.s, self.v, self.a) = self.after(&way, self.period);
-        self.begin_landing();
     }
 
     /// The fastest change to speed `target`.

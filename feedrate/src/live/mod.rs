@@ -15,6 +15,7 @@
 //! a bounded number of operations.
 
 mod curve;
+mod cycle;
 mod feed;
 mod follow;
 mod landing;

@@ -8,7 +8,8 @@
 use super::durations::Gaps;
 use super::family::{Family, Problem};
 use super::outside;
-use super::solve::{OneSided, Shape, start_of_peaked, starts_too_fast};
+use super::shape::Shape;
+use super::solve::{OneSided, start_of_peaked, starts_too_fast};
 
 /// Farthest motions of a frame.
 pub(super) struct Extremals {

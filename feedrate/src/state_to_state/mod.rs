@@ -31,6 +31,7 @@
 mod by_duration;
 mod cruise;
 mod durations;
+mod entry;
 mod error;
 mod extremal;
 mod family;
@@ -39,6 +40,7 @@ mod outside;
 mod problem;
 mod profile;
 mod scale;
+mod shape;
 mod solve;
 mod velocity;
 mod writer;

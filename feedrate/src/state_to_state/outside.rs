@@ -7,7 +7,7 @@
 
 use super::cruise::Changes;
 use super::family::{Peak, Problem};
-use super::solve::Shape;
+use super::shape::Shape;
 
 pub(super) fn solve(p: &Problem) -> Shape {
     let changes = Changes::new(p);

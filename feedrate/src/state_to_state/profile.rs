@@ -1,8 +1,7 @@
 //! The motion itself: phases, sampling, position extrema.
 
 use super::error::StateToStateError;
-use super::limits::{AxisLimits, AxisState};
-use super::problem::AxisProblem;
+use super::limits::AxisState;
 use super::scale::Units;
 use crate::scurve::phases::Phase;
 use crate::state::{MotionLaw, MotionState};
@@ -50,47 +49,6 @@ pub struct PositionRange {
 }
 
 impl StateToState {
-    /// The shortest motion from `start` to `target` within `limits`.
-    ///
-    /// A start may be outside the limits. An acceleration beyond its bound is first taken back with the largest
-    /// jerk; a velocity beyond its bound (or bound to get there) is brought to the bound, or further
-    /// inside, without undershooting it.
-    ///
-    /// # Errors
-    /// [`StateToStateError::NotFinite`] naming the field; [`StateToStateError::TargetOutside`] and
-    /// [`StateToStateError::TargetUnreachable`] if the target breaks a limit or forces to break one right
-    /// before it; [`StateToStateError::OutOfRange`] if the motion has no finite representation.
-    pub fn new(start: &AxisState, target: &AxisState, limits: &AxisLimits) -> Result<Self, StateToStateError> {
-        Ok(AxisProblem::new(start, target, limits)?.shortest())
-    }
-
-    /// As [`StateToState::new`], in place: saves moving the result. An error leaves the motion as it was.
-    ///
-    /// # Errors
-    /// As [`StateToState::new`].
-    pub fn recompute(
-        &mut self,
-        start: &AxisState,
-        target: &AxisState,
-        limits: &AxisLimits,
-    ) -> Result<(), StateToStateError> {
-        AxisProblem::new(start, target, limits)?.write_shortest(self);
-        Ok(())
-    }
-
-    /// A motion that takes exactly `duration` (s): see [`AxisProblem::lasting`].
-    ///
-    /// # Errors
-    /// As [`StateToState::new`] and [`AxisProblem::lasting`].
-    pub fn lasting(
-        start: &AxisState,
-        target: &AxisState,
-        limits: &AxisLimits,
-        duration: f64,
-    ) -> Result<Self, StateToStateError> {
-        AxisProblem::new(start, target, limits)?.lasting(duration)
-    }
-
     /// Out of working units, the target and what follows it excepted.
     pub(super) fn rescale(&mut self, units: Units) {
         for (p, dt) in self.phases[..self.count].iter_mut().zip(&mut self.lasting) {
@@ -130,7 +88,8 @@ impl StateToState {
     }
 
     /// As [`MotionLaw::at`], but beyond the end the motion goes on: the acceleration of the target is brought to zero with the
-    /// largest jerk, and the velocity stays what it is then. [`AxisLimits::check_leaving`] says whether that velocity is within
+    /// largest jerk, and the velocity stays what it is then.
+    /// [`AxisLimits::check_leaving`](super::AxisLimits::check_leaving) says whether that velocity is within
     /// its limits.
     pub fn at_or_after(&self, t: f64) -> MotionState {
         if t <= self.duration || t.is_nan() {

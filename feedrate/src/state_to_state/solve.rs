@@ -13,31 +13,7 @@
 use super::family::{Family, Peak, Peaks, Problem};
 use super::limits::SLACK;
 use super::outside;
-
-/// The phases of a solution, in the frame it was found in.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Shape {
-    pub first: Peak,
-    pub second: Peak,
-    /// Time at the peak velocity.
-    pub cruise: f64,
-    /// Velocity between the two halves, where the acceleration is zero.
-    pub v_peak: f64,
-    /// Whether the two halves are joined by one phase from peak to peak, without stopping at zero acceleration.
-    pub joined: bool,
-    /// Jerk directions of the two halves: `true` is up, hold, down.
-    pub up: (bool, bool),
-    /// Whether a start outside the velocity limits left too little way to settle at the limit: braking harder at first may
-    /// then be shorter.
-    pub squeezed: bool,
-}
-
-impl Shape {
-    pub fn going_up(family: &Family, peaks: Peaks) -> Self {
-        let (first, second) = family.ramps(peaks);
-        Self { first, second, cruise: 0.0, v_peak: 0.0, joined: true, up: (true, false), squeezed: false }
-    }
-}
+use super::shape::Shape;
 
 /// The shortest change of velocity and acceleration, wherever it ends.
 pub(super) struct Direct {

@@ -3,7 +3,7 @@
 use super::family::Problem;
 use super::outside::Brake;
 use super::profile::{PHASES, StateToState};
-use super::solve::Shape;
+use super::shape::{Shape, times};
 use crate::scurve::phases::Phase;
 
 /// Writes phases into a motion; `side` is -1 while the problem is written in the mirrored frame.
@@ -174,29 +174,6 @@ impl<'a> Writer<'a> {
         self.push(t6, p6, v6, a2, 0.0);
         self.push(t7, p7, v7, a2, jerk(!up.1));
     }
-}
-
-/// How long the phases of a shape last, each of them 0 or more.
-#[inline]
-fn times(p: &Problem, shape: &Shape) -> [f64; 7] {
-    let Shape { first, second, cruise, joined, up, .. } = *shape;
-    let inverse = |up: bool| if up { p.j.inv_up } else { -p.j.inv_down };
-    let (a1, a2) = (first.a, second.a);
-    let t1 = ((a1 - p.a0) * inverse(up.0)).max(0.0);
-    let t7 = ((p.af - a2) * inverse(!up.1)).max(0.0);
-    let (t3, t4, t5) = if joined {
-        (((a2 - a1) * inverse(up.1)).max(0.0), 0.0, 0.0)
-    } else {
-        ((-a1 * inverse(!up.0)).max(0.0), cruise.max(0.0), (a2 * inverse(up.1)).max(0.0))
-    };
-    [t1, first.hold.max(0.0), t3, t4, t5, second.hold.max(0.0), t7]
-}
-
-/// The duration of a shape given in the frame of the problem, or in the mirrored one, that begins at `t`: the same sum as of the
-/// phases written.
-pub(super) fn end_of(p: &Problem, shape: &Shape, mirrored: bool, t: f64) -> f64 {
-    let times = if mirrored { times(&p.mirrored(), shape) } else { times(p, shape) };
-    times.into_iter().fold(t, |sum, dt| sum + dt)
 }
 
 /// Walks through the phases of two motions at once.

@@ -1,6 +1,6 @@
 //! Segmentation into C-type pieces: Liu et al. 2023, algorithm 1.
 
-use super::Cutter;
+use super::cutter::Cutter;
 use crate::bezier::Homogeneous;
 use crate::error::GeometryError;
 

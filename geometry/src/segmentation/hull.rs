@@ -1,6 +1,6 @@
 //! Segmentation by the hull bound: Actuators 2024, 13, 108, algorithm 1.
 
-use super::Cutter;
+use super::cutter::Cutter;
 use crate::error::GeometryError;
 
 /// Halves every Bezier piece until its control points lie within the tolerance of the chord.

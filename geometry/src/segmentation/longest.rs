@@ -1,6 +1,6 @@
 //! Segmentation into the fewest pieces: from the start on, each time the longest piece that keeps the tolerance.
 
-use super::{Cutter, step};
+use super::cutter::{Cutter, step};
 use crate::chord::{Deviation, three};
 use crate::curve::Curve;
 use crate::error::GeometryError;

@@ -1,6 +1,6 @@
 //! One search from one place: damped steps until the target is met or nothing is gained any more.
 
-use super::{NullSpace, NumericArm};
+use super::arm::{NullSpace, NumericArm};
 use crate::{
     jacobian::{Configuration, Jacobian, Target, Twist},
     joint::Joints,

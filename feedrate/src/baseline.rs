@@ -17,14 +17,12 @@
 //! is the same quadratic B-spline `x(s)` as in [`crate::jerk_limited`], with the same rows at the same places, jerk in the middle
 //! of the intervals besides.
 
-pub(crate) mod program;
-
+use crate::conic_program::{Program, straight};
 use crate::error::FeedError;
 use crate::jerk_limited::conic;
 use crate::problem::{FeedPlanner, FeedProblem};
 use crate::scan::both_ends::squared_speeds;
 use crate::speed_law::SpeedLaw;
-use program::Program;
 
 /// The optimum by clarabel; hundreds of milliseconds to seconds, needed for comparison only.
 ///
@@ -76,16 +74,6 @@ impl ClarabelBaseline {
         let (plan, accurate) = conic::solve(problem)?;
         Ok(Bounded { plan, accurate: accurate && bounded.accurate, ..bounded })
     }
-}
-
-/// Refuses rows with friction.
-pub(crate) fn straight(problem: &FeedProblem) -> Result<(), FeedError> {
-    for i in 0..=problem.intervals() {
-        if let Some(row) = problem.rows(i).iter().find(|row| row.c != 0.0) {
-            return Err(FeedError::BadRow { index: i, s: problem.grid()[i], row: row.source });
-        }
-    }
-    Ok(())
 }
 
 fn second_order(problem: &FeedProblem) -> Result<Bounded, FeedError> {

@@ -1,29 +1,10 @@
-//! Decomposition of a NURBS curve into pieces: rational Bezier pieces, and powers about a middle.
+//! One knot span as a polynomial: its Bezier points, and its powers about a middle.
 
-use crate::bezier::{Homogeneous, RationalBezier, lerp, restrict, to_centred_powers};
-use crate::nurbs::NurbsCurve;
-
-impl<const D: usize> NurbsCurve<D> {
-    /// The rational Bezier pieces of the curve, one per non-empty knot span, in order.
-    ///
-    /// Each piece knows its interval `[m, n]` of the curve's parameter. The control points come from the polar form
-    /// (blossom) of the span, which equals inserting every knot to full multiplicity (Boehm; Liu et al. 2023,
-    /// eqs. 4-7) and works for clamped and unclamped vectors alike. The curve does not move.
-    pub fn decompose(&self) -> Vec<RationalBezier<D>> {
-        self.knots()
-            .spans()
-            .map(|k| {
-                let t = self.knots().as_slice();
-                let interval = (t[k], t[k + 1]);
-                RationalBezier::from_homogeneous(interval, span_control_points(t, self.homogeneous(), self.degree(), k))
-            })
-            .collect()
-    }
-}
+use crate::bezier::{Homogeneous, lerp, restrict, to_centred_powers};
 
 /// Bezier control points of the span `[t[k], t[k + 1]]`: `b_j = f(a, ..., a, b, ..., b)` with `j` times `b`, each by de
 /// Boor's algorithm with its own argument in every round.
-pub(crate) fn span_control_points(t: &[f64], points: &[Homogeneous], p: usize, k: usize) -> Vec<Homogeneous> {
+pub(crate) fn bezier_points(t: &[f64], points: &[Homogeneous], p: usize, k: usize) -> Vec<Homogeneous> {
     let (a, b) = (t[k], t[k + 1]);
     let mut d = vec![[0.0; 4]; p + 1];
     (0..=p)
@@ -64,7 +45,7 @@ pub(crate) fn part_powers(
         let middle = 0.5 * (from + to);
         return derivative_powers(t, points, (p, k), (middle * width, 0.5 * (to - from) * width), out);
     }
-    let mut part = span_control_points(t, points, p, k);
+    let mut part = bezier_points(t, points, p, k);
     restrict(&mut part, from, to);
     to_centred_powers(&part, out);
 }

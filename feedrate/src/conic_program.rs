@@ -4,6 +4,7 @@ use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
 use crate::error::FeedError;
+use crate::problem::FeedProblem;
 
 /// Rows `terms + slack = bound` with their nonzeros.
 #[derive(Debug, Default)]
@@ -121,4 +122,14 @@ impl Program {
         }
         Ok(Optimum { variables: solution.x, dual: solution.obj_val_dual, accurate })
     }
+}
+
+/// Refuses rows with friction: their set is not convex, so that no cone holds it.
+pub(crate) fn straight(problem: &FeedProblem) -> Result<(), FeedError> {
+    for i in 0..=problem.intervals() {
+        if let Some(row) = problem.rows(i).iter().find(|row| row.c != 0.0) {
+            return Err(FeedError::BadRow { index: i, s: problem.grid()[i], row: row.source });
+        }
+    }
+    Ok(())
 }
