@@ -4,8 +4,8 @@ use arcfeed_feedrate::constraint::{
     Feed, JointAcceleration, JointTorque, JointVelocity, PathDerivatives, SpeedCap, TangentialAcceleration,
 };
 use arcfeed_feedrate::{
-    BothEndsScan, CertifiedReachability, FeedError, FeedPlanner, FeedProblem, MotionLaw, PathEnd, Quantity, Reachability,
-    SpeedLaw,
+    BothEndsScan, CertifiedReachability, FeedError, FeedPlanner, FeedProblem, MotionLaw, PathEnd, Quantity,
+    Reachability, SpeedLaw,
 };
 
 #[path = "common/spline_paths.rs"]

@@ -5,8 +5,8 @@ use arcfeed_feedrate::constraint::{
     TangentialAcceleration, TangentialJerk,
 };
 use arcfeed_feedrate::{
-    BothEndsScan, CertifiedReachability, FeedError, FeedPlanner, FeedProblem, JerkLimited, MotionLaw, PathEnd, PublishedScan,
-    Quantity, Reachability, SpeedLaw,
+    BothEndsScan, CertifiedReachability, FeedError, FeedPlanner, FeedProblem, JerkLimited, MotionLaw, PathEnd,
+    PublishedScan, Quantity, Reachability, SpeedLaw,
 };
 use proptest::prelude::*;
 
@@ -281,9 +281,7 @@ fn end_speeds_out_of_reach_are_named() {
         // From 1.5 to rest takes 1.125 of braking, the path is 1 long; 2.5 is above the feed.
         for (v0, v1, most) in [(1.5, 0.0, 2.0_f64.sqrt()), (0.0, 1.5, 2.0_f64.sqrt()), (2.5, 2.0, 2.0)] {
             let error = planner.plan(&problem(v0, v1)).unwrap_err();
-            let FeedError::SpeedOutOfReach { end, speed, lowest, highest, row, s } = error else {
-                panic!("{error:?}")
-            };
+            let FeedError::SpeedOutOfReach { end, speed, lowest, highest, row, s } = error else { panic!("{error:?}") };
             // Planners that look back from the end can tell only from where it is reached.
             assert_eq!(speed, if end == PathEnd::Start { v0 } else { v1 }, "{error}");
             assert!((0.0..=1.0).contains(&s) && !(lowest..=highest).contains(&speed), "{error}");

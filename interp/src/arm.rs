@@ -14,7 +14,7 @@ pub const MIN_SINGULAR_VALUE: f64 = 1e-3;
 /// Every arm of six joints with [`ForwardKinematics`] and [`InverseKinematics`] is one. An arm with more joints than the
 /// tool has freedoms has to say by a rule of its own which of its many configurations belongs to a pose, and
 /// `derivatives` has to follow the same rule.
-pub trait PathArm<const N: usize>: ForwardKinematics<N> + InverseKinematics<N> {
+pub trait PathArm<const N: usize>: ForwardKinematics<N> + InverseKinematics<N> + Send + Sync {
     /// The joint derivatives at `q` along a tool path with derivatives `tool`.
     ///
     /// # Errors
@@ -23,7 +23,7 @@ pub trait PathArm<const N: usize>: ForwardKinematics<N> + InverseKinematics<N> {
     fn derivatives(&self, q: &Joints<N>, tool: &ToolDerivatives) -> Result<JointDerivatives<N>, KinematicsError>;
 }
 
-impl<A: ForwardKinematics<6> + InverseKinematics<6>> PathArm<6> for A {
+impl<A: ForwardKinematics<6> + InverseKinematics<6> + Send + Sync> PathArm<6> for A {
     #[inline]
     fn derivatives(&self, q: &Joints<6>, tool: &ToolDerivatives) -> Result<JointDerivatives<6>, KinematicsError> {
         joint_derivatives(self, q, tool, MIN_SINGULAR_VALUE)

@@ -67,7 +67,7 @@ pub struct Planner<'a, const N: usize = 6> {
 impl<'a, const N: usize> Planner<'a, N> {
     /// A planner for `arm` under `limits`, from rest to rest, with a chord tolerance of 1 um, a control period of 1 ms, 500 intervals
     /// where no curve of the tool says how many there have to be, and the jerk-limited planner.
-    pub fn new(arm: &'a dyn ForwardKinematics<N>, limits: Limits<'a, N>) -> Self {
+    pub fn new(arm: &'a (dyn ForwardKinematics<N> + Sync), limits: Limits<'a, N>) -> Self {
         let settings = Settings {
             arm,
             limits,
@@ -186,11 +186,7 @@ impl<'a, const N: usize> Planner<'a, N> {
     ///
     /// # Errors
     /// As [`Planner::plan`].
-    pub fn prepare<'p>(
-        &self,
-        path: &'p dyn MotionPath<N>,
-        needs: RowsNeeded,
-    ) -> Result<PathProblem<'p, N>, PlanError>
+    pub fn prepare<'p>(&self, path: &'p dyn MotionPath<N>, needs: RowsNeeded) -> Result<PathProblem<'p, N>, PlanError>
     where
         'a: 'p,
     {
@@ -363,7 +359,9 @@ fn knots(law: &SpeedLaw, period: f64) -> Vec<f64> {
 /// The limits that are exceeded, with the ratios; `None` where one of them is nothing that less of a limit could mend.
 fn lowerable(verification: &Verification, jerk_limited: bool) -> Option<Vec<(RowSource, f64)>> {
     let mut exceeded: Vec<(RowSource, f64)> = Vec::new();
-    for check in verification.checks().iter().filter(|check| !(check.ratio <= 1.0 + 0.5 * TOLERANCE)) {
+    for check in
+        verification.checks().iter().filter(|check| check.ratio > 1.0 + 0.5 * TOLERANCE || check.ratio.is_nan())
+    {
         let id = match check.quantity() {
             Quantity::JointPosition
             | Quantity::PathDeviation
@@ -385,11 +383,7 @@ fn lowerable(verification: &Verification, jerk_limited: bool) -> Option<Vec<(Row
     (!exceeded.is_empty()).then_some(exceeded)
 }
 
-fn unverified<const N: usize>(
-    problem: &PathProblem<'_, N>,
-    verification: &Verification,
-    between: bool,
-) -> PlanError {
+fn unverified<const N: usize>(problem: &PathProblem<'_, N>, verification: &Verification, between: bool) -> PlanError {
     let worst = verification.worst();
     PlanError::Unverified {
         limit: worst.id,

@@ -8,8 +8,8 @@ use arcfeed_geometry::{
     ArcLengthCurve, GeometryError, NurbsCurve, OrientationPath, PosePath, Segmentation, SegmentationMethod, Spacing,
 };
 use arcfeed_interp::{
-    FeedSection, HybridError, LimitError, Limits, LiveError, Method, MotionPath, PathArm, PathError, PlanError, Planner, Setpoint,
-    Setpoints, ToolLimits, ToolPath, Trajectory,
+    FeedSection, HybridError, LimitError, Limits, LiveError, Method, MotionPath, PathArm, PathError, PlanError,
+    Planner, Setpoint, Setpoints, ToolLimits, ToolPath, Trajectory,
 };
 use arcfeed_kinematics::{ArmDynamics, JointLimits, Joints, KinematicsError, ParallelAxisArm};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
@@ -17,9 +17,9 @@ use thiserror::Error;
 
 use crate::error::InputError;
 use crate::job::{Job, ToolOrientation};
+use crate::limit_lines::limit_lines;
 use crate::model::Cr7;
 use crate::path_file::{MOST_CONTROL_POINTS, PathFile};
-use crate::limit_lines::limit_lines;
 use crate::report::{Report, SegmentCount};
 use crate::robot::Robot;
 use crate::samples::TooManySamples;
@@ -532,7 +532,10 @@ pub fn trajectory_row<const N: usize>(setpoint: &Setpoint<N>) -> TrajectoryRow<N
 }
 
 /// Points of each chord segment, dense enough to be drawn as a curve, seen along the workpiece's z axis (m).
-pub fn drawn_segments<const N: usize>(plan: &Trajectory<'_, N>, workpiece: &nalgebra::Isometry3<f64>) -> Vec<Vec<[f64; 2]>> {
+pub fn drawn_segments<const N: usize>(
+    plan: &Trajectory<'_, N>,
+    workpiece: &nalgebra::Isometry3<f64>,
+) -> Vec<Vec<[f64; 2]>> {
     let inverse = workpiece.inverse();
     let Some(path) = plan.path().tool_curve() else { return Vec::new() };
     let curve = path.curve();

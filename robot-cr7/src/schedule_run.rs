@@ -3,7 +3,9 @@
 use std::fmt::{self, Display, Formatter};
 use std::path::PathBuf;
 
-use arcfeed_interp::{JointSpline, Limits, Method, MotionPath, PathParameter, PlanError, Planner, ToolLimits, Trajectory};
+use arcfeed_interp::{
+    JointSpline, Limits, Method, MotionPath, PathParameter, PlanError, Planner, ToolLimits, Trajectory,
+};
 use arcfeed_kinematics::{Arm, ArmDynamics, JointLimits, Joints};
 use serde::Serialize;
 

@@ -48,10 +48,11 @@ impl<'a> PoseWay<'a> {
             (Some(near), _) => PoseMove::starting_near(arm, motion, &near).map_err(failed)?,
             (None, Some(goal)) => {
                 let back = PoseMotion::new(&poses[1], &poses[0]).map_err(|e| failed(e.into()))?;
-                let start = PoseMove::starting_near(arm, back, &goal).and_then(|back| followed(&back)).map_err(|e| {
-                    let problem = format!("the tool cannot be led back from these joints to [start]: {e}");
-                    configuration(file, KEYS[1], problem)
-                })?;
+                let start =
+                    PoseMove::starting_near(arm, back, &goal).and_then(|back| followed(&back)).map_err(|e| {
+                        let problem = format!("the tool cannot be led back from these joints to [start]: {e}");
+                        configuration(file, KEYS[1], problem)
+                    })?;
                 PoseMove::starting_near(arm, motion, &start).map_err(failed)?
             }
             (None, None) => PoseMove::new(arm, motion, arm.range()).map_err(failed)?,

@@ -46,9 +46,14 @@ fn compare_runs_every_planner_on_a_job() {
     desk.write("job.toml", "[path]\nfile = \"six.json\"\n[tolerance]\nchord_mm = 0.05\n");
     let run = desk.run(&["compare", "job.toml", "--out", "table"]).done();
     assert_eq!(run.stderr, "");
-    for part in
-        ["published", "forward-backward", "interpolated-reachability", "jerk-limited", "continuous-acceleration", "compare.svg"]
-    {
+    for part in [
+        "published",
+        "forward-backward",
+        "interpolated-reachability",
+        "jerk-limited",
+        "continuous-acceleration",
+        "compare.svg",
+    ] {
         assert!(run.stdout.contains(part), "{part}: {run:?}");
     }
     let svg = std::fs::read_to_string(desk.folder.join("table/compare.svg")).expect("written");

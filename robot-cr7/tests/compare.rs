@@ -36,9 +36,14 @@ fn every_planner_is_held_against_the_same_limits() {
     // The optimum of second order is a bound for everything that keeps more limits, but for the constant acceleration between
     // grid points that it assumes: that costs up to 0.5 %.
     let best = duration("reachability");
-    for name in
-        ["forward-backward", "interpolated-reachability", "jerk-limited", "continuous-acceleration", "per-segment", "cr7 plan, verified"]
-    {
+    for name in [
+        "forward-backward",
+        "interpolated-reachability",
+        "jerk-limited",
+        "continuous-acceleration",
+        "per-segment",
+        "cr7 plan, verified",
+    ] {
         assert!(duration(name) > best * (1.0 - 5e-3), "{name}: {} against {best}", duration(name));
     }
     assert!(duration("jerk-limited") < duration("continuous-acceleration"));
@@ -51,9 +56,7 @@ fn every_planner_is_held_against_the_same_limits() {
     assert!(entry("cr7 plan, verified").keeps());
     let published = &entry("published").worst[0];
     assert!(published.ratio > 1.001 && published.ratio > entry("forward-backward").worst[0].ratio, "{published:?}");
-    assert!(
-        !entry("published").jerk_limited && entry("published").worst.iter().all(|w| w.limit != "joint jerk")
-    );
+    assert!(!entry("published").jerk_limited && entry("published").worst.iter().all(|w| w.limit != "joint jerk"));
     for name in ["published", "interpolated-reachability", "jerk-limited", "plan of the job"] {
         assert!(seen.contains(&name), "{name} in {seen:?}");
     }

@@ -99,7 +99,13 @@ fn schedules_on_coarse_grids_that_exceeded_a_tool_speed_keep_it() {
     let turned = [&ends[0], &ends[1], &point("60, -40, 100, 20, -100, 60"), &ends[2]].map(String::as_str).concat();
     // 1.00035 without a warning, and 1.038.
     for (planner, head, way, linear, angular) in [
-        ("interpolated-reachability", "[motion]\nintervals = 10\n[limits]\nlinear_mm_s = 50\n", &repeated, 0.05, f64::INFINITY),
+        (
+            "interpolated-reachability",
+            "[motion]\nintervals = 10\n[limits]\nlinear_mm_s = 50\n",
+            &repeated,
+            0.05,
+            f64::INFINITY,
+        ),
         ("reachability", "[motion]\nintervals = 50\n[limits]\nangular_deg_s = 20\n", &turned, f64::INFINITY, 20.0),
         ("forward-backward", "[motion]\nintervals = 50\n[limits]\nangular_deg_s = 20\n", &turned, f64::INFINITY, 20.0),
     ] {

@@ -129,7 +129,13 @@ fn schedule_case(desk: &Desk, seed: u64) -> i32 {
 
 fn schedule_of<const N: usize>(desk: &Desk, random: &mut Random, (name, home): (&str, [f64; N]), seed: u64) -> i32 {
     let robot = Robot::load(name, None, None).expect("built in");
-    let planner = random.pick(&["forward-backward", "continuous-acceleration", "reachability", "interpolated-reachability", "jerk-limited"]);
+    let planner = random.pick(&[
+        "forward-backward",
+        "continuous-acceleration",
+        "reachability",
+        "interpolated-reachability",
+        "jerk-limited",
+    ]);
     let rates = [random.size(10.0, 200.0), random.size(30.0, 2000.0), random.size(500.0, 40_000.0)];
     let mut limits = limits::<N>(&robot, rates);
     if !["jerk-limited", "continuous-acceleration"].contains(&planner) {

@@ -78,7 +78,9 @@ fn the_printed_examples_run_and_write_everything() {
 fn a_pure_orientation_stays_on_the_spot_and_says_what_s_is() {
     let desk = Desk::new("schedule_po");
     desk.write("po.toml", PURE_TURN);
-    for planner in ["forward-backward", "reachability", "interpolated-reachability", "continuous-acceleration", "jerk-limited"] {
+    for planner in
+        ["forward-backward", "reachability", "interpolated-reachability", "continuous-acceleration", "jerk-limited"]
+    {
         let run = desk.run(&["schedule", "po.toml", "--planner", planner, "--json"]);
         assert_eq!(run.code, 0, "{run:?}");
         let report = run.json();

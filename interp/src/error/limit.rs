@@ -65,7 +65,9 @@ pub enum LimitError {
         s: f64,
     },
     /// A speed law does not run over the whole path.
-    #[error("the speed law runs from {start} to {end}, the path from 0 to {length}: a law has to run over the whole path")]
+    #[error(
+        "the speed law runs from {start} to {end}, the path from 0 to {length}: a law has to run over the whole path"
+    )]
     Law {
         /// Where the law begins.
         start: f64,

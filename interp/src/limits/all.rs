@@ -42,7 +42,7 @@ impl<'a, const N: usize> Limits<'a, N> {
     ///
     /// # Errors
     /// [`LimitError::Joint`] for a torque that is not above 0.
-    pub fn with_torque(self, dynamics: &'a dyn Dynamics<N>, torque: Joints<N>) -> Result<Self, LimitError> {
+    pub fn with_torque(self, dynamics: &'a (dyn Dynamics<N> + Sync), torque: Joints<N>) -> Result<Self, LimitError> {
         Ok(Self { torque: Some(TorqueLimits::new(dynamics, torque)?), ..self })
     }
 

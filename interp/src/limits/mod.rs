@@ -6,7 +6,7 @@ mod tool;
 mod torque;
 
 pub use all::Limits;
-pub(crate) use sections::{Feeds, resolve, snap};
 pub use sections::{Extent, FeedSection, Section};
+pub(crate) use sections::{Feeds, resolve, snap};
 pub use tool::ToolLimits;
 pub use torque::TorqueLimits;

@@ -9,7 +9,7 @@ use crate::error::LimitError;
 /// What the drives can do, and what they have to move: dynamics of the arm with its payload, and greatest torques.
 #[derive(Clone, Copy)]
 pub struct TorqueLimits<'a, const N: usize = 6> {
-    dynamics: &'a dyn Dynamics<N>,
+    dynamics: &'a (dyn Dynamics<N> + Sync),
     limits: Joints<N>,
 }
 
@@ -24,7 +24,7 @@ impl<'a, const N: usize> TorqueLimits<'a, N> {
     ///
     /// # Errors
     /// [`LimitError::Joint`] for a torque that is not above 0.
-    pub fn new(dynamics: &'a dyn Dynamics<N>, limits: Joints<N>) -> Result<Self, LimitError> {
+    pub fn new(dynamics: &'a (dyn Dynamics<N> + Sync), limits: Joints<N>) -> Result<Self, LimitError> {
         match (0..N).find(|&j| limits[j].is_nan() || limits[j] <= 0.0) {
             Some(joint) => {
                 let (value, rule) = (limits[joint], "greater than 0 (infinite for none)");
@@ -40,7 +40,7 @@ impl<'a, const N: usize> TorqueLimits<'a, N> {
     }
 
     /// The dynamics of the arm, payload and friction included.
-    pub fn dynamics(&self) -> &'a dyn Dynamics<N> {
+    pub fn dynamics(&self) -> &'a (dyn Dynamics<N> + Sync) {
         self.dynamics
     }
 

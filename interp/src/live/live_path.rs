@@ -9,7 +9,7 @@ use arcfeed_feedrate::{
 use arcfeed_kinematics::{JointLimits, Joints};
 
 use super::error::LiveError;
-use crate::error::{PathError, PlanError, SpeedError};
+use crate::error::{PlanError, SpeedError};
 use crate::limits::ToolLimits;
 use crate::path::{JointJet, JointPath, MotionPath, ToolPath};
 use crate::planner::Planner;
@@ -127,7 +127,7 @@ impl<'a, const N: usize> Planner<'a, N> {
         let mut round = 0;
         loop {
             let joints = JointPath::follow_from(&*path, start, &grid).map_err(|e| e.within(lower, upper))?;
-            check_range(&*path, &joints, lower, upper)?;
+            joints.check_range(&*path, limits.range())?;
             let ground = Ground { grid: grid.clone(), ..whole.clone() };
             let held = Held::Shared(Arc::clone(&path) as Arc<dyn MotionPath<N> + 'p>);
             let problem = PathProblem::of(settings, held, ground, joints, RowsNeeded::Jerk);
@@ -240,21 +240,4 @@ fn duration(grid: &[f64], caps: &[f64], stops: &[usize], acceleration: f64, jerk
     let parts: Option<Vec<SpeedLaw>> =
         starts.zip(ends).map(|(from, to)| plan_joined_at_once(&segments[from..to], 0.0, 0.0).ok().flatten()).collect();
     Some(SpeedLaw::chain(0.0, parts?).duration())
-}
-
-fn check_range<const N: usize>(
-    path: &dyn MotionPath<N>,
-    joints: &JointPath<N>,
-    lower: &Joints<N>,
-    upper: &Joints<N>,
-) -> Result<(), PathError> {
-    for jet in joints.nodes() {
-        for joint in 0..N {
-            let (value, lower, upper) = (jet.q[joint], lower[joint], upper[joint]);
-            if !(lower..=upper).contains(&value) {
-                return Err(PathError::JointRange { place: path.place(jet.s), joint, value, lower, upper });
-            }
-        }
-    }
-    Ok(())
 }

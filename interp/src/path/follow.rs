@@ -1,6 +1,6 @@
 //! The joints along a whole path, on a grid of its parameter.
 
-use arcfeed_kinematics::{Joints, largest_step};
+use arcfeed_kinematics::{JointRange, Joints, largest_step};
 
 use super::jet::JointJet;
 use super::motion_path::MotionPath;
@@ -53,6 +53,19 @@ impl<const N: usize> JointPath<N> {
             last = Some(jet);
         }
         Ok(Self { after, before })
+    }
+
+    /// Checks that every joint is inside `range` at all grid points.
+    pub(crate) fn check_range(&self, path: &dyn MotionPath<N>, range: &JointRange<N>) -> Result<(), PathError> {
+        for jet in &self.after {
+            for joint in 0..N {
+                let (value, lower, upper) = (jet.q[joint], range.lower()[joint], range.upper()[joint]);
+                if !(lower..=upper).contains(&value) {
+                    return Err(PathError::JointRange { place: path.place(jet.s), joint, value, lower, upper });
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Grid points, with the derivatives after each.

@@ -4,8 +4,8 @@ use arcfeed_kinematics::{JointRange, Joints};
 
 use super::jet::JointJet;
 use super::motion_path::MotionPath;
-use crate::place::PathParameter;
 use crate::error::PathError;
+use crate::place::PathParameter;
 
 /// Way-points closer than this are the same, rad.
 const SAME: f64 = 1e-9;

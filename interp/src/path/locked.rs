@@ -8,10 +8,10 @@ use arcfeed_kinematics::{
 use nalgebra::Isometry3;
 
 use super::motion_path::MotionPath;
-use crate::place::{PathParameter, PathPlace};
 use super::tool_path::ToolPath;
 use crate::arm::{MIN_SINGULAR_VALUE, PathArm};
 use crate::error::PathError;
+use crate::place::{PathParameter, PathPlace};
 
 /// An arm of seven joints one of which is held, so that a tool pose determines the others.
 ///

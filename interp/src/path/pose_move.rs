@@ -7,9 +7,9 @@ use super::configuration::select_configuration;
 use super::inverse;
 use super::jet::JointJet;
 use super::motion_path::MotionPath;
-use crate::place::PathParameter;
 use crate::arm::PathArm;
 use crate::error::PathError;
+use crate::place::PathParameter;
 
 /// A joint that moves less than this part of the fastest one stands still: it is rounding of the inverse, which must not
 /// choose a sign for Coulomb friction.

@@ -7,9 +7,9 @@ use super::configuration::select_configuration;
 use super::inverse;
 use super::jet::JointJet;
 use super::motion_path::MotionPath;
-use crate::place::PathParameter;
 use crate::arm::PathArm;
 use crate::error::PathError;
+use crate::place::PathParameter;
 
 /// Directions that turn by less than this at a knot (rad) count as smooth.
 const CORNER: f64 = 1e-6;

@@ -126,7 +126,8 @@ impl<const N: usize> IntervalDerivatives<N> {
         let [a, m, b] = [start.s + inset, start.s + 0.5 * h, end.s - inset].map(|s| path.tool(s));
         // Without a tool that is prescribed the joints are a spline, which the cubics below reproduce.
         let tool = a.zip(m).zip(b).map(|((a, m), b)| [a, m, b]);
-        let error = tool.as_ref().map_or(InterpolationError { second: 0.0, third: 0.0 }, |t| InterpolationError::of(t, h));
+        let error =
+            tool.as_ref().map_or(InterpolationError { second: 0.0, third: 0.0 }, |t| InterpolationError::of(t, h));
         // Values and slopes at both ends give a cubic; its Bernstein coefficients enclose it.
         let enclose = |f0: f64, g0: f64, f1: f64, g1: f64| {
             f0.abs().max((f0 + h * g0 / 3.0).abs()).max((f1 - h * g1 / 3.0).abs()).max(f1.abs())
@@ -206,7 +207,8 @@ pub(crate) struct BendLimits {
 impl BendLimits {
     /// The highest speed at the curvature `kappa` (1/m), m/s.
     pub fn speed(&self, kappa: f64) -> f64 {
-        let by = |limit: Option<f64>, speed: fn(f64, f64) -> f64| limit.map_or(f64::INFINITY, |limit| speed(kappa, limit));
+        let by =
+            |limit: Option<f64>, speed: fn(f64, f64) -> f64| limit.map_or(f64::INFINITY, |limit| speed(kappa, limit));
         caps::chord_error_speed(kappa, self.chord, self.period)
             .min(by(self.normal_acceleration, caps::normal_acceleration_speed))
             .min(by(self.normal_jerk, caps::normal_jerk_speed))

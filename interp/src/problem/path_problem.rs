@@ -101,6 +101,7 @@ impl<'p, const N: usize> PathProblem<'p, N> {
         let limits = settings.limits.joints();
         let mut joints =
             JointPath::follow(path.get(), &ground.grid).map_err(|e| e.within(limits.lower(), limits.upper()))?;
+        joints.check_range(path.get(), limits.range())?;
         if settings.limits.torque().is_some() {
             joints.insert_turning_points(path.get())?;
         }

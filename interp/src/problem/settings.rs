@@ -7,7 +7,7 @@ use crate::limits::{FeedSection, Limits};
 /// Arm, limits and settings of a planner.
 #[derive(Clone)]
 pub(crate) struct Settings<'a, const N: usize> {
-    pub arm: &'a dyn ForwardKinematics<N>,
+    pub arm: &'a (dyn ForwardKinematics<N> + Sync),
     pub limits: Limits<'a, N>,
     pub sections: Vec<FeedSection>,
     /// Speeds at the start and at the end, units of the parameter per s.

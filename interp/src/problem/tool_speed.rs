@@ -14,11 +14,7 @@ pub(crate) struct ToolRates {
 }
 
 impl ToolRates {
-    pub fn of<const N: usize>(
-        arm: &dyn ForwardKinematics<N>,
-        joints: &JointPath<N>,
-        middles: &[JointJet<N>],
-    ) -> Self {
+    pub fn of<const N: usize>(arm: &dyn ForwardKinematics<N>, joints: &JointPath<N>, middles: &[JointJet<N>]) -> Self {
         let rates = |jet: &JointJet<N>| {
             let twist = arm.jacobian(&jet.q) * jet.d1;
             [twist.fixed_rows::<3>(0).norm(), twist.fixed_rows::<3>(3).norm()]

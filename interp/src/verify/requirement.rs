@@ -9,7 +9,7 @@ use crate::path::MotionPath;
 #[derive(Clone, Copy)]
 pub struct Requirement<'a, const N: usize = 6> {
     /// The arm.
-    pub arm: &'a dyn ForwardKinematics<N>,
+    pub arm: &'a (dyn ForwardKinematics<N> + Sync),
     /// The path that is followed.
     pub path: &'a dyn MotionPath<N>,
     /// Limits of joints, tool and drives.

@@ -129,8 +129,8 @@ impl<'a, const N: usize> Tally<'a, N> {
         }
         if let Some(each) = &mut self.off_joints {
             let on_path = r.path.jet(at.s, &at.q).map_or(Joints::repeat(f64::NAN), |jet| jet.q);
-            for k in 0..N {
-                each[k].see(at.q[k] - on_path[k], at);
+            for (k, worst) in each.iter_mut().enumerate() {
+                worst.see(at.q[k] - on_path[k], at);
             }
         }
         if let Some((each, limits)) = self.torque.as_mut().zip(r.limits.torque()) {
@@ -151,8 +151,8 @@ impl<'a, const N: usize> Tally<'a, N> {
             return;
         }
         if let Some(each) = &mut self.jerk {
-            for k in 0..N {
-                each[k].see(at.jerk[k], at);
+            for (worst, jerk) in each.iter_mut().zip(at.jerk.iter()) {
+                worst.see(*jerk, at);
             }
         }
     }

@@ -80,11 +80,7 @@ impl View {
 }
 
 /// The way of the tool in space, coloured by state, over its shadow on the floor.
-fn space_picture(
-    stage: &Stage<'_>,
-    played: &Played,
-    report: &RunReport,
-) -> Result<String, io::Error> {
+fn space_picture(stage: &Stage<'_>, played: &Played, report: &RunReport) -> Result<String, io::Error> {
     let path = stage.live().path().pose_path();
     let tool = |c: &crate::scenario::Cycle| c.setpoint.pose.translation.vector * 1e3;
     let way: Vec<Vector3<f64>> = played.cycles().iter().map(tool).collect();
@@ -298,11 +294,7 @@ fn legend(report: &RunReport) -> Vec<(&'static str, Pen)> {
 }
 
 /// Position, velocity, acceleration and jerk of all joints, each in units of its limit.
-fn joints_picture(
-    stage: &Stage<'_>,
-    played: &Played,
-    report: &RunReport,
-) -> Result<String, io::Error> {
+fn joints_picture(stage: &Stage<'_>, played: &Played, report: &RunReport) -> Result<String, io::Error> {
     let limits = stage.live().joints();
     let (lower, upper) = (limits.lower(), limits.upper());
     let t = (0.0, report.duration_s.max(1e-6));

@@ -3,7 +3,8 @@
 use arcfeed_feedrate::{FeedPlanner, FeedProblem, PublishedScan, Quantity, RowSource, SpeedLaw};
 use arcfeed_geometry::{GeometryError, PoseMotion};
 use arcfeed_interp::{
-    LimitError, Limits, Method, PathError, PathProblem, PlanError, Planner, PoseMove, Setpoint, SpeedError, Verification,
+    LimitError, Limits, Method, PathError, PathProblem, PlanError, Planner, PoseMove, Setpoint, SpeedError,
+    Verification,
 };
 use arcfeed_kinematics::{Arm, Inertial, JointLimits, Joints, KinematicsError, models};
 use nalgebra::{Isometry3, Translation3};
@@ -115,11 +116,8 @@ pub fn huang_2025() -> (Reproduction, ScheduleFigures) {
 fn reproduce(r: &mut Reproduction, figures: &mut ScheduleFigures) -> Result<(), Broken> {
     let data: Data = serde_json::from_str(include_str!("../../data/qb_arm.json"))?;
     let arm = arm(&data)?;
-    let joints = arm.range().with_rates(
-        Joints::from(data.velocity),
-        Joints::from(data.acceleration),
-        Joints::repeat(JERK),
-    )?;
+    let joints =
+        arm.range().with_rates(Joints::from(data.velocity), Joints::from(data.acceleration), Joints::repeat(JERK))?;
     let torque = Joints::from(data.torque);
     table_1(r, &joints, &torque);
     pure_orientation(r, figures, &arm, &data.po, (joints, torque))?;
@@ -437,8 +435,7 @@ fn draw(figures: &mut ScheduleFigures, case: &Case<'_>, name: &str, files: [&str
         figures.joints.push(JointFigure {
             file: format!("{file}_{}.svg", what.replace(' ', "_")),
             title: format!("Figure {}: {what}, {name}", file.trim_start_matches("figure_")),
-            facts: "setpoints every millisecond; above each panel the peak of our plan and the limit"
-                .to_owned(),
+            facts: "setpoints every millisecond; above each panel the peak of our plan and the limit".to_owned(),
             unit,
             names: vec!["interpolated-reachability".to_owned(), "published scan".to_owned()],
             joints: (0..6).map(|j| JointPanel { limit: limits[j], lines: lines(j) }).collect(),

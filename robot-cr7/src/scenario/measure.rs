@@ -91,10 +91,7 @@ fn chord_error(stage: &Stage<'_>, from: f64, to: f64) -> f64 {
 
 /// Largest distance of the tool from the path over cycles on it: of the setpoints at their arc length, and of the simulated joints from the
 /// nearest point of the path.
-pub(super) fn accuracy<'c>(
-    stage: &Stage<'_>,
-    cycles: impl Iterator<Item = &'c Cycle>,
-) -> Option<(f64, f64)> {
+pub(super) fn accuracy<'c>(stage: &Stage<'_>, cycles: impl Iterator<Item = &'c Cycle>) -> Option<(f64, f64)> {
     let path = stage.live().path().pose_path();
     let slowest = stage.drive.amax();
     let mut worst: Option<(f64, f64)> = None;

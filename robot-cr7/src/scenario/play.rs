@@ -128,8 +128,8 @@ impl Stage<'_> {
         let (scenario, period) = (self.scenario, self.live().period());
         let mut motion = HybridMotion::along(&self.route, scenario.feed).map_err(|e| live_error(&self.name, e))?;
         let start = *motion.setpoint();
-        let mut drive = DriveLag::new(start.q, self.drive, period)
-            .map_err(|e: LimitError| plan_error(&self.name, e.into()))?;
+        let mut drive =
+            DriveLag::new(start.q, self.drive, period).map_err(|e: LimitError| plan_error(&self.name, e.into()))?;
         let mut asked = Asked { feed: scenario.feed, factor: 1.0, sections: Vec::new() };
         let longest = (scenario.longest / period).ceil();
         let most = longest.min(MOST_CYCLES as f64) as usize;

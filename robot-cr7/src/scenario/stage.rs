@@ -1,7 +1,9 @@
 //! Path, arm and limits of a scenario made ready, and its events as commands.
 
 use arcfeed_geometry::{ArcLengthCurve, NurbsCurve, OrientationPath, PosePath};
-use arcfeed_interp::{Command, Excursion, Limits, LiveError, LivePath, LiveRoute, MotionPath, PathArm, Planner, ToolPath};
+use arcfeed_interp::{
+    Command, Excursion, Limits, LiveError, LivePath, LiveRoute, MotionPath, PathArm, Planner, ToolPath,
+};
 use arcfeed_kinematics::{AnalyticInverse, JointLimits, Joints};
 
 use super::{Action, Place, Scenario, ScenarioPath, When};

@@ -6,8 +6,8 @@ use arcfeed_interp::Method;
 use clap::ValueEnum;
 use robot_cr7::plot::{shares_picture, speed_picture};
 use robot_cr7::{
-    Cr7Error, InputError, LimitsHold, Robot, ScheduleFile, ScheduleRun, ScheduleWay, Staging, TrajectoryRow, TrajectoryWriter,
-    run_pose_move, run_way_points,
+    Cr7Error, InputError, LimitsHold, Robot, ScheduleFile, ScheduleRun, ScheduleWay, Staging, TrajectoryRow,
+    TrajectoryWriter, run_pose_move, run_way_points,
 };
 
 use crate::Failure;
