@@ -15,7 +15,7 @@
 use std::hint::black_box;
 
 use arcfeed_feedrate::{
-    Adjust, MotionLaw, MotionLimits, SProfile, Segment, SpeedChange, plan_joined, plan_per_segment, plan_windowed,
+    Adjust, MotionLaw, MotionLimits, SProfile, Segment, SpeedChange, plan_continuous, plan_per_segment, plan_windowed,
 };
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 
@@ -53,13 +53,13 @@ fn scans(c: &mut Criterion) {
     for n in [300, 3000] {
         let segments: Vec<Segment> = curve_like(n, 1);
         c.bench_function(&format!("per segment, {n}"), |b| b.iter(|| plan_per_segment(black_box(&segments), 0.0, 0.0)));
-        c.bench_function(&format!("joined, {n}"), |b| b.iter(|| plan_joined(black_box(&segments), 0.0, 0.0)));
+        c.bench_function(&format!("joined, {n}"), |b| b.iter(|| plan_continuous(black_box(&segments), 0.0, 0.0)));
         c.bench_function(&format!("window of 10, {n}"), |b| b.iter(|| plan_windowed(black_box(&segments), 0.0, 10)));
     }
 }
 
 fn sampling(c: &mut Criterion) {
-    let Ok(plan) = plan_joined(&curve_like(3000, 1), 0.0, 0.0) else { return };
+    let Ok(plan) = plan_continuous(&curve_like(3000, 1), 0.0, 0.0) else { return };
     let step = 1e-3;
     let mut t = 0.0;
     c.bench_function("at(t), 1 ms apart", |b| {

@@ -16,7 +16,9 @@
 use std::hint::black_box;
 
 use arcfeed_feedrate::constraint::{JointAcceleration, JointJerk, JointVelocity};
-use arcfeed_feedrate::{BothEndsScan, CertifiedReachability, FeedPlanner, FeedProblem, JerkLimited, Reachability};
+use arcfeed_feedrate::{
+    FeedPlanner, FeedProblem, ForwardBackwardScan, InterpolatedReachability, JerkLimited, Reachability,
+};
 use criterion::{BenchmarkId, Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
 
 #[path = "../tests/common/spline_paths.rs"]
@@ -55,9 +57,9 @@ fn planners(c: &mut Criterion) {
     let jerk = A_MAX.map(|a| 10.0 * a);
     let jerk_limited = JerkLimited::default();
     let all: [(&str, Rows, &dyn FeedPlanner); 4] = [
-        ("both ends", Rows::Points, &BothEndsScan),
+        ("both ends", Rows::Points, &ForwardBackwardScan),
         ("reachability", Rows::Points, &Reachability),
-        ("certified", Rows::Between, &CertifiedReachability),
+        ("certified", Rows::Between, &InterpolatedReachability),
         ("jerk-limited", Rows::Jerk, &jerk_limited),
     ];
     for n in [100, 500, 1000] {

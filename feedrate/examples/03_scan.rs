@@ -1,5 +1,5 @@
 //! Speed over a path of many short segments: one S-profile per segment against joined segments, under the cap.
-use arcfeed_feedrate::{MotionLaw, Segment, SpeedLaw, boundaries, plan_joined, plan_per_segment, plan_windowed};
+use arcfeed_feedrate::{MotionLaw, Segment, SpeedLaw, boundaries, plan_continuous, plan_per_segment, plan_windowed};
 
 mod common;
 use common::{Curve, Panel};
@@ -16,7 +16,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             Segment::new(2e-4, cap.min(0.1), 1.0, 50.0)
         })
         .collect::<Result<Vec<_>, _>>()?;
-    let joined = plan_joined(&segments, 0.0, 0.0)?;
+    let joined = plan_continuous(&segments, 0.0, 0.0)?;
     let single = plan_per_segment(&segments, 0.0, 0.0)?;
     let windowed = plan_windowed(&segments, 0.0, 10)?;
     println!("joined:                 {:.4} s", joined.duration());

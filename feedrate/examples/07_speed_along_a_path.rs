@@ -1,7 +1,8 @@
 //! Three joints on one path: how fast may `s` grow? Speed profiles under the limit curve, with and without a limit on jerk.
 use arcfeed_feedrate::constraint::{JointAcceleration, JointJerk, JointVelocity, PathDerivatives};
 use arcfeed_feedrate::{
-    BothEndsScan, CertifiedReachability, FeedPlanner, FeedProblem, JerkLimited, MotionLaw, MotionState, SpeedLaw,
+    FeedPlanner, FeedProblem, ForwardBackwardScan, InterpolatedReachability, JerkLimited, MotionLaw, MotionState,
+    SpeedLaw,
 };
 
 mod common;
@@ -40,8 +41,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let jerk = JointJerk::new(path, &J_MAX)?;
     let problem = FeedProblem::between_points(&grid, &[&velocity, &acceleration, &jerk])?;
 
-    let scan = BothEndsScan.plan(&problem)?;
-    let certified = CertifiedReachability.plan(&problem)?;
+    let scan = ForwardBackwardScan.plan(&problem)?;
+    let certified = InterpolatedReachability.plan(&problem)?;
     let smooth = JerkLimited::default().plan(&problem)?;
     for (name, plan) in [("both-ends scan", &scan), ("certified", &certified), ("jerk-limited", &smooth)] {
         let states = (0..=20_000).map(|i| plan.at(plan.duration() * f64::from(i) / 20_000.0));

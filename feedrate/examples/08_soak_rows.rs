@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 
 use arcfeed_feedrate::{
-    BothEndsScan, CertifiedReachability, ContinuousAccelerationScan, FeedPlanner, JerkLimited, Reachability,
+    ContinuousAccelerationScan, FeedPlanner, ForwardBackwardScan, InterpolatedReachability, JerkLimited, Reachability,
 };
 
 #[path = "../tests/common/row_families.rs"]
@@ -32,9 +32,9 @@ fn main() {
     let family = arguments.get(2).and_then(|name| FAMILIES.iter().position(|family| family == name));
     // Rows between the points, rows on jerk, whether it keeps the limits between the points.
     let planners: [(&str, &dyn FeedPlanner, bool, bool); 5] = [
-        ("both ends", &BothEndsScan, false, false),
+        ("both ends", &ForwardBackwardScan, false, false),
         ("reachability", &Reachability, false, false),
-        ("certified", &CertifiedReachability, true, false),
+        ("certified", &InterpolatedReachability, true, false),
         ("jerk-limited", &JerkLimited::default(), true, true),
         ("joined", &ContinuousAccelerationScan, true, true),
     ];

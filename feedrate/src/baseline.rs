@@ -21,7 +21,7 @@ use crate::conic_program::{Program, straight};
 use crate::error::FeedError;
 use crate::jerk_limited::conic;
 use crate::problem::{FeedPlanner, FeedProblem};
-use crate::scan::both_ends::squared_speeds;
+use crate::scan::forward_backward::squared_speeds;
 use crate::speed_law::SpeedLaw;
 
 /// The optimum by clarabel; hundreds of milliseconds to seconds, needed for comparison only.

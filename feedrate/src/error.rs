@@ -1,6 +1,6 @@
 //! What can be wrong with a request, with the numbers that say why.
 
-use crate::row::RowSource;
+use crate::row::LimitId;
 
 /// An end of a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -191,7 +191,7 @@ pub enum FeedError {
         /// Position (m).
         s: f64,
         /// The row.
-        row: RowSource,
+        row: LimitId,
     },
     /// Standing still breaks a limit.
     #[error(
@@ -204,7 +204,7 @@ pub enum FeedError {
         /// Position (m).
         s: f64,
         /// The limit that is broken.
-        row: RowSource,
+        row: LimitId,
         /// Value at rest, in the unit of the limit.
         value: f64,
         /// The limit.
@@ -221,9 +221,9 @@ pub enum FeedError {
         /// Position (m).
         s: f64,
         /// The limit that is broken.
-        row: RowSource,
+        row: LimitId,
         /// The limit that stands against it.
-        against: RowSource,
+        against: LimitId,
         /// By how much the first is broken at the least while the other is kept, in its own unit.
         excess: f64,
         /// The limit.
@@ -237,7 +237,7 @@ pub enum FeedError {
         /// Position (m).
         s: f64,
         /// The limit that holds it.
-        row: RowSource,
+        row: LimitId,
     },
     /// Two neighbouring knots of a speed law are both at rest: the motion does not get from one to the other.
     #[error(
@@ -273,7 +273,7 @@ pub enum FeedError {
         /// Highest speed that works (m/s).
         highest: f64,
         /// The limit that is met first.
-        row: RowSource,
+        row: LimitId,
         /// Where (m).
         s: f64,
     },

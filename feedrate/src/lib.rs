@@ -14,12 +14,12 @@
 //! With constant bounds the answer is the seven-phase S-profile ([`SProfile`]), and from any state of motion a
 //! [`SpeedChange`]. With bounds given segment by segment two planners share one input and one output:
 //! [`plan_per_segment`] with one S-profile per segment (Liu et al. 2023, section 4), also with a look-ahead window
-//! ([`plan_windowed`]), and [`plan_joined`], which keeps the acceleration continuous across segments and so does not pay
+//! ([`plan_windowed`]), and [`plan_continuous`], which keeps the acceleration continuous across segments and so does not pay
 //! for their number.
 //!
 //! Where the limits are not one number per segment but belong to joints, motors and tool, each is a [`Row`] in `sdot^2` and
-//! `sddot` ([`constraint`], [`FeedProblem`]), and a [`FeedPlanner`] finds the law: [`BothEndsScan`], [`Reachability`],
-//! [`CertifiedReachability`] and, with jerk, [`JerkLimited`]. All read the same rows and yield a [`SpeedLaw`].
+//! `sddot` ([`constraint`], [`FeedProblem`]), and a [`FeedPlanner`] finds the law: [`ForwardBackwardScan`], [`Reachability`],
+//! [`InterpolatedReachability`] and, with jerk, [`JerkLimited`]. All read the same rows and yield a [`SpeedLaw`].
 //!
 //! # The rooms
 //! | module | holds |
@@ -34,7 +34,7 @@
 //! | [`jerk_limited`] | the third-order planner |
 //! | `baseline` (feature `clarabel`) | the conic optimum of the same rows and its bound; with jerk, programs in sequence |
 //! | [`online`] | [`FeedScheduler`]: speed towards the end of a path under limits that change while it runs |
-//! | [`live`] | [`LiveFeed`]: speed under a limit curve, changed by an operator while it runs |
+//! | [`live`] | [`FeedOverride`]: speed under a limit curve, changed by an operator while it runs |
 //! | [`StateToState`] | time-optimal motion from any position, speed and acceleration to any other, or to a speed, or to a stop |
 //! | [`AxisProblem`], [`Durations`] | the durations between two states that are possible, and a motion in each of them |
 //! | [`speed_law`] | [`SpeedLaw`]: what every planner returns, sampled by time or by position |
@@ -77,14 +77,14 @@ pub use baseline::{Bounded, ClarabelBaseline};
 pub use error::{FeedError, PathEnd};
 pub use jerk_limited::{JerkLimited, JerkLimitedPlan};
 pub use limits::MotionLimits;
-pub use live::{LiveCurve, LiveFeed, LiveSection, LiveStatus, LiveStep, MAX_SECTIONS};
+pub use live::{FeedOverride, LiveSection, LiveStatus, LiveStep, MAX_SECTIONS, VelocityLimitCurve};
 pub use online::{Adoption, FeedLimits, FeedScheduler, FeedStatus, FeedStep};
 pub use problem::{FeedPlanner, FeedProblem, LimitPartition, live_speed};
-pub use row::{IntervalBound, JerkRow, Quantity, Row, RowSource};
-pub use scan::both_ends::{BothEndsScan, PublishedScan};
-pub use scan::certified::CertifiedReachability;
+pub use row::{IntervalBound, JerkRow, LimitId, Quantity, Row};
+pub use scan::continuous_acceleration::{plan_continuous, plan_continuous_at_once};
 pub use scan::fallback::{ChosenLaw, Fallback, JerkLimitedOrScan};
-pub use scan::joined::{plan_joined, plan_joined_at_once};
+pub use scan::forward_backward::{ForwardBackwardScan, PublishedScan};
+pub use scan::interpolated::InterpolatedReachability;
 pub use scan::on_problem::{ContinuousAccelerationScan, PerSegmentScan};
 pub use scan::reachability::Reachability;
 pub use scan::segment::{boundary_speeds, plan_per_segment, plan_windowed};

@@ -109,19 +109,19 @@ impl fmt::Display for Quantity {
 /// Prints as a person would say it; joints are counted from 1 there, from 0 in the field.
 ///
 /// ```
-/// use arcfeed_feedrate::{Quantity, RowSource};
-/// assert_eq!(RowSource::joint(Quantity::JointTorque, 2).to_string(), "torque of joint 3");
-/// assert_eq!(RowSource::path(Quantity::Feed).to_string(), "feed");
+/// use arcfeed_feedrate::{Quantity, LimitId};
+/// assert_eq!(LimitId::joint(Quantity::JointTorque, 2).to_string(), "torque of joint 3");
+/// assert_eq!(LimitId::path(Quantity::Feed).to_string(), "feed");
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct RowSource {
+pub struct LimitId {
     /// What is limited.
     pub quantity: Quantity,
     /// Which joint, from 0.
     pub joint: Option<u16>,
 }
 
-impl RowSource {
+impl LimitId {
     /// The limit of one joint, counted from 0.
     pub fn joint(quantity: Quantity, joint: usize) -> Self {
         Self { quantity, joint: Some(u16::try_from(joint).unwrap_or(u16::MAX)) }
@@ -133,7 +133,7 @@ impl RowSource {
     }
 }
 
-impl fmt::Display for RowSource {
+impl fmt::Display for LimitId {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let name = self.quantity.name();
         match self.joint {
@@ -162,12 +162,12 @@ pub struct Row {
     /// Greatest value allowed; may be `inf`.
     pub hi: f64,
     /// Where the row comes from.
-    pub source: RowSource,
+    pub source: LimitId,
 }
 
 impl Row {
     /// `|a u + b x| <= limit`.
-    pub const fn symmetric(a: f64, b: f64, limit: f64, source: RowSource) -> Self {
+    pub const fn symmetric(a: f64, b: f64, limit: f64, source: LimitId) -> Self {
         Self { a, b, c: 0.0, d: 0.0, lo: -limit, hi: limit, source }
     }
 
@@ -204,7 +204,7 @@ pub struct JerkRow {
     /// Greatest magnitude allowed, above 0; may be `inf`.
     pub limit: f64,
     /// Where the row comes from.
-    pub source: RowSource,
+    pub source: LimitId,
 }
 
 impl JerkRow {
@@ -223,7 +223,7 @@ pub enum IntervalBound {
         /// Greatest speed.
         most: f64,
         /// Where the bound comes from.
-        source: RowSource,
+        source: LimitId,
     },
     /// `a |u| + b v^2 + c v + rest <= limit`.
     Acceleration {
@@ -238,7 +238,7 @@ pub enum IntervalBound {
         /// Greatest value, above 0.
         limit: f64,
         /// Where the bound comes from.
-        source: RowSource,
+        source: LimitId,
     },
     /// `alpha |j| + beta v |u| + gamma v^3 + step v^2 <= limit`.
     Jerk {
@@ -253,6 +253,6 @@ pub enum IntervalBound {
         /// Greatest value, above 0.
         limit: f64,
         /// Where the bound comes from.
-        source: RowSource,
+        source: LimitId,
     },
 }

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::neg_cmp_op_on_partial_ord)]
 #![cfg(feature = "clarabel")]
 use arcfeed_feedrate::constraint::{JointAcceleration, JointJerk, JointVelocity};
-use arcfeed_feedrate::{BothEndsScan, ClarabelBaseline, FeedPlanner, FeedProblem, JerkLimited, Reachability};
+use arcfeed_feedrate::{ClarabelBaseline, FeedPlanner, FeedProblem, ForwardBackwardScan, JerkLimited, Reachability};
 
 #[path = "common/spline_paths.rs"]
 mod spline_paths;
@@ -23,7 +23,7 @@ fn optimum_and_dual_bound() {
             assert!((duration / r.conic - 1.0).abs() < 2e-5, "{at}: {duration} instead of {}", r.conic);
             assert!((bounded.lower_bound / r.dual_bound - 1.0).abs() < 2e-5, "{at}: {}", bounded.lower_bound);
             assert!(bounded.lower_bound <= duration * (1.0 + 1e-6), "{at}");
-            for plan in [BothEndsScan.plan(&problem).unwrap(), Reachability.plan(&problem).unwrap()] {
+            for plan in [ForwardBackwardScan.plan(&problem).unwrap(), Reachability.plan(&problem).unwrap()] {
                 assert!(plan.duration() >= bounded.lower_bound * (1.0 - 1e-6), "{at}");
             }
         }

@@ -5,18 +5,18 @@ use arcfeed_feedrate::constraint::{
     TangentialAcceleration, TangentialJerk,
 };
 use arcfeed_feedrate::{
-    BothEndsScan, CertifiedReachability, FeedError, FeedPlanner, FeedProblem, JerkLimited, MotionLaw, PathEnd,
-    PublishedScan, Quantity, Reachability, SpeedLaw,
+    FeedError, FeedPlanner, FeedProblem, ForwardBackwardScan, InterpolatedReachability, JerkLimited, MotionLaw,
+    PathEnd, PublishedScan, Quantity, Reachability, SpeedLaw,
 };
 use proptest::prelude::*;
 
 /// Every planner there is.
 fn planners() -> Vec<Box<dyn FeedPlanner>> {
     vec![
-        Box::new(BothEndsScan),
+        Box::new(ForwardBackwardScan),
         Box::new(PublishedScan),
         Box::new(Reachability),
-        Box::new(CertifiedReachability),
+        Box::new(InterpolatedReachability),
         Box::new(JerkLimited::default()),
         #[cfg(feature = "clarabel")]
         Box::new(arcfeed_feedrate::ClarabelBaseline),
@@ -365,7 +365,8 @@ fn a_million_points() {
     let grid = grid(n);
     let (acceleration, jerk) = (TangentialAcceleration::new(1.0).unwrap(), TangentialJerk::new(20.0).unwrap());
     let problem = FeedProblem::between_points(&grid, &[&acceleration, &jerk]).unwrap();
-    for planner in [&BothEndsScan as &dyn FeedPlanner, &PublishedScan, &Reachability, &CertifiedReachability] {
+    for planner in [&ForwardBackwardScan as &dyn FeedPlanner, &PublishedScan, &Reachability, &InterpolatedReachability]
+    {
         assert!((planner.plan(&problem).unwrap().duration() - 2.0).abs() < 1e-8);
     }
     // Seven phases without cruise: 2 sqrt(1 + (a / 2j)^2) + a / j. Where an interval is short beside the way on which the

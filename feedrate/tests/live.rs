@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use arcfeed_feedrate::{LiveCurve, LiveFeed, LiveSection, LiveStatus, LiveStep, MotionState};
+use arcfeed_feedrate::{FeedOverride, LiveSection, LiveStatus, LiveStep, MotionState, VelocityLimitCurve};
 use proptest::prelude::*;
 
 /// What an operator does in a cycle.
@@ -88,16 +88,16 @@ impl Scenario {
         }
     }
 
-    fn curve(&self) -> LiveCurve {
+    fn curve(&self) -> VelocityLimitCurve {
         let grid: Vec<f64> = (0..=POINTS).map(|i| self.length * i as f64 / POINTS as f64).collect();
         let caps = self.caps();
-        LiveCurve::new(&grid, &caps, &self.stops, self.acceleration, self.acceleration / self.build_up)
+        VelocityLimitCurve::new(&grid, &caps, &self.stops, self.acceleration, self.acceleration / self.build_up)
             .expect("a curve")
     }
 }
 
 /// Holds a cycle against the bounds.
-fn check(curve: &LiveCurve, cap_at: impl Fn(f64) -> f64, period: f64, before: MotionState, step: &LiveStep) {
+fn check(curve: &VelocityLimitCurve, cap_at: impl Fn(f64) -> f64, period: f64, before: MotionState, step: &LiveStep) {
     let now = step.state;
     let (a, j) = (curve.acceleration(), curve.jerk());
     assert!(now.a.abs() <= a * (1.0 + 1e-9), "acceleration {} of {a} at {}", now.a, now.p);
@@ -126,7 +126,7 @@ proptest! {
     #[test]
     fn keeps_every_bound_whatever_the_operator_does(scenario in scenario()) {
         let (curve, caps) = (scenario.curve(), scenario.caps());
-        let mut feed = LiveFeed::new(&curve, scenario.period, 0.1).expect("valid");
+        let mut feed = FeedOverride::new(&curve, scenario.period, 0.1).expect("valid");
         let mut acts = scenario.acts.clone();
         acts.sort_by_key(|act| act.0);
         let last = acts.last().map_or(0, |act| act.0);
@@ -167,15 +167,15 @@ proptest! {
 }
 
 /// A straight path of 0.5 m at 0.1 m/s, 1 m/s^2 and 20 m/s^3.
-fn straight() -> LiveCurve {
+fn straight() -> VelocityLimitCurve {
     let grid: Vec<f64> = (0..=100).map(|i| 0.005 * f64::from(i)).collect();
-    LiveCurve::new(&grid, &[0.1; 100], &[], 1.0, 20.0).expect("a curve")
+    VelocityLimitCurve::new(&grid, &[0.1; 100], &[], 1.0, 20.0).expect("a curve")
 }
 
 #[test]
 fn a_hold_brakes_in_the_time_that_the_limits_take() {
     let curve = straight();
-    let mut feed = LiveFeed::new(&curve, 1e-3, 0.08).expect("valid");
+    let mut feed = FeedOverride::new(&curve, 1e-3, 0.08).expect("valid");
     for _ in 0..1500 {
         feed.step();
     }
@@ -191,7 +191,7 @@ fn a_hold_brakes_in_the_time_that_the_limits_take() {
 fn a_section_asked_for_in_time_is_entered_at_its_feed() {
     let curve = straight();
     for override_factor in [0.5, 1.0, 1.2] {
-        let mut feed = LiveFeed::new(&curve, 1e-3, 0.08).expect("valid");
+        let mut feed = FeedOverride::new(&curve, 1e-3, 0.08).expect("valid");
         feed.set_override(override_factor).expect("valid");
         feed.set_sections(&[LiveSection { from: 0.2, to: 0.3, feed: 0.02 }]).expect("valid");
         let (mut inside, mut fastest, mut top) = (0, 0.0_f64, 0.0_f64);
@@ -221,7 +221,7 @@ fn a_section_asked_for_in_time_is_entered_at_its_feed() {
 #[test]
 fn at_full_feed_the_way_takes_as_long_as_the_fastest_law() {
     let curve = straight();
-    let mut feed = LiveFeed::new(&curve, 1e-3, 1.0).expect("valid");
+    let mut feed = FeedOverride::new(&curve, 1e-3, 1.0).expect("valid");
     let cycles = (1..100_000).find(|_| feed.step().status == LiveStatus::Finished).expect("it arrives");
     // The law itself: rest to rest over 0.5 m at 0.997 of the cap, L / v + v / a + a / j with 0.99 of a and j.
     let closed_form = 0.5 / 0.0997 + 0.0997 / 0.99 + 1.0 / 20.0;

@@ -3,8 +3,8 @@
 //! Long runs: `cargo run --release -p arcfeed-feedrate --example 08_soak_rows -- SEED COUNT`.
 #![allow(clippy::unwrap_used, clippy::neg_cmp_op_on_partial_ord)]
 use arcfeed_feedrate::{
-    BothEndsScan, CertifiedReachability, ContinuousAccelerationScan, FeedError, FeedPlanner, FeedProblem, JerkLimited,
-    PathEnd, Quantity, Reachability, SpeedLaw,
+    ContinuousAccelerationScan, FeedError, FeedPlanner, FeedProblem, ForwardBackwardScan, InterpolatedReachability,
+    JerkLimited, PathEnd, Quantity, Reachability, SpeedLaw,
 };
 
 #[path = "common/row_families.rs"]
@@ -25,9 +25,9 @@ impl FeedPlanner for JerkLimitedByDefault {
 }
 
 const PLANNERS: [Entry; 5] = [
-    (&BothEndsScan, false, false),
+    (&ForwardBackwardScan, false, false),
     (&Reachability, false, false),
-    (&CertifiedReachability, true, false),
+    (&InterpolatedReachability, true, false),
     (&LIMITED, true, true),
     (&ContinuousAccelerationScan, true, true),
 ];

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::neg_cmp_op_on_partial_ord)]
 use arcfeed_feedrate::constraint::{JointAcceleration, JointTorque, JointVelocity};
 use arcfeed_feedrate::{
-    BothEndsScan, CertifiedReachability, FeedPlanner, FeedProblem, PublishedScan, Reachability, SpeedLaw,
+    FeedPlanner, FeedProblem, ForwardBackwardScan, InterpolatedReachability, PublishedScan, Reachability, SpeedLaw,
 };
 
 #[path = "common/spline_paths.rs"]
@@ -55,7 +55,7 @@ fn durations_of_the_reference_programs() {
             assert!((ratio - 1.0).abs() < 1e-6, "{at}: reachability {ratio}");
             assert!(excess_at_grid(&problem, &reachability) < 1e-9, "{at}");
 
-            let scan = BothEndsScan.plan(&problem).unwrap();
+            let scan = ForwardBackwardScan.plan(&problem).unwrap();
             let ratio = scan.duration() / r.both_ends;
             assert!((ratio - 1.0).abs() < 1e-6, "{at}: both ends {ratio}");
             assert!(scan.duration() <= 1.02 * r.exact && scan.duration() >= r.dual_bound, "{at}");
@@ -84,7 +84,7 @@ fn certified_plans_exceed_nothing_between_the_points() {
     for path in paths() {
         for fine in &path.fine {
             let grid = path.spline.on_knots(1000);
-            let plan = CertifiedReachability.plan(&problem(&path, fine.case, &grid, true)).unwrap();
+            let plan = InterpolatedReachability.plan(&problem(&path, fine.case, &grid, true)).unwrap();
             let worst = spline_paths::worst(&path.spline, &grid, &plan, 20, velocity(fine.case), &A_MAX);
             assert!(worst[0] <= 1.0 + 1e-9 && worst[1] <= 1.0 + 1e-9, "seed {} {}: {worst:?}", path.seed, fine.case);
             let ratio = plan.duration() / fine.fine;
@@ -108,7 +108,8 @@ fn certified_torque_between_the_points() {
         let velocity = JointVelocity::new(samples.path(), &V_A).unwrap();
         let torque = JointTorque::new(&coarse_a, &coarse_b, &[], &coarse_d, &TAU_C).unwrap();
         let problem = FeedProblem::between_points(&grid, &[&velocity, &torque]).unwrap();
-        for (k, plan) in [Reachability.plan(&problem), CertifiedReachability.plan(&problem)].into_iter().enumerate() {
+        for (k, plan) in [Reachability.plan(&problem), InterpolatedReachability.plan(&problem)].into_iter().enumerate()
+        {
             let plan = plan.unwrap();
             for i in 0..50 {
                 let state = plan.at_position((2 * i + 1) as f64 / 100.0);

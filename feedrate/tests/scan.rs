@@ -3,7 +3,8 @@
 mod common;
 
 use arcfeed_feedrate::{
-    FeedError, MotionLaw, Segment, SpeedLaw, boundaries, boundary_speeds, plan_joined, plan_per_segment, plan_windowed,
+    FeedError, MotionLaw, Segment, SpeedLaw, boundaries, boundary_speeds, plan_continuous, plan_per_segment,
+    plan_windowed,
 };
 use common::{Rng, curve_like, judge, lower_bound};
 use proptest::prelude::*;
@@ -23,7 +24,7 @@ fn joined_plans_keep_the_limits_and_beat_one_profile_per_segment() {
     for seed in 0..40 {
         let n = if seed % 4 == 0 { 3000 } else { 300 };
         let segments = curve_like(n, 1000 + seed);
-        let joined = plan_joined(&segments, 0.0, 0.0).unwrap();
+        let joined = plan_continuous(&segments, 0.0, 0.0).unwrap();
         let single = plan_per_segment(&segments, 0.0, 0.0).unwrap();
         hold(&joined, &segments, 0.0, 0.0);
         hold(&single, &segments, 0.0, 0.0);
@@ -51,7 +52,7 @@ proptest! {
     #[test]
     fn wild_segments_keep_the_limits(segments in any_segments(40)) {
         hold(&plan_per_segment(&segments, 0.0, 0.0).unwrap(), &segments, 0.0, 0.0);
-        hold(&plan_joined(&segments, 0.0, 0.0).unwrap(), &segments, 0.0, 0.0);
+        hold(&plan_continuous(&segments, 0.0, 0.0).unwrap(), &segments, 0.0, 0.0);
         for window in [1, 2, 5] {
             hold(&plan_windowed(&segments, 0.0, window).unwrap(), &segments, 0.0, 0.0);
         }
@@ -71,7 +72,7 @@ proptest! {
         let plan = plan_per_segment(&segments, v0, 0.0);
         if share <= 1.0 {
             hold(&plan.unwrap(), &segments, v0, 0.0);
-            hold(&plan_joined(&segments, v0, 0.0).unwrap(), &segments, v0, 0.0);
+            hold(&plan_continuous(&segments, v0, 0.0).unwrap(), &segments, v0, 0.0);
         } else {
             let refused = matches!(plan, Err(FeedError::StartTooFast { .. }));
             prop_assert!(refused);
@@ -86,7 +87,7 @@ proptest! {
             .collect();
         let (one, other) = (plan_per_segment(&segments, 0.0, 0.0).unwrap(), plan_per_segment(&scaled, 0.0, 0.0).unwrap());
         prop_assert!((other.duration() / t / one.duration() - 1.0).abs() < 1e-9);
-        let (one, other) = (plan_joined(&segments, 0.0, 0.0).unwrap(), plan_joined(&scaled, 0.0, 0.0).unwrap());
+        let (one, other) = (plan_continuous(&segments, 0.0, 0.0).unwrap(), plan_continuous(&scaled, 0.0, 0.0).unwrap());
         prop_assert!((other.duration() / t / one.duration() - 1.0).abs() < 1e-6);
     }
 }
@@ -123,7 +124,7 @@ fn ends_at_speed() {
     let segments = vec![Segment::new(2e-3, 0.1, 1.0, 50.0).unwrap(); 20];
     for v_end in [0.0, 0.01, 0.05, 0.1] {
         hold(&plan_per_segment(&segments, 0.0, v_end).unwrap(), &segments, 0.0, v_end);
-        hold(&plan_joined(&segments, 0.02, v_end).unwrap(), &segments, 0.02, v_end);
+        hold(&plan_continuous(&segments, 0.02, v_end).unwrap(), &segments, 0.02, v_end);
     }
     let short = &segments[..1];
     let Err(FeedError::EndTooFast { highest, .. }) = plan_per_segment(short, 0.0, 0.1) else { panic!("reached") };
@@ -163,7 +164,7 @@ fn alternating_equal_and_tiny_segments() {
         make(&mut |i| (1e-3, 0.1 / (1.0 + i as f64 % 50.0))),
     ];
     for segments in &sets {
-        let joined = plan_joined(segments, 0.0, 0.0).unwrap();
+        let joined = plan_continuous(segments, 0.0, 0.0).unwrap();
         hold(&joined, segments, 0.0, 0.0);
         let single = plan_per_segment(segments, 0.0, 0.0).unwrap();
         hold(&single, segments, 0.0, 0.0);
@@ -175,7 +176,7 @@ fn one_segment_is_one_s_profile() {
     let segments = [Segment::new(0.02, 0.1, 1.0, 50.0).unwrap()];
     let limits = arcfeed_feedrate::MotionLimits::new(0.1, 1.0, 50.0).unwrap();
     let profile = arcfeed_feedrate::SProfile::new(0.02, 0.0, 0.0, &limits).unwrap();
-    for plan in [plan_per_segment(&segments, 0.0, 0.0).unwrap(), plan_joined(&segments, 0.0, 0.0).unwrap()] {
+    for plan in [plan_per_segment(&segments, 0.0, 0.0).unwrap(), plan_continuous(&segments, 0.0, 0.0).unwrap()] {
         assert!(
             (plan.duration() / profile.duration() - 1.0).abs() < 1e-6,
             "{} {}",
@@ -188,7 +189,7 @@ fn one_segment_is_one_s_profile() {
 #[test]
 fn speed_by_position_agrees_with_sampling_in_time() {
     let segments = curve_like(300, 5);
-    let plan = plan_joined(&segments, 0.0, 0.0).unwrap();
+    let plan = plan_continuous(&segments, 0.0, 0.0).unwrap();
     for k in 0..1000 {
         let state = plan.at(plan.duration() * f64::from(k) / 999.0);
         let by_s = plan.v_at_s(state.p);
@@ -215,11 +216,11 @@ fn invalid_input_is_named() {
     }
     let segments = [Segment::new(1.0, 1.0, 1.0, 1.0).unwrap()];
     for bad in [f64::NAN, -1.0, f64::INFINITY] {
-        assert!(plan_joined(&segments, bad, 0.0).is_err() && plan_joined(&segments, 0.0, bad).is_err());
+        assert!(plan_continuous(&segments, bad, 0.0).is_err() && plan_continuous(&segments, 0.0, bad).is_err());
         assert!(plan_per_segment(&segments, bad, 0.0).is_err() && plan_per_segment(&segments, 0.0, bad).is_err());
     }
-    assert_eq!(plan_joined(&[], 0.0, 0.0), Err(FeedError::Empty { what: "segments" }));
+    assert_eq!(plan_continuous(&[], 0.0, 0.0), Err(FeedError::Empty { what: "segments" }));
     assert!(plan_windowed(&segments, 0.0, 0).is_err());
-    assert!(matches!(plan_joined(&segments, 2.0, 0.0), Err(FeedError::StartTooFast { segment: 0, .. })));
-    assert!(matches!(plan_joined(&segments, 0.0, 2.0), Err(FeedError::AboveLimit { .. })));
+    assert!(matches!(plan_continuous(&segments, 2.0, 0.0), Err(FeedError::StartTooFast { segment: 0, .. })));
+    assert!(matches!(plan_continuous(&segments, 0.0, 2.0), Err(FeedError::EndTooFast { .. })));
 }

@@ -18,8 +18,8 @@ fn segmentation(c: &mut Criterion) {
     for (name, method) in [
         ("hull", SegmentationMethod::Hull),
         ("C type", SegmentationMethod::CType),
-        ("longest within knots", SegmentationMethod::Longest { across_knots: false }),
-        ("longest across knots", SegmentationMethod::Longest { across_knots: true }),
+        ("longest within knots", SegmentationMethod::Greedy { across_knots: false }),
+        ("longest across knots", SegmentationMethod::Greedy { across_knots: true }),
     ] {
         group.bench_function(name, |b| b.iter(|| black_box(&curve).segment(method, 0.001)));
     }

@@ -28,8 +28,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let methods = [
         ("control polygon, halving", SegmentationMethod::Hull),
         ("C-type pieces, halving", SegmentationMethod::CType),
-        ("longest pieces", SegmentationMethod::Longest { across_knots: false }),
-        ("longest, across knots", SegmentationMethod::Longest { across_knots: true }),
+        ("longest pieces", SegmentationMethod::Greedy { across_knots: false }),
+        ("longest, across knots", SegmentationMethod::Greedy { across_knots: true }),
     ];
     let mut svg = String::new();
     writeln!(

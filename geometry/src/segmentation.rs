@@ -27,7 +27,7 @@ pub enum SegmentationMethod {
     CType,
     /// From the start on, each time the longest piece that keeps the tolerance by its exact deviation. The fewest
     /// pieces of the three.
-    Longest {
+    Greedy {
         /// False: pieces end at the knots, so that each lies in one polynomial span. True: pieces may run across knots
         /// (and across corners, where the deviation allows it).
         across_knots: bool,
@@ -93,7 +93,7 @@ impl<const D: usize> NurbsCurve<D> {
     ///
     /// let points = vec![vector![0.0, 0.0], vector![0.5, 1.0], vector![1.0, 0.0]];
     /// let curve = NurbsCurve::bspline(2, points, vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0])?;
-    /// let pieces = curve.segment(SegmentationMethod::Longest { across_knots: false }, 1e-3)?;
+    /// let pieces = curve.segment(SegmentationMethod::Greedy { across_knots: false }, 1e-3)?;
     /// assert!(pieces.max_deviation() <= 1e-3);
     /// assert_eq!(pieces.len(), 19);
     /// # Ok::<(), arcfeed_geometry::GeometryError>(())
@@ -108,7 +108,7 @@ impl<const D: usize> NurbsCurve<D> {
         match method {
             SegmentationMethod::Hull => hull::cut(&mut cutter)?,
             SegmentationMethod::CType => c_type::cut(&mut cutter)?,
-            SegmentationMethod::Longest { across_knots } => longest::cut(&mut cutter, across_knots)?,
+            SegmentationMethod::Greedy { across_knots } => longest::cut(&mut cutter, across_knots)?,
         }
         Ok(Segmentation { breaks: cutter.breaks, deviations: cutter.deviations, tolerance })
     }

@@ -9,8 +9,8 @@ use common::random::{cases, curve};
 use common::{dense_deviation, distance_from_segment, published};
 use proptest::prelude::*;
 
-const WITHIN: SegmentationMethod = SegmentationMethod::Longest { across_knots: false };
-const ACROSS: SegmentationMethod = SegmentationMethod::Longest { across_knots: true };
+const WITHIN: SegmentationMethod = SegmentationMethod::Greedy { across_knots: false };
+const ACROSS: SegmentationMethod = SegmentationMethod::Greedy { across_knots: true };
 const METHODS: [SegmentationMethod; 4] = [SegmentationMethod::Hull, SegmentationMethod::CType, WITHIN, ACROSS];
 
 /// Every piece, measured densely and independently, keeps the tolerance and the deviation it reports.

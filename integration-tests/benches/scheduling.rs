@@ -17,7 +17,8 @@ use std::hint::black_box;
 
 use arcfeed_feedrate::constraint::{JointAcceleration, JointJerk, JointVelocity};
 use arcfeed_feedrate::{
-    BothEndsScan, CertifiedReachability, ClarabelBaseline, FeedPlanner, FeedProblem, JerkLimited, Reachability,
+    ClarabelBaseline, FeedPlanner, FeedProblem, ForwardBackwardScan, InterpolatedReachability, JerkLimited,
+    Reachability,
 };
 use copp::path::{Jet3, Path, sin};
 use copp::robot::Robot;
@@ -140,9 +141,9 @@ fn scheduling(c: &mut Criterion) {
         assert!((ratio - 1.0).abs() < 5e-3, "{ratio}");
         println!(
             "{n}: both ends {:.5} s, reachability {reachability:.5} s, COPP {:.5} s, certified {:.5} s; jerk-limited {:.5} s, COPP {third:.5} s",
-            ours(&grid, &samples, &BothEndsScan, false, false),
+            ours(&grid, &samples, &ForwardBackwardScan, false, false),
             copp_second(&grid, &path),
-            ours(&grid, &samples, &CertifiedReachability, false, true),
+            ours(&grid, &samples, &InterpolatedReachability, false, true),
             ours(&grid, &samples, &jerk_limited, true, true),
         );
         println!(
@@ -151,13 +152,15 @@ fn scheduling(c: &mut Criterion) {
             ours(&grid, &samples, &ClarabelBaseline, true, true),
         );
         let mut group = c.benchmark_group(n.to_string());
-        group.bench_function("both ends", |b| b.iter(|| ours(black_box(&grid), &samples, &BothEndsScan, false, false)));
+        group.bench_function("both ends", |b| {
+            b.iter(|| ours(black_box(&grid), &samples, &ForwardBackwardScan, false, false))
+        });
         group.bench_function("reachability", |b| {
             b.iter(|| ours(black_box(&grid), &samples, &Reachability, false, false))
         });
         group.bench_function("COPP reachability", |b| b.iter(|| copp_second(black_box(&grid), &path)));
         group.bench_function("certified", |b| {
-            b.iter(|| ours(black_box(&grid), &samples, &CertifiedReachability, false, true));
+            b.iter(|| ours(black_box(&grid), &samples, &InterpolatedReachability, false, true));
         });
         group.sample_size(10);
         group

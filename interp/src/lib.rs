@@ -61,7 +61,7 @@ mod setpoint;
 mod trajectory;
 mod verify;
 
-pub use arcfeed_feedrate::{Quantity, RowSource};
+pub use arcfeed_feedrate::{LimitId, Quantity};
 pub use arm::{MIN_SINGULAR_VALUE, PathArm};
 pub use error::{Cause, Infeasibility, LimitError, PathEnd, PathError, PlanError, SpeedError};
 pub use limits::{Extent, FeedSection, Limits, Section, ToolLimits, TorqueLimits};

@@ -4,8 +4,8 @@ use std::fmt;
 use std::str::FromStr;
 
 use arcfeed_feedrate::{
-    BothEndsScan, CertifiedReachability, ChosenLaw, ContinuousAccelerationScan, FeedError, FeedPlanner, FeedProblem,
-    JerkLimitedOrScan, PerSegmentScan, Reachability, SpeedLaw,
+    ChosenLaw, ContinuousAccelerationScan, FeedError, FeedPlanner, FeedProblem, ForwardBackwardScan,
+    InterpolatedReachability, JerkLimitedOrScan, PerSegmentScan, Reachability, SpeedLaw,
 };
 
 use crate::problem::RowsNeeded;
@@ -83,9 +83,9 @@ impl Method {
             Self::JerkLimited => return JerkLimitedOrScan::default().choose(problem),
             Self::ContinuousAcceleration => ContinuousAccelerationScan.plan(problem),
             Self::PerSegment { window } => PerSegmentScan { window }.plan(problem),
-            Self::ForwardBackward => BothEndsScan.plan(problem),
+            Self::ForwardBackward => ForwardBackwardScan.plan(problem),
             Self::Reachability => Reachability.plan(problem),
-            Self::InterpolatedReachability => CertifiedReachability.plan(problem),
+            Self::InterpolatedReachability => InterpolatedReachability.plan(problem),
         }?;
         Ok(ChosenLaw { law, fallback: None, converged: true })
     }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use arcfeed_feedrate::{ChosenLaw, FeedError, Quantity, RowSource, SpeedLaw};
+use arcfeed_feedrate::{ChosenLaw, FeedError, LimitId, Quantity, SpeedLaw};
 use arcfeed_kinematics::ForwardKinematics;
 
 use crate::diagnosis;
@@ -357,8 +357,8 @@ fn knots(law: &SpeedLaw, period: f64) -> Vec<f64> {
 }
 
 /// The limits that are exceeded, with the ratios; `None` where one of them is nothing that less of a limit could mend.
-fn lowerable(verification: &Verification, jerk_limited: bool) -> Option<Vec<(RowSource, f64)>> {
-    let mut exceeded: Vec<(RowSource, f64)> = Vec::new();
+fn lowerable(verification: &Verification, jerk_limited: bool) -> Option<Vec<(LimitId, f64)>> {
+    let mut exceeded: Vec<(LimitId, f64)> = Vec::new();
     for check in
         verification.checks().iter().filter(|check| check.ratio > 1.0 + 0.5 * TOLERANCE || check.ratio.is_nan())
     {
@@ -368,8 +368,8 @@ fn lowerable(verification: &Verification, jerk_limited: bool) -> Option<Vec<(Row
             | Quantity::OrientationDeviation
             | Quantity::Ends
             | Quantity::SetpointAgreement => return None,
-            Quantity::Continuity if jerk_limited => RowSource { quantity: Quantity::JointJerk, ..check.id },
-            Quantity::Continuity => RowSource { quantity: Quantity::JointAcceleration, ..check.id },
+            Quantity::Continuity if jerk_limited => LimitId { quantity: Quantity::JointJerk, ..check.id },
+            Quantity::Continuity => LimitId { quantity: Quantity::JointAcceleration, ..check.id },
             _ => check.id,
         };
         if !check.ratio.is_finite() {

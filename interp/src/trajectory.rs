@@ -3,7 +3,7 @@
 use std::fmt;
 use std::time::Duration;
 
-use arcfeed_feedrate::{Cursor, Fallback, FeedProblem, Row, RowSource, SpeedLaw};
+use arcfeed_feedrate::{Cursor, Fallback, FeedProblem, LimitId, Row, SpeedLaw};
 use arcfeed_geometry::Segmentation;
 use arcfeed_kinematics::Joints;
 
@@ -29,7 +29,7 @@ pub struct PlanInfo {
     /// Into how many parts each interval of the first grid was divided for the sake of the limits between its points; 1 for none.
     pub refined: usize,
     /// Limits that the last round planned with less of, and the fraction: what was exceeded between the points of the grid.
-    pub lowered: Vec<(RowSource, f64)>,
+    pub lowered: Vec<(LimitId, f64)>,
 }
 
 impl fmt::Display for PlanInfo {
@@ -73,7 +73,7 @@ pub struct LimitPoint {
     /// Speed, units of the parameter per s; infinite where nothing bounds it.
     pub speed: f64,
     /// Which limit; none where nothing bounds it.
-    pub id: Option<RowSource>,
+    pub id: Option<LimitId>,
 }
 
 /// A motion along a path that was planned and verified: it keeps every limit it was planned for.
@@ -309,7 +309,7 @@ fn greatest_constant(row: &Row) -> f64 {
 }
 
 /// A row that no acceleration keeps at the squared speed `x` together with the others.
-fn first_conflict(rows: &[Row], x: f64) -> Option<RowSource> {
+fn first_conflict(rows: &[Row], x: f64) -> Option<LimitId> {
     let (mut least, mut most) = ((f64::NEG_INFINITY, None), (f64::INFINITY, None));
     for row in rows {
         let rest = row.value(0.0, x);

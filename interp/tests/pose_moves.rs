@@ -6,8 +6,8 @@ mod qb;
 use arcfeed_feedrate::{FeedPlanner, MotionLaw, PublishedScan, SpeedLaw};
 use arcfeed_geometry::{PoseJet, PoseMotion};
 use arcfeed_interp::{
-    JointJet, JointSpline, Limits, Method, MotionPath, PathError, PathParameter, PathProblem, Planner, PoseMove,
-    Quantity, RowSource, RowsNeeded, Setpoint, ToolLimits, Verification,
+    JointJet, JointSpline, LimitId, Limits, Method, MotionPath, PathError, PathParameter, PathProblem, Planner,
+    PoseMove, Quantity, RowsNeeded, Setpoint, ToolLimits, Verification,
 };
 use arcfeed_kinematics::{
     Arm, ArmDynamics, Chain, ForwardKinematics, Friction, Inertial, Joint, JointLimits, JointRange, Joints, models,
@@ -99,7 +99,7 @@ fn coulomb_friction_slows_the_start_and_helps_the_stop() {
             let t = plan.duration();
             assert!(t >= exact - 1e-9 && t < exact * (1.0 + 2e-3), "{method}: {t}, exact {exact}");
             holds(plan.verification(), 1e-9);
-            let binding = plan.verification().binding(RowSource::joint(Quantity::JointTorque, 0));
+            let binding = plan.verification().binding(LimitId::joint(Quantity::JointTorque, 0));
             let whole: f64 = binding.iter().map(|(a, b)| b - a).sum();
             assert!(whole > 0.99 * way, "{binding:?}");
         }
@@ -138,7 +138,7 @@ fn friction_changes_sign_where_a_joint_turns_back() {
         let turns = nodes.iter().filter(|jet| jet.d1.iter().any(|d| *d == 0.0)).count();
         assert!(turns >= 3, "{turns}");
         holds(plan.verification(), 1e-6);
-        let most = plan.verification().of(RowSource::joint(Quantity::JointTorque, 0)).expect("it is limited");
+        let most = plan.verification().of(LimitId::joint(Quantity::JointTorque, 0)).expect("it is limited");
         assert!(most.ratio > 0.99, "{most:?}");
     }
 }
@@ -215,7 +215,7 @@ fn a_straight_line_of_a_planar_arm_keeps_tool_and_joint_speeds() {
         // The tool turns by b' ds, slower than joint 2 by two: 0.45 rad/s is the tighter limit.
         assert!((law.v - 0.45 / rate).abs() < 1e-6 * law.v, "{} {}", law.v, 0.45 / rate);
         holds(plan.verification(), 1e-6);
-        assert!(!plan.verification().binding(RowSource::path(Quantity::AngularSpeed)).is_empty());
+        assert!(!plan.verification().binding(LimitId::path(Quantity::AngularSpeed)).is_empty());
     }
 }
 
@@ -314,7 +314,7 @@ fn the_limits_that_bind_are_those_of_the_paper() {
     let planner = Planner::new(&arm, qb::kinematic(&arm)).with_method(Method::InterpolatedReachability);
     let plan = planner.plan(&path).expect("a plan");
     let check = plan.verification();
-    let [(from, to)] = check.binding(RowSource::joint(Quantity::JointVelocity, 4)) else {
+    let [(from, to)] = check.binding(LimitId::joint(Quantity::JointVelocity, 4)) else {
         panic!("{:?}", check.bindings())
     };
     // Half angles in print: 0.11 and 0.54.
@@ -325,9 +325,9 @@ fn the_limits_that_bind_are_those_of_the_paper() {
     let planner = Planner::new(&arm, qb::with_torque(&arm));
     let binds = |check: &Verification, name: &str| {
         for source in [
-            RowSource::joint(Quantity::JointAcceleration, 2),
-            RowSource::joint(Quantity::JointTorque, 0),
-            RowSource::joint(Quantity::JointTorque, 2),
+            LimitId::joint(Quantity::JointAcceleration, 2),
+            LimitId::joint(Quantity::JointTorque, 0),
+            LimitId::joint(Quantity::JointTorque, 2),
         ] {
             assert!(!check.binding(source).is_empty(), "{name}: {source}");
         }

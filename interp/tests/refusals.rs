@@ -5,8 +5,8 @@ mod qb;
 
 use arcfeed_geometry::PoseMotion;
 use arcfeed_interp::{
-    Infeasibility, JointSpline, LimitError, Limits, Method, MotionPath, PathError, PathParameter, PlanError, Planner,
-    PoseMove, Quantity, RowSource, SpeedError, ToolLimits,
+    Infeasibility, JointSpline, LimitError, LimitId, Limits, Method, MotionPath, PathError, PathParameter, PlanError,
+    Planner, PoseMove, Quantity, SpeedError, ToolLimits,
 };
 use arcfeed_kinematics::{ForwardKinematics, Inertial, Joints, KinematicsError, models};
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
@@ -186,7 +186,7 @@ proptest! {
                 let check = plan.verification();
                 prop_assert!(check.holds(1e-6), "{:?} of {}", check.worst(), plan.duration());
                 prop_assert!(plan.duration().is_finite() && plan.duration() > 0.0);
-                let tool = RowSource::path(Quantity::Feed);
+                let tool = LimitId::path(Quantity::Feed);
                 prop_assert!(check.of(tool).is_some_and(|tool| tool.ratio <= 1.0 + 1e-9), "{:?}", check.of(tool));
             }
             Err(error) => prop_assert!(matches!(error, PlanError::Path(PathError::Arm { .. } | PathError::BranchChange { .. } | PathError::JointRange { .. })), "{error}"),

@@ -11,9 +11,10 @@ use arcfeed_feedrate::{FeedError, FeedPlanner, FeedProblem, PublishedScan, Speed
 use arcfeed_interp::{Method, MotionPath, PathArm, PathProblem, PlanError, Planner, Verification};
 use serde::Serialize;
 
-use crate::cr7::{Cr7Error, Task};
+use crate::cr7::Task;
+use crate::cr7_error::Cr7Error;
+use crate::limit_line::TOLERANCE;
 use crate::report::clip;
-use crate::verdict::TOLERANCE;
 
 /// Places of the path at which profiles are drawn.
 const DRAWN: usize = 3000;

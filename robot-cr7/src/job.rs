@@ -10,6 +10,7 @@ use nalgebra::{Isometry3, Unit, UnitQuaternion, Vector3};
 
 use crate::error::{InputError, read_text, text_of};
 use crate::job_file::{RawJob, RawMode, RawOrientation, RawPlan, RawSection, RawTorque};
+use crate::joint_values::{JointOverrides, JointValues};
 use crate::toml_check::{Check, read_toml, rotation};
 use crate::unit::LengthUnit;
 
@@ -71,39 +72,6 @@ pub struct Payload {
     pub mass: f64,
     /// Centre of mass in the frame of the flange in m.
     pub centre: Vector3<f64>,
-}
-
-/// Joint limits that replace those of the arm's model, all above 0.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct JointOverrides {
-    /// Velocity in rad/s.
-    pub velocity: Option<JointValues>,
-    /// Acceleration in rad/s^2.
-    pub acceleration: Option<JointValues>,
-    /// Jerk in rad/s^3.
-    pub jerk: Option<JointValues>,
-}
-
-/// A value for the joints of an arm whose number the job does not know.
-#[derive(Debug, Clone, PartialEq)]
-pub enum JointValues {
-    /// The same for all joints.
-    All(f64),
-    /// One for each joint.
-    Each(Vec<f64>),
-}
-
-impl JointValues {
-    /// The values for an arm of `N` joints.
-    ///
-    /// # Errors
-    /// How many there are, when that is another number.
-    pub fn of<const N: usize>(&self) -> Result<[f64; N], usize> {
-        match self {
-            Self::All(value) => Ok([*value; N]),
-            Self::Each(values) => <[f64; N]>::try_from(values.as_slice()).map_err(|_| values.len()),
-        }
-    }
 }
 
 /// A checked job, in SI units.

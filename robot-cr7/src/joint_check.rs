@@ -3,7 +3,7 @@
 use arcfeed_feedrate::AxisState;
 use arcfeed_kinematics::JointLimits;
 
-use crate::report::{LimitLine, LimitUnit};
+use crate::limit_line::{LimitLine, LimitUnit};
 use crate::trajectory_csv::TrajectoryRow;
 
 /// What the joints may do at one moment, for both signs; SI.

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use crate::report::{LimitLine, clip, limit_table, number};
+use crate::limit_line::LimitLine;
+use crate::report::{clip, limit_table, number};
 
 /// Something that happened during a motion.
 #[derive(Debug, Clone, PartialEq, Serialize)]

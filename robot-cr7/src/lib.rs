@@ -3,11 +3,14 @@
 
 mod compare;
 mod cr7;
+mod cr7_error;
 mod error;
 mod job;
 mod job_file;
 mod joint_check;
 mod joint_run;
+mod joint_values;
+mod limit_line;
 mod limit_lines;
 mod model;
 mod online_events;
@@ -31,18 +34,22 @@ mod toml_check;
 mod trajectory_csv;
 mod unit;
 mod verdict;
+mod whole_file;
 
 pub use compare::{Comparison, Entry, Use, compare};
-pub use cr7::{Cr7Error, Drives, Motion, Task, drawn_segments, trajectory_row};
+pub use cr7::{Motion, Task, drawn_segments, trajectory_row};
+pub use cr7_error::Cr7Error;
 pub use error::InputError;
-pub use job::{FeedLimits, Job, JointOverrides, JointValues, Payload, ToolOrientation, TorqueJob};
+pub use job::{FeedLimits, Job, Payload, ToolOrientation, TorqueJob};
 pub use joint_check::{JointCheck, Rates};
 pub use joint_run::{Happening, JointReport};
+pub use joint_values::{JointOverrides, JointValues};
+pub use limit_line::{LimitLine, LimitUnit};
 pub use model::{ACCELERATION, Cr7, JERK, VELOCITY};
 pub use online_scenario::{OnlineRun, OnlineScenario, ScenarioError};
 pub use path_file::{PathFile, PathGeometry};
-pub use report::{LimitLine, LimitUnit, Report, SegmentCount};
-pub use robot::Robot;
+pub use report::{Report, SegmentCount};
+pub use robot::{Drives, Robot};
 pub use sample_paths::{SamplePath, butterfly};
 pub use samples::{MOST_CYCLES, MOST_SAMPLES, TooManySamples, few_enough, sample_times};
 pub use scenario::{
@@ -53,7 +60,8 @@ pub use schedule_figure::{BindingBar, JointFigure, JointPanel, ShareFigure, Shar
 pub use schedule_file::{ScheduleFile, SchedulePlace, ScheduleWay};
 pub use schedule_run::{BindingLine, ScheduleReport, ScheduleRun, run_pose_move, run_way_points};
 pub use series::Series;
-pub use staging::{Staging, interrupt};
+pub use staging::Staging;
 pub use trajectory_csv::{TrajectoryRow, TrajectoryWriter, read_trajectory, trajectory_columns, write_trajectory};
 pub use unit::LengthUnit;
 pub use verdict::{Exceeded, LimitsHold};
+pub use whole_file::interrupt;

@@ -2,7 +2,7 @@
 
 use arcfeed_interp::{PathParameter, Quantity, Verification};
 
-use crate::report::{LimitLine, LimitUnit};
+use crate::limit_line::{LimitLine, LimitUnit};
 
 /// Every limit with its worst place.
 pub(crate) fn limit_lines(verification: &Verification, parameter: PathParameter) -> Vec<LimitLine> {

@@ -3,8 +3,9 @@
 use arcfeed_kinematics::{JointLimits, Joints, KinematicsError, ParallelAxisArm, models};
 use nalgebra::Isometry3;
 
-use crate::cr7::Cr7Error;
-use crate::job::{Job, JointValues};
+use crate::cr7_error::Cr7Error;
+use crate::job::Job;
+use crate::joint_values::JointValues;
 
 /// Highest joint velocity, rad/s (180 deg/s). **Assumed**, the class of the catalogue: the maker's model states 0.
 pub const VELOCITY: f64 = std::f64::consts::PI;

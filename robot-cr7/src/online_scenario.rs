@@ -9,10 +9,10 @@ use serde::Deserialize;
 use thiserror::Error;
 
 use crate::error::{InputError, read_text};
-use crate::job::{JointOverrides, JointValues};
 use crate::job_file::{PerJoint, RawJoints, RawSampling};
 use crate::joint_check::Rates;
 use crate::joint_run::Happening;
+use crate::joint_values::{JointOverrides, JointValues};
 use crate::online_events::{Teller, in_degrees};
 use crate::samples::MOST_CYCLES;
 use crate::toml_check::{Check, read_toml};

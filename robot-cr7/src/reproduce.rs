@@ -24,7 +24,8 @@ use arcfeed_interp::parameter::{
 use arcfeed_interp::{Method, PlanError};
 use serde::Serialize;
 
-use crate::cr7::{Cr7Error, Motion, Task};
+use crate::cr7::{Motion, Task};
+use crate::cr7_error::Cr7Error;
 use crate::job::Job;
 use crate::sample_paths::SamplePath;
 
@@ -260,8 +261,8 @@ fn segment_counts(r: &mut Reproduction) -> Result<(), Cr7Error> {
         for (method, words, bound) in [
             (SegmentationMethod::CType, "the paper's method", None),
             (SegmentationMethod::Hull, "convex hull, bisected", None),
-            (SegmentationMethod::Longest { across_knots: false }, "longest pieces", most.map(|m| m.0)),
-            (SegmentationMethod::Longest { across_knots: true }, "longest pieces across knots", most.map(|m| m.1)),
+            (SegmentationMethod::Greedy { across_knots: false }, "longest pieces", most.map(|m| m.0)),
+            (SegmentationMethod::Greedy { across_knots: true }, "longest pieces across knots", most.map(|m| m.1)),
         ] {
             let result =
                 curve.segment(method, tolerance).map_err(|source| Cr7Error::Curve { file: name.to_owned(), source })?;

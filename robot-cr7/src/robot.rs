@@ -2,15 +2,27 @@
 
 use std::path::Path;
 
-use arcfeed_kinematics::{AnyArm, Arm, ArmDescription, Inertial, JointLimits, Joints, KinematicsError, models};
+use arcfeed_kinematics::{
+    AnyArm, Arm, ArmDescription, ArmDynamics, Inertial, JointLimits, Joints, KinematicsError, models,
+};
 use nalgebra::{Isometry3, Matrix3};
 
-use crate::cr7::{Cr7Error, Drives};
+use crate::cr7_error::Cr7Error;
 use crate::error::read_text;
-use crate::job::{Job, JointOverrides, JointValues};
+use crate::job::Job;
+use crate::joint_values::{JointOverrides, JointValues};
 use crate::model::{ACCELERATION, JERK, VELOCITY};
 
 const EXPECTED: &str = "a robot as URDF (.urdf) or JSON (.json)";
+
+/// What the drives of an arm have to move, and what they can do.
+#[derive(Debug, Clone, Copy)]
+pub struct Drives<const N: usize = 6> {
+    /// Links, rotors, friction and payload.
+    pub dynamics: ArmDynamics<N>,
+    /// Greatest torques, N m.
+    pub torque: Joints<N>,
+}
 
 /// An arm that is not known before the program runs, with what its source says and does not say.
 ///

@@ -1,6 +1,6 @@
 //! What is drawn of a scheduled motion, as plain numbers in the units of the labels.
 
-use arcfeed_interp::{Binding, LimitPoint, PathParameter, RowSource, SpeedError, Trajectory};
+use arcfeed_interp::{Binding, LimitId, LimitPoint, PathParameter, SpeedError, Trajectory};
 
 /// Speed along a motion, under the curves that limit it, with what binds below.
 #[derive(Debug, Clone, PartialEq)]
@@ -130,7 +130,7 @@ pub(crate) fn binding_bars(bindings: &[Binding], factor: f64) -> Vec<BindingBar>
 }
 
 /// "J3 torque".
-fn short(id: RowSource) -> String {
+fn short(id: LimitId) -> String {
     match id.joint {
         Some(joint) => format!("J{} {}", joint + 1, id.quantity.name().trim_start_matches("joint ")),
         None => id.quantity.to_string(),

@@ -7,8 +7,8 @@ use nalgebra::{Isometry3, Matrix3, Vector3};
 use serde::Deserialize;
 
 use crate::error::{InputError, read_text};
-use crate::job::{JointOverrides, JointValues};
 use crate::job_file::{PerJoint, RawFrame, RawSampling};
+use crate::joint_values::{JointOverrides, JointValues};
 use crate::toml_check::{Check, read_toml};
 
 const EXPECTED: &str = "a TOML file such as schedules/pick.toml";

@@ -9,10 +9,12 @@ use arcfeed_interp::{
 use arcfeed_kinematics::{Arm, ArmDynamics, JointLimits, Joints};
 use serde::Serialize;
 
-use crate::cr7::{Cr7Error, plan_error, trajectory_row};
+use crate::cr7::{plan_error, trajectory_row};
+use crate::cr7_error::Cr7Error;
 use crate::error::InputError;
+use crate::limit_line::LimitLine;
 use crate::limit_lines::limit_lines;
-use crate::report::{LimitLine, clip, duration, limit_table, number, percent};
+use crate::report::{clip, duration, limit_table, number, percent};
 use crate::robot::Robot;
 use crate::samples::few_enough;
 use crate::schedule_figure::{ShareFigure, SharePanel, SpeedFigure, speed_figure};

@@ -6,8 +6,9 @@ use arcfeed_geometry::PoseMotion;
 use arcfeed_interp::{MotionPath, PathError, PoseMove};
 use arcfeed_kinematics::{Arm, ForwardKinematics, Joints};
 
-use crate::cr7::{Cr7Error, plan_error};
-use crate::job::JointValues;
+use crate::cr7::plan_error;
+use crate::cr7_error::Cr7Error;
+use crate::joint_values::JointValues;
 use crate::report::number;
 use crate::schedule_file::{ScheduleFile, SchedulePlace};
 

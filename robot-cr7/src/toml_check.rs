@@ -6,8 +6,8 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use serde::de::DeserializeOwned;
 
 use crate::error::{InputError, line_column};
-use crate::job::JointValues;
 use crate::job_file::{PerJoint, RawFrame};
+use crate::joint_values::JointValues;
 
 /// Longest tool and farthest workpiece that can be meant with an arm that reaches less than a metre, in metres.
 const FARTHEST: f64 = 100.0;

@@ -4,7 +4,7 @@ use std::io::{Read, Write};
 use std::path::Path;
 
 use crate::error::InputError;
-use crate::staging::write_whole;
+use crate::whole_file::write_whole;
 
 /// Names of the columns for an arm of `joints` joints: `t_s`, then `q`, `qd`, `qdd` and `jerk` of every joint, then the
 /// tool pose.

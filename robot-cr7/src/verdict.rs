@@ -2,17 +2,8 @@
 
 use thiserror::Error;
 
-use crate::report::{LimitLine, number, percent};
-
-/// By how much a value may exceed its limit through rounding, relative to the limit.
-pub(crate) const TOLERANCE: f64 = 1e-6;
-
-impl LimitLine {
-    /// Whether the limit holds to within 1e-6 of itself, which is rounding. A value that is not a number does not.
-    pub fn holds(&self) -> bool {
-        self.ratio <= 1.0 + TOLERANCE
-    }
-}
+use crate::limit_line::LimitLine;
+use crate::report::{number, percent};
 
 /// Proof that a motion was checked and keeps every limit; [`Staging::publish`](crate::Staging::publish) asks for it.
 ///
@@ -69,7 +60,7 @@ fn words(line: &LimitLine) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::LimitUnit;
+    use crate::limit_line::LimitUnit;
 
     fn line(ratio: f64) -> LimitLine {
         LimitLine {

@@ -40,6 +40,7 @@ fn the_example_shows_every_key() {
         .lines()
         .filter(|l| !l.starts_with("# from_rpy") && !l.starts_with("# to_rpy") && !l.starts_with("# axis"))
         .map(|l| match l.strip_prefix("# ") {
+            _ if l.starts_with("planner") => "planner = \"per-segment\"\n".to_owned(),
             Some(key) if key.split(' ').nth(1) == Some("=") => format!("{key}\n"),
             _ => format!("{l}\n"),
         })

@@ -79,7 +79,7 @@ fn json_is_one_object_and_nothing_else() {
         "joint velocity",
         "joint acceleration",
         "joint jerk",
-        "feed rate",
+        "feed",
         "tangential acceleration",
         "tangential jerk",
         "normal acceleration",

@@ -1,7 +1,7 @@
 //! Bounds over a whole interval from rows at three places of it.
 
 use super::{PathConstraint, Place, RowSink, Within};
-use crate::row::{IntervalBound, JerkRow, Quantity, Row, RowSource};
+use crate::row::{IntervalBound, JerkRow, LimitId, Quantity, Row};
 
 /// Least and greatest Bernstein coefficient of the quadratic through values at both ends and in the middle, which enclose it.
 fn hull([p, m, q]: [f64; 3]) -> [f64; 2] {
@@ -18,7 +18,7 @@ fn magnitude(values: [f64; 3]) -> f64 {
 pub(super) fn of_rows<C: PathConstraint + ?Sized>(constraint: &C, k: usize, h: f64, out: &mut Vec<IntervalBound>) {
     let [near, middle, far] = [Place::Point(k), Place::Middle { k, h }, Place::Point(k + 1)].map(|place| {
         let mut rows = Vec::new();
-        let source = RowSource::path(Quantity::Other);
+        let source = LimitId::path(Quantity::Other);
         let mut sink = RowSink { rows: &mut rows, sound: true, x_max: f64::INFINITY, source };
         constraint.rows(place, &mut sink);
         // A cap of 0 is a stop, which is made anyway.

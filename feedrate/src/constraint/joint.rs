@@ -3,7 +3,7 @@
 use super::path::PathDerivatives;
 use super::{PathConstraint, Place, RowSink, Within};
 use crate::error::FeedError;
-use crate::row::{IntervalBound, JerkRow, Quantity, Row, RowSource};
+use crate::row::{IntervalBound, JerkRow, LimitId, Quantity, Row};
 
 /// One limit per axis: not negative, may be infinite.
 fn per_axis(what: &'static str, path: &PathDerivatives<'_>, limits: &[f64]) -> Result<(), FeedError> {
@@ -53,7 +53,7 @@ impl<'a> JointVelocity<'a> {
             most = f64::NAN;
         }
         if most != 0.0 {
-            out.cap(1.0 / (most * most), RowSource::joint(Quantity::JointVelocity, joint));
+            out.cap(1.0 / (most * most), LimitId::joint(Quantity::JointVelocity, joint));
         }
     }
 }
@@ -81,17 +81,17 @@ impl PathConstraint for JointVelocity<'_> {
             if rate > 0.0 {
                 out.push(IntervalBound::Speed {
                     most: limit / rate,
-                    source: RowSource::joint(Quantity::JointVelocity, j),
+                    source: LimitId::joint(Quantity::JointVelocity, j),
                 });
             }
         }
     }
 
-    fn axis_speeds(&self, k: usize, h: f64, out: &mut dyn FnMut([f64; 3], f64, RowSource)) {
+    fn axis_speeds(&self, k: usize, h: f64, out: &mut dyn FnMut([f64; 3], f64, LimitId)) {
         for (j, &limit) in self.limits.iter().enumerate().filter(|(_, limit)| limit.is_finite()) {
             let (p0, p1) = (self.path.start(k, j)[0], self.path.end(k + 1, j)[0]);
             let middle = 2.0 * self.path.mid(k, h, j)[0] - 0.5 * (p0 + p1);
-            out([p0, middle, p1], limit, RowSource::joint(Quantity::JointVelocity, j));
+            out([p0, middle, p1], limit, LimitId::joint(Quantity::JointVelocity, j));
         }
     }
 }
@@ -113,14 +113,14 @@ impl<'a> JointAcceleration<'a> {
     /// [`FeedError::LengthMismatch`], [`FeedError::Negative`].
     pub fn new(path: PathDerivatives<'a>, limits: &'a [f64]) -> Result<Self, FeedError> {
         per_axis("joint acceleration limits", &path, limits)?;
-        let row = |(j, &limit)| Row::symmetric(0.0, 0.0, limit, RowSource::joint(Quantity::JointAcceleration, j));
+        let row = |(j, &limit)| Row::symmetric(0.0, 0.0, limit, LimitId::joint(Quantity::JointAcceleration, j));
         let all_finite = limits.iter().all(|limit| limit.is_finite()) && path.is_finite();
         let rows = if all_finite { limits.iter().enumerate().map(row).collect() } else { Vec::new() };
         Ok(Self { path, limits, rows })
     }
 
     fn row(&self, j: usize, a: f64, b: f64, out: &mut RowSink<'_>) {
-        out.row(Row::symmetric(a, b, self.limits[j], RowSource::joint(Quantity::JointAcceleration, j)));
+        out.row(Row::symmetric(a, b, self.limits[j], LimitId::joint(Quantity::JointAcceleration, j)));
     }
 }
 
@@ -144,7 +144,7 @@ impl PathConstraint for JointAcceleration<'_> {
                     before.iter().zip(first).zip(self.limits).any(|((p, q), limit)| p != q && limit.is_finite())
                 });
                 if jumps {
-                    out.cap(0.0, RowSource::path(Quantity::Corner));
+                    out.cap(0.0, LimitId::path(Quantity::Corner));
                 } else if let Some(before) = second_before.filter(|before| *before != second) {
                     for (j, (&a, &b)) in first.iter().zip(before).enumerate() {
                         self.row(j, a, b, out);
@@ -163,7 +163,7 @@ impl PathConstraint for JointAcceleration<'_> {
     fn interval_bounds(&self, k: usize, h: f64, out: &mut Vec<IntervalBound>) {
         for (j, &limit) in self.limits.iter().enumerate().filter(|(_, limit)| limit.is_finite()) {
             let [a, b, _] = self.path.interval(k, h, j);
-            let source = RowSource::joint(Quantity::JointAcceleration, j);
+            let source = LimitId::joint(Quantity::JointAcceleration, j);
             out.push(IntervalBound::Acceleration { a, b, c: 0.0, rest: 0.0, limit, source });
         }
     }
@@ -224,7 +224,7 @@ impl PathConstraint for JointJerk<'_> {
         };
         if jump(self.path.first_before(i), self.path.first(i)) || jump(self.path.second_before(i), self.path.second(i))
         {
-            out.cap(0.0, RowSource::path(Quantity::Corner));
+            out.cap(0.0, LimitId::path(Quantity::Corner));
         }
     }
 
@@ -235,7 +235,7 @@ impl PathConstraint for JointJerk<'_> {
                 Within::Middle => self.path.mid(k, h, j),
                 Within::End => self.path.end(k + 1, j),
             };
-            let source = RowSource::joint(Quantity::JointJerk, j);
+            let source = LimitId::joint(Quantity::JointJerk, j);
             out.push(JerkRow { alpha: p, beta: 3.0 * s, gamma: t, limit: self.used * limit, source });
         }
     }
@@ -243,7 +243,7 @@ impl PathConstraint for JointJerk<'_> {
     fn interval_bounds(&self, k: usize, h: f64, out: &mut Vec<IntervalBound>) {
         for (j, &limit) in self.limits.iter().enumerate().filter(|(_, limit)| limit.is_finite()) {
             let [alpha, second, gamma] = self.path.interval(k, h, j);
-            let (beta, step, source) = (3.0 * second, self.path.step(k, j), RowSource::joint(Quantity::JointJerk, j));
+            let (beta, step, source) = (3.0 * second, self.path.step(k, j), LimitId::joint(Quantity::JointJerk, j));
             out.push(IntervalBound::Jerk { alpha, beta, gamma, step, limit, source });
         }
     }

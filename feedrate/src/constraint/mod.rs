@@ -3,7 +3,7 @@
 //! A constraint states its limit once and answers for every use of it. It yields rows at every place of the grid: at the grid points,
 //! in the middle between two, and (jerk) at both ends of every interval, where the third derivatives of a spline jump; and it yields
 //! bounds that hold on a whole interval ([`IntervalBound`]). [`crate::FeedProblem`] collects them; nothing past that knows which
-//! constraint a row came from but by its [`RowSource`].
+//! constraint a row came from but by its [`LimitId`].
 
 mod hull;
 mod joint;
@@ -16,7 +16,7 @@ pub use path::PathDerivatives;
 pub use tool::{Feed, SpeedCap, Stop, TangentialAcceleration, TangentialJerk};
 pub use torque::JointTorque;
 
-use crate::row::{IntervalBound, JerkRow, Row, RowSource};
+use crate::row::{IntervalBound, JerkRow, LimitId, Row};
 
 /// A place on the grid at which rows are asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,7 +64,7 @@ pub trait PathConstraint {
 
     /// Speeds of axes by `s`, as Bernstein coefficients of a quadratic over interval `k` of length `h` that holds where
     /// the path is piecewise cubic; each with the limit (> 0) on the magnitude of the axis speed.
-    fn axis_speeds(&self, _k: usize, _h: f64, _out: &mut dyn FnMut([f64; 3], f64, RowSource)) {}
+    fn axis_speeds(&self, _k: usize, _h: f64, _out: &mut dyn FnMut([f64; 3], f64, LimitId)) {}
 }
 
 /// Takes the rows and the speed cap of one place.
@@ -74,12 +74,12 @@ pub struct RowSink<'a> {
     /// Whether all rows are finite, with bounds that leave something.
     pub(crate) sound: bool,
     pub(crate) x_max: f64,
-    pub(crate) source: RowSource,
+    pub(crate) source: LimitId,
 }
 
 impl RowSink<'_> {
     /// Demands `x <= x_max`.
-    pub fn cap(&mut self, x_max: f64, source: RowSource) {
+    pub fn cap(&mut self, x_max: f64, source: LimitId) {
         // NaN must not be lost in a comparison that is false.
         if !(x_max >= self.x_max) {
             self.x_max = x_max;

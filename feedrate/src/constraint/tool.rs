@@ -2,7 +2,7 @@
 
 use super::{PathConstraint, Place, RowSink, Within};
 use crate::error::{FeedError, positive};
-use crate::row::{IntervalBound, JerkRow, Quantity, Row, RowSource};
+use crate::row::{IntervalBound, JerkRow, LimitId, Quantity, Row};
 
 /// A cap on `ds/dt` at every grid point, from whatever source: see [`crate::caps`] for normal acceleration, normal jerk and
 /// chord error from the curvature, and divide a limit on angular speed by `|d angle / ds|`.
@@ -10,7 +10,7 @@ use crate::row::{IntervalBound, JerkRow, Quantity, Row, RowSource};
 pub struct SpeedCap<'a> {
     speeds: &'a [f64],
     on_intervals: Option<&'a [f64]>,
-    source: RowSource,
+    source: LimitId,
 }
 
 impl<'a> SpeedCap<'a> {
@@ -24,7 +24,7 @@ impl<'a> SpeedCap<'a> {
         }
         match speeds.iter().find(|v| v.is_nan() || **v < 0.0) {
             Some(&value) => Err(FeedError::Negative { what: "speed cap", value }),
-            None => Ok(Self { speeds, on_intervals: None, source: RowSource::path(quantity) }),
+            None => Ok(Self { speeds, on_intervals: None, source: LimitId::path(quantity) }),
         }
     }
 
@@ -101,7 +101,7 @@ impl PathConstraint for Feed<'_> {
     fn rows(&self, place: Place, out: &mut RowSink<'_>) {
         let mut cap = |k: Option<&f64>| {
             if let Some(v) = k {
-                out.cap(v * v, RowSource::path(Quantity::Feed));
+                out.cap(v * v, LimitId::path(Quantity::Feed));
             }
         };
         match place {
@@ -114,11 +114,11 @@ impl PathConstraint for Feed<'_> {
     }
 
     fn interval_bounds(&self, k: usize, _h: f64, out: &mut Vec<IntervalBound>) {
-        out.push(IntervalBound::Speed { most: self.per_interval[k], source: RowSource::path(Quantity::Feed) });
+        out.push(IntervalBound::Speed { most: self.per_interval[k], source: LimitId::path(Quantity::Feed) });
     }
 
-    fn axis_speeds(&self, k: usize, _h: f64, out: &mut dyn FnMut([f64; 3], f64, RowSource)) {
-        out([1.0; 3], self.per_interval[k], RowSource::path(Quantity::Feed));
+    fn axis_speeds(&self, k: usize, _h: f64, out: &mut dyn FnMut([f64; 3], f64, LimitId)) {
+        out([1.0; 3], self.per_interval[k], LimitId::path(Quantity::Feed));
     }
 }
 
@@ -142,7 +142,7 @@ impl PathConstraint for TangentialAcceleration {
     }
 
     fn rows(&self, _place: Place, out: &mut RowSink<'_>) {
-        out.row(Row::symmetric(1.0, 0.0, self.0, RowSource::path(Quantity::TangentialAcceleration)));
+        out.row(Row::symmetric(1.0, 0.0, self.0, LimitId::path(Quantity::TangentialAcceleration)));
     }
 }
 
@@ -168,7 +168,7 @@ impl PathConstraint for TangentialJerk {
     fn rows(&self, _place: Place, _out: &mut RowSink<'_>) {}
 
     fn jerk_rows(&self, _k: usize, _h: f64, _within: Within, out: &mut Vec<JerkRow>) {
-        let source = RowSource::path(Quantity::TangentialJerk);
+        let source = LimitId::path(Quantity::TangentialJerk);
         out.push(JerkRow { alpha: 1.0, beta: 0.0, gamma: 0.0, limit: self.0, source });
     }
 }
@@ -187,7 +187,7 @@ impl PathConstraint for Stop {
 
     fn rows(&self, place: Place, out: &mut RowSink<'_>) {
         if place == Place::Point(self.at) {
-            out.cap(0.0, RowSource::path(Quantity::Corner));
+            out.cap(0.0, LimitId::path(Quantity::Corner));
         }
     }
 }

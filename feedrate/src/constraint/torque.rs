@@ -2,7 +2,7 @@
 
 use super::{PathConstraint, Place, RowSink};
 use crate::error::FeedError;
-use crate::row::{Quantity, Row, RowSource};
+use crate::row::{LimitId, Quantity, Row};
 
 /// `|a u + b x + c sqrt(x) + d| <= tau` for every joint (Electronics 2025, 14, 3869, eq. 8).
 ///
@@ -45,7 +45,7 @@ impl<'a> JointTorque<'a> {
 
     fn push(&self, j: usize, [a, b, c, d]: [f64; 4], out: &mut RowSink<'_>) {
         let limit = self.limits[j];
-        let source = RowSource::joint(Quantity::JointTorque, j);
+        let source = LimitId::joint(Quantity::JointTorque, j);
         out.row(Row { a, b, c, d, lo: -limit, hi: limit, source });
     }
 }

@@ -3,7 +3,7 @@
 use super::{Binding, JerkLimited, NotSolved};
 use crate::error::{FeedError, PathEnd};
 use crate::problem::FeedProblem;
-use crate::row::{Quantity, RowSource};
+use crate::row::{LimitId, Quantity};
 
 /// Problems solved to find the largest speed: fewer on long grids, where one takes seconds.
 const MOST_TRIALS: usize = 14;
@@ -38,7 +38,7 @@ pub(super) fn explain(planner: &JerkLimited, problem: &FeedProblem, why: NotSolv
         search.largest(end, |v| [start, v]).map(|found| (PathEnd::End, end, problem.grid()[problem.intervals()], found))
     };
     let Some((end, speed, place, (highest, binding))) = found else { return why.error };
-    let (row, s) = binding.or(why.binding).unwrap_or((RowSource::path(Quantity::Ahead), place));
+    let (row, s) = binding.or(why.binding).unwrap_or((LimitId::path(Quantity::Ahead), place));
     FeedError::SpeedOutOfReach { end, speed, lowest: 0.0, highest, row, s }
 }
 

@@ -39,7 +39,7 @@ mod stretch;
 
 use crate::error::{FeedError, positive};
 use crate::problem::{FeedPlanner, FeedProblem};
-use crate::row::RowSource;
+use crate::row::LimitId;
 use crate::speed_law::{Builder, SpeedLaw};
 use between::largest_scale;
 use interior_point::Solver;
@@ -244,7 +244,7 @@ impl JerkLimitedPlan {
 }
 
 /// A limit and where it stands against a motion.
-type Binding = (RowSource, f64);
+type Binding = (LimitId, f64);
 
 /// Why there is no solution.
 #[derive(Debug, Clone, Copy)]

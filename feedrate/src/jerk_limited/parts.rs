@@ -6,7 +6,7 @@ use super::refine::refined;
 use crate::constraint::Within;
 use crate::error::FeedError;
 use crate::problem::FeedProblem;
-use crate::scan::both_ends::{moves, squared_speeds};
+use crate::scan::forward_backward::{moves, squared_speeds};
 use crate::scan::reachability::Reachability;
 
 /// A stretch of grid between two stops, or an end of the path at a speed.

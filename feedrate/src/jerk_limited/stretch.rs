@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::spline::{End, Knots, Values};
 use crate::constraint::Within;
 use crate::problem::FeedProblem;
-use crate::row::{JerkRow, Row, RowSource};
+use crate::row::{JerkRow, LimitId, Row};
 
 /// `lo <= a u + b x + c sqrt(x) <= hi`, for the time being with bounds that are `wider`.
 #[derive(Debug, Clone, Copy)]
@@ -372,7 +372,7 @@ impl Stretch {
     }
 
     /// Which limit a row is, and where it holds, as long as no row has been dropped.
-    pub fn limit(&self, problem: &FeedProblem, i: usize) -> Option<(RowSource, f64)> {
+    pub fn limit(&self, problem: &FeedProblem, i: usize) -> Option<(LimitId, f64)> {
         let [caps, inner, thirds, rest] = self.offsets();
         // The last of the places that begin at an index or before.
         let place = |first: &[usize], i: usize| first.partition_point(|&from| from <= i) - 1;

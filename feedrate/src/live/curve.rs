@@ -5,7 +5,7 @@ use crate::error::{FeedError, positive};
 use crate::jerk_limited::JerkLimited;
 use crate::problem::{FeedPlanner, FeedProblem};
 use crate::scan::Segment;
-use crate::scan::joined::plan_joined;
+use crate::scan::continuous_acceleration::plan_continuous;
 use crate::speed_law::SpeedLaw;
 use crate::state::MotionState;
 
@@ -18,16 +18,16 @@ pub(super) const ROOM: f64 = 1.002;
 /// [module](crate::live).
 ///
 /// ```
-/// use arcfeed_feedrate::LiveCurve;
+/// use arcfeed_feedrate::VelocityLimitCurve;
 /// // 0.3 m with a bend in the middle.
 /// let grid: Vec<f64> = (0..=30).map(|i| 0.01 * f64::from(i)).collect();
 /// let caps: Vec<f64> = (0..30).map(|i| if (14..16).contains(&i) { 0.02 } else { 0.1 }).collect();
-/// let curve = LiveCurve::new(&grid, &caps, &[], 1.0, 20.0)?;
+/// let curve = VelocityLimitCurve::new(&grid, &caps, &[], 1.0, 20.0)?;
 /// assert!(curve.fastest(0.15).v <= 0.02 && curve.fastest(0.07).v > 0.09);
 /// # Ok::<(), arcfeed_feedrate::FeedError>(())
 /// ```
 #[derive(Debug, Clone)]
-pub struct LiveCurve {
+pub struct VelocityLimitCurve {
     grid: Vec<f64>,
     /// `lowest[k][i]` is the least cap of the intervals `i .. i + 2^k`.
     lowest: Vec<Vec<f64>>,
@@ -38,7 +38,7 @@ pub struct LiveCurve {
     law: SpeedLaw,
 }
 
-impl LiveCurve {
+impl VelocityLimitCurve {
     /// Highest speeds `caps` (m/s) on the intervals of `grid` (m), standstills at the inner grid points `stops`, and the tangential
     /// `acceleration` (m/s²) and `jerk` (m/s³) for which the caps were made.
     ///
@@ -146,7 +146,7 @@ fn fastest(grid: &[f64], caps: &[f64], stops: &[usize], acceleration: f64, jerk:
     let starts = std::iter::once(0).chain(stops.iter().copied());
     let ends = stops.iter().copied().chain(std::iter::once(caps.len()));
     let parts: Vec<SpeedLaw> =
-        starts.zip(ends).map(|(from, to)| plan_joined(&segments[from..to], 0.0, 0.0)).collect::<Result<_, _>>()?;
+        starts.zip(ends).map(|(from, to)| plan_continuous(&segments[from..to], 0.0, 0.0)).collect::<Result<_, _>>()?;
     let joined = SpeedLaw::chain(grid[0], parts);
 
     let feed = Feed::new(&caps)?;

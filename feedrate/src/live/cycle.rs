@@ -1,6 +1,6 @@
 //! One cycle of the motion: along the curve, on the last part of the way to a standstill, or at rest.
 
-use super::feed::{Intent, LiveFeed, LiveStatus, LiveStep};
+use super::feed::{FeedOverride, Intent, LiveStatus, LiveStep};
 use super::landing::Landing;
 use crate::online::FeedStatus;
 use crate::scurve::change::SpeedChange;
@@ -9,7 +9,7 @@ use crate::state::MotionState;
 /// The way to an end is left to one exact plan from so many cycles before the last place to brake.
 const EARLY: f64 = 4.0;
 
-impl LiveFeed<'_> {
+impl FeedOverride<'_> {
     /// Moves on by one cycle.
     #[inline]
     pub fn step(&mut self) -> LiveStep {

@@ -1,6 +1,6 @@
 //! The motion along a live curve: its state, and what may be asked of it.
 
-use super::curve::LiveCurve;
+use super::curve::VelocityLimitCurve;
 use super::landing::Landing;
 use super::sections::{Feeds, LiveSection};
 use crate::error::{FeedError, finite, not_negative, positive};
@@ -36,17 +36,17 @@ pub struct LiveStep {
     pub status: LiveStatus,
 }
 
-/// A motion along a [`LiveCurve`] whose feed may change in any cycle; see the [module](crate::live).
+/// A motion along a [`VelocityLimitCurve`] whose feed may change in any cycle; see the [module](crate::live).
 ///
 /// **Guarantees**, whatever is asked for and whenever: `|a| <= A`, `|j| <= J`, the speed is under the curve, and every end (corner, end of
 /// path, place to step back to) is reached exactly and at rest. A lower feed is met as soon as `A` and `J` allow, that of a section
 /// ahead before it begins, if it was asked for in time. No call allocates; a cycle takes a bounded number of operations.
 ///
 /// ```
-/// use arcfeed_feedrate::{LiveCurve, LiveFeed, LiveStatus};
+/// use arcfeed_feedrate::{VelocityLimitCurve, FeedOverride, LiveStatus};
 /// let grid: Vec<f64> = (0..=30).map(|i| 0.01 * f64::from(i)).collect();
-/// let curve = LiveCurve::new(&grid, &[0.1; 30], &[], 1.0, 20.0)?;
-/// let mut feed = LiveFeed::new(&curve, 1e-3, 0.08)?;
+/// let curve = VelocityLimitCurve::new(&grid, &[0.1; 30], &[], 1.0, 20.0)?;
+/// let mut feed = FeedOverride::new(&curve, 1e-3, 0.08)?;
 /// let mut cycle = 0;
 /// let end = loop {
 ///     match cycle {
@@ -66,8 +66,8 @@ pub struct LiveStep {
 /// # Ok::<(), arcfeed_feedrate::FeedError>(())
 /// ```
 #[derive(Debug, Clone)]
-pub struct LiveFeed<'a> {
-    pub(super) curve: &'a LiveCurve,
+pub struct FeedOverride<'a> {
+    pub(super) curve: &'a VelocityLimitCurve,
     pub(super) period: f64,
     pub(super) feeds: Feeds,
     pub(super) factor: f64,
@@ -82,12 +82,12 @@ pub struct LiveFeed<'a> {
     pub(super) braking_for: Option<(f64, f64)>,
 }
 
-impl<'a> LiveFeed<'a> {
+impl<'a> FeedOverride<'a> {
     /// At rest at the start of the path, with a control `period` (s) and a programmed `feed` (m/s).
     ///
     /// # Errors
     /// [`FeedError::NotFinite`], [`FeedError::NotPositive`].
-    pub fn new(curve: &'a LiveCurve, period: f64, feed: f64) -> Result<Self, FeedError> {
+    pub fn new(curve: &'a VelocityLimitCurve, period: f64, feed: f64) -> Result<Self, FeedError> {
         Ok(Self {
             curve,
             period: positive("control period", period)?,
@@ -166,14 +166,26 @@ impl<'a> LiveFeed<'a> {
     }
 
     /// The same feed, override and sections at the start of another curve.
-    pub fn moved_to<'b>(&self, curve: &'b LiveCurve) -> LiveFeed<'b> {
+    pub fn moved_to<'b>(&self, curve: &'b VelocityLimitCurve) -> FeedOverride<'b> {
         let (s, intent) = (curve.start(), self.intent);
         let (period, feeds, factor) = (self.period, self.feeds, self.factor);
-        LiveFeed { curve, period, feeds, factor, intent, s, v: 0.0, a: 0.0, next: 0, landing: None, braking_for: None }
+        FeedOverride {
+            curve,
+            period,
+            feeds,
+            factor,
+            intent,
+            s,
+            v: 0.0,
+            a: 0.0,
+            next: 0,
+            landing: None,
+            braking_for: None,
+        }
     }
 
     /// The curve it runs under.
-    pub fn curve(&self) -> &'a LiveCurve {
+    pub fn curve(&self) -> &'a VelocityLimitCurve {
         self.curve
     }
 

@@ -1,7 +1,7 @@
 //! One cycle under the limit curve: as far towards what is asked for as is safe.
 
 use super::curve::ROOM;
-use super::feed::LiveFeed;
+use super::feed::FeedOverride;
 use crate::scurve::change::SpeedChange;
 use crate::state::{MotionLaw, MotionState};
 
@@ -27,7 +27,7 @@ enum Way {
     Push(f64),
 }
 
-impl LiveFeed<'_> {
+impl FeedOverride<'_> {
     /// One cycle under the curve.
     pub(super) fn follow_curve(&mut self) {
         let feed = self.asked();

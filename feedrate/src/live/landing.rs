@@ -1,6 +1,6 @@
 //! The last part of the way to a standstill at a known place: one exact plan.
 
-use super::curve::LiveCurve;
+use super::curve::VelocityLimitCurve;
 use crate::error::FeedError;
 use crate::online::{FeedLimits, FeedScheduler, FeedStep};
 use crate::state_to_state::AxisState;
@@ -25,7 +25,13 @@ pub(super) struct Landing {
 impl Landing {
     /// The plan from position, speed and acceleration to rest at `place`, at the speed `asked` for, if there is one under the
     /// curve.
-    pub fn plan(curve: &LiveCurve, (s, v, a): (f64, f64, f64), place: f64, direction: f64, asked: f64) -> Option<Self> {
+    pub fn plan(
+        curve: &VelocityLimitCurve,
+        (s, v, a): (f64, f64, f64),
+        place: f64,
+        direction: f64,
+        asked: f64,
+    ) -> Option<Self> {
         let distance = direction * (place - s);
         let cap = curve.lowest_cap(s.min(place), s.max(place));
         // Where the curve falls below the present speed on the way, braking is all there is to do.
@@ -37,7 +43,7 @@ impl Landing {
     }
 
     /// Moves on by one cycle of `period`, at the speed `wanted` as far as the curve allows it.
-    pub fn step(&mut self, curve: &LiveCurve, wanted: f64, period: f64) -> Result<FeedStep, FeedError> {
+    pub fn step(&mut self, curve: &VelocityLimitCurve, wanted: f64, period: f64) -> Result<FeedStep, FeedError> {
         let wanted = wanted.min(self.cap);
         if wanted != self.asked {
             if let Ok(limits) = limits(curve, wanted) {
@@ -50,13 +56,13 @@ impl Landing {
     }
 }
 
-fn limits(curve: &LiveCurve, v: f64) -> Result<FeedLimits, FeedError> {
+fn limits(curve: &VelocityLimitCurve, v: f64) -> Result<FeedLimits, FeedError> {
     let (a, j) = (curve.acceleration(), curve.jerk());
     FeedLimits::new(v, (-a, a), (-j, j))
 }
 
 /// Whether a plan from `s` keeps the caps, between its samples too.
-fn keeps_caps(curve: &LiveCurve, s: f64, mut plan: FeedScheduler) -> bool {
+fn keeps_caps(curve: &VelocityLimitCurve, s: f64, mut plan: FeedScheduler) -> bool {
     let dt = plan.remaining() / PARTS as f64;
     // By so much at most the speed is above the straight line between two samples.
     let bow = curve.jerk() * dt * dt / 8.0;

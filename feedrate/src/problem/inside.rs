@@ -3,7 +3,7 @@
 use super::bound_table::BoundTable;
 use super::{FeedProblem, RowTable};
 use crate::constraint::Within;
-use crate::row::{JerkRow, Row, RowSource};
+use crate::row::{JerkRow, LimitId, Row};
 
 /// `lo <= alpha w + beta u + gamma x <= hi` at one end of an interval on which `w = du/ds` is constant.
 #[derive(Debug, Clone, Copy)]
@@ -13,7 +13,7 @@ pub(crate) struct InnerRow {
     pub gamma: f64,
     pub lo: f64,
     pub hi: f64,
-    pub source: RowSource,
+    pub source: LimitId,
 }
 
 impl InnerRow {

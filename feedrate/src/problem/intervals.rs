@@ -2,7 +2,7 @@
 
 use super::FeedProblem;
 use crate::error::FeedError;
-use crate::row::{IntervalBound, RowSource};
+use crate::row::{IntervalBound, LimitId};
 use crate::scan::Segment;
 
 /// How limits that couple speed, acceleration and jerk are shared out between them, as fractions of each limit. What one of them
@@ -211,7 +211,7 @@ impl FeedProblem {
         Ok(())
     }
 
-    fn not_still(&self, index: usize, row: RowSource, value: f64, limit: f64) -> FeedError {
+    fn not_still(&self, index: usize, row: LimitId, value: f64, limit: f64) -> FeedError {
         FeedError::StaticallyInfeasible { index, s: self.grid()[index], row, value, limit }
     }
 }
@@ -229,7 +229,7 @@ mod tests {
             seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             from + (to - from) * ((seed >> 11) as f64 / (1_u64 << 53) as f64)
         };
-        let source = RowSource::path(Quantity::Other);
+        let source = LimitId::path(Quantity::Other);
         for _ in 0..2000 {
             let mut bounds = vec![
                 IntervalBound::Speed { most: random(0.1, 2.0), source },

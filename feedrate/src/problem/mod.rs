@@ -10,7 +10,7 @@ pub use intervals::{LimitPartition, live_speed};
 
 use crate::constraint::{PathConstraint, Place, RowSink, Within};
 use crate::error::{FeedError, not_negative};
-use crate::row::{JerkRow, Quantity, Row, RowSource};
+use crate::row::{JerkRow, LimitId, Quantity, Row};
 use crate::speed_law::SpeedLaw;
 
 /// Rows of one place after the other.
@@ -19,7 +19,7 @@ pub(crate) struct RowTable {
     rows: Vec<Row>,
     first: Vec<usize>,
     x_max: Vec<f64>,
-    source: Vec<RowSource>,
+    source: Vec<LimitId>,
 }
 
 impl RowTable {
@@ -32,9 +32,9 @@ impl RowTable {
 
     /// Collects the rows of the next place; tells which one is not sound.
     #[inline(always)]
-    fn collect(&mut self, place: Place, constraints: &[&dyn PathConstraint]) -> Result<(), RowSource> {
+    fn collect(&mut self, place: Place, constraints: &[&dyn PathConstraint]) -> Result<(), LimitId> {
         let start = self.rows.len();
-        let source = RowSource::path(Quantity::Other);
+        let source = LimitId::path(Quantity::Other);
         let mut sink = RowSink { rows: &mut self.rows, sound: true, x_max: f64::INFINITY, source };
         for constraint in constraints {
             constraint.rows(place, &mut sink);
@@ -54,7 +54,7 @@ impl RowTable {
         Ok(())
     }
 
-    fn push(&mut self, rows: &[Row], x_max: f64, source: RowSource) {
+    fn push(&mut self, rows: &[Row], x_max: f64, source: LimitId) {
         self.rows.extend_from_slice(rows);
         self.first.push(self.rows.len());
         self.x_max.push(x_max);
@@ -69,7 +69,7 @@ impl RowTable {
         self.x_max[i]
     }
 
-    pub fn source(&self, i: usize) -> RowSource {
+    pub fn source(&self, i: usize) -> LimitId {
         self.source[i]
     }
 
@@ -83,7 +83,7 @@ impl RowTable {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SpeedBound {
     pub coefficients: [f64; 5],
-    pub source: RowSource,
+    pub source: LimitId,
 }
 
 /// Find the fastest `sdot(s)` along a path that keeps rows and caps: the input of every [`FeedPlanner`].
@@ -138,7 +138,7 @@ impl FeedProblem {
                 return Err(FeedError::LengthMismatch { what: "a constraint (grid points)", got, expected: s.len() });
             }
         }
-        let bad = |index: usize, row: RowSource| FeedError::BadRow { index, s: s[index], row };
+        let bad = |index: usize, row: LimitId| FeedError::BadRow { index, s: s[index], row };
         let mut points = RowTable::with_capacity(s.len());
         points.collect(Place::Point(0), constraints).map_err(|row| bad(0, row))?;
         points.rows.reserve((points.rows.len() + 1) * s.len());
@@ -229,7 +229,7 @@ impl FeedProblem {
     }
 
     /// Greatest `x = (ds/dt)^2` at grid point `i` that the caps allow, and which limit that is.
-    pub fn cap(&self, i: usize) -> (f64, RowSource) {
+    pub fn cap(&self, i: usize) -> (f64, LimitId) {
         (self.points.x_max(i), self.points.source(i))
     }
 
@@ -279,8 +279,8 @@ impl FeedProblem {
 }
 
 /// The coefficient-wise maximum over all axes, which is above each of them because Bernstein polynomials are positive.
-fn speed_bound(constraints: &[&dyn PathConstraint], k: usize, h: f64) -> Result<SpeedBound, RowSource> {
-    let mut bound = SpeedBound { coefficients: [0.0; 5], source: RowSource::path(Quantity::Other) };
+fn speed_bound(constraints: &[&dyn PathConstraint], k: usize, h: f64) -> Result<SpeedBound, LimitId> {
+    let mut bound = SpeedBound { coefficients: [0.0; 5], source: LimitId::path(Quantity::Other) };
     let (mut worst, mut bad) = (0.0, None);
     for constraint in constraints {
         constraint.axis_speeds(k, h, &mut |[b0, b1, b2], limit, source| {

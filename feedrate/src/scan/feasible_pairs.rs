@@ -3,7 +3,7 @@
 //! A row divided by a small factor of `u` says nothing reliable about `u`. Here every row is judged in its own unit, at the
 //! vertices of the polygon, so that what round-off leaves is of the size of the round-off of its terms.
 
-use crate::row::RowSource;
+use crate::row::LimitId;
 
 /// A row `lo <= a u + b x <= hi` over one interval: `u = (y - x) / h2` for squared speeds `x` at its start and `y` at its end.
 #[derive(Debug, Clone, Copy)]
@@ -12,7 +12,7 @@ pub(super) struct Line {
     pub b: f64,
     pub lo: f64,
     pub hi: f64,
-    pub source: RowSource,
+    pub source: LimitId,
 }
 
 /// Excess that counts as none, in units of the sum of the magnitudes of the terms.
@@ -134,7 +134,7 @@ mod tests {
     #[test]
     fn a_factor_of_round_off_decides_nothing() {
         // -1e-17 u + x <= 1 beside |u| <= 2: x may go to 1, and u to 2 there.
-        let (source, mut pairs) = (RowSource::path(Quantity::Other), FeasiblePairs::default());
+        let (source, mut pairs) = (LimitId::path(Quantity::Other), FeasiblePairs::default());
         pairs.reset([0.0, 5.0], [0.0, 5.0]);
         assert!(pairs.keep(&Line { a: -1e-17, b: 1.0, lo: -1.0, hi: 1.0, source }, 0.1));
         assert!(pairs.keep(&Line { a: 1.0, b: 0.0, lo: -2.0, hi: 2.0, source }, 0.1));
@@ -146,7 +146,7 @@ mod tests {
 
     #[test]
     fn an_equation_leaves_a_segment() {
-        let (source, mut pairs) = (RowSource::path(Quantity::Other), FeasiblePairs::default());
+        let (source, mut pairs) = (LimitId::path(Quantity::Other), FeasiblePairs::default());
         pairs.reset([0.0, 4.0], [0.0, 4.0]);
         // y = x / 2.
         assert!(pairs.keep(&Line { a: 1.0, b: 0.5, lo: 0.0, hi: 0.0, source }, 1.0));

@@ -1,11 +1,11 @@
 //! Speed along a path given as a list of segments, each with its own limits.
 
-pub mod both_ends;
 mod ceiling;
-pub mod certified;
+pub mod continuous_acceleration;
 pub mod fallback;
 mod feasible_pairs;
-pub mod joined;
+pub mod forward_backward;
+pub mod interpolated;
 pub mod on_problem;
 mod pass;
 pub mod reachability;

@@ -1,13 +1,13 @@
 //! The scans with S-profiles as planners: from the bounds of a problem to a law.
 
 use super::Segment;
-use super::joined::{plan_joined, plan_joined_at_once};
+use super::continuous_acceleration::{plan_continuous, plan_continuous_at_once};
 use super::segment::{plan_per_segment, plan_windowed};
 use crate::error::FeedError;
 use crate::problem::{FeedPlanner, FeedProblem, LimitPartition};
 use crate::speed_law::SpeedLaw;
 
-/// The scan with continuous acceleration ([`plan_joined`]) over the boxes of a problem, each limit shared out between speed,
+/// The scan with continuous acceleration ([`plan_continuous`]) over the boxes of a problem, each limit shared out between speed,
 /// acceleration and jerk by fixed parts: a tenth of the computing time of [`JerkLimited`](crate::JerkLimited), a longer motion.
 ///
 /// Of several partitions of the limits the fastest law is kept. Needs [`FeedProblem::between_points`] with limits on acceleration and
@@ -30,7 +30,7 @@ impl FeedPlanner for ContinuousAccelerationScan {
         let at_once = |segments: &[Segment]| {
             let mut laws = Vec::new();
             for (part, [v_start, v_end]) in parts(problem, segments) {
-                let Some(law) = plan_joined_at_once(part, v_start, v_end)? else { return Ok(None) };
+                let Some(law) = plan_continuous_at_once(part, v_start, v_end)? else { return Ok(None) };
                 laws.push(law);
             }
             Ok(Some(SpeedLaw::chain(problem.grid()[0], laws)))
@@ -39,7 +39,7 @@ impl FeedPlanner for ContinuousAccelerationScan {
             return Ok(law);
         }
         let segments = problem.segments(&LimitPartition::ALL[0])?;
-        let laws = parts(problem, &segments).map(|(part, [v_start, v_end])| plan_joined(part, v_start, v_end));
+        let laws = parts(problem, &segments).map(|(part, [v_start, v_end])| plan_continuous(part, v_start, v_end));
         Ok(SpeedLaw::chain(problem.grid()[0], laws.collect::<Result<Vec<_>, _>>()?))
     }
 }

@@ -8,13 +8,13 @@
 //! Most programs are not solved: the cap, or the point where the two rows meet that met at the grid point behind, is the optimum
 //! if it keeps all other rows and these two exclude each other beyond. That takes one pass over the rows without a division.
 
-use super::both_ends::{moves, squared_speeds};
 use super::feasible_pairs::{FeasiblePairs, Line, greatest_beside};
+use super::forward_backward::{moves, squared_speeds};
 use crate::constraint::Within;
 use crate::error::{FeedError, PathEnd};
 use crate::lp2::{Band, NoOptimum, gap, greatest_x};
 use crate::problem::{FeedPlanner, FeedProblem, InnerRow, inner_row};
-use crate::row::{Quantity, Row, RowSource};
+use crate::row::{LimitId, Quantity, Row};
 use crate::speed_law::SpeedLaw;
 
 /// Reachability: the optimum of the rows at the grid points to 0.01 % at N = 1000, and complete: where it finds no
@@ -252,7 +252,7 @@ impl<'a> Solver<'a> {
             return Some(Line { a: a + h2 * b, b, lo: lo - d, hi: hi - d, source });
         }
         let [lo, hi] = self.sets[k + 1];
-        let ahead = Line { a: h2, b: 1.0, lo, hi, source: RowSource::path(Quantity::Ahead) };
+        let ahead = Line { a: h2, b: 1.0, lo, hi, source: LimitId::path(Quantity::Ahead) };
         (id == near.len() + far.len()).then_some(ahead)
     }
 
@@ -318,7 +318,7 @@ impl<'a> Solver<'a> {
             self.collect_between(k, w);
         }
         let [lo, hi] = self.sets[k + 1];
-        self.lines.push(Line { a: h2, b: 1.0, lo, hi, source: RowSource::path(Quantity::Ahead) });
+        self.lines.push(Line { a: h2, b: 1.0, lo, hi, source: LimitId::path(Quantity::Ahead) });
     }
 
     /// What holds between the ends of interval `k`, where `u` is `u_mean + w (s - s_mid)`.
@@ -358,7 +358,7 @@ impl<'a> Solver<'a> {
         }
         if w != 0.0 {
             // x stays positive inside.
-            let source = RowSource::path(Quantity::Ahead);
+            let source = LimitId::path(Quantity::Ahead);
             lines.push(Line { a: h, b: 1.0, lo: h * half, hi: f64::INFINITY, source });
         }
     }
@@ -395,7 +395,7 @@ impl<'a> Solver<'a> {
                 index: k,
                 s,
                 row: self.problem.cap(k).1,
-                against: RowSource::path(Quantity::Ahead),
+                against: LimitId::path(Quantity::Ahead),
                 excess: 0.0,
                 limit: self.problem.x_max(k).sqrt(),
             };
@@ -415,7 +415,7 @@ impl<'a> Solver<'a> {
         let problem = self.problem;
         let speed = if i == 0 { problem.v_start() } else { problem.v_end() };
         let (cap, source) = problem.cap(i);
-        let row = if highest >= cap { source } else { RowSource::path(Quantity::Ahead) };
+        let row = if highest >= cap { source } else { LimitId::path(Quantity::Ahead) };
         let (lowest, highest, s) = (lowest.sqrt(), highest.sqrt(), problem.grid()[i]);
         FeedError::SpeedOutOfReach { end, speed, lowest, highest, row, s }
     }

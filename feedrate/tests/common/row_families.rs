@@ -7,7 +7,7 @@
 use arcfeed_feedrate::constraint::{
     Feed, JointAcceleration, JointJerk, JointVelocity, PathConstraint, PathDerivatives, Place, RowSink, Within,
 };
-use arcfeed_feedrate::{FeedError, FeedProblem, JerkRow, MotionState, Quantity, Row, RowSource, SpeedLaw};
+use arcfeed_feedrate::{FeedError, FeedProblem, JerkRow, LimitId, MotionState, Quantity, Row, SpeedLaw};
 
 /// SplitMix64.
 pub struct Rng(pub u64);
@@ -305,7 +305,7 @@ impl PathConstraint for Further<'_> {
         };
         for (id, row) in self.path.case.rows.iter().enumerate() {
             let [a, b, c, d] = self.path.coefficients(row, s);
-            out.row(Row { a, b, c, d, lo: row[12], hi: row[13], source: RowSource::joint(Quantity::Other, id) });
+            out.row(Row { a, b, c, d, lo: row[12], hi: row[13], source: LimitId::joint(Quantity::Other, id) });
         }
     }
 
@@ -313,7 +313,7 @@ impl PathConstraint for Further<'_> {
         let s = self.path.grid[k] + [0.0, 0.5, 1.0][within as usize] * h;
         for (id, row) in self.path.case.thirds.iter().enumerate().filter(|_| self.jerk) {
             let [alpha, beta, gamma, _] = self.path.coefficients(&row[..9], s);
-            out.push(JerkRow { alpha, beta, gamma, limit: row[9], source: RowSource::joint(Quantity::Other, id) });
+            out.push(JerkRow { alpha, beta, gamma, limit: row[9], source: LimitId::joint(Quantity::Other, id) });
         }
     }
 }

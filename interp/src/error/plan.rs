@@ -1,6 +1,6 @@
 //! What can stop a path from becoming a motion.
 
-use arcfeed_feedrate::RowSource;
+use arcfeed_feedrate::LimitId;
 use arcfeed_geometry::GeometryError;
 use thiserror::Error;
 
@@ -30,7 +30,7 @@ pub enum PlanError {
     )]
     Unverified {
         /// Which limit.
-        limit: RowSource,
+        limit: LimitId,
         /// Value over limit.
         ratio: f64,
         /// Where.

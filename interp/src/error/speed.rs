@@ -1,6 +1,6 @@
 //! Why no speed along a path keeps the limits, and where.
 
-use arcfeed_feedrate::{FeedError, PathEnd, Quantity, RowSource};
+use arcfeed_feedrate::{FeedError, LimitId, PathEnd, Quantity};
 use thiserror::Error;
 
 use crate::place::PathPlace;
@@ -15,7 +15,7 @@ pub enum SpeedError {
         /// The place.
         place: PathPlace,
         /// The limit that is broken, and of which joint.
-        row: RowSource,
+        row: LimitId,
         /// In which way.
         why: Infeasibility,
         /// The value that cannot be avoided, SI.
@@ -35,7 +35,7 @@ pub enum SpeedError {
         /// Highest speed that can be had.
         highest: f64,
         /// The limit that is in the way; none where it is how the rest of the path has to be run.
-        row: Option<RowSource>,
+        row: Option<LimitId>,
         /// Where the limit is met.
         place: PathPlace,
     },
@@ -59,13 +59,13 @@ pub enum Infeasibility {
     /// Holding still breaks it already.
     AtRest,
     /// It is broken at every speed at which this other limit is kept.
-    Against(RowSource),
+    Against(LimitId),
     /// The motion comes to rest there and cannot go on.
     Standstill,
 }
 
 /// What a person can change about a limit.
-fn way_out(row: RowSource) -> &'static str {
+fn way_out(row: LimitId) -> &'static str {
     match row.quantity {
         Quantity::JointTorque => {
             "raise the torque limit, carry less, move the path to where the arm reaches out less, or start from another configuration"
@@ -78,7 +78,7 @@ fn way_out(row: RowSource) -> &'static str {
     }
 }
 
-fn infeasible(place: &PathPlace, row: RowSource, why: Infeasibility, value: f64, limit: f64) -> String {
+fn infeasible(place: &PathPlace, row: LimitId, why: Infeasibility, value: f64, limit: f64) -> String {
     let (unit, way_out) = (row.quantity.unit(), way_out(row));
     let (size, most) = (value.abs(), limit.abs());
     let over = format!("{:.4} {unit} over its limit of {most:.4} {unit}", size - most);
@@ -93,13 +93,7 @@ fn infeasible(place: &PathPlace, row: RowSource, why: Infeasibility, value: f64,
     }
 }
 
-fn end_speed(
-    end: PathEnd,
-    speed: f64,
-    [lowest, highest]: [f64; 2],
-    row: Option<RowSource>,
-    place: &PathPlace,
-) -> String {
+fn end_speed(end: PathEnd, speed: f64, [lowest, highest]: [f64; 2], row: Option<LimitId>, place: &PathPlace) -> String {
     let unit = place.parameter.unit();
     let because = match row.filter(|row| row.quantity != Quantity::Ahead) {
         Some(row) => row.to_string(),

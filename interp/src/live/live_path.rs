@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use arcfeed_feedrate::{
-    FeedError, FeedProblem, IntervalBound, LiveCurve, Quantity, RowSource, Segment, SpeedLaw, live_speed,
-    plan_joined_at_once,
+    FeedError, FeedProblem, IntervalBound, LimitId, Quantity, Segment, SpeedLaw, VelocityLimitCurve, live_speed,
+    plan_continuous_at_once,
 };
 use arcfeed_kinematics::{JointLimits, Joints};
 
@@ -13,7 +13,7 @@ use crate::error::{PlanError, SpeedError};
 use crate::limits::ToolLimits;
 use crate::path::{JointJet, JointPath, MotionPath, ToolPath};
 use crate::planner::Planner;
-use crate::problem::{Ground, Held, LimitFractions, PathProblem, RowsNeeded};
+use crate::problem::{Held, LimitFractions, PathGrid, PathProblem, RowsNeeded};
 
 /// Part of every limit that the curve uses: what is left is for rounding.
 const USED: f64 = 0.9999;
@@ -35,7 +35,7 @@ const LOOKS: [f64; 3] = [0.25, 0.5, 0.75];
 pub struct LivePath<'p, const N: usize = 6> {
     path: Arc<ToolPath<'p, N>>,
     problem: PathProblem<'p, N>,
-    curve: LiveCurve,
+    curve: VelocityLimitCurve,
 }
 
 impl<'p, const N: usize> LivePath<'p, N> {
@@ -60,7 +60,7 @@ impl<'p, const N: usize> LivePath<'p, N> {
     }
 
     /// The limit curve.
-    pub fn curve(&self) -> &LiveCurve {
+    pub fn curve(&self) -> &VelocityLimitCurve {
         &self.curve
     }
 
@@ -115,7 +115,7 @@ impl<'a, const N: usize> Planner<'a, N> {
             let what = "speed at an end of a path that may be changed while it runs, from rest to rest";
             return Err(SpeedError::from(FeedError::AboveLimit { what, value, limit: 0.0 }).into());
         }
-        let whole = Ground::lay(settings, &*path, true)?;
+        let whole = PathGrid::lay(settings, &*path, true)?;
         let close = 1e-9 * path.length();
         let mut grid = whole.grid.clone();
         grid.retain(|&s| from + close < s && s < to - close);
@@ -128,9 +128,9 @@ impl<'a, const N: usize> Planner<'a, N> {
         loop {
             let joints = JointPath::follow_from(&*path, start, &grid).map_err(|e| e.within(lower, upper))?;
             joints.check_range(&*path, limits.range())?;
-            let ground = Ground { grid: grid.clone(), ..whole.clone() };
+            let layout = PathGrid { grid: grid.clone(), ..whole.clone() };
             let held = Held::Shared(Arc::clone(&path) as Arc<dyn MotionPath<N> + 'p>);
-            let problem = PathProblem::of(settings, held, ground, joints, RowsNeeded::Jerk);
+            let problem = PathProblem::of(settings, held, layout, joints, RowsNeeded::Jerk);
             let rows = problem.rows_within(&used, RowsNeeded::Jerk)?;
             let explained = |error| LiveError::from(problem.explained(error));
             let tangential = match chosen {
@@ -143,7 +143,7 @@ impl<'a, const N: usize> Planner<'a, N> {
             round += 1;
             if coarse.is_empty() || round == ROUNDS {
                 let (acceleration, jerk) = tangential;
-                let curve = LiveCurve::new(&grid, &caps, problem.stop_points(), acceleration, jerk);
+                let curve = VelocityLimitCurve::new(&grid, &caps, problem.stop_points(), acceleration, jerk);
                 return Ok(LivePath { path, curve: curve.map_err(explained)?, problem });
             }
             for &i in coarse.iter().rev() {
@@ -187,7 +187,7 @@ fn bounds_at<const N: usize>(jet: &JointJet<N>, limits: &JointLimits<N>) -> Vec<
         let [d1, d2, d3] = [jet.d1[k].abs(), jet.d2[k].abs(), jet.d3[k].abs()];
         let [velocity, acceleration, jerk] =
             [limits.velocity()[k], limits.acceleration()[k], limits.jerk()[k]].map(|limit| limit * USED);
-        let source = |quantity| RowSource::joint(quantity, k);
+        let source = |quantity| LimitId::joint(quantity, k);
         bounds.extend([
             IntervalBound::Speed { most: velocity / d1, source: source(Quantity::JointVelocity) },
             IntervalBound::Acceleration {
@@ -237,7 +237,9 @@ fn duration(grid: &[f64], caps: &[f64], stops: &[usize], acceleration: f64, jerk
         .collect::<Option<_>>()?;
     let starts = std::iter::once(0).chain(stops.iter().copied());
     let ends = stops.iter().copied().chain(std::iter::once(caps.len()));
-    let parts: Option<Vec<SpeedLaw>> =
-        starts.zip(ends).map(|(from, to)| plan_joined_at_once(&segments[from..to], 0.0, 0.0).ok().flatten()).collect();
+    let parts: Option<Vec<SpeedLaw>> = starts
+        .zip(ends)
+        .map(|(from, to)| plan_continuous_at_once(&segments[from..to], 0.0, 0.0).ok().flatten())
+        .collect();
     Some(SpeedLaw::chain(0.0, parts?).duration())
 }

@@ -1,6 +1,6 @@
 //! The executor: one step a cycle.
 
-use arcfeed_feedrate::{LiveFeed, LiveSection, LiveStatus, MAX_SECTIONS, MotionState};
+use arcfeed_feedrate::{FeedOverride, LiveSection, LiveStatus, MAX_SECTIONS, MotionState};
 use arcfeed_kinematics::Joints;
 
 use super::command::{Command, Excursion, LeaveBy};
@@ -19,7 +19,7 @@ use crate::setpoint::Setpoint;
 /// joint go on without a jump, with its jerk inside its limit; while [`HybridStep::on_path`] is true the tool is on the path; a path that was
 /// left is resumed exactly where it was left. A step allocates nothing and takes a bounded number of operations.
 ///
-/// The speed on the path is that of a [`LiveFeed`]; joint space is an [`OnlineGenerator`](arcfeed_sync::OnlineGenerator). Nothing is known
+/// The speed on the path is that of a [`FeedOverride`]; joint space is an [`OnlineGenerator`](arcfeed_sync::OnlineGenerator). Nothing is known
 /// of obstacles: the points of an excursion are chosen by who gives it.
 ///
 /// ```no_run
@@ -55,7 +55,7 @@ pub struct HybridMotion<'a, const N: usize = 6> {
     live: &'a LivePath<'a, N>,
     /// Parts of the path after this one, each reached through joint space.
     ahead: &'a [LivePath<'a, N>],
-    feed: LiveFeed<'a>,
+    feed: FeedOverride<'a>,
     sections: [LiveSection; MAX_SECTIONS],
     section_count: usize,
     joints: JointSpace<N>,
@@ -93,7 +93,7 @@ impl<'a, const N: usize> HybridMotion<'a, N> {
     }
 
     fn over(live: &'a LivePath<'a, N>, ahead: &'a [LivePath<'a, N>], feed: f64) -> Result<Self, LiveError> {
-        let feed = LiveFeed::new(live.curve(), live.period(), feed).map_err(SpeedError::from)?;
+        let feed = FeedOverride::new(live.curve(), live.period(), feed).map_err(SpeedError::from)?;
         let start = live.joint_path().nodes()[0];
         let joints = JointSpace::new(live.joints(), live.period(), &start.q)?;
         let none = LiveSection { from: 0.0, to: 0.0, feed: 0.0 };
@@ -140,7 +140,7 @@ impl<'a, const N: usize> HybridMotion<'a, N> {
     }
 
     /// The motion along the path.
-    pub fn feed(&self) -> &LiveFeed<'a> {
+    pub fn feed(&self) -> &FeedOverride<'a> {
         &self.feed
     }
 

@@ -1,13 +1,13 @@
 //! How much of each limit a plan may use.
 
-use arcfeed_feedrate::{Quantity, RowSource};
+use arcfeed_feedrate::{LimitId, Quantity};
 use arcfeed_kinematics::Joints;
 
 /// The fractions of the limits that a plan may use: 1, or less for those that the verification found exceeded between the points of
 /// the grid.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct LimitFractions {
-    lowered: Vec<(RowSource, f64)>,
+    lowered: Vec<(LimitId, f64)>,
     /// Of every limit, beside what is lowered.
     all: Option<f64>,
 }
@@ -19,23 +19,23 @@ impl LimitFractions {
     }
 
     /// The fraction of one limit.
-    pub fn of(&self, limit: RowSource) -> f64 {
+    pub fn of(&self, limit: LimitId) -> f64 {
         let own = self.lowered.iter().find(|(known, _)| *known == limit).map_or(1.0, |(_, fraction)| *fraction);
         own * self.all.unwrap_or(1.0)
     }
 
     /// The fraction of a limit of the tool.
     pub fn tool(&self, quantity: Quantity) -> f64 {
-        self.of(RowSource::path(quantity))
+        self.of(LimitId::path(quantity))
     }
 
     /// The fractions of the limits of all joints.
     pub fn joints<const N: usize>(&self, quantity: Quantity) -> Joints<N> {
-        Joints::from_fn(|j, _| self.of(RowSource::joint(quantity, j)))
+        Joints::from_fn(|j, _| self.of(LimitId::joint(quantity, j)))
     }
 
     /// Lowers one limit by `factor` more.
-    pub fn lower(&mut self, limit: RowSource, factor: f64) {
+    pub fn lower(&mut self, limit: LimitId, factor: f64) {
         match self.lowered.iter_mut().find(|(known, _)| *known == limit) {
             Some((_, fraction)) => *fraction *= factor,
             None => self.lowered.push((limit, factor)),
@@ -48,7 +48,7 @@ impl LimitFractions {
     }
 
     /// The limits that are lowered, with their fractions.
-    pub fn lowered(&self) -> &[(RowSource, f64)] {
+    pub fn lowered(&self) -> &[(LimitId, f64)] {
         &self.lowered
     }
 }

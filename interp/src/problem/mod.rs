@@ -3,16 +3,16 @@
 mod bounds;
 mod fractions;
 mod grid;
-mod ground;
 mod needs;
+mod path_grid;
 mod path_problem;
 mod settings;
 mod tool_speed;
 mod torque;
 
 pub(crate) use fractions::LimitFractions;
-pub(crate) use ground::Ground;
 pub use needs::RowsNeeded;
+pub(crate) use path_grid::PathGrid;
 pub(crate) use path_problem::Held;
 pub use path_problem::PathProblem;
 pub(crate) use settings::Settings;

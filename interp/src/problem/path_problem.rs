@@ -14,8 +14,8 @@ use arcfeed_kinematics::Joints;
 use super::bounds::{BendLimits, DerivativeBounds};
 use super::fractions::LimitFractions;
 use super::grid;
-use super::ground::Ground;
 use super::needs::RowsNeeded;
+use super::path_grid::PathGrid;
 use super::settings::Settings;
 use super::tool_speed::ToolRates;
 use super::torque::TorquePath;
@@ -54,7 +54,7 @@ impl<'p, const N: usize> Held<'p, N> {
 pub struct PathProblem<'p, const N: usize = 6> {
     pub(crate) settings: Settings<'p, N>,
     pub(crate) path: Held<'p, N>,
-    pub(crate) ground: Ground,
+    pub(crate) layout: PathGrid,
     pub(crate) joints: JointPath<N>,
     stops: Vec<usize>,
     /// Programmed feed on every interval, m/s; empty where there is none.
@@ -80,32 +80,37 @@ impl<'p, const N: usize> PathProblem<'p, N> {
         on_breaks: bool,
     ) -> Result<Self, PlanError> {
         let begin = Instant::now();
-        let ground = Ground::lay(settings, path.get(), on_breaks)?;
+        let layout = PathGrid::lay(settings, path.get(), on_breaks)?;
         let laid = begin.elapsed();
-        let mut problem = Self::on(settings, path, ground, needs)?;
+        let mut problem = Self::on(settings, path, layout, needs)?;
         problem.times[0] = laid;
         Ok(problem)
     }
 
     /// The same on a grid whose intervals are divided into `parts`.
     pub(crate) fn refined(&self, parts: usize) -> Result<Self, PlanError> {
-        let ground = Ground { grid: grid::refined(&self.ground.grid, parts), ..self.ground.clone() };
-        let mut problem = Self::on(&self.settings, self.path.clone(), ground, self.needs)?;
+        let layout = PathGrid { grid: grid::refined(&self.layout.grid, parts), ..self.layout.clone() };
+        let mut problem = Self::on(&self.settings, self.path.clone(), layout, self.needs)?;
         problem.times = [self.times[0], self.times[1] + problem.times[1]];
         Ok(problem)
     }
 
-    fn on(settings: &Settings<'p, N>, path: Held<'p, N>, ground: Ground, needs: RowsNeeded) -> Result<Self, PlanError> {
+    fn on(
+        settings: &Settings<'p, N>,
+        path: Held<'p, N>,
+        layout: PathGrid,
+        needs: RowsNeeded,
+    ) -> Result<Self, PlanError> {
         suits(settings, path.get())?;
         let begin = Instant::now();
         let limits = settings.limits.joints();
         let mut joints =
-            JointPath::follow(path.get(), &ground.grid).map_err(|e| e.within(limits.lower(), limits.upper()))?;
+            JointPath::follow(path.get(), &layout.grid).map_err(|e| e.within(limits.lower(), limits.upper()))?;
         joints.check_range(path.get(), limits.range())?;
         if settings.limits.torque().is_some() {
             joints.insert_turning_points(path.get())?;
         }
-        let mut problem = Self::of(settings, path, ground, joints, needs);
+        let mut problem = Self::of(settings, path, layout, joints, needs);
         problem.times[1] = begin.elapsed();
         Ok(problem)
     }
@@ -114,13 +119,13 @@ impl<'p, const N: usize> PathProblem<'p, N> {
     pub(crate) fn of(
         settings: &Settings<'p, N>,
         path: Held<'p, N>,
-        mut ground: Ground,
+        mut layout: PathGrid,
         joints: JointPath<N>,
         needs: RowsNeeded,
     ) -> Self {
-        ground.grid = joints.grid().collect();
-        let stops = grid::stops(&ground.grid, path.get().corners().iter().copied());
-        let feeds = feeds(settings, path.get(), &ground);
+        layout.grid = joints.grid().collect();
+        let stops = grid::stops(&layout.grid, path.get().corners().iter().copied());
+        let feeds = feeds(settings, path.get(), &layout);
         let middles = if needs > RowsNeeded::Points { middles(path.get(), &joints) } else { Vec::new() };
         let [after, before] = sides(&joints, &stops, needs);
         let flat = |of: fn(&JointJet<N>) -> &Joints<N>| -> Vec<f64> {
@@ -136,7 +141,7 @@ impl<'p, const N: usize> PathProblem<'p, N> {
             middle: [flat(|jet| &jet.d1), flat(|jet| &jet.d2), flat(|jet| &jet.d3)],
             settings: settings.clone(),
             path,
-            ground,
+            layout,
             joints,
             stops,
             feeds,
@@ -169,22 +174,22 @@ impl<'p, const N: usize> PathProblem<'p, N> {
 
     /// Parts of the path with a feed of their own, in their order on it.
     pub fn sections(&self) -> &[Section] {
-        &self.ground.sections
+        &self.layout.sections
     }
 
     /// Chord segments of the curve of the tool; none for other paths.
     pub fn segmentation(&self) -> Option<&Segmentation> {
-        self.ground.segmentation.as_ref()
+        self.layout.segmentation.as_ref()
     }
 
     /// Arc lengths where chord segments begin and end, m.
     pub fn breaks(&self) -> &[f64] {
-        &self.ground.breaks
+        &self.layout.breaks
     }
 
     /// Values of the parameter at the corners inside the path, where the motion stops.
     pub fn stops(&self) -> impl ExactSizeIterator<Item = f64> + '_ {
-        self.stops.iter().map(|&i| self.ground.grid[i])
+        self.stops.iter().map(|&i| self.layout.grid[i])
     }
 
     pub(crate) fn stop_points(&self) -> &[usize] {
@@ -194,7 +199,7 @@ impl<'p, const N: usize> PathProblem<'p, N> {
     /// Programmed feed at `s`, m/s; infinite where there is none.
     pub fn feed_at(&self, s: f64) -> f64 {
         let elsewhere = self.settings.limits.tool().feed().unwrap_or(f64::INFINITY);
-        Feeds { elsewhere, sections: &self.ground.sections }.at(s)
+        Feeds { elsewhere, sections: &self.layout.sections }.at(s)
     }
 
     /// Time spent on laying the grid, and on following the path.
@@ -218,7 +223,7 @@ impl<'p, const N: usize> PathProblem<'p, N> {
 
     /// What a planner says, with the place.
     pub(crate) fn explained(&self, error: FeedError) -> SpeedError {
-        SpeedError::explained(error, &self.ground.grid, |s| self.path.get().place(s))
+        SpeedError::explained(error, &self.layout.grid, |s| self.path.get().place(s))
     }
 
     fn build(&self, used: &LimitFractions, needs: RowsNeeded) -> Result<FeedProblem, FeedError> {
@@ -288,8 +293,8 @@ impl<'p, const N: usize> PathProblem<'p, N> {
         constraints.extend(torque.iter().map(|torque| torque as &dyn PathConstraint));
         constraints.extend(stops.iter().map(|stop| stop as &dyn PathConstraint));
         let problem = match between {
-            true => FeedProblem::between_points(&self.ground.grid, &constraints)?,
-            false => FeedProblem::at_points(&self.ground.grid, &constraints)?,
+            true => FeedProblem::between_points(&self.layout.grid, &constraints)?,
+            false => FeedProblem::at_points(&self.layout.grid, &constraints)?,
         };
         problem.with_end_speeds(self.settings.ends[0], self.settings.ends[1])
     }
@@ -353,13 +358,13 @@ fn suits<const N: usize>(settings: &Settings<'_, N>, path: &dyn MotionPath<N>) -
 }
 
 /// Programmed feed on every interval, m/s; empty where none counts.
-fn feeds<const N: usize>(settings: &Settings<'_, N>, path: &dyn MotionPath<N>, ground: &Ground) -> Vec<f64> {
+fn feeds<const N: usize>(settings: &Settings<'_, N>, path: &dyn MotionPath<N>, layout: &PathGrid) -> Vec<f64> {
     let Some(elsewhere) = settings.limits.tool().feed().filter(|_| path.parameter() == PathParameter::ArcLength) else {
         return Vec::new();
     };
     let reachable = settings.reachable(path.length());
-    let feeds = Feeds { elsewhere, sections: &ground.sections };
-    ground.grid.windows(2).map(|pair| feeds.at(0.5 * (pair[0] + pair[1])).min(reachable)).collect()
+    let feeds = Feeds { elsewhere, sections: &layout.sections };
+    layout.grid.windows(2).map(|pair| feeds.at(0.5 * (pair[0] + pair[1])).min(reachable)).collect()
 }
 
 /// Joint derivatives just after and just before every grid point.

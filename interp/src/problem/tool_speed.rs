@@ -1,7 +1,7 @@
 //! Speed of the tool on a path of the joints, where the tool is not prescribed.
 
 use arcfeed_feedrate::constraint::{PathConstraint, Place, RowSink};
-use arcfeed_feedrate::{IntervalBound, Quantity, RowSource};
+use arcfeed_feedrate::{IntervalBound, LimitId, Quantity};
 use arcfeed_kinematics::ForwardKinematics;
 
 use crate::path::{JointJet, JointPath};
@@ -24,12 +24,12 @@ impl ToolRates {
 
     /// A limit (m/s) on the speed of the tool point.
     pub fn linear(&self, limit: f64) -> ToolSpeed<'_> {
-        ToolSpeed { rates: self, part: 0, limit, source: RowSource::path(Quantity::Feed) }
+        ToolSpeed { rates: self, part: 0, limit, source: LimitId::path(Quantity::Feed) }
     }
 
     /// A limit (rad/s) on the angular speed.
     pub fn angular(&self, limit: f64) -> ToolSpeed<'_> {
-        ToolSpeed { rates: self, part: 1, limit, source: RowSource::path(Quantity::AngularSpeed) }
+        ToolSpeed { rates: self, part: 1, limit, source: LimitId::path(Quantity::AngularSpeed) }
     }
 }
 
@@ -39,7 +39,7 @@ pub(crate) struct ToolSpeed<'a> {
     rates: &'a ToolRates,
     part: usize,
     limit: f64,
-    source: RowSource,
+    source: LimitId,
 }
 
 impl ToolSpeed<'_> {
@@ -74,7 +74,7 @@ impl PathConstraint for ToolSpeed<'_> {
         }
     }
 
-    fn axis_speeds(&self, k: usize, _h: f64, out: &mut dyn FnMut([f64; 3], f64, RowSource)) {
+    fn axis_speeds(&self, k: usize, _h: f64, out: &mut dyn FnMut([f64; 3], f64, LimitId)) {
         out(self.over(k), self.limit, self.source);
     }
 }

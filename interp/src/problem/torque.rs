@@ -10,7 +10,7 @@
 //! which both of its values are allowed for; where a joint all but stands still, so they are on the whole interval.
 
 use arcfeed_feedrate::constraint::{PathConstraint, Place, RowSink};
-use arcfeed_feedrate::{IntervalBound, Quantity, Row, RowSource};
+use arcfeed_feedrate::{IntervalBound, LimitId, Quantity, Row};
 use arcfeed_kinematics::{Dynamics, Joints, PathTorque};
 
 use super::fractions::LimitFractions;
@@ -175,7 +175,7 @@ impl<const N: usize> TorqueRows<'_, N> {
             let lo = rest - self.lowered(j, limit + terms.low[j] + rest);
             // Friction beyond the limit leaves nothing.
             let lo = lo.min(hi);
-            out.row(Row { a, b, c, d: rest, lo, hi, source: RowSource::joint(Quantity::JointTorque, j) });
+            out.row(Row { a, b, c, d: rest, lo, hi, source: LimitId::joint(Quantity::JointTorque, j) });
         }
     }
 }
@@ -201,7 +201,7 @@ impl<const N: usize> PathConstraint for TorqueRows<'_, N> {
         for j in (0..N).filter(|&j| self.path.limits[j].is_finite()) {
             let [a, b, c, rest] = self.path.most(k, j);
             let limit = rest + self.lowered(j, self.path.limits[j] - rest);
-            let source = RowSource::joint(Quantity::JointTorque, j);
+            let source = LimitId::joint(Quantity::JointTorque, j);
             out.push(IntervalBound::Acceleration { a, b, c, rest, limit, source });
         }
     }

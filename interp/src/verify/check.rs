@@ -1,12 +1,12 @@
 //! The result of a verification.
 
-use arcfeed_feedrate::{Quantity, RowSource};
+use arcfeed_feedrate::{LimitId, Quantity};
 
 /// The worst place of a motion for one limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Check {
     /// Which limit.
-    pub id: RowSource,
+    pub id: LimitId,
     /// The value there, SI.
     pub value: f64,
     /// Its limit, SI.
@@ -35,7 +35,7 @@ impl Check {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Binding {
     /// Which limit.
-    pub id: RowSource,
+    pub id: LimitId,
     /// From where to where, by the path's parameter, increasing.
     pub intervals: Vec<(f64, f64)>,
 }
@@ -67,7 +67,7 @@ impl Verification {
     }
 
     /// Where one limit binds; empty where it does not.
-    pub fn binding(&self, id: RowSource) -> &[(f64, f64)] {
+    pub fn binding(&self, id: LimitId) -> &[(f64, f64)] {
         self.bindings.iter().find(|binding| binding.id == id).map_or(&[], |binding| &binding.intervals)
     }
 
@@ -80,7 +80,7 @@ impl Verification {
     }
 
     /// The check of one limit, where it was looked at.
-    pub fn of(&self, id: RowSource) -> Option<&Check> {
+    pub fn of(&self, id: LimitId) -> Option<&Check> {
         self.checks.iter().find(|check| check.id == id)
     }
 

@@ -1,6 +1,6 @@
 //! Every limit of a motion with its worst place so far.
 
-use arcfeed_feedrate::{Quantity, RowSource};
+use arcfeed_feedrate::{LimitId, Quantity};
 use arcfeed_kinematics::Joints;
 
 use super::check::Verification;
@@ -61,9 +61,9 @@ impl<'a, const N: usize> Tally<'a, N> {
     pub fn new(r: &Requirement<'a, N>) -> Self {
         let (joints, tool, path) = (r.limits.joints(), r.limits.tool(), r.path);
         let each = |quantity, limits: &Joints<N>| -> EachJoint {
-            (0..N).map(|joint| Worst::new(RowSource::joint(quantity, joint), limits[joint])).collect()
+            (0..N).map(|joint| Worst::new(LimitId::joint(quantity, joint), limits[joint])).collect()
         };
-        let one = |quantity, limit| Worst::new(RowSource::path(quantity), limit);
+        let one = |quantity, limit| Worst::new(LimitId::path(quantity), limit);
         let by_length = path.parameter() == PathParameter::ArcLength;
         let along = |quantity, limit: Option<f64>| limit.filter(|_| by_length).map(|limit| one(quantity, limit));
         let prescribed = path.tool(0.0).is_some();

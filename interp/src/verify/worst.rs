@@ -1,6 +1,6 @@
 //! The worst place of one limit, and where it binds.
 
-use arcfeed_feedrate::RowSource;
+use arcfeed_feedrate::LimitId;
 
 use super::check::{Binding, Check};
 use crate::setpoint::Setpoint;
@@ -16,7 +16,7 @@ pub(super) struct Worst {
 }
 
 impl Worst {
-    pub fn new(id: RowSource, limit: f64) -> Self {
+    pub fn new(id: LimitId, limit: f64) -> Self {
         Self { check: Check { id, value: 0.0, limit, ratio: 0.0, s: 0.0, t: 0.0 }, intervals: Vec::new() }
     }
 

@@ -8,7 +8,8 @@ use crate::compare::{Comparison, Entry};
 use crate::report::number;
 
 /// Planners that are drawn, where they found a motion: some of the others would only cover them.
-const DRAWN: [&str; 5] = ["box scan, per segment", "box scan, joined", "published scan", "certified", "jerk-limited"];
+const DRAWN: [&str; 5] =
+    ["per-segment", "continuous-acceleration", "published", "interpolated-reachability", "jerk-limited"];
 /// Part of the path that the lower panel shows.
 const ZOOM: f64 = 0.06;
 
@@ -37,7 +38,7 @@ pub fn compare_picture(comparison: &Comparison) -> Result<String, io::Error> {
     let middle = comparison
         .entries
         .iter()
-        .find(|e| e.planner == "published scan")
+        .find(|e| e.planner == "published")
         .and_then(|e| e.worst.first())
         .map_or(0.5 * length, |worst| worst.at_s_m * 1e3);
     let half = 0.5 * ZOOM * length;

@@ -13,9 +13,9 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use crate::error::InputError;
+use crate::limit_line::TOLERANCE;
 use crate::report::{number, percent};
-use crate::staging::write_whole;
-use crate::verdict::TOLERANCE;
+use crate::whole_file::write_whole;
 pub use run::{Picture, run_pictures};
 pub use schedule::{joint_panels_picture, shares_picture, speed_picture};
 

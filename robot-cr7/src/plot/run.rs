@@ -91,7 +91,7 @@ fn space_picture(stage: &Stage<'_>, played: &Played, report: &RunReport) -> Resu
     let size = sides.iter().fold(1.0, |a: f64, s| a.max(s.1 - s.0));
     // A large motion stands over the base; a small one over a floor of its own, so that it fills the page.
     let large = !report.excursions.is_empty() || size > 400.0;
-    let ground = Ground {
+    let ground = PathGrid {
         height: if large { 0.0 } else { sides[2].0 - 0.25 * size },
         square: if size > 150.0 { 100.0 } else { 10.0 },
     };
@@ -159,7 +159,7 @@ fn space_picture(stage: &Stage<'_>, played: &Played, report: &RunReport) -> Resu
 }
 
 /// What the picture stands on, mm.
-struct Ground {
+struct PathGrid {
     height: f64,
     square: f64,
 }
@@ -207,7 +207,7 @@ fn dot(canvas: &Canvas<'_>, (x, y): (f64, f64)) -> Result<(), io::Error> {
 fn grid(
     canvas: &Canvas<'_>,
     points: &[Vector3<f64>],
-    ground: &Ground,
+    ground: &PathGrid,
     place: &impl Fn(&Vector3<f64>) -> (f64, f64),
 ) -> Result<(), io::Error> {
     let steps = |(low, high): (f64, f64)| ((low / ground.square).floor() as i32, (high / ground.square).ceil() as i32);

@@ -4,7 +4,7 @@ use arcfeed_geometry::SegmentationMethod;
 use arcfeed_interp::{HybridState, LivePath, Setpoint};
 
 use super::{Figure, FigureLine, Reproduction, dense_deviation};
-use crate::cr7::Cr7Error;
+use crate::cr7_error::Cr7Error;
 use crate::model::Cr7;
 use crate::scenario::{Clock, Played, RunReport, Scenario, Stage};
 

@@ -5,7 +5,7 @@ use std::io;
 use arcfeed_geometry::SegmentationMethod;
 
 use super::hs_live::{EVENTS, embedded, played, table_6_scenario};
-use crate::cr7::Cr7Error;
+use crate::cr7_error::Cr7Error;
 use crate::plot::{path_picture, run_pictures};
 
 /// A picture with the name of its file.

@@ -1,6 +1,6 @@
 //! Quaternion-Based Velocity Scheduling for Robotic Systems (Electronics 2025, 14, 3869): its motions beside ours.
 
-use arcfeed_feedrate::{FeedPlanner, FeedProblem, PublishedScan, Quantity, RowSource, SpeedLaw};
+use arcfeed_feedrate::{FeedPlanner, FeedProblem, LimitId, PublishedScan, Quantity, SpeedLaw};
 use arcfeed_geometry::{GeometryError, PoseMotion};
 use arcfeed_interp::{
     LimitError, Limits, Method, PathError, PathProblem, PlanError, Planner, PoseMove, Setpoint, SpeedError,
@@ -202,9 +202,9 @@ impl<'a> Case<'a> {
 
 impl Planned<'_> {
     /// The largest part of a limit of joints, drives or tool that is used on dense samples, and which.
-    fn worst(&self) -> (f64, RowSource) {
+    fn worst(&self) -> (f64, LimitId) {
         let limits = self.check.checks().iter().filter(|check| !matches!(check.quantity(), Quantity::Continuity));
-        limits.fold((0.0, RowSource::path(Quantity::Other)), |most, check| {
+        limits.fold((0.0, LimitId::path(Quantity::Other)), |most, check| {
             if check.ratio > most.0 || check.ratio.is_nan() { (check.ratio, check.id) } else { most }
         })
     }
@@ -228,7 +228,7 @@ impl Planned<'_> {
 }
 
 /// The longest interval in which one limit binds.
-fn longest(check: &Verification, source: RowSource) -> (f64, f64) {
+fn longest(check: &Verification, source: LimitId) -> (f64, f64) {
     check.binding(source).iter().copied().fold(
         (0.0, 0.0),
         |best: (f64, f64), (from, to)| {
@@ -237,8 +237,8 @@ fn longest(check: &Verification, source: RowSource) -> (f64, f64) {
     )
 }
 
-fn joint(quantity: Quantity, number: usize) -> RowSource {
-    RowSource::joint(quantity, number - 1)
+fn joint(quantity: Quantity, number: usize) -> LimitId {
+    LimitId::joint(quantity, number - 1)
 }
 
 fn pure_orientation(

@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use super::play::{Cycle, Played};
 use super::stage::Stage;
 use crate::joint_check::{JointCheck, Rates};
-use crate::report::{LimitLine, LimitUnit};
+use crate::limit_line::{LimitLine, LimitUnit};
 
 /// On the path the tool of the setpoints is nearer to it than this, m: what is left to rounding.
 pub(super) const ON_PATH: f64 = 1e-9;

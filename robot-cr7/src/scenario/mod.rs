@@ -24,7 +24,8 @@ use arcfeed_feedrate::LiveSection;
 use arcfeed_interp::{LeaveBy, SingularityPolicy};
 use nalgebra::Isometry3;
 
-use crate::job::{Job, JointValues};
+use crate::job::Job;
+use crate::joint_values::JointValues;
 use crate::sample_paths::SamplePath;
 
 pub use play::{Clock, Cycle, Played, StepTimes};

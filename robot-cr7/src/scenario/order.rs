@@ -1,6 +1,7 @@
 //! What can be said of the order of the events before anything moves.
 
-use super::read::MOST_SECTIONS;
+use arcfeed_feedrate::MAX_SECTIONS;
+
 use super::{Action, Event, When};
 use crate::error::InputError;
 use crate::toml_check::Check;
@@ -99,7 +100,7 @@ fn action(check: &Check<'_>, i: usize, event: &Event, known: &mut Known) -> Resu
         Action::Override(factor) => known.zero = (*factor == 0.0).then_some(i),
         Action::Section(_) => {
             known.sections += 1;
-            if known.sections > MOST_SECTIONS {
+            if known.sections > MAX_SECTIONS {
                 return wrong("at most 16 sections are set at a time", "clear sections before, or leave some out");
             }
         }

@@ -9,7 +9,8 @@ use serde::Serialize;
 
 use super::stage::{Order, Stage, What};
 use super::{Action, When};
-use crate::cr7::{Cr7Error, live_error, plan_error};
+use crate::cr7::{live_error, plan_error};
+use crate::cr7_error::Cr7Error;
 use crate::samples::MOST_CYCLES;
 
 /// How time passes.

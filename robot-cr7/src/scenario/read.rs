@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use arcfeed_feedrate::{LiveSection, MAX_SECTIONS};
+use arcfeed_feedrate::LiveSection;
 use arcfeed_interp::{LeaveBy, MAX_POINTS, SingularityPolicy};
 use nalgebra::{Isometry3, Translation3};
 
@@ -10,8 +10,9 @@ use super::file::{RawAction, RawEvent, RawLeave, RawPlace, RawRun, RawScenario, 
 use super::order::check_order;
 use super::{Action, Event, Place, Scenario, ScenarioPath, When};
 use crate::error::{InputError, read_text};
-use crate::job::{Job, JobCheck, JointOverrides, JointValues};
+use crate::job::{Job, JobCheck};
 use crate::job_file::{PerJoint, RawFrame, RawJob, RawPath};
+use crate::joint_values::{JointOverrides, JointValues};
 use crate::sample_paths::SamplePath;
 use crate::toml_check::{Check, read_toml};
 
@@ -349,6 +350,3 @@ fn only_its_keys(check: &Check<'_>, i: usize, raw: &RawEvent) -> Result<(), Inpu
         }
     }
 }
-
-/// More sections at a time than an executor holds are refused when they come; a file shows it before.
-pub(super) const MOST_SECTIONS: usize = MAX_SECTIONS;

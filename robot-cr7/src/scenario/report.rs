@@ -11,7 +11,8 @@ use super::play::{Cycle, Played, StepTimes};
 use super::stage::Stage;
 use super::{Action, Event, When};
 use crate::cr7::trajectory_row;
-use crate::report::{LimitLine, clip, limit_table, number};
+use crate::limit_line::LimitLine;
+use crate::report::{clip, limit_table, number};
 use crate::trajectory_csv::TrajectoryRow;
 
 /// The result of a run. Its fields are the keys of the JSON form, SI units in their names.

@@ -7,9 +7,10 @@ use arcfeed_interp::{
 use arcfeed_kinematics::{AnalyticInverse, JointLimits, Joints};
 
 use super::{Action, Place, Scenario, ScenarioPath, When};
-use crate::cr7::{ARC_LENGTH_TOLERANCE, Cr7Error, live_error, path_of, tool_of};
+use crate::cr7::{ARC_LENGTH_TOLERANCE, live_error, path_of, tool_of};
+use crate::cr7_error::Cr7Error;
 use crate::error::InputError;
-use crate::job::JointValues;
+use crate::joint_values::JointValues;
 use crate::path_file::PathFile;
 use crate::toml_check::Check;
 

@@ -117,8 +117,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let tolerance = args.tolerance_mm * 1e-3;
     let mut drawn = None;
     for (name, method) in [
-        ("longest pieces within knot spans", SegmentationMethod::Longest { across_knots: false }),
-        ("longest pieces across knots", SegmentationMethod::Longest { across_knots: true }),
+        ("longest pieces within knot spans", SegmentationMethod::Greedy { across_knots: false }),
+        ("longest pieces across knots", SegmentationMethod::Greedy { across_knots: true }),
         ("C-type pieces, bisected", SegmentationMethod::CType),
         ("convex hull, bisected", SegmentationMethod::Hull),
     ] {

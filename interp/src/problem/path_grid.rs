@@ -15,7 +15,7 @@ const REACH: f64 = 1.0;
 
 /// The grid of a path, with what it was made from.
 #[derive(Debug, Clone)]
-pub(crate) struct Ground {
+pub(crate) struct PathGrid {
     /// Values of the parameter.
     pub grid: Vec<f64>,
     /// Chord segments of a curve of the tool.
@@ -26,7 +26,7 @@ pub(crate) struct Ground {
     pub sections: Vec<Section>,
 }
 
-impl Ground {
+impl PathGrid {
     /// Cuts a curve of the tool into chord segments and lays a grid over it; over any other path a grid of equal steps. Chord
     /// segments begin and end on the grid where `on_breaks` says so: they matter to the scans that know one box for each interval.
     pub fn lay<const N: usize>(
@@ -49,7 +49,7 @@ impl Ground {
         let segmentation = curve
             .curve()
             .curve()
-            .segment(SegmentationMethod::Longest { across_knots: false }, settings.chord_tolerance)
+            .segment(SegmentationMethod::Greedy { across_knots: false }, settings.chord_tolerance)
             .map_err(PathError::from)?;
         let breaks: Vec<f64> = segmentation.breaks().iter().map(|&u| curve.curve().arc_length_at(u)).collect();
         let mut sections = limits::resolve(&settings.sections, curve, &breaks)?;

@@ -25,18 +25,18 @@ use crate::speed_law::{Builder, SpeedLaw};
 /// path is cut in two at a speed of the per-segment plan, and so on down to single segments.
 ///
 /// ```
-/// use arcfeed_feedrate::{MotionLaw, Segment, plan_joined, plan_per_segment};
+/// use arcfeed_feedrate::{MotionLaw, Segment, plan_continuous, plan_per_segment};
 /// // A cap that rises over a hundred short segments.
 /// let segments: Vec<Segment> =
 ///     (0..100).map(|i| Segment::new(1e-4, 0.02 + 4e-4 * f64::from(i), 1.0, 50.0)).collect::<Result<_, _>>()?;
-/// let joined = plan_joined(&segments, 0.0, 0.0)?;
+/// let joined = plan_continuous(&segments, 0.0, 0.0)?;
 /// assert!(joined.duration() < plan_per_segment(&segments, 0.0, 0.0)?.duration());
 /// # Ok::<(), arcfeed_feedrate::FeedError>(())
 /// ```
 ///
 /// # Errors
 /// As [`super::segment::plan_per_segment`].
-pub fn plan_joined(segments: &[Segment], v_start: f64, v_end: f64) -> Result<SpeedLaw, FeedError> {
+pub fn plan_continuous(segments: &[Segment], v_start: f64, v_end: f64) -> Result<SpeedLaw, FeedError> {
     let caps = checked_caps(segments, v_start, v_end)?;
     let s = boundaries(segments);
     let mut plan = Builder::with_capacity(2 * segments.len());
@@ -48,12 +48,12 @@ pub fn plan_joined(segments: &[Segment], v_start: f64, v_end: f64) -> Result<Spe
     plan.finish(s[segments.len()], v_end)
 }
 
-/// Like [`plan_joined`], if the whole path can be joined at the first attempt, else `None`: a fraction of the time, for
+/// Like [`plan_continuous`], if the whole path can be joined at the first attempt, else `None`: a fraction of the time, for
 /// callers who have several lists of segments to choose from.
 ///
 /// # Errors
 /// When there is no segment, or a speed is negative, not finite or above the cap at its end of the path.
-pub fn plan_joined_at_once(segments: &[Segment], v_start: f64, v_end: f64) -> Result<Option<SpeedLaw>, FeedError> {
+pub fn plan_continuous_at_once(segments: &[Segment], v_start: f64, v_end: f64) -> Result<Option<SpeedLaw>, FeedError> {
     let caps = checked_caps(segments, v_start, v_end)?;
     if v_start > caps[0] {
         return Ok(None);

@@ -15,7 +15,7 @@
 
 use crate::error::{FeedError, PathEnd};
 use crate::problem::{FeedPlanner, FeedProblem};
-use crate::row::{Quantity, Row, RowSource};
+use crate::row::{LimitId, Quantity, Row};
 use crate::speed_law::SpeedLaw;
 
 /// The bidirectional scan of Electronics 2025, 14, 3869 with every row tested at both ends of an interval.
@@ -24,7 +24,7 @@ use crate::speed_law::SpeedLaw;
 /// N = 1000. It needs every grid point to be statically feasible. Rows hold at the grid points; in between they may be exceeded
 /// by what they vary there.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct BothEndsScan;
+pub struct ForwardBackwardScan;
 
 /// The bidirectional scan as published (Electronics 2025, 14, 3869, eqs. 16 to 19 and appendix A; backward pass with the
 /// sign of the acceleration corrected), for reproduction only: **it breaks the limits it is given.**
@@ -34,7 +34,7 @@ pub struct BothEndsScan;
 #[derive(Debug, Clone, Copy, Default)]
 pub struct PublishedScan;
 
-impl FeedPlanner for BothEndsScan {
+impl FeedPlanner for ForwardBackwardScan {
     fn plan(&self, problem: &FeedProblem) -> Result<SpeedLaw, FeedError> {
         plan(problem, true)
     }
@@ -211,7 +211,7 @@ fn scan(problem: &FeedProblem, limit: &[f64], both_ends: bool) -> Result<Vec<f64
 fn out_of_reach(problem: &FeedProblem, end: PathEnd, i: usize, highest: f64) -> FeedError {
     let speed = if i == 0 { problem.v_start() } else { problem.v_end() };
     let (cap, source) = problem.cap(i);
-    let row = if highest >= cap { source } else { RowSource::path(Quantity::Ahead) };
+    let row = if highest >= cap { source } else { LimitId::path(Quantity::Ahead) };
     FeedError::SpeedOutOfReach { end, speed, lowest: 0.0, highest: highest.sqrt(), row, s: problem.grid()[i] }
 }
 

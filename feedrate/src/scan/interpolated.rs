@@ -1,12 +1,12 @@
 //! Reachability that keeps the limits between the grid points too.
 //!
 //! With `u` constant on an interval the duration is only accurate to the first power of its length (0.3 % at N = 1000).
-//! [`CertifiedReachability`] takes the optimum of the rows at the points, reads off the slope of `u` on every interval, and
+//! [`InterpolatedReachability`] takes the optimum of the rows at the points, reads off the slope of `u` on every interval, and
 //! solves again with these slopes given, which leaves the programs linear. Where the path is cubic in `s` the acceleration of a
 //! joint then is cubic and its squared speed of degree six; both lie in the hull of their Bernstein coefficients, which are
 //! linear in `(u, x)`, so that bounding those keeps the limits everywhere on such a path.
 
-use super::both_ends::moves;
+use super::forward_backward::moves;
 use super::reachability::{Solver, solve, solve_moving};
 use crate::error::FeedError;
 use crate::problem::{FeedPlanner, FeedProblem};
@@ -18,9 +18,9 @@ use crate::speed_law::{Builder, SpeedLaw};
 /// of its spline on the grid). On other paths, and for torque, the same rows hold for the interpolation of the rows through
 /// both ends and the middle: what is left is the error of that, which falls with the third power of the interval.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct CertifiedReachability;
+pub struct InterpolatedReachability;
 
-impl FeedPlanner for CertifiedReachability {
+impl FeedPlanner for InterpolatedReachability {
     fn plan(&self, problem: &FeedProblem) -> Result<SpeedLaw, FeedError> {
         if !problem.is_between_points() {
             return Err(FeedError::Empty { what: "rows between the grid points (FeedProblem::between_points)" });
