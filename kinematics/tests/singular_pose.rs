@@ -133,7 +133,8 @@ proptest! {
         let found = arm.nearest_singular_pose(&q).unwrap();
         prop_assert!(singular(&arm, &found.q));
         prop_assert!(found.distance < q[3].abs() + 1e-6, "{found:?}");
-        if found.q[3].abs() < 1e-6 && found.q[5].abs() > 1e-3 {
+        // Where the shoulder or the wrist is singular as well, the pose may be named after it.
+        if found.q[3].abs() < 1e-6 && found.q[5].abs() > 1e-3 && found.q[1].abs() > 1e-3 {
             prop_assert_eq!(found.kind, Some(SingularityKind::Elbow));
             prop_assert!((found.distance - q[3].abs()).abs() < 1e-6, "{found:?}");
         }

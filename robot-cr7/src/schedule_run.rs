@@ -4,7 +4,7 @@ use std::fmt::{self, Display, Formatter};
 use std::path::PathBuf;
 
 use arcfeed_interp::{
-    JointSpline, Limits, Method, MotionPath, PathParameter, PlanError, Planner, ToolLimits, Trajectory,
+    JointSpline, LimitError, Limits, Method, MotionPath, PathParameter, PlanError, Planner, ToolLimits, Trajectory,
 };
 use arcfeed_kinematics::{Arm, ArmDynamics, JointLimits, Joints};
 use serde::Serialize;
@@ -195,7 +195,19 @@ impl<'a, const N: usize> SpeedTask<'a, N> {
     }
 
     fn failed(&self, source: impl Into<PlanError>) -> Cr7Error {
-        plan_error(&self.file.file.display().to_string(), source.into())
+        let source = source.into();
+        // A motion that is too long to be planned has too many samples to be written.
+        if let PlanError::Limit(LimitError::TooLong { duration, .. }) = source
+            && let Err(error) = self.few_enough(duration)
+        {
+            return error;
+        }
+        plan_error(&self.file.file.display().to_string(), source)
+    }
+
+    fn few_enough(&self, duration: f64) -> Result<(), Cr7Error> {
+        few_enough(duration, self.file.period, "the [limits] of the file")
+            .map_err(|source| Cr7Error::TooManySamples { file: self.file.file.display().to_string(), source })
     }
 
     fn plan<'p>(&'p self, arm: &'p Arm<N>, path: &'p dyn MotionPath<N>) -> Result<Trajectory<'p, N>, PlanError> {
@@ -221,8 +233,7 @@ impl<'a, const N: usize> SpeedTask<'a, N> {
         mut write: impl FnMut(&TrajectoryRow<N>) -> Result<(), InputError>,
     ) -> Result<ScheduleRun, Cr7Error> {
         let trajectory = self.plan(arm, path).map_err(|e| self.failed(e))?;
-        few_enough(trajectory.duration(), self.file.period, "the [limits] of the file")
-            .map_err(|source| Cr7Error::TooManySamples { file: self.file.file.display().to_string(), source })?;
+        self.few_enough(trajectory.duration())?;
         let setpoints = trajectory.setpoints(self.file.period).map_err(|e| self.failed(e))?;
         let samples = setpoints.samples();
         let panels = self.panels();

@@ -161,9 +161,9 @@ fn a_pure_translation_keeps_its_orientation_and_the_speeds_at_its_ends() {
         1,
     );
     desk.write("pt.toml", &format!("[motion]\nstart_speed = 40.0\nend_speed = 25.0\n{text}linear_mm_s = 150.0\n"));
-    let report = desk.run(&["schedule", "pt.toml", "--json"]).done().json();
+    let report = desk.run(&["schedule", "pt.toml", "--planner", "interpolated-reachability", "--json"]).done().json();
     assert_eq!((&report["motion"], &report["parameter_unit"]), (&"pure translation".into(), &"m".into()));
-    let speed = limit(&report, "linear speed of the tool");
+    let speed = limit(&report, "feed");
     assert!((speed[0]["value"].as_f64().expect("a number") - 0.15).abs() < 1e-6, "{speed:?}");
     let rows = desk.trajectory::<6>("out");
     let speed = |i: usize, j: usize| {
@@ -258,7 +258,7 @@ fn bad_files_name_the_line_and_the_rule() {
     }
     desk.write("s.toml", &format!("[limits]\ntorque_nm = 100\n{ways}"));
     let run = desk.run(&["schedule", "s.toml", "--robot", "planar_2r"]);
-    run.refused(1, &["the masses of its links", "limits.torque_nm"]);
+    run.refused(2, &["the masses of its links", "limits.torque_nm"]);
     desk.run(&["schedule"]).refused(2, &["FILE"]);
     desk.run(&["schedule", "none.toml"]).refused(2, &["none.toml", "cannot be read"]);
     desk.write("s.toml", ways);

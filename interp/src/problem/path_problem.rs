@@ -107,7 +107,8 @@ impl<'p, const N: usize> PathProblem<'p, N> {
         let mut joints =
             JointPath::follow(path.get(), &layout.grid).map_err(|e| e.within(limits.lower(), limits.upper()))?;
         joints.check_range(path.get(), limits.range())?;
-        if settings.limits.torque().is_some() {
+        // Along a curve of the tool the grid is fine, and points beside its knots would make intervals of no length.
+        if settings.limits.torque().is_some() && path.get().tool_curve().is_none() {
             joints.insert_turning_points(path.get())?;
         }
         let mut problem = Self::of(settings, path, layout, joints, needs);

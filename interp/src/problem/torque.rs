@@ -6,8 +6,9 @@
 //! inertia a + velocity v^2 + viscous v + constant
 //! ```
 //!
-//! where the constant part is gravity and Coulomb friction. Friction jumps where a joint turns back. Such places are grid points, at
-//! which both of its values are allowed for; where a joint all but stands still, so they are on the whole interval.
+//! where the constant part is gravity and Coulomb friction. Friction jumps where a joint turns back. Such places are grid points
+//! of pose moves and way-points, at which both of its values are allowed for; where a joint turns back inside an interval of a curve of
+//! the tool, or all but stands still, they are allowed for on the whole interval.
 
 use arcfeed_feedrate::constraint::{PathConstraint, Place, RowSink};
 use arcfeed_feedrate::{IntervalBound, LimitId, Quantity, Row};
