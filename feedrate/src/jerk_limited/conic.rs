@@ -69,7 +69,7 @@ fn sequence(problem: &FeedProblem, fastest: &[f64], part: &Part) -> Result<(Solu
             break;
         }
     }
-    Ok((Solution { stretch, c }, accurate))
+    Ok((Solution { stretch, c, converged: accurate }, accurate))
 }
 
 /// In these all numbers are near 1.

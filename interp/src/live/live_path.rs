@@ -89,8 +89,8 @@ impl<'a, const N: usize> Planner<'a, N> {
     /// Makes `path` ready for [`HybridMotion`](crate::HybridMotion), from rest to rest.
     ///
     /// # Errors
-    /// [`PathError::Arm`] or [`PathError::BranchChange`] where the arm cannot follow, [`PathError::JointRange`] where a joint leaves its
-    /// range; [`Planner::route`] goes round such places. [`SpeedError::Feed`] for a planner that was asked for speeds at the ends.
+    /// [`PathError::Arm`](crate::PathError::Arm) or [`PathError::BranchChange`](crate::PathError::BranchChange) where the arm cannot follow, [`PathError::JointRange`](crate::PathError::JointRange) where a joint leaves its
+    /// range; [`Planner::route`] goes round such places. [`SpeedError::Feed`](crate::SpeedError::Feed) for a planner that was asked for speeds at the ends.
     pub fn live<'p>(&self, path: ToolPath<'p, N>) -> Result<LivePath<'p, N>, LiveError>
     where
         'a: 'p,
