@@ -1,7 +1,6 @@
 //! The planners of speed, by name.
 
 use std::fmt;
-use std::str::FromStr;
 
 use arcfeed_feedrate::{
     ChosenLaw, ContinuousAccelerationScan, FeedError, FeedPlanner, FeedProblem, ForwardBackwardScan,
@@ -58,6 +57,11 @@ impl Method {
         }
     }
 
+    /// The planner of that name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|method| method.name() == name)
+    }
+
     /// The rows it needs.
     pub const fn needs(self) -> RowsNeeded {
         match self {
@@ -100,16 +104,5 @@ impl FeedPlanner for Method {
 impl fmt::Display for Method {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
-    }
-}
-
-impl FromStr for Method {
-    type Err = String;
-
-    fn from_str(name: &str) -> Result<Self, String> {
-        Self::ALL.into_iter().find(|method| method.name() == name).ok_or_else(|| {
-            let names: Vec<&str> = Self::ALL.iter().map(|method| method.name()).collect();
-            format!("no planner is called \"{name}\": there are {}", names.join(", "))
-        })
     }
 }

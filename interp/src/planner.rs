@@ -215,7 +215,15 @@ impl<'a, const N: usize> Planner<'a, N> {
             return Err(unverified(&problem, &verification, true));
         }
         let intervals = problem.intervals();
-        let info = PlanInfo { method: None, fallback: None, rounds: 1, intervals, refined: 1, lowered: Vec::new() };
+        let info = PlanInfo {
+            method: None,
+            fallback: None,
+            rounds: 1,
+            intervals,
+            refined: 1,
+            lowered: Vec::new(),
+            slowed: 1.0,
+        };
         Ok(Trajectory::new(problem, law, info, verification, timings))
     }
 
@@ -259,8 +267,10 @@ impl<'a, const N: usize> Planner<'a, N> {
         let prepared = begin.elapsed();
         let mut used = LimitFractions::default();
         let mut chosen = self.choose_over_grids(&mut problem)?;
-        let (mut verifying, mut last, mut refined) = (Duration::ZERO, None, 1);
-        for rounds in 1..=ROUNDS {
+        let (mut verifying, mut refined) = (Duration::ZERO, 1);
+        let mut rounds = 0;
+        let verification = loop {
+            rounds += 1;
             let started = Instant::now();
             let verification = self.verify(&problem, &chosen.law, self.method.limits_jerk())?;
             verifying += started.elapsed();
@@ -271,10 +281,11 @@ impl<'a, const N: usize> Planner<'a, N> {
                 let info = self.info(&problem, &chosen, (rounds, refined), &used);
                 return Ok(Trajectory::new(problem, chosen.law, info, verification, timings));
             }
-            let exceeded = lowerable(&verification, self.method.limits_jerk());
+            let Some(exceeded) = lowerable(&verification, self.method.limits_jerk()) else { break verification };
+            if rounds == ROUNDS {
+                break verification;
+            }
             let excess = verification.worst().ratio - 1.0;
-            last = Some(verification);
-            let Some(exceeded) = exceeded else { break };
             if excess > COARSE && problem.intervals() * FINER <= FINEST {
                 problem = problem.refined(FINER)?;
                 refined *= FINER;
@@ -285,14 +296,10 @@ impl<'a, const N: usize> Planner<'a, N> {
                 exceeded.into_iter().for_each(|(id, ratio)| used.lower(id, 1.0 / (ratio + MARGIN)));
             }
             // A speed at an end may go with the limits that were asked for and with none below.
-            let Ok(again) = self.choose(&problem, &used) else { break };
+            let Ok(again) = self.choose(&problem, &used) else { break verification };
             chosen = again;
-        }
-        let between = needs > RowsNeeded::Points;
-        Err(match last {
-            Some(verification) => unverified(&problem, &verification, between),
-            None => LimitError::NotPositive { what: "rounds of planning", value: 0.0 }.into(),
-        })
+        };
+        Err(unverified(&problem, &verification, needs > RowsNeeded::Points))
     }
 
     fn choose(&self, problem: &PathProblem<'_, N>, used: &LimitFractions) -> Result<ChosenLaw, PlanError> {
@@ -346,6 +353,7 @@ impl<'a, const N: usize> Planner<'a, N> {
             intervals: problem.intervals(),
             refined,
             lowered: used.lowered().to_vec(),
+            slowed: used.everywhere(),
         }
     }
 }

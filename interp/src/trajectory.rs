@@ -30,6 +30,9 @@ pub struct PlanInfo {
     pub refined: usize,
     /// Limits that the last round planned with less of, and the fraction: what was exceeded between the points of the grid.
     pub lowered: Vec<(LimitId, f64)>,
+    /// The fraction of every limit that the last round planned with, beside those; 1 unless a limit was far exceeded where the grid sees
+    /// too little.
+    pub slowed: f64,
 }
 
 impl fmt::Display for PlanInfo {

@@ -2,11 +2,15 @@
 #![allow(unsafe_code, reason = "a counting allocator cannot be written without")]
 
 mod common;
+#[path = "common/qb.rs"]
+mod qb;
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::hint::black_box;
 
+use arcfeed_interp::{JointSpline, Method, MotionPath, Planner, PoseMove};
+use arcfeed_kinematics::Joints;
 use common::{analytic, arm, by_length, down, knotted, line_and_arc, plan_path, tool_down};
 
 thread_local! {
@@ -115,4 +119,32 @@ fn a_step_of_motion_in_both_spaces_allocates_nothing() {
     }
     assert_eq!(COUNT.with(Cell::get) - before, 0);
     assert!(refused >= 1);
+}
+
+fn samples_without_allocating(path: &dyn MotionPath<6>) {
+    let arm = qb::arm();
+    let planner = Planner::new(&arm, qb::with_torque(&arm)).with_method(Method::InterpolatedReachability);
+    let plan = planner.with_intervals(100).expect("a grid").plan(path).expect("a plan");
+    let before = COUNT.with(Cell::get);
+    let mut sum = 0.0;
+    let mut sampler = plan.setpoints(1e-3).expect("a period");
+    for setpoint in sampler.by_ref() {
+        let setpoint = black_box(setpoint).expect("on the path");
+        sum += setpoint.q.sum() + plan.torque(&setpoint).expect("known").sum();
+    }
+    assert!(sampler.next().is_none());
+    assert_eq!(COUNT.with(Cell::get) - before, 0);
+    assert!(sum.is_finite());
+    // The counter works.
+    black_box(Vec::<f64>::with_capacity(10));
+    assert!(COUNT.with(Cell::get) > before);
+}
+
+#[test]
+fn sampling_pose_moves_and_way_points_allocates_nothing() {
+    let arm = qb::arm();
+    let motion = PoseMove::starting_near(&arm, qb::to(), &Joints::from(qb::TO_NEAR)).expect("in reach");
+    let (from, to) = (motion.start(), motion.start() + Joints::repeat(0.2));
+    samples_without_allocating(&motion);
+    samples_without_allocating(&JointSpline::through(&[from, to]).expect("two points"));
 }

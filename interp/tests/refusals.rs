@@ -218,3 +218,34 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_path_of_another_arm_is_refused_before_it_is_planned() {
+    let (ours, other) = (qb::arm(), models::ur5e());
+    let path = PoseMove::starting_near(&ours, qb::to(), &Joints::from(qb::TO_NEAR)).expect("in reach");
+    let joints = other.range().with_rates(Joints::repeat(1.0), Joints::repeat(3.0), Joints::repeat(40.0));
+    let error = Planner::new(&other, Limits::new(joints.expect("valid"))).plan(&path).expect_err("another arm");
+    let text = error.to_string();
+    assert!(matches!(error, PlanError::Limit(LimitError::Unsuited { .. })), "{text}");
+    assert!(text.contains("another arm") && text.contains("same arm"), "{text}");
+}
+
+#[test]
+fn a_way_point_at_the_very_end_of_a_range_is_inside_and_one_beyond_is_refused() {
+    let arm = models::ur5e();
+    let (lower, upper) = (*arm.range().lower(), *arm.range().upper());
+    let joints = arm.range().with_rates(Joints::repeat(2.0), Joints::repeat(8.0), Joints::repeat(80.0)).expect("valid");
+    let planner = Planner::new(&arm, Limits::new(joints));
+    // Thirds of the range: the end of the line is rounded.
+    for share in [0.1, 1.0 / 3.0, 0.7] {
+        let from = lower + (upper - lower) * share;
+        for end in [lower, upper] {
+            let path = JointSpline::through(&[from, end]).expect("two points");
+            let trajectory = planner.plan(&path).expect("inside the range");
+            assert!(trajectory.verification().holds(1e-6));
+        }
+    }
+    let beyond = JointSpline::through(&[lower * 0.5, upper + Joints::repeat(1e-6)]).expect("two points");
+    let error = planner.plan(&beyond).expect_err("beyond the range");
+    assert!(matches!(error, PlanError::Path(PathError::JointRange { joint: 0, .. })), "{error}");
+}

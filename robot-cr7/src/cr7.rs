@@ -7,8 +7,8 @@ use arcfeed_geometry::{
     ArcLengthCurve, GeometryError, NurbsCurve, OrientationPath, PosePath, Segmentation, SegmentationMethod, Spacing,
 };
 use arcfeed_interp::{
-    FeedSection, HybridError, LimitError, Limits, LiveError, Method, MotionPath, PathArm, PathError, PlanError,
-    Planner, Setpoint, Setpoints, ToolLimits, ToolPath, Trajectory,
+    FeedSection, LimitError, Limits, LiveError, Method, MotionPath, PathArm, PathError, PlanError, Planner, Setpoint,
+    Setpoints, ToolLimits, ToolPath, Trajectory,
 };
 use arcfeed_kinematics::{JointLimits, Joints, KinematicsError, ParallelAxisArm};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
@@ -240,9 +240,7 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
 pub(crate) fn live_error(file: &str, error: LiveError) -> Cr7Error {
     match error {
         LiveError::Plan(source) => plan_error(file, source),
-        LiveError::Hybrid(source) => Cr7Error::Hybrid { file: file.to_owned(), source },
-        // No other kind is known.
-        other => Cr7Error::Hybrid { file: format!("{file}: {other}"), source: HybridError::Points { count: 0 } },
+        source => Cr7Error::Live { file: file.to_owned(), source: Box::new(source) },
     }
 }
 

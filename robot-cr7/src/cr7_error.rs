@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use arcfeed_geometry::GeometryError;
-use arcfeed_interp::{HybridError, PlanError};
+use arcfeed_interp::{LiveError, PlanError};
 use arcfeed_kinematics::KinematicsError;
 use thiserror::Error;
 
@@ -96,10 +96,10 @@ pub enum Cr7Error {
     },
     /// The part of a scenario in joint space cannot be set up: exit code 1.
     #[error("{file}: {source}")]
-    Hybrid {
+    Live {
         /// The file.
         file: String,
         /// Why.
-        source: HybridError,
+        source: Box<LiveError>,
     },
 }

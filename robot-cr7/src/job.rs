@@ -355,7 +355,7 @@ impl JobCheck<'_> {
     fn method(&self, raw: &RawPlan) -> Result<Method, InputError> {
         let method = match &raw.planner {
             None => Method::default(),
-            Some(name) => name.parse().map_err(|_| {
+            Some(name) => Method::from_name(name).ok_or_else(|| {
                 let rule = "it has to be the name of a planner";
                 let remedy = "choose one of jerk-limited, continuous-acceleration, per-segment, forward-backward, reachability, \
                               interpolated-reachability";

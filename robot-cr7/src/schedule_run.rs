@@ -333,6 +333,9 @@ impl<'a, const N: usize> SpeedTask<'a, N> {
             if info.refined > 1 {
                 words += &format!("; intervals raised to {}", info.intervals);
             }
+            if info.slowed < 1.0 {
+                words += &format!("; all limits lowered by {} %", number(100.0 * (1.0 - info.slowed)));
+            }
             for (id, fraction) in &info.lowered {
                 words += &format!("; {id} lowered by {} %", number(100.0 * (1.0 - fraction)));
             }

@@ -13,7 +13,7 @@ use crate::error::{PlanError, SpeedError};
 use crate::limits::ToolLimits;
 use crate::path::{JointJet, JointPath, MotionPath, ToolPath};
 use crate::planner::Planner;
-use crate::problem::{Held, LimitFractions, PathGrid, PathProblem, RowsNeeded};
+use crate::problem::{Held, LimitFractions, PathGrid, PathProblem, RowsNeeded, suits};
 
 /// Part of every limit that the curve uses: what is left is for rounding.
 const USED: f64 = 0.9999;
@@ -28,9 +28,9 @@ const LOOKS: [f64; 3] = [0.25, 0.5, 0.75];
 
 /// A tool path with joints, and the limit curve under which it may be run whatever an operator does.
 ///
-/// Tangential acceleration and jerk are bounded by two constants for the whole path, and at every place the speed by what leaves room for
-/// both in every limit of joints and tool. That is slower than a plan made once ([`Planner::plan`]), which knows what it will do next; the
-/// price buys that anything may happen in the next cycle.
+/// Tangential acceleration and tangential jerk have one bound each for the whole path. The speed has a bound at every place, such that
+/// every limit of joints and tool holds for all accelerations and jerks inside those two. A plan made once ([`Planner::plan`]) is faster,
+/// because it knows the motion ahead; here the motion may change in every cycle.
 #[derive(Debug, Clone)]
 pub struct LivePath<'p, const N: usize = 6> {
     path: Arc<ToolPath<'p, N>>,
@@ -115,6 +115,7 @@ impl<'a, const N: usize> Planner<'a, N> {
             let what = "speed at an end of a path that may be changed while it runs, from rest to rest";
             return Err(SpeedError::from(FeedError::AboveLimit { what, value, limit: 0.0 }).into());
         }
+        suits(settings, &*path)?;
         let whole = PathGrid::lay(settings, &*path, true)?;
         let close = 1e-9 * path.length();
         let mut grid = whole.grid.clone();

@@ -129,7 +129,7 @@ impl<'a, const N: usize> Planner<'a, N> {
     ///
     /// # Errors
     /// [`PathError::Arm`] when the start of the path is out of reach, [`LimitError::NotPositive`] for a `stall` that is not above 0 and
-    /// below 1, or without a feed.
+    /// below 1, [`LimitError::Unsuited`] without a feed.
     pub fn find_singular_intervals<A>(
         &self,
         arm: &A,
@@ -144,7 +144,7 @@ impl<'a, const N: usize> Planner<'a, N> {
             return Err(LimitError::NotPositive { what, value: stall }.into());
         }
         let limits = self.settings().limits;
-        let feed = limits.tool().feed().ok_or(LimitError::NotPositive { what: "feed rate", value: 0.0 })?;
+        let feed = self.settings().feed()?;
         let velocity = limits.joints().velocity();
         let slowest = stall * feed;
         let stall_at = |jet: &JointJet<N>| stalled(velocity, jet, slowest);

@@ -9,6 +9,8 @@ use crate::error::PathError;
 /// A prediction by Taylor's series may be off by its own step, and by this much in any case (rad), before the joints count as
 /// having jumped to another branch.
 const SAME_BRANCH: f64 = 0.05;
+/// Rounding of a joint value, relative to the range of the joint.
+const ROUNDING: f64 = 1e-12;
 /// A turning point this near to a grid point (in parts of the interval) takes its place.
 const NEAR: f64 = 0.25;
 
@@ -55,12 +57,13 @@ impl<const N: usize> JointPath<N> {
         Ok(Self { after, before })
     }
 
-    /// Checks that every joint is inside `range` at all grid points.
+    /// Checks that every joint is inside `range` at all grid points; a way-point at the very end of a range counts as inside.
     pub(crate) fn check_range(&self, path: &dyn MotionPath<N>, range: &JointRange<N>) -> Result<(), PathError> {
         for jet in &self.after {
             for joint in 0..N {
                 let (value, lower, upper) = (jet.q[joint], range.lower()[joint], range.upper()[joint]);
-                if !(lower..=upper).contains(&value) {
+                let rounding = ROUNDING * (upper - lower);
+                if !(lower - rounding..=upper + rounding).contains(&value) {
                     return Err(PathError::JointRange { place: path.place(jet.s), joint, value, lower, upper });
                 }
             }

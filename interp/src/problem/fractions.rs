@@ -5,23 +5,30 @@ use arcfeed_kinematics::Joints;
 
 /// The fractions of the limits that a plan may use: 1, or less for those that the verification found exceeded between the points of
 /// the grid.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct LimitFractions {
     lowered: Vec<(LimitId, f64)>,
     /// Of every limit, beside what is lowered.
-    all: Option<f64>,
+    all: f64,
+}
+
+impl Default for LimitFractions {
+    /// All of every limit.
+    fn default() -> Self {
+        Self::uniform(1.0)
+    }
 }
 
 impl LimitFractions {
     /// The fraction `used` of every limit.
     pub fn uniform(used: f64) -> Self {
-        Self { lowered: Vec::new(), all: Some(used) }
+        Self { lowered: Vec::new(), all: used }
     }
 
     /// The fraction of one limit.
     pub fn of(&self, limit: LimitId) -> f64 {
         let own = self.lowered.iter().find(|(known, _)| *known == limit).map_or(1.0, |(_, fraction)| *fraction);
-        own * self.all.unwrap_or(1.0)
+        own * self.all
     }
 
     /// The fraction of a limit of the tool.
@@ -44,7 +51,12 @@ impl LimitFractions {
 
     /// Lowers all limits by `factor` more.
     pub fn lower_all(&mut self, factor: f64) {
-        self.all = Some(self.all.unwrap_or(1.0) * factor);
+        self.all *= factor;
+    }
+
+    /// The fraction of every limit, beside those that are lowered.
+    pub fn everywhere(&self) -> f64 {
+        self.all
     }
 
     /// The limits that are lowered, with their fractions.

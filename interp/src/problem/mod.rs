@@ -13,6 +13,6 @@ mod torque;
 pub(crate) use fractions::LimitFractions;
 pub use needs::RowsNeeded;
 pub(crate) use path_grid::PathGrid;
-pub(crate) use path_problem::Held;
 pub use path_problem::PathProblem;
+pub(crate) use path_problem::{Held, suits};
 pub(crate) use settings::Settings;

@@ -69,11 +69,7 @@ fn measure<const N: usize>(
     sections: &[Section],
 ) -> Result<Measure, LimitError> {
     let (tool, joints) = (settings.limits.tool(), settings.limits.joints());
-    let elsewhere = tool.feed().ok_or(LimitError::Unsuited {
-        limit: "a feed",
-        problem: "is needed along a curve of the tool",
-        remedy: "give one with ToolLimits::with_feed",
-    })?;
+    let elsewhere = settings.feed()?;
     Ok(Measure {
         feed: Feeds { elsewhere, sections }.highest().min(settings.reachable(curve.length())),
         normal_acceleration: tool.normal_acceleration().unwrap_or(REACH * joints.acceleration().min()),

@@ -336,8 +336,23 @@ impl<'p, const N: usize> PathProblem<'p, N> {
     }
 }
 
-/// Whether the limits of the tool make sense on this kind of path.
-fn suits<const N: usize>(settings: &Settings<'_, N>, path: &dyn MotionPath<N>) -> Result<(), LimitError> {
+/// The tool of the planner's arm may be this far from where the path begins, m and rad.
+const SAME_ARM: f64 = 1e-6;
+
+/// Whether planner and path have the same arm, and the limits of the tool make sense on this kind of path.
+pub(crate) fn suits<const N: usize>(settings: &Settings<'_, N>, path: &dyn MotionPath<N>) -> Result<(), LimitError> {
+    if let Some(tool) = path.tool(0.0) {
+        let stands = settings.arm.forward(&path.start());
+        let apart = (stands.translation.vector - tool.pose.translation.vector).norm()
+            + stands.rotation.angle_to(&tool.pose.rotation);
+        if apart > SAME_ARM || apart.is_nan() {
+            return Err(LimitError::Unsuited {
+                limit: "the arm of the planner",
+                problem: "does not stand where the path begins: the path belongs to another arm or another tool",
+                remedy: "make the path with the same arm, tool included",
+            });
+        }
+    }
     if path.parameter() != PathParameter::JointDistance {
         return Ok(());
     }

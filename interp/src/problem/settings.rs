@@ -2,6 +2,7 @@
 
 use arcfeed_kinematics::ForwardKinematics;
 
+use crate::error::LimitError;
 use crate::limits::{FeedSection, Limits};
 
 /// Arm, limits and settings of a planner.
@@ -34,6 +35,18 @@ impl<const N: usize> std::fmt::Debug for Settings<'_, N> {
 }
 
 impl<const N: usize> Settings<'_, N> {
+    /// The feed along a curve of the tool, m/s.
+    ///
+    /// # Errors
+    /// [`LimitError::Unsuited`] without one.
+    pub fn feed(&self) -> Result<f64, LimitError> {
+        self.limits.tool().feed().ok_or(LimitError::Unsuited {
+            limit: "a feed",
+            problem: "is needed along a curve of the tool",
+            remedy: "give one with ToolLimits::with_feed",
+        })
+    }
+
     /// A speed that is not reached on a path of `length` (m) by accelerating over all of it, m/s. A higher feed limits
     /// nothing, and its size must not spoil the measures that are taken relative to it.
     pub fn reachable(&self, length: f64) -> f64 {
