@@ -19,7 +19,7 @@ use arcfeed_feedrate::{
 };
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/it/common/mod.rs"]
 mod common;
 use common::{Rng, curve_like};
 

@@ -21,7 +21,7 @@ use arcfeed_feedrate::{
 };
 use criterion::{BenchmarkId, Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
 
-#[path = "../tests/common/spline_paths.rs"]
+#[path = "../tests/it/common/spline_paths.rs"]
 mod spline_paths;
 use spline_paths::{A_MAX, JOINTS, Samples, Spline, V_A, paths};
 

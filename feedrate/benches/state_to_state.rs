@@ -9,7 +9,7 @@ use std::hint::black_box;
 use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, StateToState};
 use criterion::{Criterion, criterion_group, criterion_main};
 
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/it/common/mod.rs"]
 mod common;
 use common::Rng;
 

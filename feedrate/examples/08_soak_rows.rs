@@ -9,7 +9,7 @@ use arcfeed_feedrate::{
     ContinuousAccelerationScan, FeedPlanner, ForwardBackwardScan, InterpolatedReachability, JerkLimited, Reachability,
 };
 
-#[path = "../tests/common/row_families.rs"]
+#[path = "../tests/it/common/row_families.rs"]
 mod row_families;
 use row_families::{Case, FAMILIES, Path, judge};
 

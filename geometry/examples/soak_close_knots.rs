@@ -2,7 +2,7 @@
 //!
 //! A case that fails is printed with its seed and its curve; `soak_close_knots 1 SEED` runs it again.
 
-#[path = "../tests/common/close_knots.rs"]
+#[path = "../tests/it/common/close_knots.rs"]
 mod close_knots;
 
 use close_knots::Case;

@@ -20,7 +20,7 @@ use arcfeed_interp::{Limits, Method, Planner, PoseMove};
 use arcfeed_kinematics::Joints;
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 
-#[path = "../tests/common/qb.rs"]
+#[path = "../tests/it/common/qb.rs"]
 mod qb;
 
 /// The duration of the law by `method`, from the path on.

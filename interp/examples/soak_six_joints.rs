@@ -2,7 +2,7 @@
 //! [CASES, else 100] [FIRST SEED, else 0]`. Each must be planned and verified, or refused for a
 //! reason in the arm. A case that fails is printed with its seed, and `-- 1 SEED` plays it again.
 
-#[path = "../tests/common/six_joints.rs"]
+#[path = "../tests/it/common/six_joints.rs"]
 mod six_joints;
 
 use six_joints::{Outcome, draw_case, play};

@@ -4,7 +4,7 @@
 //! 1` (count and first seed). A text that panics is the one of the seed printed last; `-- 1 SEED`
 //! prints and reads it again.
 
-#[path = "../tests/common/damaged_urdf.rs"]
+#[path = "../tests/it/common/damaged_urdf.rs"]
 mod damaged_urdf;
 
 use arcfeed_kinematics::models;

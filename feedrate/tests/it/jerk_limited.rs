@@ -1,0 +1,158 @@
+//! The jerk-limited planner: nothing exceeded on dense samples, durations beside other programs and closed forms.
+#![allow(clippy::unwrap_used, clippy::neg_cmp_op_on_partial_ord)]
+use arcfeed_feedrate::constraint::{
+    Feed, JointAcceleration, JointJerk, JointVelocity, PathDerivatives, Stop, TangentialAcceleration, TangentialJerk,
+};
+use arcfeed_feedrate::{
+    FeedError, FeedPlanner, FeedProblem, JerkLimited, MotionLaw, MotionLimits, Reachability, SProfile, SpeedLaw,
+};
+
+use crate::spline_paths;
+use spline_paths::{A_MAX, JOINTS, Path, V_A, V_B, paths, worst};
+
+fn jerk() -> [f64; JOINTS] {
+    A_MAX.map(|a| 10.0 * a)
+}
+
+fn velocity(case: char) -> &'static [f64; JOINTS] {
+    if case == 'B' { &V_B } else { &V_A }
+}
+
+fn problem(path: &Path, case: char, grid: &[f64], ends: [f64; 2]) -> FeedProblem {
+    let (samples, jerk) = (path.spline.samples(grid), jerk());
+    let velocity = JointVelocity::new(samples.path(), velocity(case)).unwrap();
+    let acceleration = JointAcceleration::new(samples.path(), &A_MAX).unwrap();
+    let jerk = JointJerk::new(samples.path(), &jerk).unwrap();
+    let problem = FeedProblem::between_points(grid, &[&velocity, &acceleration, &jerk]).unwrap();
+    problem.with_end_speeds(ends[0], ends[1]).unwrap()
+}
+
+fn assert_inside(path: &Path, case: char, grid: &[f64], plan: &SpeedLaw) {
+    let ratios = worst(&path.spline, grid, plan, 20, velocity(case), &jerk());
+    assert!(ratios.iter().all(|ratio| *ratio <= 1.0 + 1e-6), "seed {} {case}: {ratios:?}", path.seed);
+}
+
+/// COPP's third-order program on its own, coarser grid exceeds its limits between the points and still is slower; the
+/// second-order optimum is a lower bound.
+#[test]
+fn exceeds_nothing_and_beats_the_reference_program() {
+    for path in paths().iter().step_by(if cfg!(debug_assertions) { 3 } else { 1 }) {
+        for fine in &path.fine {
+            let grid = path.spline.on_knots(1000);
+            let plan = JerkLimited::default().plan(&problem(path, fine.case, &grid, [0.0; 2])).unwrap();
+            assert_inside(path, fine.case, &grid, &plan);
+            let duration = plan.duration();
+            assert!(duration > fine.fine, "seed {} {}", path.seed, fine.case);
+            assert!(!(duration > fine.jerk), "seed {} {}: {duration} against {}", path.seed, fine.case, fine.jerk);
+        }
+    }
+}
+
+#[test]
+fn a_finer_grid_gains_little() {
+    for path in &paths()[3..6] {
+        let duration = |n: usize| {
+            let grid = path.spline.on_knots(n);
+            JerkLimited::default().plan(&problem(path, 'A', &grid, [0.0; 2])).unwrap().duration()
+        };
+        let ratio = duration(1000) / duration(4000);
+        assert!((1.0..1.005).contains(&ratio), "seed {}: {ratio}", path.seed);
+    }
+}
+
+#[test]
+fn starts_and_ends_in_motion() {
+    for path in &paths()[..8] {
+        let grid = path.spline.on_knots(600);
+        // Speeds well inside what the ends allow.
+        let rest = Reachability.plan(&problem(path, 'A', &grid, [0.0; 2])).unwrap();
+        let speeds = [0.3 * rest.at_position(0.05).v, 0.3 * rest.at_position(0.95).v];
+        let plan = JerkLimited::default().plan(&problem(path, 'A', &grid, speeds)).unwrap();
+        assert_inside(path, 'A', &grid, &plan);
+        let (first, last) = (plan.at(0.0), plan.at(plan.duration()));
+        assert!((first.v - speeds[0]).abs() < 1e-12 && first.a.abs() < 1e-9 * first.v * first.v, "{first:?}");
+        assert_eq!(last.v, speeds[1]);
+    }
+}
+
+/// `q = s` with one joint is the seven-phase profile.
+#[test]
+fn a_straight_line_is_the_seven_phase_profile() {
+    for (v, a, j) in [(0.2, 2.0, 40.0), (1.0, 2.0, 40.0), (0.05, 5.0, 20.0)] {
+        let exact = SProfile::new(0.3, 0.0, 0.0, &MotionLimits::new(v, a, j).unwrap()).unwrap().duration();
+        for n in [100, 400, 1600] {
+            let grid: Vec<f64> = (0..=n).map(|i| 0.3 * f64::from(i) / f64::from(n)).collect();
+            let feed = vec![v; n as usize];
+            let problem = FeedProblem::between_points(
+                &grid,
+                &[
+                    &Feed::new(&feed).unwrap(),
+                    &TangentialAcceleration::new(a).unwrap(),
+                    &TangentialJerk::new(j).unwrap(),
+                ],
+            )
+            .unwrap();
+            let ratio = JerkLimited::new(1e-6).unwrap().plan(&problem).unwrap().duration() / exact;
+            assert!((1.0 - 1e-9..1.003).contains(&ratio), "n = {n}: {ratio}");
+        }
+    }
+}
+
+#[test]
+fn the_unit_of_s_does_not_matter() {
+    let path = &paths()[2];
+    let grid = path.spline.on_knots(200);
+    let reference = JerkLimited::default().plan(&problem(path, 'A', &grid, [0.0; 2])).unwrap().duration();
+    for scale in [1e-3, 1e3, 1e6] {
+        let mut samples = path.spline.samples(&grid);
+        let scaled: Vec<f64> = grid.iter().map(|s| s * scale).collect();
+        samples.first.iter_mut().for_each(|q| *q /= scale);
+        samples.second.iter_mut().for_each(|q| *q /= scale * scale);
+        samples.third.iter_mut().chain(&mut samples.third_before).for_each(|q| *q /= scale * scale * scale);
+        let jerk = jerk();
+        let velocity = JointVelocity::new(samples.path(), &V_A).unwrap();
+        let acceleration = JointAcceleration::new(samples.path(), &A_MAX).unwrap();
+        let jerk = JointJerk::new(samples.path(), &jerk).unwrap();
+        let problem = FeedProblem::between_points(&scaled, &[&velocity, &acceleration, &jerk]).unwrap();
+        let duration = JerkLimited::default().plan(&problem).unwrap().duration();
+        assert!((duration / reference - 1.0).abs() < 1e-9, "{scale}: {duration} instead of {reference}");
+    }
+}
+
+#[test]
+fn stops_where_the_cap_is_zero() {
+    let path = &paths()[8];
+    let grid = path.spline.on_knots(400);
+    let (samples, limits) = (path.spline.samples(&grid), jerk());
+    let velocity = JointVelocity::new(samples.path(), &V_A).unwrap();
+    let acceleration = JointAcceleration::new(samples.path(), &A_MAX).unwrap();
+    let jerk = JointJerk::new(samples.path(), &limits).unwrap();
+    let problem = FeedProblem::between_points(&grid, &[&velocity, &acceleration, &jerk, &Stop { at: 150 }]).unwrap();
+    let plan = JerkLimited::default().plan(&problem).unwrap();
+    assert_inside(path, 'A', &grid, &plan);
+    let (time, _) = plan.knots().find(|(_, state)| state.p == grid[150] && state.v == 0.0).unwrap();
+    // Just before the stop it is nearly at rest, and acceleration comes to 0 with it.
+    let before = plan.at(time - 1e-6);
+    assert!(before.v < 1e-6 && before.a.abs() < 0.01, "{before:?}");
+}
+
+#[test]
+fn says_what_is_missing() {
+    let path = &paths()[0];
+    let grid = path.spline.on_knots(100);
+    let samples = path.spline.samples(&grid);
+    let acceleration = JointAcceleration::new(samples.path(), &A_MAX).unwrap();
+    let planner = JerkLimited::default();
+    let without_jerk = FeedProblem::between_points(&grid, &[&acceleration]).unwrap();
+    assert!(matches!(planner.plan(&without_jerk), Err(FeedError::Empty { what: "limits on jerk" })));
+    let jerk = TangentialJerk::new(10.0).unwrap();
+    let at_points = FeedProblem::at_points(&grid, &[&acceleration, &jerk]).unwrap();
+    assert!(matches!(planner.plan(&at_points), Err(FeedError::Empty { .. })));
+    let unbounded = FeedProblem::between_points(&grid, &[&jerk]).unwrap();
+    assert!(matches!(planner.plan(&unbounded), Err(FeedError::Unbounded { .. })));
+    let short = FeedProblem::between_points(&grid[..2], &[&jerk, &TangentialAcceleration::new(1.0).unwrap()]).unwrap();
+    assert!(matches!(planner.plan(&short), Err(FeedError::Standstill { .. })));
+    assert!(JerkLimited::new(0.0).is_err() && JerkLimited::new(f64::NAN).is_err());
+    let no_third = PathDerivatives::new(JOINTS, &samples.first, &samples.second).unwrap();
+    assert!(JointJerk::new(no_third, &A_MAX).is_err());
+}

@@ -1,0 +1,30 @@
+//! Tests of profiles, planners, live feed and state to state, in one binary.
+
+mod allocation;
+#[cfg(feature = "clarabel")]
+mod baseline;
+mod change;
+mod common;
+mod exact_problems;
+mod hostile;
+mod jerk_limited;
+mod liu_2024;
+mod live;
+mod online;
+mod online_allocation;
+mod row_families;
+mod rows;
+mod scan;
+mod scurve;
+mod speed_law;
+mod state_to_state;
+mod state_to_state_allocation;
+mod time_constrained;
+mod velocity_targets;
+
+#[path = "common/allocations.rs"]
+mod allocations;
+#[path = "common/row_families.rs"]
+mod row_families_cases;
+#[path = "common/spline_paths.rs"]
+mod spline_paths;

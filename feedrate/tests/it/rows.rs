@@ -1,0 +1,125 @@
+//! Second-order planners against durations made with other programs.
+#![allow(clippy::unwrap_used, clippy::neg_cmp_op_on_partial_ord)]
+use arcfeed_feedrate::constraint::{JointAcceleration, JointTorque, JointVelocity};
+use arcfeed_feedrate::{
+    FeedPlanner, FeedProblem, ForwardBackwardScan, InterpolatedReachability, PublishedScan, Reachability, SpeedLaw,
+};
+
+use crate::spline_paths;
+use spline_paths::{A_MAX, JOINTS, Path, Spline, TAU_C, V_A, V_B, paths};
+
+fn velocity(case: char) -> &'static [f64; JOINTS] {
+    if case == 'B' { &V_B } else { &V_A }
+}
+
+fn problem(path: &Path, case: char, grid: &[f64], between: bool) -> FeedProblem {
+    let samples = path.spline.samples(grid);
+    let velocity = JointVelocity::new(samples.path(), velocity(case)).unwrap();
+    let acceleration = JointAcceleration::new(samples.path(), &A_MAX).unwrap();
+    let make = if between { FeedProblem::between_points } else { FeedProblem::at_points };
+    if case == 'C' {
+        let [a, b, d] = &path.torque;
+        let torque = JointTorque::new(a, b, &[], d, &TAU_C).unwrap();
+        return make(grid, &[&velocity, &acceleration, &torque]).unwrap();
+    }
+    make(grid, &[&velocity, &acceleration]).unwrap()
+}
+
+/// Worst excess over a row at both ends of every interval, in units of its limit.
+fn excess_at_grid(problem: &FeedProblem, plan: &SpeedLaw) -> f64 {
+    let mut states: Vec<_> = plan.knots().map(|(_, state)| state).collect();
+    states.push(plan.end());
+    let mut worst = 0.0_f64;
+    for k in 0..problem.intervals() {
+        for i in [k, k + 1] {
+            let x = states[i].v * states[i].v;
+            for row in problem.rows(i) {
+                worst = worst.max(row.excess(states[k].a, x) / row.hi);
+            }
+            let cap = problem.cap(i).0;
+            worst = worst.max(x / cap - 1.0);
+        }
+    }
+    worst
+}
+
+#[test]
+fn durations_of_the_reference_programs() {
+    for path in paths() {
+        for r in path.references.iter().filter(|r| r.case != 'C' || !path.torque[0].is_empty() && r.n == 100) {
+            let at = format!("seed {} case {} N = {}", path.seed, r.case, r.n);
+            let problem = problem(&path, r.case, &Spline::uniform(r.n), false);
+            let reachability = Reachability.plan(&problem).unwrap();
+            let ratio = reachability.duration() / r.exact;
+            assert!((ratio - 1.0).abs() < 1e-6, "{at}: reachability {ratio}");
+            assert!(excess_at_grid(&problem, &reachability) < 1e-9, "{at}");
+
+            let scan = ForwardBackwardScan.plan(&problem).unwrap();
+            let ratio = scan.duration() / r.both_ends;
+            assert!((ratio - 1.0).abs() < 1e-6, "{at}: both ends {ratio}");
+            assert!(scan.duration() <= 1.02 * r.exact && scan.duration() >= r.dual_bound, "{at}");
+            assert!(excess_at_grid(&problem, &scan) < 1e-9, "{at}");
+
+            let published = PublishedScan.plan(&problem).unwrap();
+            let ratio = published.duration() / r.published;
+            assert!((ratio - 1.0).abs() < 1e-6, "{at}: published {ratio}");
+        }
+    }
+}
+
+#[test]
+fn the_published_scan_breaks_its_limits() {
+    let mut worst = 0.0_f64;
+    for path in paths() {
+        let problem = problem(&path, 'B', &Spline::uniform(100), false);
+        worst = worst.max(excess_at_grid(&problem, &PublishedScan.plan(&problem).unwrap()));
+    }
+    assert!(worst > 0.5, "{worst}");
+}
+
+#[test]
+fn certified_plans_exceed_nothing_between_the_points() {
+    let mut slowest = 0.0_f64;
+    for path in paths() {
+        for fine in &path.fine {
+            let grid = path.spline.on_knots(1000);
+            let plan = InterpolatedReachability.plan(&problem(&path, fine.case, &grid, true)).unwrap();
+            let worst = spline_paths::worst(&path.spline, &grid, &plan, 20, velocity(fine.case), &A_MAX);
+            assert!(worst[0] <= 1.0 + 1e-9 && worst[1] <= 1.0 + 1e-9, "seed {} {}: {worst:?}", path.seed, fine.case);
+            let ratio = plan.duration() / fine.fine;
+            slowest = slowest.max(ratio);
+        }
+    }
+    assert!(slowest <= 1.001, "{slowest}");
+}
+
+/// Torque known at twice as many points as the grid has: what the interpolated middle leaves at the points in between.
+#[test]
+fn certified_torque_between_the_points() {
+    let mut worst = [0.0_f64; 2];
+    for path in paths().iter().filter(|path| !path.torque[0].is_empty()) {
+        let [a, b, d] = &path.torque;
+        let every_second =
+            |values: &[f64]| -> Vec<f64> { values.chunks(2 * JOINTS).flat_map(|c| &c[..JOINTS]).copied().collect() };
+        let (coarse_a, coarse_b, coarse_d) = (every_second(a), every_second(b), every_second(d));
+        let grid = Spline::uniform(50);
+        let samples = path.spline.samples(&grid);
+        let velocity = JointVelocity::new(samples.path(), &V_A).unwrap();
+        let torque = JointTorque::new(&coarse_a, &coarse_b, &[], &coarse_d, &TAU_C).unwrap();
+        let problem = FeedProblem::between_points(&grid, &[&velocity, &torque]).unwrap();
+        for (k, plan) in [Reachability.plan(&problem), InterpolatedReachability.plan(&problem)].into_iter().enumerate()
+        {
+            let plan = plan.unwrap();
+            for i in 0..50 {
+                let state = plan.at_position((2 * i + 1) as f64 / 100.0);
+                for (j, tau) in TAU_C.iter().enumerate() {
+                    let at = (2 * i + 1) * JOINTS + j;
+                    let value = a[at] * state.a + b[at] * state.v * state.v + d[at];
+                    worst[k] = worst[k].max(value.abs() / tau);
+                }
+            }
+        }
+    }
+    // 50 intervals for 20 way-points are far too few; still most of the excess goes.
+    assert!(worst[0] > 1.2 && worst[1] < 1.1, "{worst:?}");
+}

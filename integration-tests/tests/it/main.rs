@@ -1,0 +1,9 @@
+//! Tests of all crates together, in one binary.
+
+mod allocation;
+mod any_arm;
+mod any_smooth_curve;
+mod hybrid;
+mod regressions;
+mod tight_bends;
+

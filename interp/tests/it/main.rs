@@ -1,0 +1,20 @@
+//! Tests of paths, plans, verification and live motion, in one binary.
+
+mod allocation;
+mod common;
+mod joint_path;
+mod limits;
+mod locked;
+mod mutations;
+mod parameter;
+mod pose_moves;
+mod refusals;
+mod sampling;
+mod singular;
+mod six_joints;
+mod verify;
+
+#[path = "common/qb.rs"]
+mod qb;
+#[path = "common/six_joints.rs"]
+mod six_joints_cases;

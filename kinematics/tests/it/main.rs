@@ -1,0 +1,20 @@
+//! Tests of poses, derivatives, inverse, dynamics and readers, in one binary.
+
+mod allocation;
+mod common;
+mod derivatives;
+mod dynamics;
+mod input_validation;
+mod inverse;
+#[cfg(feature = "json")]
+mod json;
+mod models;
+mod numeric;
+mod oracle;
+mod singular_pose;
+mod spherical_wrist;
+#[cfg(feature = "urdf")]
+mod urdf;
+
+#[path = "common/damaged_urdf.rs"]
+mod damaged_urdf;

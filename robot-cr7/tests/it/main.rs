@@ -1,0 +1,29 @@
+//! Tests of the program `cr7` and its library, in one binary.
+
+mod bad_jobs;
+mod bad_path_files;
+#[cfg(feature = "cli")]
+mod command_line;
+mod common;
+mod compare;
+mod hostile_numbers;
+#[cfg(feature = "cli")]
+mod joint_space;
+#[cfg(feature = "cli")]
+mod limits_and_files;
+#[cfg(feature = "plot")]
+mod pictures;
+mod pinned;
+#[cfg(feature = "cli")]
+mod random_jobs;
+#[cfg(feature = "cli")]
+mod robots;
+#[cfg(feature = "cli")]
+mod run;
+mod scenarios;
+#[cfg(feature = "cli")]
+mod schedule;
+mod trajectory_csv;
+
+#[path = "common/keeps.rs"]
+mod keeps;

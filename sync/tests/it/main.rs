@@ -1,0 +1,20 @@
+//! Tests of motions of several axes, in one binary.
+
+mod allocation;
+mod arrival;
+mod common;
+mod generator;
+mod line;
+mod point_to_point;
+mod projection;
+mod projection_allocation;
+mod projection_pose;
+mod ranges;
+mod so3;
+mod soak;
+mod state_to_state;
+
+#[path = "common/allocations.rs"]
+mod allocations;
+#[path = "../../examples/02_soak/soak/mod.rs"]
+mod soak_cases;
