@@ -1,67 +1,47 @@
 //! The Dobot CR7 on arcfeed: path and job files, plots, reports and the command line.
+//!
+//! Checked files (`input`) become verified motions (`run`), and these become trajectories, reports and
+//! pictures (`output`). [`reproduce`] sets the figures of the papers beside ours.
 #![forbid(unsafe_code)]
 
-mod compare;
-mod cr7;
-mod cr7_error;
-mod error;
-mod job;
-mod job_file;
-mod joint_check;
-mod joint_run;
-mod joint_values;
-mod limit_line;
-mod limit_lines;
-mod model;
-mod online_events;
-mod online_scenario;
-mod path_file;
-#[cfg(feature = "plot")]
-pub mod plot;
-mod report;
+mod input;
+mod output;
 pub mod reproduce;
-mod robot;
-mod sample_paths;
-mod samples;
-mod scenario;
-mod schedule_figure;
-mod schedule_file;
-mod schedule_run;
-mod schedule_way;
-mod series;
-mod staging;
-mod toml_check;
-mod trajectory_csv;
-mod unit;
-mod verdict;
-mod whole_file;
+mod run;
+mod text;
 
-pub use compare::{Comparison, Entry, Use, compare};
-pub use cr7::{Motion, Task, drawn_segments, trajectory_row};
-pub use cr7_error::Cr7Error;
-pub use error::InputError;
-pub use job::{FeedLimits, Job, Payload, ToolOrientation, TorqueJob};
-pub use joint_check::{JointCheck, Rates};
-pub use joint_run::{Happening, JointReport};
-pub use joint_values::{JointOverrides, JointValues};
-pub use limit_line::{LimitLine, LimitUnit};
-pub use model::{ACCELERATION, Cr7, JERK, VELOCITY};
-pub use online_scenario::{OnlineRun, OnlineScenario, ScenarioError};
-pub use path_file::{PathFile, PathGeometry};
-pub use report::{Report, SegmentCount};
-pub use robot::{Drives, Robot};
-pub use sample_paths::{SamplePath, butterfly};
-pub use samples::{MOST_CYCLES, MOST_SAMPLES, TooManySamples, few_enough, sample_times};
-pub use scenario::{
-    Accuracy, Clock, Cycle, DetourLine, EventLine, ExcursionLine, Played, RunReport, Scenario, Stage, StateSpan,
-    StepTimes,
-};
-pub use schedule_figure::{BindingBar, JointFigure, JointPanel, ShareFigure, SharePanel, SpeedFigure};
-pub use schedule_file::{ScheduleFile, SchedulePlace, ScheduleWay};
-pub use schedule_run::{BindingLine, ScheduleReport, ScheduleRun, run_pose_move, run_way_points};
-pub use series::Series;
-pub use staging::Staging;
-pub use trajectory_csv::{TrajectoryRow, TrajectoryWriter, read_trajectory, trajectory_columns, write_trajectory};
-pub use unit::LengthUnit;
-pub use verdict::{Exceeded, LimitsHold};
-pub use whole_file::interrupt;
+pub use input::error::InputError;
+pub use input::job::{FeedLimits, Job, Payload, ToolOrientation, TorqueJob};
+pub use input::joint_values::{JointOverrides, JointValues};
+pub use input::online_scenario::OnlineScenario;
+pub use input::path_file::{PathFile, PathGeometry};
+pub use input::sample_paths::{SamplePath, butterfly};
+pub use input::scenario::Scenario;
+pub use input::schedule_file::{ScheduleFile, SchedulePlace, ScheduleWay};
+pub use input::unit::LengthUnit;
+pub use output::joint_report::JointReport;
+#[cfg(feature = "plot")]
+pub use output::plot;
+pub use output::report::{Report, SegmentCount};
+pub use output::run_report::{Accuracy, DetourLine, EventLine, ExcursionLine, RunReport, StateSpan};
+pub use output::schedule_figure::{BindingBar, JointFigure, JointPanel, ShareFigure, SharePanel, SpeedFigure};
+pub use output::schedule_report::{BindingLine, ScheduleReport, ScheduleRun};
+pub use output::series::Series;
+pub use output::staging::Staging;
+pub use output::trajectory_csv::{TrajectoryWriter, read_trajectory, trajectory_columns, write_trajectory};
+pub use output::whole_file::interrupt;
+pub use run::compare::{Comparison, Entry, Use, compare};
+pub use run::cr7::{ACCELERATION, Cr7, JERK, VELOCITY};
+pub use run::error::Cr7Error;
+pub use run::joint_check::{JointCheck, Rates};
+pub use run::limit_line::{LimitLine, LimitUnit};
+pub use run::online_events::Happening;
+pub use run::online_run::{OnlineRun, ScenarioError};
+pub use run::play::{Clock, Cycle, Played, StepTimes};
+pub use run::robot::{Drives, Robot};
+pub use run::samples::{MOST_CYCLES, MOST_SAMPLES, TooManySamples, few_enough, sample_times};
+pub use run::speed_task::SpeedTask;
+pub use run::stage::Stage;
+pub use run::task::{Motion, Task, drawn_segments};
+pub use run::trajectory_row::TrajectoryRow;
+pub use run::verdict::{Exceeded, LimitsHold};

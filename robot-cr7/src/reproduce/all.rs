@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::{Reproduction, huang_2025, liu_2023, liu_2024};
-use crate::cr7_error::Cr7Error;
+use crate::run::error::Cr7Error;
 
 /// A paper: its short name, and what reproduces it.
 pub type Paper = (&'static str, fn() -> Result<Reproduction, Cr7Error>);

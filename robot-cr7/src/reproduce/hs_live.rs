@@ -4,9 +4,12 @@ use arcfeed_geometry::SegmentationMethod;
 use arcfeed_interp::{HybridState, LivePath, Setpoint};
 
 use super::{Figure, FigureLine, Reproduction, dense_deviation};
-use crate::cr7_error::Cr7Error;
-use crate::model::Cr7;
-use crate::scenario::{Clock, Played, RunReport, Scenario, Stage};
+use crate::input::scenario::Scenario;
+use crate::output::run_report::RunReport;
+use crate::run::cr7::Cr7;
+use crate::run::error::Cr7Error;
+use crate::run::play::{Clock, Played};
+use crate::run::stage::Stage;
 
 /// Round-off allowed in what a guarantee says, relative.
 const SLACK: f64 = 1e-6;

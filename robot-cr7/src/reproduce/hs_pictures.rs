@@ -5,8 +5,8 @@ use std::io;
 use arcfeed_geometry::SegmentationMethod;
 
 use super::hs_live::{EVENTS, embedded, played, table_6_scenario};
-use crate::cr7_error::Cr7Error;
-use crate::plot::{path_picture, run_pictures};
+use crate::output::plot::{path_picture, run_pictures};
+use crate::run::error::Cr7Error;
 
 /// A picture with the name of its file.
 pub type NamedPicture = (String, Result<String, io::Error>);

@@ -12,8 +12,8 @@ use serde::Deserialize;
 use thiserror::Error;
 
 use super::Reproduction;
-use crate::schedule_figure::{JointFigure, JointPanel, SpeedFigure, binding_bars};
-use crate::toml_check::rotation;
+use crate::input::toml_check::rotation;
+use crate::output::schedule_figure::{JointFigure, JointPanel, SpeedFigure, binding_bars};
 
 /// The grid of the plans whose places are compared: fine enough for three digits.
 const FINE: usize = 500;

@@ -2,15 +2,15 @@
 
 use std::path::PathBuf;
 
-use arcfeed_interp::{LockedArm, MotionPath, PathArm, ToolPath};
+use arcfeed_interp::PathArm;
 use robot_cr7::plot::{compare_picture, save_picture};
-use robot_cr7::{Cr7Error, InputError, Job, Task, compare};
+use robot_cr7::{InputError, Job, Task, compare};
 
 use crate::Failure;
-use crate::output::{say, say_as_is};
-use crate::plan::read_path;
+use crate::output::show;
 use crate::progress::Progress;
 use crate::robots::RobotArgs;
+use crate::tool_path::{OnToolPath, on_tool_path, read_path};
 
 /// Arguments of `cr7 compare`.
 #[derive(Debug, clap::Args)]
@@ -38,46 +38,25 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     };
     let file = read_path(job.path_file.as_deref(), None, job.csv_unit)?;
     std::fs::create_dir_all(&args.out).map_err(|source| InputError::Write { file: args.out.clone(), source })?;
-    if args.robot.is_default() {
-        return finish(args, &Task::of_cr7(&job, &file)?);
-    }
-    let robot = args.robot.load()?;
-    match robot.joints() {
-        6 => {
-            let (limits, _) = robot.limits::<6>(&job.joints)?;
-            let arm = robot.arm::<6>(job.tool).map_err(Cr7Error::from)?;
-            let task = Task::new(&job, &file, &limits, robot.drives::<6>(&job)?, |path| {
-                let start = ToolPath::new(&arm, path.clone(), limits.range())?.start();
-                Ok((arm, start))
-            })?;
-            finish(args, &task)
-        }
-        7 => {
-            let (limits, _) = robot.limits::<7>(&job.joints)?;
-            let arm = robot.arm::<7>(job.tool).map_err(Cr7Error::from)?;
-            let drives = robot.drives::<7>(&job)?;
-            finish(args, &Task::new(&job, &file, &limits, drives, |path| LockedArm::for_path(&arm, path))?)
-        }
-        n => Err(Failure::Undoable(format!(
-            "{} has {n} joints: a tool path with its orientation needs six, or seven of which one is held",
-            args.robot.robot
-        ))),
-    }
+    on_tool_path(&args.robot, &job, &file, Compare { args })
 }
 
-fn finish<A: PathArm<N>, const N: usize>(args: &Args, task: &Task<A, N>) -> Result<(), Failure> {
-    let progress = Progress::new("joint path");
-    let mut comparison = compare(task, |planner| progress.step(planner))?;
-    progress.step("drawing");
-    let picture = args.out.join("compare.svg");
-    let svg = compare_picture(&comparison).map_err(|source| InputError::Write { file: picture.clone(), source })?;
-    save_picture(&picture, &svg)?;
-    comparison.files.push(picture);
-    drop(progress);
-    if args.json {
-        say!("{}", comparison.to_json());
-    } else {
-        say_as_is!("{comparison}");
+struct Compare<'a> {
+    args: &'a Args,
+}
+
+impl OnToolPath for Compare<'_> {
+    fn run<A: PathArm<N>, const N: usize>(self, task: Task<A, N>, _: Vec<String>) -> Result<(), Failure> {
+        let args = self.args;
+        let progress = Progress::new("joint path");
+        let mut comparison = compare(&task, |planner| progress.step(planner))?;
+        progress.step("drawing");
+        let picture = args.out.join("compare.svg");
+        let svg = compare_picture(&comparison).map_err(|source| InputError::Write { file: picture.clone(), source })?;
+        save_picture(&picture, &svg)?;
+        comparison.files.push(picture);
+        drop(progress);
+        show(&comparison, args.json.then(|| comparison.to_json()));
+        Ok(())
     }
-    Ok(())
 }

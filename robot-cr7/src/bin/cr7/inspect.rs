@@ -3,13 +3,14 @@
 use std::path::PathBuf;
 
 use arcfeed_geometry::{ArcLengthCurve, Curve, NurbsCurve, SegmentationMethod, Spacing};
+use nalgebra::Vector3;
 use robot_cr7::plot::{path_picture, save_picture};
-use robot_cr7::{Cr7Error, InputError, Robot};
+use robot_cr7::{Cr7Error, InputError, PathFile, Robot};
 
 use crate::Failure;
 use crate::output::say;
-use crate::plan::read_path;
 use crate::robots;
+use crate::tool_path::read_path;
 
 /// Arguments of `cr7 inspect`.
 #[derive(Debug, clap::Args)]
@@ -62,57 +63,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     })?;
     let path = ArcLengthCurve::new(curve.clone(), 1e-15).map_err(geometry)?;
 
-    say!("{}", file.name);
-    if let Some(source) = &file.source {
-        say!("  source       {source}");
-    }
-    let kind = if curve.is_rational() { "rational" } else { "polynomial" };
-    let spans = curve.knots().spans().count();
-    say!(
-        "  curve        degree {}, {} control points, {spans} knot spans, {kind}",
-        curve.degree(),
-        curve.control_points().len()
-    );
-    say!("  length       {:.9} mm", path.length() * 1e3);
-    let (a, b) = curve.domain();
-    let closed = (curve.point(a) - curve.point(b)).norm();
-    say!("  ends         {:.3e} mm apart{}", closed * 1e3, if closed < 1e-9 { " (closed)" } else { "" });
-    let (mut low, mut high) = (curve.point(a), curve.point(a));
-    let (mut sharpest, mut at) = (0.0f64, a);
-    // Evenly in every knot span by the curve's own parameter, which dwells where the curve bends.
-    for k in curve.knots().spans() {
-        let (u0, u1) = (curve.knots().as_slice()[k], curve.knots().as_slice()[k + 1]);
-        for i in 0..=SAMPLES {
-            let u = u0 + (u1 - u0) * f64::from(i) / f64::from(SAMPLES);
-            let jet = curve.jet(u);
-            (low, high) = (low.inf(&jet.point), high.sup(&jet.point));
-            let kappa = jet.curvature();
-            if kappa > sharpest {
-                (sharpest, at) = (kappa, u);
-            }
-        }
-    }
-    let at = path.arc_length_at(at);
-    let size = (high - low) * 1e3;
-    say!("  extent       {:.3} x {:.3} x {:.3} mm", size.x, size.y, size.z);
-    if sharpest > 0.0 {
-        say!(
-            "  curvature    up to {:.3} /mm (radius {:.4} mm) at s = {:.3} mm, over {SAMPLES} samples a knot span",
-            sharpest * 1e-3,
-            1e3 / sharpest,
-            at * 1e3
-        );
-    } else {
-        say!("  curvature    0 (straight)");
-    }
-    for corner in path.corners(1e-6) {
-        say!(
-            "  corner       {:.2} deg at s = {:.3} mm: the tool has to stop there",
-            corner.angle.to_degrees(),
-            corner.s * 1e3
-        );
-    }
-
+    describe(&file, &path);
     say!("\n  segments for a chord tolerance of {} mm    count   largest deviation", args.tolerance_mm);
     let tolerance = args.tolerance_mm * 1e-3;
     let mut drawn = None;
@@ -145,4 +96,66 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     save_picture(&picture, &svg)?;
     say!("\n  wrote {}", picture.display());
     Ok(())
+}
+
+/// Prints what is known of the curve.
+fn describe(file: &PathFile, path: &ArcLengthCurve<3>) {
+    let curve = path.curve();
+    say!("{}", file.name);
+    if let Some(source) = &file.source {
+        say!("  source       {source}");
+    }
+    let kind = if curve.is_rational() { "rational" } else { "polynomial" };
+    let spans = curve.knots().spans().count();
+    say!(
+        "  curve        degree {}, {} control points, {spans} knot spans, {kind}",
+        curve.degree(),
+        curve.control_points().len()
+    );
+    say!("  length       {:.9} mm", path.length() * 1e3);
+    let (a, b) = curve.domain();
+    let closed = (curve.point(a) - curve.point(b)).norm();
+    say!("  ends         {:.3e} mm apart{}", closed * 1e3, if closed < 1e-9 { " (closed)" } else { "" });
+    let ([low, high], (sharpest, at)) = extent(curve);
+    let at = path.arc_length_at(at);
+    let size = (high - low) * 1e3;
+    say!("  extent       {:.3} x {:.3} x {:.3} mm", size.x, size.y, size.z);
+    if sharpest > 0.0 {
+        say!(
+            "  curvature    up to {:.3} /mm (radius {:.4} mm) at s = {:.3} mm, over {SAMPLES} samples a knot span",
+            sharpest * 1e-3,
+            1e3 / sharpest,
+            at * 1e3
+        );
+    } else {
+        say!("  curvature    0 (straight)");
+    }
+    for corner in path.corners(1e-6) {
+        say!(
+            "  corner       {:.2} deg at s = {:.3} mm: the tool has to stop there",
+            corner.angle.to_degrees(),
+            corner.s * 1e3
+        );
+    }
+}
+
+/// The corners of a box around the curve, and its largest curvature with the parameter there.
+fn extent(curve: &NurbsCurve<3>) -> ([Vector3<f64>; 2], (f64, f64)) {
+    let a = curve.domain().0;
+    let (mut low, mut high) = (curve.point(a), curve.point(a));
+    let (mut sharpest, mut at) = (0.0f64, a);
+    // Evenly in every knot span by the curve's own parameter, which dwells where the curve bends.
+    for k in curve.knots().spans() {
+        let (u0, u1) = (curve.knots().as_slice()[k], curve.knots().as_slice()[k + 1]);
+        for i in 0..=SAMPLES {
+            let u = u0 + (u1 - u0) * f64::from(i) / f64::from(SAMPLES);
+            let jet = curve.jet(u);
+            (low, high) = (low.inf(&jet.point), high.sup(&jet.point));
+            let kappa = jet.curvature();
+            if kappa > sharpest {
+                (sharpest, at) = (kappa, u);
+            }
+        }
+    }
+    ([low, high], (sharpest, at))
 }

@@ -9,7 +9,8 @@ use arcfeed_sync::{MotionOptions, Synchronisation, Trajectory};
 use robot_cr7::{Cr7Error, Job, JointReport, Rates, Robot, Staging, few_enough, sample_times};
 
 use crate::Failure;
-use crate::joint_space::{FILES, JointWriter, axes_of, axis_limits, conclude, for_joints, numbers, row};
+use crate::joint_space::{FILES, JointWriter, axes_of, axis_limits, for_joints, numbers, row};
+use crate::output::conclude;
 use crate::progress::Progress;
 use crate::robots::RobotArgs;
 
@@ -135,7 +136,6 @@ fn run_with<const N: usize>(args: &Args, robot: &Robot, mut staging: Staging) ->
         ("line".to_owned(), if motion.is_straight() { "straight in joint space" } else { "not straight" }.to_owned()),
         ("computing".to_owned(), format!("{:.1} us", computing.as_secs_f64() * 1e6)),
     ];
-    facts.extend(assumed.into_iter().map(|text| ("warning".to_owned(), text)));
     if args.mode == Mode::None {
         facts.push(("slowest joint".to_owned(), format!("J{}", slowest.0 + 1)));
     }
@@ -147,6 +147,7 @@ fn run_with<const N: usize>(args: &Args, robot: &Robot, mut staging: Staging) ->
         facts,
         events: Vec::new(),
         limits: checks,
+        warnings: assumed,
         files: Vec::new(),
     };
     drop(progress);

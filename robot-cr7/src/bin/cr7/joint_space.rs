@@ -6,12 +6,10 @@ use arcfeed_feedrate::{AxisLimits, AxisState, StateToStateError};
 use arcfeed_kinematics::{ForwardKinematics, JointLimits};
 use arcfeed_sync::JointState;
 use robot_cr7::plot::{Bound, JointQuantity, joint_picture};
-use robot_cr7::{
-    JointCheck, JointReport, LimitLine, LimitsHold, Rates, Robot, Series, Staging, TrajectoryRow, TrajectoryWriter,
-};
+use robot_cr7::{JointCheck, LimitLine, Rates, Robot, Series, Staging, TrajectoryRow, TrajectoryWriter};
 
 use crate::Failure;
-use crate::output::{say, say_as_is};
+use crate::output::REPORTS;
 use crate::robots::joint_values;
 
 /// Calls the generic function with the number of joints of the robot.
@@ -48,17 +46,7 @@ pub fn axis_limits<const N: usize>(limits: &JointLimits<N>) -> Result<[AxisLimit
 
 /// A sample with the tool pose that belongs to it.
 pub fn row<A: ForwardKinematics<N>, const N: usize>(arm: &A, t: f64, state: &JointState<N>) -> TrajectoryRow<N> {
-    let pose = arm.forward(&state.q);
-    let rotation = pose.rotation.quaternion();
-    TrajectoryRow {
-        t,
-        q: state.q.into(),
-        qd: state.qd.into(),
-        qdd: state.qdd.into(),
-        jerk: state.qddd.into(),
-        position: pose.translation.vector.into(),
-        quaternion: [rotation.i, rotation.j, rotation.k, rotation.w],
-    }
+    TrajectoryRow::new(t, [&state.q, &state.qd, &state.qdd, &state.qddd], &arm.forward(&state.q))
 }
 
 /// A joint motion on its way into its files: each row is checked, written and kept for the pictures.
@@ -74,8 +62,15 @@ pub struct JointWriter<'s, const N: usize> {
 }
 
 /// What the commands in joint space write.
-pub const FILES: [&str; 5] =
-    [TRAJECTORY, "joint_position.svg", "joint_velocity.svg", "joint_acceleration.svg", "joint_jerk.svg"];
+pub const FILES: [&str; 7] = [
+    TRAJECTORY,
+    "joint_position.svg",
+    "joint_velocity.svg",
+    "joint_acceleration.svg",
+    "joint_jerk.svg",
+    REPORTS[0],
+    REPORTS[1],
+];
 const TRAJECTORY: &str = "trajectory.csv";
 
 /// Columns of the series: time, then four quantities of every joint, then the limits of three of them.
@@ -151,19 +146,4 @@ impl<'s, const N: usize> JointWriter<'s, N> {
 /// Joint by joint, of a state.
 pub fn axes_of<const N: usize>(state: &JointState<N>) -> [AxisState; N] {
     std::array::from_fn(|k| AxisState::new(state.q[k], state.qd[k], state.qdd[k]))
-}
-
-/// Prints the report, and publishes the files if every limit holds.
-pub fn conclude(mut report: JointReport, staging: Staging, json: bool, remedy: &str) -> Result<(), Failure> {
-    let held = LimitsHold::of(&report.limits);
-    if let Ok(hold) = &held {
-        report.files = staging.files();
-        staging.publish(hold)?;
-    }
-    if json {
-        say!("{}", report.to_json());
-    } else {
-        say_as_is!("{report}");
-    }
-    held.map(drop).map_err(|error| Failure::exceeded(&error, remedy))
 }

@@ -13,6 +13,7 @@ mod reproduce;
 mod robots;
 mod run;
 mod schedule;
+mod tool_path;
 
 use std::process::ExitCode;
 

@@ -9,8 +9,8 @@ use nalgebra::Isometry3;
 use robot_cr7::{Cr7Error, JointReport, OnlineScenario, Robot, ScenarioError, Staging};
 
 use crate::Failure;
-use crate::joint_space::{FILES, JointWriter, axes_of, conclude, for_joints, row};
-use crate::output::say_as_is;
+use crate::joint_space::{FILES, JointWriter, axes_of, for_joints, row};
+use crate::output::{conclude, say_as_is};
 use crate::progress::Progress;
 use crate::robots::RobotArgs;
 
@@ -80,8 +80,7 @@ fn run_with<const N: usize>(args: &Args, robot: &Robot, mut staging: Staging) ->
     let marks: Vec<f64> = run.events.iter().map(|e| e.t_s).filter(|&t| t > 0.0).collect();
     let limits = writer.finish(&name, &marks)?;
     let per_cycle = format!("{:.2} us a cycle", computing.as_secs_f64() * 1e6 / samples as f64);
-    let mut facts = vec![("computing".to_owned(), per_cycle)];
-    facts.extend(assumed.into_iter().map(|text| ("warning".to_owned(), text)));
+    let facts = vec![("computing".to_owned(), per_cycle)];
     let report = JointReport {
         name: format!("online motion of {name}"),
         duration_s: duration,
@@ -90,6 +89,7 @@ fn run_with<const N: usize>(args: &Args, robot: &Robot, mut staging: Staging) ->
         facts,
         events: run.events,
         limits,
+        warnings: assumed,
         files: Vec::new(),
     };
     drop(progress);

@@ -1,6 +1,14 @@
-//! What goes to stdout, where a reader may stop reading (`cr7 robots | head -1`): that ends the program, it is no failure.
+//! Results on stdout and in files.
+//!
+//! A reader may stop reading stdout (`cr7 robots | head -1`): that ends the program and is no failure.
 
+use std::fmt::Display;
 use std::io::Write;
+use std::path::PathBuf;
+
+use robot_cr7::{JointReport, LimitLine, LimitsHold, Report, RunReport, ScheduleReport, Staging};
+
+use crate::Failure;
 
 /// Writes to stdout; ends the program quietly when nobody reads any more.
 pub fn write(text: std::fmt::Arguments<'_>) {
@@ -22,3 +30,54 @@ macro_rules! say_as_is {
     ($($part:tt)*) => { $crate::output::write(format_args!($($part)*)) };
 }
 pub(crate) use {say, say_as_is};
+
+/// A text or a JSON object on stdout.
+pub fn show(text: &impl Display, json: Option<String>) {
+    match json {
+        Some(json) => say!("{json}"),
+        None => say_as_is!("{text}"),
+    }
+}
+
+/// The report of a motion.
+pub trait MotionReport: Display {
+    /// Every limit with its worst place.
+    fn limits(&self) -> &[LimitLine];
+    /// The files of the motion.
+    fn files(&mut self) -> &mut Vec<PathBuf>;
+    /// The whole report as one JSON object.
+    fn json(&self) -> String;
+}
+
+macro_rules! motion_report {
+    ($($report:ty),*) => {$(
+        impl MotionReport for $report {
+            fn limits(&self) -> &[LimitLine] {
+                &self.limits
+            }
+            fn files(&mut self) -> &mut Vec<PathBuf> {
+                &mut self.files
+            }
+            fn json(&self) -> String {
+                self.to_json()
+            }
+        }
+    )*};
+}
+motion_report!(Report, ScheduleReport, JointReport, RunReport);
+
+/// Names of the report files that every motion has.
+pub const REPORTS: [&str; 2] = ["report.json", "report.txt"];
+
+/// Prints the report, and publishes the files and the report if every limit holds.
+pub fn conclude(mut report: impl MotionReport, mut staging: Staging, json: bool, remedy: &str) -> Result<(), Failure> {
+    let held = LimitsHold::of(report.limits());
+    if let Ok(hold) = &held {
+        *report.files() = staging.files_with(&REPORTS);
+        staging.write(REPORTS[0], &(report.json() + "\n"))?;
+        staging.write(REPORTS[1], &report.to_string())?;
+        staging.publish(hold)?;
+    }
+    show(&report, json.then(|| report.json()));
+    held.map(drop).map_err(|error| Failure::exceeded(&error, remedy))
+}

@@ -3,17 +3,15 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use arcfeed_interp::{LockedArm, MotionPath, PathArm, ToolPath};
+use arcfeed_interp::PathArm;
 use robot_cr7::plot::{Along, Bound, JointQuantity, feed_picture, joint_picture, path_picture};
-use robot_cr7::{
-    Cr7Error, Job, LengthUnit, LimitsHold, Motion, PathFile, Series, Staging, Task, TrajectoryWriter, butterfly,
-    drawn_segments, few_enough, trajectory_row,
-};
+use robot_cr7::{Job, Motion, Series, Staging, Task, TrajectoryRow, TrajectoryWriter, drawn_segments, few_enough};
 
 use crate::Failure;
-use crate::output::{say, say_as_is};
+use crate::output::{REPORTS, conclude};
 use crate::progress::Progress;
 use crate::robots::RobotArgs;
+use crate::tool_path::{OnToolPath, on_tool_path, read_path};
 
 /// Arguments of `cr7 plan`.
 #[derive(Debug, clap::Args)]
@@ -57,38 +55,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 
     staging.clear()?;
     let progress = Progress::new("planning");
-    if args.robot.is_default() {
-        return finish(args, &job, Task::of_cr7(&job, &file)?, (staging, progress), []);
-    }
-    let robot = args.robot.load()?;
-    match robot.joints() {
-        6 => {
-            let (limits, assumed) = robot.limits::<6>(&job.joints)?;
-            let arm = robot.arm::<6>(job.tool).map_err(Cr7Error::from)?;
-            let task = Task::new(&job, &file, &limits, robot.drives::<6>(&job)?, |path| {
-                let start = ToolPath::new(&arm, path.clone(), limits.range())?.start();
-                Ok((arm, start))
-            })?;
-            finish(args, &job, task, (staging, progress), assumed)
-        }
-        7 => {
-            let (limits, assumed) = robot.limits::<7>(&job.joints)?;
-            let arm = robot.arm::<7>(job.tool).map_err(Cr7Error::from)?;
-            let drives = robot.drives::<7>(&job)?;
-            let task = Task::new(&job, &file, &limits, drives, |path| LockedArm::for_path(&arm, path))?;
-            let (joint, value) = task.arm().held();
-            let held = format!("joint {} is held at {:.3} deg all the way", joint + 1, value.to_degrees());
-            finish(args, &job, task, (staging, progress), std::iter::once(held).chain(assumed))
-        }
-        n => Err(Failure::Undoable(format!(
-            "{} has {n} joints: a tool path with its orientation needs six, or seven of which one is held",
-            args.robot.robot
-        ))),
-    }
+    on_tool_path(&args.robot, &job, &file, Plan { args, job: &job, staging, progress })
 }
 
 /// What the command writes.
-const FILES: [&str; 7] = [
+const FILES: [&str; 9] = [
     "trajectory.csv",
     "path.svg",
     "feed.svg",
@@ -96,71 +67,54 @@ const FILES: [&str; 7] = [
     "joint_velocity.svg",
     "joint_acceleration.svg",
     "joint_jerk.svg",
+    REPORTS[0],
+    REPORTS[1],
 ];
 /// What makes a motion faster that has too many samples.
 const LEVERS: &str = "feed.feed_mm_s and the limits of the job";
 
 /// Plans and samples the motion, and writes all there is to write.
-fn finish<A: PathArm<N>, const N: usize>(
-    args: &Args,
-    job: &Job,
-    task: Task<A, N>,
-    (mut staging, progress): (Staging, Progress),
-    warnings: impl IntoIterator<Item = String>,
-) -> Result<(), Failure> {
-    // A lower bound of the duration, before the work.
-    let fastest = job.sections.iter().fold(job.feed.feed, |feed, section| feed.max(section.feed));
-    few_enough(task.path().length() / fastest, job.period, LEVERS)?;
-    let mut motion = task.plan()?;
-    motion.warn(warnings);
-    few_enough(motion.trajectory().duration(), motion.trajectory().period(), LEVERS)?;
-
-    progress.step("sampling and writing");
-    let begin = Instant::now();
-    let sampler = motion.setpoints().map_err(|e| Failure::Undoable(e.to_string()))?;
-    let samples = sampler.samples();
-    let mut series = Series::new(3 + 3 * N, samples);
-    let name = FILES[0];
-    let mut trajectory = TrajectoryWriter::new(staging.create(name)?).map_err(|e| staging.failed(name, e))?;
-    for setpoint in sampler {
-        let p = setpoint.map_err(|e| Failure::Undoable(e.to_string()))?;
-        trajectory.write(&trajectory_row(&p)).map_err(|e| staging.failed(name, e))?;
-        series.push([p.t, p.s, p.feed].into_iter().chain([p.qd, p.qdd, p.jerk].iter().flatten().copied()));
-    }
-    trajectory.finish().map_err(|e| staging.failed(name, e))?;
-    series.cut();
-    let sampling = begin.elapsed();
-
-    progress.step("drawing");
-    for (name, svg) in pictures(&motion, job, &series)? {
-        staging.write(name, &svg.map_err(|source| staging.failed(name, source))?)?;
-    }
-    let mut report = motion.report(samples, sampling);
-    report.files = staging.files();
-    let hold = LimitsHold::of(&report.limits)
-        .map_err(|e| Failure::exceeded(&e, "lower the feed, or give the limits of the job more distance"))?;
-    staging.publish(&hold)?;
-    drop(progress);
-    if args.json {
-        say!("{}", report.to_json());
-    } else {
-        say_as_is!("{report}");
-    }
-    Ok(())
+struct Plan<'a> {
+    args: &'a Args,
+    job: &'a Job,
+    staging: Staging,
+    progress: Progress,
 }
 
-/// The path file named, or the embedded butterfly.
-pub fn read_path(file: Option<&Path>, unit: Option<&str>, job_unit: Option<LengthUnit>) -> Result<PathFile, Failure> {
-    let unit = match unit {
-        None => job_unit,
-        Some(symbol) => Some(LengthUnit::from_symbol(symbol).ok_or_else(|| {
-            Failure::BadInput(format!("--unit {symbol}: not a known unit of length: use mm, cm, m or in"))
-        })?),
-    };
-    Ok(match file {
-        Some(file) => PathFile::read(file, unit)?,
-        None => butterfly()?,
-    })
+impl OnToolPath for Plan<'_> {
+    fn run<A: PathArm<N>, const N: usize>(self, task: Task<A, N>, warnings: Vec<String>) -> Result<(), Failure> {
+        let Self { args, job, mut staging, progress } = self;
+        // A lower bound of the duration, before the work.
+        let fastest = job.sections.iter().fold(job.feed.feed, |feed, section| feed.max(section.feed));
+        few_enough(task.path().length() / fastest, job.period, LEVERS)?;
+        let mut motion = task.plan()?;
+        motion.warn(warnings);
+        few_enough(motion.trajectory().duration(), motion.trajectory().period(), LEVERS)?;
+
+        progress.step("sampling and writing");
+        let begin = Instant::now();
+        let sampler = motion.setpoints().map_err(|e| Failure::Undoable(e.to_string()))?;
+        let samples = sampler.samples();
+        let mut series = Series::new(3 + 3 * N, samples);
+        let name = FILES[0];
+        let mut trajectory = TrajectoryWriter::new(staging.create(name)?).map_err(|e| staging.failed(name, e))?;
+        for setpoint in sampler {
+            let p = setpoint.map_err(|e| Failure::Undoable(e.to_string()))?;
+            trajectory.write(&TrajectoryRow::from(&p)).map_err(|e| staging.failed(name, e))?;
+            series.push([p.t, p.s, p.feed].into_iter().chain([p.qd, p.qdd, p.jerk].iter().flatten().copied()));
+        }
+        trajectory.finish().map_err(|e| staging.failed(name, e))?;
+        series.cut();
+        let sampling = begin.elapsed();
+
+        progress.step("drawing");
+        for (name, svg) in pictures(&motion, job, &series)? {
+            staging.write(name, &svg.map_err(|source| staging.failed(name, source))?)?;
+        }
+        drop(progress);
+        let remedy = "lower the feed, or give the limits of the job more distance";
+        conclude(motion.report(samples, sampling), staging, args.json, remedy)
+    }
 }
 
 type Picture = (&'static str, Result<String, std::io::Error>);
@@ -170,8 +124,7 @@ fn pictures<const N: usize>(motion: &Motion<'_, N>, job: &Job, series: &Series) 
     let plan = motion.trajectory();
     let name = motion.name();
     let segments = drawn_segments(plan, &job.workpiece);
-    let [t, s, feed] = [0, 1, 2].map(|column| series.column(column));
-    let pairs = |x: &[f64], y: &[f64]| x.iter().copied().zip(y.iter().copied()).collect::<Vec<_>>();
+    let [t, s] = [0, 1].map(|column| series.column(column));
     let caps = plan.limit_curve().map_err(|e| Failure::Undoable(e.to_string()))?;
     let limit: Vec<(f64, f64)> = caps.iter().map(|point| (point.s, point.speed)).collect();
     // Between two grid points the square of the speed may lie on the straight line through both.
@@ -190,8 +143,8 @@ fn pictures<const N: usize>(motion: &Motion<'_, N>, job: &Job, series: &Series) 
     let deviations = plan.segmentation().map_or(&[] as &[f64], |segmentation| segmentation.deviations());
     Ok(vec![
         ("path.svg", path_picture(name, &segments, deviations, plan.chord_tolerance())),
-        ("feed.svg", feed_picture(name, Along::Length, &pairs(s, feed), &limit)),
-        ("feed_time.svg", feed_picture(name, Along::Time, &pairs(t, feed), &limit_by_time)),
+        ("feed.svg", feed_picture(name, Along::Length, &series.pairs(1, 2), &limit)),
+        ("feed_time.svg", feed_picture(name, Along::Time, &series.pairs(0, 2), &limit_by_time)),
         ("joint_velocity.svg", picture(JointQuantity::Velocity, 3, rates[0])),
         ("joint_acceleration.svg", picture(JointQuantity::Acceleration, 3 + N, rates[1])),
         ("joint_jerk.svg", picture(JointQuantity::Jerk, 3 + 2 * N, rates[2])),

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use arcfeed_interp::PathArm;
 use arcfeed_kinematics::{AnalyticInverse, JointLimits};
 use robot_cr7::plot::run_pictures;
-use robot_cr7::{Clock, Cr7, Cr7Error, LimitsHold, RunReport, Scenario, Staging};
+use robot_cr7::{Clock, Cr7, Cr7Error, RunReport, Scenario, Staging};
 
 use crate::Failure;
-use crate::output::{say, say_as_is};
+use crate::output::{REPORTS, conclude, say_as_is};
 use crate::progress::Progress;
 use crate::robots::RobotArgs;
 
@@ -84,8 +84,8 @@ const FILES: [&str; 8] = [
     "joints.svg",
     "timeline.svg",
     "feed.svg",
-    "report.json",
-    "report.txt",
+    REPORTS[0],
+    REPORTS[1],
 ];
 
 fn play<A>(
@@ -104,25 +104,13 @@ where
     progress.step("playing");
     let played = stage.play(if args.real_time { Clock::RealTime } else { Clock::Simulated })?;
     progress.step("measuring");
-    let mut report = RunReport::new(&stage, &played);
-    let held = LimitsHold::of(&report.limits);
-    if let Ok(hold) = &held {
-        progress.step("writing");
-        staging.write_trajectory("trajectory.csv", played.rows())?;
-        staging.write_trajectory("simulated.csv", stage.simulated_rows(&played))?;
-        for (name, svg) in run_pictures(&stage, &played, &report) {
-            staging.write(name, &svg.map_err(|source| staging.failed(name, source))?)?;
-        }
-        report.files = FILES.iter().map(|name| args.out.join(name)).collect();
-        staging.write("report.json", &(report.to_json() + "\n"))?;
-        staging.write("report.txt", &report.to_string())?;
-        staging.publish(hold)?;
+    let report = RunReport::new(&stage, &played);
+    progress.step("writing");
+    staging.write_trajectory("trajectory.csv", played.rows())?;
+    staging.write_trajectory("simulated.csv", stage.simulated_rows(&played))?;
+    for (name, svg) in run_pictures(&stage, &played, &report) {
+        staging.write(name, &svg.map_err(|source| staging.failed(name, source))?)?;
     }
     drop(progress);
-    if args.json {
-        say!("{}", report.to_json());
-    } else {
-        say_as_is!("{report}");
-    }
-    held.map(drop).map_err(|error| Failure::exceeded(&error, "lower the feed, or take another path or start"))
+    conclude(report, staging, args.json, "lower the feed, or take another path or start")
 }

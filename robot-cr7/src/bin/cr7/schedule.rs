@@ -5,14 +5,11 @@ use std::path::PathBuf;
 use arcfeed_interp::Method;
 use clap::ValueEnum;
 use robot_cr7::plot::{shares_picture, speed_picture};
-use robot_cr7::{
-    Cr7Error, InputError, LimitsHold, Robot, ScheduleFile, ScheduleRun, ScheduleWay, Staging, TrajectoryRow,
-    TrajectoryWriter, run_pose_move, run_way_points,
-};
+use robot_cr7::{Cr7Error, Robot, ScheduleFile, ScheduleRun, ScheduleWay, SpeedTask, Staging, TrajectoryWriter};
 
 use crate::Failure;
 use crate::joint_space::for_joints;
-use crate::output::{say, say_as_is};
+use crate::output::{REPORTS, conclude, say_as_is};
 use crate::progress::Progress;
 use crate::robots::RobotArgs;
 
@@ -91,11 +88,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             return match (&file.way, robot.joints()) {
                 (ScheduleWay::Waypoints(_), _) => for_joints!(robot, way_points(args, &file, &robot, staging)),
                 (ScheduleWay::Poses { .. }, 6) => {
-                    finish(args, staging, |write| run_pose_move(&file, &robot, args.planner.into(), write))
+                    let arm = robot.arm::<6>(file.tool).map_err(Cr7Error::from)?;
+                    finish(args, staging, &SpeedTask::pose_move(&file, &robot, &arm, args.planner.into())?)
                 }
                 (ScheduleWay::Poses { .. }, n) => Err(Failure::Undoable(format!(
-                    "{} has {n} joints: a motion between poses needs an arm of six joints: take another --robot, or give joint \
-                     way-points",
+                    "{} has {n} joints: a motion between poses needs an arm of six joints: take another --robot, or \
+                     give joint way-points",
                     args.robot.robot
                 ))),
             };
@@ -110,44 +108,25 @@ fn way_points<const N: usize>(
     robot: &Robot,
     staging: Staging,
 ) -> Result<(), Failure> {
-    finish(args, staging, |write| run_way_points::<N>(file, robot, args.planner.into(), write))
+    let arm = robot.arm::<N>(file.tool).map_err(Cr7Error::from)?;
+    finish(args, staging, &SpeedTask::way_points(file, robot, &arm, args.planner.into())?)
 }
 
 /// What the command writes.
-const FILES: [&str; 5] = ["trajectory.csv", "speed.svg", "joints.svg", "report.json", "report.txt"];
+const FILES: [&str; 5] = ["trajectory.csv", "speed.svg", "joints.svg", REPORTS[0], REPORTS[1]];
 
-/// Takes the rows of a trajectory in their order.
-type Write<'w, const N: usize> = &'w mut dyn FnMut(&TrajectoryRow<N>) -> Result<(), InputError>;
-
-/// Runs the motion and writes all there is to write.
-fn finish<const N: usize>(
-    args: &Args,
-    mut staging: Staging,
-    run: impl FnOnce(Write<'_, N>) -> Result<ScheduleRun, Cr7Error>,
-) -> Result<(), Failure> {
+/// Plans the motion and writes all there is to write.
+fn finish<const N: usize>(args: &Args, mut staging: Staging, task: &SpeedTask<'_, N>) -> Result<(), Failure> {
     staging.clear()?;
     let progress = Progress::new("scheduling");
     let name = FILES[0];
     let mut trajectory = TrajectoryWriter::new(staging.create(name)?).map_err(|e| staging.failed(name, e))?;
-    let run = run(&mut |row| trajectory.write(row).map_err(|e| staging.failed(name, e)))?;
+    let run = ScheduleRun::of(task, |row| trajectory.write(row).map_err(|e| staging.failed(name, e)))?;
     trajectory.finish().map_err(|e| staging.failed(name, e))?;
-    let mut report = run.report;
-    let held = LimitsHold::of(&report.limits);
-    if let Ok(hold) = &held {
-        for (name, svg) in [(FILES[1], speed_picture(&run.speed)), (FILES[2], shares_picture(&run.shares))] {
-            staging.write(name, &svg.map_err(|source| staging.failed(name, source))?)?;
-        }
-        report.files = FILES.iter().map(|name| args.out.join(name)).collect();
-        staging.write("report.json", &(report.to_json() + "\n"))?;
-        staging.write("report.txt", &report.to_string())?;
-        staging.publish(hold)?;
+    for (name, svg) in [(FILES[1], speed_picture(&run.speed)), (FILES[2], shares_picture(&run.shares))] {
+        staging.write(name, &svg.map_err(|source| staging.failed(name, source))?)?;
     }
     drop(progress);
-    if args.json {
-        say!("{}", report.to_json());
-    } else {
-        say_as_is!("{report}");
-    }
     let remedy = "take --planner jerk-limited, more intervals, or lower start_speed and end_speed";
-    held.map(drop).map_err(|error| Failure::exceeded(&error, remedy))
+    conclude(run.report, staging, args.json, remedy)
 }

@@ -1,0 +1,61 @@
+//! A tool path on any robot: the arm that the flags name, held where it has a joint too many.
+
+use std::path::Path;
+
+use arcfeed_interp::{LockedArm, MotionPath, PathArm, ToolPath};
+use robot_cr7::{Cr7Error, Job, LengthUnit, PathFile, Task, butterfly};
+
+use crate::Failure;
+use crate::robots::RobotArgs;
+
+/// What a command does with a tool path.
+pub trait OnToolPath {
+    /// `warnings` tell what was assumed of the arm.
+    fn run<A: PathArm<N>, const N: usize>(self, task: Task<A, N>, warnings: Vec<String>) -> Result<(), Failure>;
+}
+
+/// Makes the path ready for the robot and hands it on.
+pub fn on_tool_path(args: &RobotArgs, job: &Job, file: &PathFile, command: impl OnToolPath) -> Result<(), Failure> {
+    if args.is_default() {
+        return command.run(Task::of_cr7(job, file)?, Vec::new());
+    }
+    let robot = args.load()?;
+    match robot.joints() {
+        6 => {
+            let (limits, assumed) = robot.limits::<6>(&job.joints)?;
+            let arm = robot.arm::<6>(job.tool).map_err(Cr7Error::from)?;
+            let task = Task::new(job, file, &limits, robot.drives::<6>(job)?, |path| {
+                let start = ToolPath::new(&arm, path.clone(), limits.range())?.start();
+                Ok((arm, start))
+            })?;
+            command.run(task, assumed)
+        }
+        7 => {
+            let (limits, assumed) = robot.limits::<7>(&job.joints)?;
+            let arm = robot.arm::<7>(job.tool).map_err(Cr7Error::from)?;
+            let drives = robot.drives::<7>(job)?;
+            let task = Task::new(job, file, &limits, drives, |path| LockedArm::for_path(&arm, path))?;
+            let (joint, value) = task.arm().held();
+            let held = format!("joint {} is held at {:.3} deg all the way", joint + 1, value.to_degrees());
+            command.run(task, std::iter::once(held).chain(assumed).collect())
+        }
+        n => Err(Failure::Undoable(format!(
+            "{} has {n} joints: a tool path with its orientation needs six, or seven of which one is held",
+            args.robot
+        ))),
+    }
+}
+
+/// The path file named, or the embedded butterfly.
+pub fn read_path(file: Option<&Path>, unit: Option<&str>, job_unit: Option<LengthUnit>) -> Result<PathFile, Failure> {
+    let unit = match unit {
+        None => job_unit,
+        Some(symbol) => Some(LengthUnit::from_symbol(symbol).ok_or_else(|| {
+            Failure::BadInput(format!("--unit {symbol}: not a known unit of length: use mm, cm, m or in"))
+        })?),
+    };
+    Ok(match file {
+        Some(file) => PathFile::read(file, unit)?,
+        None => butterfly()?,
+    })
+}

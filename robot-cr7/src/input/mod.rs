@@ -1,0 +1,13 @@
+//! Files that people write: jobs, paths, schedules and scenarios, read and checked.
+
+pub(crate) mod error;
+pub(crate) mod job;
+pub(crate) mod job_file;
+pub(crate) mod joint_values;
+pub(crate) mod online_scenario;
+pub(crate) mod path_file;
+pub(crate) mod sample_paths;
+pub(crate) mod scenario;
+pub(crate) mod schedule_file;
+pub(crate) mod toml_check;
+pub(crate) mod unit;

@@ -1,0 +1,217 @@
+//! Scenarios of targets and limits that change while the arm moves, as TOML.
+
+use std::path::{Path, PathBuf};
+
+use arcfeed_sync::Synchronisation;
+use serde::Deserialize;
+
+use super::error::{InputError, read_text};
+use super::job_file::{PerJoint, RawJoints, RawSampling};
+use super::joint_values::{JointOverrides, JointValues};
+use super::toml_check::{Check, read_toml};
+
+const EXPECTED: &str = "a TOML scenario such as scenarios/online.toml";
+/// Radians per degree.
+const DEGREE: f64 = std::f64::consts::PI / 180.0;
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawScenario {
+    #[serde(default)]
+    sampling: RawSampling,
+    #[serde(default)]
+    run: RawRun,
+    #[serde(default)]
+    joints: RawJoints,
+    start: RawState,
+    target: RawState,
+    #[serde(default)]
+    change: Vec<RawChange>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct RawRun {
+    mode: RawMode,
+    longest_s: Option<f64>,
+}
+
+#[derive(Debug, Default, Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum RawMode {
+    #[default]
+    Time,
+    Line,
+    None,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawState {
+    q_deg: PerJoint,
+    qd_deg_s: Option<PerJoint>,
+    qdd_deg_s2: Option<PerJoint>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawChange {
+    at_s: f64,
+    joint: Option<i64>,
+    q_deg: Option<PerJoint>,
+    qd_deg_s: Option<PerJoint>,
+    qdd_deg_s2: Option<PerJoint>,
+    velocity_deg_s: Option<PerJoint>,
+    acceleration_deg_s2: Option<PerJoint>,
+    jerk_deg_s3: Option<PerJoint>,
+}
+
+/// A checked scenario, in SI units.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OnlineScenario {
+    pub(crate) file: PathBuf,
+    pub(crate) text: String,
+    /// Control period, s.
+    pub period: f64,
+    /// How the joints belong together.
+    pub synchronisation: Synchronisation,
+    /// Longest motion that is simulated, s.
+    pub longest: f64,
+    /// Limits that replace those of the arm's model.
+    pub joints: JointOverrides,
+    pub(crate) start: [JointValues; 3],
+    pub(crate) target: [JointValues; 3],
+    pub(crate) changes: Vec<Change>,
+}
+
+/// What changes at one time. The values are those of position, velocity, acceleration of the target, then of the limits
+/// of velocity, acceleration and jerk.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Change {
+    pub(crate) at: f64,
+    pub(crate) joint: Option<usize>,
+    pub(crate) values: [Option<JointValues>; 6],
+}
+
+/// Keys of a change, in the order of `Change::values`.
+pub(crate) const KEYS: [&str; 6] =
+    ["q_deg", "qd_deg_s", "qdd_deg_s2", "velocity_deg_s", "acceleration_deg_s2", "jerk_deg_s3"];
+
+impl OnlineScenario {
+    /// A scenario with every key and what it means.
+    pub const EXAMPLE: &'static str = include_str!("../../scenarios/online.toml");
+
+    /// Reads and checks a scenario file.
+    ///
+    /// # Errors
+    /// When the file cannot be read, is not TOML, has an unknown key, or a value breaks its rule.
+    pub fn read(file: &Path) -> Result<Self, InputError> {
+        Self::parse(&read_text(file, EXPECTED)?, file)
+    }
+
+    /// Like [`OnlineScenario::read`], from text; `file` is the name used in messages.
+    ///
+    /// # Errors
+    /// As [`OnlineScenario::read`].
+    pub fn parse(text: &str, file: &Path) -> Result<Self, InputError> {
+        let raw: RawScenario = read_toml(text, file, "scenarios/online.toml")?;
+        let check = Check::new(text, file);
+        let state = |section: &str, raw: &RawState| -> Result<[JointValues; 3], InputError> {
+            let or_zero = |key, value: &Option<PerJoint>| {
+                Ok(match value {
+                    None => JointValues::All(0.0),
+                    Some(value) => check.values(&format!("{section}.{key}"), value, DEGREE)?,
+                })
+            };
+            Ok([
+                check.places(&format!("{section}.q_deg"), &raw.q_deg, DEGREE)?,
+                or_zero("qd_deg_s", &raw.qd_deg_s)?,
+                or_zero("qdd_deg_s2", &raw.qdd_deg_s2)?,
+            ])
+        };
+        let mut changes: Vec<Change> = Vec::with_capacity(raw.change.len());
+        for (i, raw) in raw.change.iter().enumerate() {
+            let change = Self::change(&check, i, raw)?;
+            if let Some(before) = changes.last().filter(|before| before.at > change.at) {
+                let value = format!("{} after {}", change.at, before.at);
+                let rule = "changes stand in the order of their times";
+                return Err(check.wrong(&format!("change[{i}].at_s"), value, rule, "sort them"));
+            }
+            changes.push(change);
+        }
+        Ok(Self {
+            file: file.to_owned(),
+            text: text.to_owned(),
+            period: check.period(raw.sampling.period_ms)?.unwrap_or(1e-3),
+            synchronisation: match raw.run.mode {
+                RawMode::Time => Synchronisation::Time,
+                RawMode::Line => Synchronisation::StraightLine,
+                RawMode::None => Synchronisation::None,
+            },
+            longest: check.limit("run.longest_s", raw.run.longest_s, 1.0)?.unwrap_or(60.0),
+            joints: JointOverrides {
+                velocity: check.joints("joints.velocity_deg_s", raw.joints.velocity_deg_s.as_ref())?,
+                acceleration: check.joints("joints.acceleration_deg_s2", raw.joints.acceleration_deg_s2.as_ref())?,
+                jerk: check.joints("joints.jerk_deg_s3", raw.joints.jerk_deg_s3.as_ref())?,
+            },
+            start: state("start", &raw.start)?,
+            target: state("target", &raw.target)?,
+            changes,
+        })
+    }
+
+    fn change(check: &Check<'_>, i: usize, raw: &RawChange) -> Result<Change, InputError> {
+        let key = |name: &str| format!("change[{i}].{name}");
+        if !(raw.at_s.is_finite() && raw.at_s >= 0.0) {
+            let rule = "a change happens at a time from 0 s on";
+            return Err(check.wrong(&key("at_s"), raw.at_s, rule, "count the time from the start of the motion"));
+        }
+        let joint = match raw.joint {
+            None => None,
+            Some(joint) => Some(usize::try_from(joint).ok().and_then(|j| j.checked_sub(1)).ok_or_else(|| {
+                check.wrong(&key("joint"), joint, "joints count from 1", "remove the key to change all joints")
+            })?),
+        };
+        let given = [
+            &raw.q_deg,
+            &raw.qd_deg_s,
+            &raw.qdd_deg_s2,
+            &raw.velocity_deg_s,
+            &raw.acceleration_deg_s2,
+            &raw.jerk_deg_s3,
+        ];
+        let mut values: [Option<JointValues>; 6] = Default::default();
+        for (k, (slot, given)) in values.iter_mut().zip(given).enumerate() {
+            let Some(given) = given else { continue };
+            if let (Some(_), PerJoint::Each(list)) = (joint, given) {
+                let rule = "with `joint` it is about that one";
+                let value = format!("a list of {}", list.len());
+                return Err(check.wrong(&key(KEYS[k]), value, rule, "write one number"));
+            }
+            *slot = match k {
+                0 => Some(check.places(&key(KEYS[k]), given, DEGREE)?),
+                1..=2 => Some(check.values(&key(KEYS[k]), given, DEGREE)?),
+                _ => check.joints(&key(KEYS[k]), Some(given))?,
+            };
+        }
+        if values.iter().all(Option::is_none) {
+            let rule = "a change has to change something";
+            return Err(check.wrong(
+                &format!("change[{i}]"),
+                "empty",
+                rule,
+                "add q_deg, velocity_deg_s or another key",
+            ));
+        }
+        Ok(Change { at: raw.at_s, joint, values })
+    }
+}
+
+impl Change {
+    pub(crate) fn words(&self) -> String {
+        let given: Vec<&str> =
+            KEYS.into_iter().zip(&self.values).filter_map(|(key, value)| value.is_some().then_some(key)).collect();
+        let whose = self.joint.map_or("all joints".to_owned(), |j| format!("joint {}", j + 1));
+        format!("new {} of {whose}", given.join(", "))
+    }
+}

@@ -1,0 +1,459 @@
+//! Path files: NURBS curves in JSON and points in CSV, with their unit.
+//!
+//! A **JSON** file holds one curve; unknown keys are refused:
+//!
+//! ```json
+//! {
+//!   "name": "arch", "source": "where the numbers come from (optional)", "units": "mm", "degree": 2,
+//!   "control_points": [[0, 0], [40, 60], [80, 0]],
+//!   "weights": [1, 2, 1],
+//!   "knots": [0, 0, 0, 1, 1, 1]
+//! }
+//! ```
+//!
+//! `control_points` have two or three coordinates each and are not multiplied by their weights; `weights` may be left
+//! out (all 1); `units` must be given.
+//!
+//! A **CSV** file holds one point a row, `x,y` or `x,y,z`. Its header names columns and unit (`x_mm,y_mm`); without a
+//! unit there, the caller has to give one. Blank lines and lines that start with `#` are skipped.
+
+use std::path::{Path, PathBuf};
+
+use arcfeed_geometry::{GeometryError, NurbsCurve};
+use nalgebra::{Vector2, Vector3};
+use serde::Deserialize;
+
+use super::error::{InputError, read_text, text_of};
+use super::unit::LengthUnit;
+
+/// Two consecutive points of a CSV file have to be this far apart, in metres.
+const LEAST_DISTANCE: f64 = 1e-9;
+
+/// Control points of one path: with more, planning takes longer than ten seconds.
+pub(crate) const MOST_CONTROL_POINTS: usize = 25_000;
+/// Points of a CSV file: laying a curve through them takes as long.
+const MOST_POINTS: usize = 500_000;
+
+const EXPECTED_JSON: &str = "one JSON object with the keys units, degree, control_points, weights and knots";
+const EXPECTED_CSV: &str = "one point a line, x,y or x,y,z, under a header with the unit such as x_mm,y_mm";
+
+/// What a path file describes, in metres, in the workpiece frame.
+#[derive(Debug, Clone, PartialEq)]
+pub enum PathGeometry {
+    /// A NURBS curve (JSON files).
+    Curve(NurbsCurve<3>),
+    /// Points to lay a curve through (CSV files), each with its line in the file.
+    Points {
+        /// The points in metres.
+        points: Vec<Vector3<f64>>,
+        /// Line of each point in the file, from 1.
+        lines: Vec<u64>,
+    },
+}
+
+/// A path as read from a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PathFile {
+    /// Name of the path: the key `name`, else the name of the file without its extension.
+    pub name: String,
+    /// Where the numbers come from, if the file says it.
+    pub source: Option<String>,
+    /// The file it was read from (for messages).
+    pub file: PathBuf,
+    /// Curve or points, in metres; plane paths lie at z = 0.
+    pub geometry: PathGeometry,
+    /// True when the file gives two coordinates a point.
+    pub planar: bool,
+    /// Things that are allowed but look like a slip, such as a path a hundred metres wide.
+    pub warnings: Vec<String>,
+}
+
+/// The JSON file as it is written.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawCurve {
+    name: Option<String>,
+    source: Option<String>,
+    units: Option<String>,
+    degree: usize,
+    control_points: Vec<Vec<f64>>,
+    weights: Option<Vec<f64>>,
+    knots: Vec<f64>,
+}
+
+impl PathFile {
+    /// Reads a path file; the extension (`.json` or `.csv`, in any case) tells its kind.
+    ///
+    /// `csv_unit` is the unit of CSV files whose header names none; it is not used for JSON files, which always name
+    /// their own.
+    ///
+    /// # Errors
+    /// When the file cannot be read, or breaks a rule of its format; the message says where and how to mend it.
+    pub fn read(file: &Path, csv_unit: Option<LengthUnit>) -> Result<Self, InputError> {
+        match Kind::of(file)? {
+            Kind::Json => Self::parse_json(&read_text(file, EXPECTED_JSON)?, file),
+            Kind::Csv => Self::parse_csv(&read_text(file, EXPECTED_CSV)?, file, csv_unit),
+        }
+    }
+
+    /// Like [`PathFile::read`], from bytes that are in memory already; `file` is the name used in messages.
+    ///
+    /// # Errors
+    /// As [`PathFile::read`].
+    pub fn from_bytes(bytes: &[u8], file: &Path, csv_unit: Option<LengthUnit>) -> Result<Self, InputError> {
+        match Kind::of(file)? {
+            Kind::Json => Self::parse_json(&text_of(bytes, file, EXPECTED_JSON)?, file),
+            Kind::Csv => Self::parse_csv(&text_of(bytes, file, EXPECTED_CSV)?, file, csv_unit),
+        }
+    }
+
+    /// The curve: the file's own, or what `fit` makes of its points (in metres).
+    ///
+    /// # Errors
+    /// What `fit` returns, with the file and the line added.
+    pub fn curve_with<F>(&self, fit: F) -> Result<NurbsCurve<3>, InputError>
+    where
+        F: FnOnce(&[Vector3<f64>]) -> Result<NurbsCurve<3>, GeometryError>,
+    {
+        match &self.geometry {
+            PathGeometry::Curve(curve) => Ok(curve.clone()),
+            PathGeometry::Points { points, lines } => fit(points).map_err(|source| {
+                let line = match source {
+                    GeometryError::PointNotFinite { index, .. } | GeometryError::DuplicatePoints { index, .. } => {
+                        lines.get(index)
+                    }
+                    _ => None,
+                };
+                let key = line.map_or_else(|| "fitting the points".to_owned(), |l| format!("line {l}"));
+                InputError::Curve { file: self.file.clone(), key, source }
+            }),
+        }
+    }
+
+    /// The curve as a plane one in x and y, when the file is a plane curve.
+    pub fn plane_curve(&self) -> Option<NurbsCurve<2>> {
+        match &self.geometry {
+            PathGeometry::Curve(c) if self.planar => {
+                let points = c.control_points().iter().map(|p| Vector2::new(p.x, p.y)).collect();
+                NurbsCurve::new(c.degree(), points, c.weights().to_vec(), c.knots().as_slice().to_vec()).ok()
+            }
+            _ => None,
+        }
+    }
+
+    fn parse_json(text: &str, file: &Path) -> Result<Self, InputError> {
+        let raw: RawCurve = serde_json::from_str(text).map_err(|e| {
+            let mut message = e.to_string();
+            // serde_json repeats the place at the end of its message.
+            if let Some(end) = message.rfind(" at line ") {
+                message.truncate(end);
+            }
+            let hint = json_hint(text, &e, &message).to_owned();
+            InputError::Syntax { file: file.to_owned(), line: e.line(), column: e.column(), message, hint }
+        })?;
+        let unit = json_unit(raw.units.as_deref(), file)?;
+        let value_error = |key: String, value: String, rule, remedy| {
+            Err(InputError::Value { file: file.to_owned(), line: None, key, value, rule, remedy })
+        };
+
+        let dimension = raw.control_points.first().map_or(2, Vec::len);
+        for (i, p) in raw.control_points.iter().enumerate() {
+            if !(2..=3).contains(&p.len()) {
+                return value_error(
+                    format!("control_points[{i}]"),
+                    format!("{p:?}"),
+                    "a control point has two or three coordinates",
+                    "write it as [x, y] or [x, y, z]",
+                );
+            }
+            if p.len() != dimension {
+                return value_error(
+                    format!("control_points[{i}]"),
+                    format!("{p:?}"),
+                    "it has another number of coordinates than control_points[0]",
+                    "give all control points two coordinates, or all three",
+                );
+            }
+        }
+        if raw.control_points.len() > MOST_CONTROL_POINTS {
+            return value_error(
+                "control_points".to_owned(),
+                format!("a list of {}", raw.control_points.len()),
+                "a path has at most 25000 control points",
+                "split the path, or give its points as CSV to have a curve with fewer control points laid through them",
+            );
+        }
+        if raw.degree >= raw.control_points.len() {
+            // Checked here because a degree near the largest integer has no "degree + 1".
+            return value_error(
+                "control_points".to_owned(),
+                format!("{} points for degree {}", raw.control_points.len(), raw.degree),
+                "a curve needs at least degree + 1 control points",
+                "add control points, or lower the degree",
+            );
+        }
+        let points: Vec<_> = raw
+            .control_points
+            .iter()
+            .map(|p| Vector3::from_fn(|axis, _| p.get(axis).map_or(0.0, |&v| unit.to_metres(v))))
+            .collect();
+        let warnings = size_warnings(&points, unit);
+        let weights = raw.weights.unwrap_or_else(|| vec![1.0; points.len()]);
+        let curve = NurbsCurve::new(raw.degree, points, weights, raw.knots).map_err(|source| InputError::Curve {
+            file: file.to_owned(),
+            key: key_of(&source),
+            source,
+        })?;
+        Ok(Self {
+            name: raw.name.unwrap_or_else(|| stem(file)),
+            source: raw.source,
+            file: file.to_owned(),
+            geometry: PathGeometry::Curve(curve),
+            planar: dimension == 2,
+            warnings,
+        })
+    }
+
+    fn parse_csv(text: &str, file: &Path, asked: Option<LengthUnit>) -> Result<Self, InputError> {
+        let mut rows = csv_rows(text).peekable();
+        let header = match rows.peek() {
+            Some((line, cells)) if cells.iter().all(|c| c.parse::<f64>().is_err()) => {
+                Some((*line, Header::parse(cells, *line, file)?))
+            }
+            _ => None,
+        };
+        if header.is_some() {
+            rows.next();
+        }
+        let found = header.as_ref().and_then(|(_, h)| h.unit);
+        let place = header.as_ref().map_or_else(|| "the file (no header)".to_owned(), |(l, _)| format!("line {l}"));
+        let unit = match (found, asked) {
+            (Some(found), Some(asked)) if found != asked => {
+                let (found, asked) = (found.symbol(), asked.symbol());
+                return Err(InputError::UnitConflict { file: file.to_owned(), place, found, asked });
+            }
+            (Some(unit), _) | (None, Some(unit)) => unit,
+            (None, None) => {
+                let remedy =
+                    "name it in the header, as in x_mm,y_mm (mm, cm, m, in), or give the CSV unit with the job";
+                return Err(InputError::MissingUnit { file: file.to_owned(), place, remedy });
+            }
+        };
+
+        let mut columns = header.map(|(line, h)| (line, h.columns));
+        let (mut points, mut lines): (Vec<Vector3<f64>>, Vec<u64>) = (Vec::new(), Vec::new());
+        for (line, cells) in rows {
+            let (first_line, axes) = match &columns {
+                Some((first, axes)) => (*first, axes),
+                None => {
+                    let n = cells.len();
+                    if !(2..=3).contains(&n) {
+                        return Err(count_error(file, line, n, line, 2));
+                    }
+                    let (_, axes) = columns.insert((line, (0..n).collect()));
+                    (line, &*axes)
+                }
+            };
+            if cells.len() != axes.len() {
+                return Err(count_error(file, line, cells.len(), first_line, axes.len()));
+            }
+            let mut point = Vector3::zeros();
+            for (column, (cell, &axis)) in cells.iter().zip(axes).enumerate() {
+                let value = cell.parse::<f64>().ok().filter(|v| v.is_finite()).ok_or_else(|| InputError::Cell {
+                    file: file.to_owned(),
+                    line,
+                    column: column + 1,
+                    cell: cell.clone(),
+                    remedy: "write plain numbers with a decimal point, separated by commas, as in 12.5,-3e-2",
+                })?;
+                point[axis] = unit.to_metres(value);
+            }
+            if let (Some(last), Some(&first_line)) = (points.last(), lines.last()) {
+                let distance_m = (point - last).norm();
+                if distance_m < LEAST_DISTANCE {
+                    let file = file.to_owned();
+                    return Err(InputError::DuplicatePoints { file, first_line, second_line: line, distance_m });
+                }
+            }
+            if points.len() == MOST_POINTS {
+                return Err(InputError::Value {
+                    file: file.to_owned(),
+                    line: usize::try_from(line).ok(),
+                    key: "the number of points".to_owned(),
+                    value: format!("more than {MOST_POINTS}"),
+                    rule: "a path file has at most 500000 points",
+                    remedy: "leave points out, or split the path",
+                });
+            }
+            points.push(point);
+            lines.push(line);
+        }
+        if points.len() < 2 {
+            return Err(InputError::TooFewPoints { file: file.to_owned(), found: points.len(), needed: 2 });
+        }
+        Ok(Self {
+            name: stem(file),
+            source: None,
+            file: file.to_owned(),
+            planar: columns.is_some_and(|(_, axes)| axes.len() == 2),
+            warnings: size_warnings(&points, unit),
+            geometry: PathGeometry::Points { points, lines },
+        })
+    }
+}
+
+/// Kind of a path file, told by its extension.
+enum Kind {
+    Json,
+    Csv,
+}
+
+impl Kind {
+    fn of(file: &Path) -> Result<Self, InputError> {
+        let extension = file.extension().map(|e| e.to_string_lossy().into_owned()).unwrap_or_default();
+        match extension.to_ascii_lowercase().as_str() {
+            "json" => Ok(Self::Json),
+            "csv" => Ok(Self::Csv),
+            _ => Err(InputError::Extension { file: file.to_owned(), extension }),
+        }
+    }
+}
+
+/// The header of a CSV file.
+struct Header {
+    /// Axis of each column: 0 = x, 1 = y, 2 = z.
+    columns: Vec<usize>,
+    unit: Option<LengthUnit>,
+}
+
+impl Header {
+    fn parse(cells: &[String], line: u64, file: &Path) -> Result<Self, InputError> {
+        let mut columns = Vec::new();
+        let mut unit = None;
+        for (i, cell) in cells.iter().enumerate() {
+            let wrong =
+                |rule| InputError::Column { file: file.to_owned(), line, column: i + 1, name: cell.clone(), rule };
+            let name = cell.to_ascii_lowercase();
+            let (axis, rest) = match name.chars().next() {
+                Some(c @ 'x'..='z') => (c as usize - 'x' as usize, &name[1..]),
+                _ => return Err(wrong("a path has the columns x, y and optionally z: rename or remove this one")),
+            };
+            if columns.contains(&axis) {
+                return Err(wrong("this coordinate stands twice: remove one of the columns"));
+            }
+            columns.push(axis);
+            let symbol = rest.trim_matches([' ', '_', '[', ']', '(', ')']);
+            let here = match symbol {
+                "" => None,
+                _ => Some(LengthUnit::from_symbol(symbol).ok_or_else(|| InputError::UnknownUnit {
+                    file: file.to_owned(),
+                    place: format!("the unit of column {} (line {line}, \"{cell}\")", i + 1),
+                    unit: symbol.to_owned(),
+                })?),
+            };
+            if i > 0 && here != unit {
+                return Err(wrong("its unit differs from the one of the first column: use one unit for all columns"));
+            }
+            unit = here;
+        }
+        if !(columns.contains(&0) && columns.contains(&1)) {
+            return Err(count_error(file, line, columns.len(), line, 2));
+        }
+        Ok(Self { columns, unit })
+    }
+}
+
+/// Rows of a CSV text with their line, from 1: cells trimmed, blank lines and lines that start with `#` left out.
+fn csv_rows(text: &str) -> impl Iterator<Item = (u64, Vec<String>)> {
+    text.lines().zip(1u64..).filter_map(|(row, line)| {
+        let row = row.trim();
+        if row.is_empty() || row.starts_with('#') {
+            return None;
+        }
+        // One reader a line: the crate's own line count is off after blank lines, and a stray quote stays in its line.
+        let mut reader = csv::ReaderBuilder::new().has_headers(false).trim(csv::Trim::All).from_reader(row.as_bytes());
+        let cells = match reader.records().next() {
+            Some(Ok(record)) => record.iter().map(str::to_owned).collect(),
+            _ => vec![row.to_owned()],
+        };
+        Some((line, cells))
+    })
+}
+
+fn count_error(file: &Path, line: u64, found: usize, first_line: u64, expected: usize) -> InputError {
+    let rule = "x,y or x,y,z, separated by commas";
+    InputError::ColumnCount { file: file.to_owned(), line, found, expected, first_line, rule }
+}
+
+fn json_unit(symbol: Option<&str>, file: &Path) -> Result<LengthUnit, InputError> {
+    let Some(symbol) = symbol else {
+        let remedy = "add \"units\": \"mm\" (or \"cm\", \"m\", \"in\")";
+        return Err(InputError::MissingUnit { file: file.to_owned(), place: "the key \"units\"".to_owned(), remedy });
+    };
+    LengthUnit::from_symbol(symbol).ok_or_else(|| InputError::UnknownUnit {
+        file: file.to_owned(),
+        place: "units".to_owned(),
+        unit: symbol.to_owned(),
+    })
+}
+
+/// What to do about an error of the JSON parser.
+fn json_hint(text: &str, error: &serde_json::Error, message: &str) -> &'static str {
+    let rest = text.lines().nth(error.line().saturating_sub(1)).unwrap_or_default();
+    let at: String = rest.chars().skip(error.column().saturating_sub(2)).take(9).collect();
+    if ["nan", "inf"].iter().any(|w| at.to_ascii_lowercase().contains(w)) {
+        "; NaN and Infinity are not numbers in JSON: a coordinate, weight or knot must be finite, find out where it was lost"
+    } else if message.starts_with("unknown field") {
+        "; remove the key, or correct its spelling"
+    } else if message.starts_with("missing field") {
+        "; add the key: a curve has units, degree, control_points, weights and knots"
+    } else if message.contains("out of range") {
+        "; coordinates, weights and knots must be finite numbers"
+    } else if error.is_data() {
+        "; a curve has units (text), degree (a whole number), control_points (a list of [x, y] or [x, y, z]), weights and knots (lists of numbers)"
+    } else {
+        "; the file must hold one JSON object: correct it at this place"
+    }
+}
+
+/// The key of a path file that a geometry error speaks of.
+fn key_of(error: &GeometryError) -> String {
+    match error {
+        GeometryError::DegreeZero => "degree".to_owned(),
+        GeometryError::WeightCount { .. } | GeometryError::WeightRange { .. } => "weights".to_owned(),
+        GeometryError::Weight { index, .. } => format!("weights[{index}]"),
+        GeometryError::KnotNotFinite { index, .. }
+        | GeometryError::KnotsDecrease { index, .. }
+        | GeometryError::KnotsTooClose { index, .. }
+        | GeometryError::Multiplicity { index, .. } => format!("knots[{index}]"),
+        GeometryError::KnotCount { .. } | GeometryError::EmptyDomain { .. } | GeometryError::Jump { .. } => {
+            "knots".to_owned()
+        }
+        GeometryError::PointNotFinite { index, axis, .. } => format!("control_points[{index}][{axis}]"),
+        _ => "control_points".to_owned(),
+    }
+}
+
+/// Sizes that an arm of this class cannot mean: a likely slip of the unit.
+fn size_warnings(points: &[Vector3<f64>], unit: LengthUnit) -> Vec<String> {
+    let low = points.iter().fold(Vector3::repeat(f64::INFINITY), |a, p| a.inf(p));
+    let high = points.iter().fold(Vector3::repeat(f64::NEG_INFINITY), |a, p| a.sup(p));
+    let size = (high - low).norm();
+    let symbol = unit.symbol();
+    if size > 5.0 {
+        let other = if unit == LengthUnit::Metre { "mm" } else { "a smaller unit" };
+        vec![format!("the path is {size:.3} m wide when its numbers are read in {symbol}: did you mean {other}?")]
+    } else if size > 0.0 && size < 1e-4 {
+        let other = if unit == LengthUnit::Millimetre { "m" } else { "a larger unit" };
+        vec![format!(
+            "the path is only {:.3} um wide when its numbers are read in {symbol}: did you mean {other}?",
+            size * 1e6
+        )]
+    } else {
+        Vec::new()
+    }
+}
+
+fn stem(file: &Path) -> String {
+    file.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default()
+}

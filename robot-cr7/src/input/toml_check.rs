@@ -1,0 +1,226 @@
+//! Checks of TOML files: every message names file, line, key, value, rule and the way out.
+
+use std::path::Path;
+
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use serde::de::DeserializeOwned;
+
+use super::error::{InputError, line_column};
+use super::job_file::{PerJoint, RawFrame};
+use super::joint_values::JointValues;
+
+/// Longest tool and farthest workpiece that can be meant with an arm that reaches less than a metre, in metres.
+const FARTHEST: f64 = 100.0;
+
+/// Largest joint value, rad or m: a hundred turns.
+const FARTHEST_JOINT: f64 = 100.0 * std::f64::consts::TAU;
+
+const FINITE: (&str, &str) = ("it has to be a finite number", "write a plain number");
+
+/// Reads `text` as TOML; `example` is the file that shows every key.
+pub(crate) fn read_toml<T: DeserializeOwned>(text: &str, file: &Path, example: &str) -> Result<T, InputError> {
+    toml::from_str(text).map_err(|e| {
+        let (line, column) = e.span().map_or((1, 1), |span| line_column(text, span.start));
+        let message = e.message().replace('\n', ": ");
+        let hint = if message.contains("unknown field") {
+            format!("; remove the key, or correct its spelling ({example} shows all)")
+        } else if message.contains("unknown variant") {
+            "; choose one of those".to_owned()
+        } else {
+            format!("; {example} shows every key with its form")
+        };
+        InputError::Syntax { file: file.to_owned(), line, column, message, hint }
+    })
+}
+
+/// The checks of one file, with what a message needs.
+pub(crate) struct Check<'a> {
+    pub text: &'a str,
+    pub file: &'a Path,
+    pub warnings: Vec<String>,
+}
+
+impl<'a> Check<'a> {
+    pub fn new(text: &'a str, file: &'a Path) -> Self {
+        Self { text, file, warnings: Vec::new() }
+    }
+
+    /// Line, from 1, of the value under a dotted key such as `feed.feed_mm_s` or `change[2].at_s`.
+    ///
+    /// Reads the file once more, which only happens for a message: the types stay free of places.
+    pub fn line_of(&self, key: &str) -> Option<usize> {
+        let document = toml::de::DeTable::parse(self.text).ok()?;
+        let mut value: Option<&toml::Spanned<toml::de::DeValue<'_>>> = None;
+        for part in key.split('.') {
+            let (name, index) = part.split_once('[').unwrap_or((part, ""));
+            let table = match value {
+                None => document.get_ref(),
+                Some(v) => v.get_ref().as_table()?,
+            };
+            value = Some(table.get(name)?);
+            // Of a list of numbers the line of the list is good enough; of a list of tables the table is wanted.
+            let item = index.trim_end_matches(']').parse::<usize>().ok().zip(value?.get_ref().as_array());
+            if let Some(table) = item.and_then(|(i, list)| list.get(i)).filter(|v| v.get_ref().as_table().is_some()) {
+                value = Some(table);
+            }
+        }
+        value.map(|v| line_column(self.text, v.span().start).0)
+    }
+
+    pub fn wrong(&self, key: &str, value: impl ToString, rule: &'static str, remedy: &'static str) -> InputError {
+        InputError::Value {
+            file: self.file.to_owned(),
+            line: self.line_of(key),
+            key: key.to_owned(),
+            value: value.to_string(),
+            rule,
+            remedy,
+        }
+    }
+
+    pub fn warn(&mut self, key: &str, value: f64, hint: &str) {
+        let line = self.line_of(key).map(|l| format!(":{l}")).unwrap_or_default();
+        self.warnings.push(format!("{}{line}: {key} = {value} {hint}", self.file.display()));
+    }
+
+    /// A number above 0, divided by `per_si`.
+    pub fn limit(&self, key: &str, value: Option<f64>, per_si: f64) -> Result<Option<f64>, InputError> {
+        let Some(value) = value else { return Ok(None) };
+        let si = value / per_si;
+        // A denormal number is no limit, and its quotient would be 0.
+        if value.is_finite() && si >= f64::MIN_POSITIVE {
+            return Ok(Some(si));
+        }
+        let rule = "it has to be a finite number above 0";
+        Err(self.wrong(key, value, rule, "raise it, or remove the key to use the default"))
+    }
+
+    pub fn joints(&self, key: &str, value: Option<&PerJoint>) -> Result<Option<JointValues>, InputError> {
+        let si = |key: &str, v: f64| Ok(self.limit(key, Some(v), 180.0 / std::f64::consts::PI)?.unwrap_or(v));
+        Ok(match value {
+            None => None,
+            Some(PerJoint::All(v)) => Some(JointValues::All(si(key, *v)?)),
+            Some(PerJoint::Each(list)) => {
+                let each = list.iter().enumerate().map(|(i, &v)| si(&format!("{key}[{i}]"), v));
+                Some(JointValues::Each(each.collect::<Result<_, InputError>>()?))
+            }
+        })
+    }
+
+    /// Numbers above 0 as they are.
+    pub fn limits(&self, key: &str, value: &PerJoint) -> Result<JointValues, InputError> {
+        let one = |key: &str, v: f64| Ok(self.limit(key, Some(v), 1.0)?.unwrap_or(v));
+        Ok(match value {
+            PerJoint::All(v) => JointValues::All(one(key, *v)?),
+            PerJoint::Each(list) => {
+                let each = list.iter().enumerate().map(|(i, &v)| one(&format!("{key}[{i}]"), v));
+                JointValues::Each(each.collect::<Result<_, InputError>>()?)
+            }
+        })
+    }
+
+    /// Finite numbers of any sign, times `si`.
+    pub fn values(&self, key: &str, value: &PerJoint, si: f64) -> Result<JointValues, InputError> {
+        let one = |key: &str, v: f64| match v.is_finite() {
+            true => Ok(v * si),
+            false => Err(self.wrong(key, v, FINITE.0, FINITE.1)),
+        };
+        Ok(match value {
+            PerJoint::All(v) => JointValues::All(one(key, *v)?),
+            PerJoint::Each(list) => {
+                let each = list.iter().enumerate().map(|(i, &v)| one(&format!("{key}[{i}]"), v));
+                JointValues::Each(each.collect::<Result<_, InputError>>()?)
+            }
+        })
+    }
+
+    /// Joint values within a hundred turns (or 628 m of a slide), times `si`: beyond, the unit is wrong, and sine and
+    /// cosine lose their digits.
+    pub fn places(&self, key: &str, value: &PerJoint, si: f64) -> Result<JointValues, InputError> {
+        let values = self.values(key, value, si)?;
+        let (far, at) = match &values {
+            JointValues::All(v) => (Some(v / si).filter(|_| v.abs() > FARTHEST_JOINT), key.to_owned()),
+            JointValues::Each(list) => match list.iter().position(|v| v.abs() > FARTHEST_JOINT) {
+                Some(i) => (Some(list[i] / si), format!("{key}[{i}]")),
+                None => (None, key.to_owned()),
+            },
+        };
+        match far {
+            Some(v) => Err(self.wrong(&at, v, "a joint value lies within a hundred turns", "check its unit")),
+            None => Ok(values),
+        }
+    }
+
+    pub fn period(&self, ms: Option<f64>) -> Result<Option<f64>, InputError> {
+        let key = "sampling.period_ms";
+        let period = self.limit(key, ms, 1e3)?;
+        if let (Some(ms), Some(_)) = (ms, period.filter(|p| !(1e-5..=1.0).contains(p))) {
+            let rule = "a control period lies between 0.01 and 1000 ms";
+            return Err(self.wrong(key, ms, rule, "did you mean seconds or microseconds? Write 1.0 for a millisecond"));
+        }
+        Ok(period)
+    }
+
+    pub fn finite(&self, key: &str, values: [f64; 3]) -> Result<Vector3<f64>, InputError> {
+        match values.iter().position(|v| !v.is_finite()) {
+            Some(i) => Err(self.wrong(&format!("{key}[{i}]"), values[i], FINITE.0, FINITE.1)),
+            None => Ok(Vector3::from(values)),
+        }
+    }
+
+    pub fn angles(&self, key: &str, degrees: [f64; 3]) -> Result<UnitQuaternion<f64>, InputError> {
+        self.finite(key, degrees)?;
+        if let Some(i) = degrees.iter().position(|v| v.abs() > 36_000.0) {
+            let rule = "an angle in degrees lies within a hundred turns";
+            return Err(self.wrong(&format!("{key}[{i}]"), degrees[i], rule, "give the angle within +-180 degrees"));
+        }
+        Ok(rotation(degrees))
+    }
+
+    pub fn frame(
+        &mut self,
+        section: &str,
+        raw: &RawFrame,
+        default: Isometry3<f64>,
+    ) -> Result<Isometry3<f64>, InputError> {
+        let mut frame = default;
+        if let Some(mm) = raw.position_mm {
+            let key = format!("{section}.position_mm");
+            let position = self.finite(&key, mm)? / 1e3;
+            if let Some(i) = position.iter().position(|v| v.abs() > FARTHEST) {
+                let rule = "the arm reaches less than 1000 mm, and a frame more than 100 m away cannot be meant";
+                return Err(self.wrong(
+                    &format!("{key}[{i}]"),
+                    mm[i],
+                    rule,
+                    "check the unit: the numbers are millimetres",
+                ));
+            }
+            let largest = position.amax();
+            if largest > 0.0 && largest < 1e-3 {
+                self.warn(
+                    &key,
+                    largest * 1e3,
+                    "is below 1 mm in every direction: did you mean metres? Write 400 for 0.4 m",
+                );
+            } else if largest > 2.0 {
+                self.warn(
+                    &key,
+                    largest * 1e3,
+                    "mm is far beyond the reach of the arm (less than 1000 mm): check the unit",
+                );
+            }
+            frame.translation = Translation3::from(position);
+        }
+        if let Some(degrees) = raw.rotation_rpy_deg {
+            frame.rotation = self.angles(&format!("{section}.rotation_rpy_deg"), degrees)?;
+        }
+        Ok(frame)
+    }
+}
+
+/// Roll, pitch and yaw in degrees about the fixed x, y and z axes.
+pub(crate) fn rotation(degrees: [f64; 3]) -> UnitQuaternion<f64> {
+    let [roll, pitch, yaw] = degrees.map(f64::to_radians);
+    UnitQuaternion::from_euler_angles(roll, pitch, yaw)
+}

@@ -1,0 +1,14 @@
+//! Trajectories, reports and pictures.
+
+pub(crate) mod joint_report;
+pub(crate) mod limit_table;
+#[cfg(feature = "plot")]
+pub mod plot;
+pub(crate) mod report;
+pub(crate) mod run_report;
+pub(crate) mod schedule_figure;
+pub(crate) mod schedule_report;
+pub(crate) mod series;
+pub(crate) mod staging;
+pub(crate) mod trajectory_csv;
+pub(crate) mod whole_file;

@@ -1,0 +1,164 @@
+//! Files whole or absent: written beside their final names, and renamed when the motion in them is known to hold.
+
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use super::trajectory_csv::write_rows;
+use super::whole_file::{abandon, begin, under_way};
+use crate::input::error::InputError;
+use crate::run::trajectory_row::TrajectoryRow;
+use crate::run::verdict::LimitsHold;
+
+/// The files that one command writes into its folder.
+///
+/// [`Staging::clear`] removes what an earlier run left under the same names, so that nothing stale can be taken for the result.
+/// Each file is written under a hidden name in the same folder; [`Staging::publish`] renames all of them and asks for the proof
+/// that every limit holds. A command that ends without it, for whatever reason, leaves none of the files behind.
+///
+/// ```
+/// use robot_cr7::Staging;
+/// let folder = std::env::temp_dir().join("staging_doc");
+/// let mut staging = Staging::new(&folder, &["note.txt"], &[])?;
+/// staging.clear()?;
+/// staging.write("note.txt", "not published")?;
+/// drop(staging);
+/// assert!(!folder.join("note.txt").exists());
+/// # Ok::<(), robot_cr7::InputError>(())
+/// ```
+#[derive(Debug)]
+pub struct Staging {
+    folder: PathBuf,
+    names: &'static [&'static str],
+    /// Final names that are also read from.
+    kept: Vec<PathBuf>,
+    /// Temporary name, final name.
+    parts: Vec<(PathBuf, PathBuf)>,
+    published: bool,
+}
+
+impl Staging {
+    /// Files called `names` in `folder`, for a command that reads `inputs`.
+    ///
+    /// # Errors
+    /// [`InputError::Overwritten`] for an input that is one of the files.
+    pub fn new(folder: &Path, names: &'static [&'static str], inputs: &[&Path]) -> Result<Self, InputError> {
+        let mut staging =
+            Self { folder: folder.to_owned(), names, kept: Vec::new(), parts: Vec::new(), published: false };
+        for input in inputs {
+            staging.reads(input)?;
+        }
+        Ok(staging)
+    }
+
+    /// Says that the command reads `input`, too.
+    ///
+    /// # Errors
+    /// [`InputError::Overwritten`] if it is one of the files to write.
+    pub fn reads(&mut self, input: &Path) -> Result<(), InputError> {
+        let Ok(real) = fs::canonicalize(input) else { return Ok(()) };
+        let same = |name: &&&str| fs::canonicalize(self.folder.join(name)).is_ok_and(|file| file == real);
+        if let Some(name) = self.names.iter().find(same) {
+            self.kept.push(self.folder.join(name));
+            return Err(InputError::Overwritten { file: input.to_owned() });
+        }
+        Ok(())
+    }
+
+    /// Creates the folder and removes the files of an earlier run.
+    ///
+    /// # Errors
+    /// [`InputError::Write`].
+    pub fn clear(&mut self) -> Result<(), InputError> {
+        fs::create_dir_all(&self.folder).map_err(|source| InputError::Write { file: self.folder.clone(), source })?;
+        for name in self.names {
+            let file = self.folder.join(name);
+            match fs::remove_file(&file) {
+                Err(source) if source.kind() != io::ErrorKind::NotFound => {
+                    return Err(InputError::Write { file, source });
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// Begins a file under its temporary name.
+    ///
+    /// # Errors
+    /// [`InputError::Write`] with its final name.
+    pub fn create(&mut self, name: &'static str) -> Result<File, InputError> {
+        let file = self.folder.join(name);
+        let (part, created) = begin(&file).map_err(|source| InputError::Write { file: file.clone(), source })?;
+        self.parts.push((part, file));
+        Ok(created)
+    }
+
+    /// Writes a whole file under its temporary name.
+    ///
+    /// # Errors
+    /// [`InputError::Write`] with its final name.
+    pub fn write(&mut self, name: &'static str, text: &str) -> Result<(), InputError> {
+        let mut file = self.create(name)?;
+        file.write_all(text.as_bytes()).map_err(|source| self.failed(name, source))
+    }
+
+    /// Writes a whole trajectory under its temporary name.
+    ///
+    /// # Errors
+    /// [`InputError::Write`] with its final name.
+    pub fn write_trajectory<const N: usize>(
+        &mut self,
+        name: &'static str,
+        rows: impl IntoIterator<Item = TrajectoryRow<N>>,
+    ) -> Result<(), InputError> {
+        let file = self.create(name)?;
+        write_rows(file, rows).map_err(|source| self.failed(name, source))
+    }
+
+    /// That `name` could not be written.
+    pub fn failed(&self, name: &str, source: io::Error) -> InputError {
+        InputError::Write { file: self.folder.join(name), source }
+    }
+
+    /// Final names of the files written so far, in their order, and of `more` that are to come.
+    pub fn files_with(&self, more: &[&str]) -> Vec<PathBuf> {
+        let written = self.parts.iter().map(|(_, file)| file.clone());
+        written.chain(more.iter().map(|name| self.folder.join(name))).collect()
+    }
+
+    /// Gives all files their final names, after they have reached the disk. Either all have them afterwards or none.
+    ///
+    /// # Errors
+    /// [`InputError::Write`].
+    pub fn publish(mut self, _: &LimitsHold) -> Result<(), InputError> {
+        for (part, file) in &self.parts {
+            let synced = File::open(part).and_then(|part| part.sync_all());
+            synced.map_err(|source| InputError::Write { file: file.clone(), source })?;
+        }
+        let mut list = under_way();
+        for (part, file) in &self.parts {
+            fs::rename(part, file).map_err(|source| InputError::Write { file: file.clone(), source })?;
+        }
+        list.retain(|one| !self.parts.iter().any(|(part, _)| part == one));
+        self.published = true;
+        Ok(())
+    }
+}
+
+impl Drop for Staging {
+    /// What is not published is no result: no file of it stays, and none of an earlier run.
+    fn drop(&mut self) {
+        if self.published {
+            return;
+        }
+        for (part, _) in &self.parts {
+            abandon(part);
+        }
+        for file in self.names.iter().map(|name| self.folder.join(name)) {
+            if !self.kept.contains(&file) {
+                let _ = fs::remove_file(file);
+            }
+        }
+    }
+}

@@ -1,0 +1,291 @@
+//! Every planner on one job: how long the motion is, how long planning takes, and which limits it breaks.
+//!
+//! All planners read the same rows on the grid of the job's own joint path; those of second order get them without the limits on
+//! jerk. Each law is then verified as a plan is: on dense samples, by code that knows no planner.
+
+use std::fmt::{self, Display, Formatter};
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use arcfeed_feedrate::{FeedError, FeedPlanner, FeedProblem, PublishedScan, SpeedLaw};
+use arcfeed_interp::{Method, MotionPath, PathArm, PathProblem, PlanError, Planner, Verification};
+use serde::Serialize;
+
+use super::error::Cr7Error;
+use super::limit_line::TOLERANCE;
+use super::task::Task;
+use crate::text::clip;
+
+/// Places of the path at which profiles are drawn.
+const DRAWN: usize = 3000;
+
+/// Where one kind of limit is used most.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Use {
+    /// The limit, such as "joint acceleration" or "feed".
+    pub limit: &'static str,
+    /// The joint, from 1, for limits that each joint has of its own.
+    pub joint: Option<usize>,
+    /// How much of it is used: above 1 it is broken.
+    pub ratio: f64,
+    /// Where, m along the path.
+    pub at_s_m: f64,
+}
+
+/// One planner on the job.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Entry {
+    /// Name of the planner.
+    pub planner: &'static str,
+    /// Whether it keeps limits on jerk.
+    pub jerk_limited: bool,
+    /// Duration of the motion, s; none where it found no motion.
+    pub duration_s: Option<f64>,
+    /// Duration over the lower bound of second order, where that is known.
+    pub ratio_to_bound: Option<f64>,
+    /// Time to plan, s: rows or boxes included, joint path and verification not.
+    pub planning_time_s: f64,
+    /// Worst use of each kind of limit that the planner is to keep, the worst first.
+    pub worst: Vec<Use>,
+    /// Why there is no motion.
+    pub error: Option<String>,
+    /// Speed (m/s) over the path (m), for a picture.
+    #[serde(skip)]
+    pub profile: Vec<(f64, f64)>,
+}
+
+impl Entry {
+    /// Whether every limit it is to keep is kept.
+    pub fn keeps(&self) -> bool {
+        self.duration_s.is_some() && self.worst.iter().all(|worst| worst.ratio <= 1.0 + TOLERANCE)
+    }
+}
+
+/// All planners on one job.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Comparison {
+    /// Name of the path.
+    pub path: String,
+    /// Length of the path, m.
+    pub length_m: f64,
+    /// Intervals of the grid that all planners share.
+    pub intervals: usize,
+    /// No motion that keeps the limits without jerk at both ends of every interval, with constant acceleration in between, takes less
+    /// than this, s: the dual bound of the conic program. Only with the feature `baseline`.
+    pub lower_bound_s: Option<f64>,
+    /// The planners.
+    pub entries: Vec<Entry>,
+    /// Files written.
+    pub files: Vec<PathBuf>,
+    /// Greatest speed (m/s) at constant speed over the path (m), for a picture.
+    #[serde(skip)]
+    pub limit_curve: Vec<(f64, f64)>,
+}
+
+/// Runs every planner on the job; `progress` is told which one is at work.
+///
+/// # Errors
+/// [`Cr7Error::Plan`] where the arm cannot follow the path, or no speed keeps the limits.
+pub fn compare<A: PathArm<N>, const N: usize>(
+    task: &Task<A, N>,
+    mut progress: impl FnMut(&'static str),
+) -> Result<Comparison, Cr7Error> {
+    let fail = |error: PlanError| task.error(error);
+    let planner = task.planner()?;
+    let path = task.tool_path()?;
+    progress("joint path");
+    let second = Field::new(&planner, &path, Method::InterpolatedReachability).map_err(fail)?;
+    let mut entries = Vec::new();
+    let mut lower_bound_s = None;
+    let mut on = |field: &Field<'_, N>, name, run: &mut dyn FnMut(&FeedProblem) -> Result<SpeedLaw, FeedError>| {
+        progress(name);
+        field.entry(&planner, name, run).map(|entry| entries.push(entry)).map_err(|error| task.error(error))
+    };
+    on(&second, "published", &mut |rows| PublishedScan.plan(rows))?;
+    for method in [Method::ForwardBackward, Method::Reachability, Method::InterpolatedReachability] {
+        on(&second, method.name(), &mut |rows| method.plan(rows))?;
+    }
+    #[cfg(feature = "baseline")]
+    on(&second, "conic optimum", &mut |rows| {
+        let bounded = arcfeed_feedrate::ClarabelBaseline.solve(rows)?;
+        lower_bound_s = Some(bounded.lower_bound);
+        Ok(bounded.plan)
+    })?;
+    let third = Field::new(&planner, &path, Method::JerkLimited).map_err(fail)?;
+    on(&third, Method::JerkLimited.name(), &mut |rows| Method::JerkLimited.plan(rows))?;
+    // The scans want chord segments to begin and end on the grid.
+    for method in [Method::ContinuousAcceleration, Method::PerSegment { window: None }] {
+        let field = Field::new(&planner.clone().with_method(method), &path, method).map_err(fail)?;
+        on(&field, method.name(), &mut |rows| method.plan(rows))?;
+    }
+    #[cfg(not(feature = "baseline"))]
+    let _ = &mut lower_bound_s;
+
+    progress("plan of the job");
+    let begin = Instant::now();
+    entries.push(match planner.plan(&path) {
+        Ok(plan) => Entry::new("cr7 plan, verified", true, plan.timings().speed, plan.law(), plan.verification()),
+        Err(error) => Entry::failed("cr7 plan, verified", true, begin.elapsed(), error.to_string()),
+    });
+    if let Some(bound) = lower_bound_s {
+        entries.iter_mut().for_each(|entry| entry.ratio_to_bound = entry.duration_s.map(|duration| duration / bound));
+    }
+    let limit_curve = second.problem.initial_velocity_limit().map_err(|error| fail(error.into()))?;
+    Ok(Comparison {
+        path: task.name().to_owned(),
+        length_m: path.length(),
+        intervals: second.problem.intervals(),
+        lower_bound_s,
+        entries,
+        files: Vec::new(),
+        limit_curve: limit_curve.iter().map(|point| (point.s, point.speed)).collect(),
+    })
+}
+
+/// A path with the rows for planners of one order.
+struct Field<'p, const N: usize> {
+    problem: PathProblem<'p, N>,
+    rows: FeedProblem,
+    /// Time spent on the rows.
+    time: Duration,
+    jerk_limited: bool,
+}
+
+impl<'p, const N: usize> Field<'p, N> {
+    fn new(planner: &Planner<'p, N>, path: &'p dyn MotionPath<N>, method: Method) -> Result<Self, PlanError> {
+        let problem = planner.prepare(path, method.needs())?;
+        let begin = Instant::now();
+        let rows = problem.rows(method.needs())?;
+        Ok(Self { problem, rows, time: begin.elapsed(), jerk_limited: method.limits_jerk() })
+    }
+
+    fn entry(
+        &self,
+        planner: &Planner<'_, N>,
+        name: &'static str,
+        run: &mut dyn FnMut(&FeedProblem) -> Result<SpeedLaw, FeedError>,
+    ) -> Result<Entry, PlanError> {
+        let begin = Instant::now();
+        let result = run(&self.rows);
+        let time = self.time + begin.elapsed();
+        Ok(match result {
+            Ok(law) => {
+                let verification = planner.verify(&self.problem, &law, self.jerk_limited)?;
+                Entry::new(name, self.jerk_limited, time, &law, &verification)
+            }
+            Err(error) => Entry::failed(name, self.jerk_limited, time, error.to_string()),
+        })
+    }
+}
+
+impl Entry {
+    fn new(
+        planner: &'static str,
+        jerk_limited: bool,
+        time: Duration,
+        law: &SpeedLaw,
+        verification: &Verification,
+    ) -> Self {
+        let (from, length) = (law.start(), law.end().p - law.start());
+        let at = |i: usize| from + length * i as f64 / DRAWN as f64;
+        Self {
+            planner,
+            jerk_limited,
+            duration_s: Some(law.duration()),
+            ratio_to_bound: None,
+            planning_time_s: time.as_secs_f64(),
+            worst: worst(verification),
+            error: None,
+            profile: (0..=DRAWN).map(at).map(|s| (s, law.v_at_s(s))).collect(),
+        }
+    }
+
+    fn failed(planner: &'static str, jerk_limited: bool, time: Duration, error: String) -> Self {
+        Self {
+            planner,
+            jerk_limited,
+            duration_s: None,
+            ratio_to_bound: None,
+            planning_time_s: time.as_secs_f64(),
+            worst: Vec::new(),
+            error: Some(error),
+            profile: Vec::new(),
+        }
+    }
+}
+
+/// The worst use of each kind of limit, the worst first.
+fn worst(verification: &Verification) -> Vec<Use> {
+    let mut uses: Vec<Use> = Vec::new();
+    for check in verification.checks() {
+        let (limit, joint) = (check.quantity().name(), check.joint().map(|joint| joint + 1));
+        let new = Use { limit, joint, ratio: check.ratio, at_s_m: check.s };
+        match uses.iter_mut().find(|known| known.limit == limit) {
+            Some(known) if known.ratio.is_nan() || check.ratio <= known.ratio => {}
+            Some(known) => *known = new,
+            None => uses.push(new),
+        }
+    }
+    uses.sort_by(|a, b| b.ratio.total_cmp(&a.ratio));
+    uses
+}
+
+impl Comparison {
+    /// The whole comparison as one JSON object on one line.
+    pub fn to_json(&self) -> String {
+        // As for the report: plain fields and lists.
+        serde_json::to_string(self).unwrap_or_else(|e| serde_json::json!({ "error": e.to_string() }).to_string())
+    }
+}
+
+impl Display for Comparison {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}: {:.2} mm, {} intervals", clip(&self.path, 60), self.length_m * 1e3, self.intervals)?;
+        if let Some(bound) = self.lower_bound_s {
+            writeln!(f, "  lower bound without jerk {bound:.6} s (dual of the conic program)")?;
+        }
+        let ratio = if self.lower_bound_s.is_some() { "/ bound" } else { "" };
+        writeln!(
+            f,
+            "\n  {:<22}{:<9}{:>13}{ratio:>10}{:>12}   worst on dense samples",
+            "planner", "jerk", "duration [s]", "plan [ms]"
+        )?;
+        for entry in &self.entries {
+            let jerk = if entry.jerk_limited { "limited" } else { "ignored" };
+            write!(f, "  {:<22}{jerk:<9}", entry.planner)?;
+            let Some(duration) = entry.duration_s else {
+                writeln!(f, "  no motion: {}", entry.error.as_deref().unwrap_or_default())?;
+                continue;
+            };
+            let ratio = entry.ratio_to_bound.map_or(String::new(), |ratio| format!("{ratio:.5}"));
+            let worst = entry.worst.first().map_or(String::new(), |worst| {
+                let joint = worst.joint.map(|joint| format!(" J{joint}")).unwrap_or_default();
+                let place = format!("{}{joint} at {:.2} mm", worst.limit, worst.at_s_m * 1e3);
+                if worst.ratio > 1.0 + TOLERANCE {
+                    format!("BROKEN by {:.3} %: {place}", 100.0 * (worst.ratio - 1.0))
+                } else {
+                    format!("kept, {:.2} % of {place}", 100.0 * worst.ratio)
+                }
+            });
+            writeln!(f, "{duration:>13.6}{ratio:>10}{:>12.3}   {worst}", entry.planning_time_s * 1e3)?;
+        }
+        writeln!(
+            f,
+            "\n  Planners that ignore jerk are of second order: their acceleration steps, and no drive follows them exactly.\n  The \
+             published scan stands here for reproduction: it tests one end of each interval only."
+        )?;
+        if self.lower_bound_s.is_some() {
+            writeln!(
+                f,
+                "  The bound holds for constant acceleration between grid points and without limits on jerk; planners that vary it \
+                 there\n  (certified, jerk-limited) may come out below it by what that costs, a few 0.1 %."
+            )?;
+        } else {
+            writeln!(
+                f,
+                "  For the ratio to a proven lower bound build with --features baseline (the conic optimum by clarabel)."
+            )?;
+        }
+        self.files.iter().try_for_each(|file| writeln!(f, "  wrote {}", clip(&file.display().to_string(), 90)))
+    }
+}

@@ -1,0 +1,105 @@
+//! Why a command did not give a motion.
+
+use std::path::PathBuf;
+
+use arcfeed_geometry::GeometryError;
+use arcfeed_interp::{LiveError, PlanError};
+use arcfeed_kinematics::KinematicsError;
+use thiserror::Error;
+
+use super::samples::TooManySamples;
+use crate::input::error::InputError;
+
+/// Why a job did not become a motion.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum Cr7Error {
+    /// Something is wrong with an input file: exit code 2 of the command.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// The curve of a path file cannot be used: exit code 2.
+    #[error("{file}: {source}")]
+    Curve {
+        /// The file, or the name of an embedded path.
+        file: String,
+        /// What is wrong with the curve.
+        source: GeometryError,
+    },
+    /// A tool frame or a joint limit is unusable: exit code 2.
+    #[error("the arm of the job: {0}")]
+    Arm(#[from] KinematicsError),
+    /// A list of joint limits in the job has another length than the arm has joints: exit code 2.
+    #[error("{key} of the job lists {given} numbers, but the arm has {joints} joints: give one number, or {joints}")]
+    JointCount {
+        /// Key of the job.
+        key: &'static str,
+        /// How many numbers it lists.
+        given: usize,
+        /// How many joints there are.
+        joints: usize,
+    },
+    /// There is no robot of this name: exit code 2.
+    #[error("no robot is called \"{name}\": the built-in ones are {}; a file ends in .urdf or .json", known.join(", "))]
+    NoSuchRobot {
+        /// The name given.
+        name: String,
+        /// The names there are.
+        known: &'static [&'static str],
+    },
+    /// The file of a robot cannot be used: exit code 2.
+    #[error("{file}: {source}")]
+    Robot {
+        /// The file, or the name of a built-in robot.
+        file: String,
+        /// What is wrong with it.
+        source: KinematicsError,
+    },
+    /// The torque is to be limited, but what that takes is not known of the robot: exit code 2.
+    #[error("the job limits the torque, but of {robot} {missing} not known: {remedy}")]
+    NoDynamics {
+        /// Name of the robot.
+        robot: String,
+        /// What is missing, with its verb.
+        missing: &'static str,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// A motion between poses does not start or end in the joints asked for: exit code 1.
+    #[error("{}{}: {key}: {problem}", file.display(), line.map(|l| format!(":{l}")).unwrap_or_default())]
+    Configuration {
+        /// The file.
+        file: PathBuf,
+        /// Line of the key, if it is known.
+        line: Option<usize>,
+        /// The key, such as `goal.q_deg`.
+        key: &'static str,
+        /// Where the motion leads instead, why, and what to do.
+        problem: String,
+    },
+    /// The motion has more samples than are written: exit code 1.
+    #[error("{file}: {source}")]
+    TooManySamples {
+        /// The file.
+        file: String,
+        /// How many, and what to change.
+        source: TooManySamples,
+    },
+    /// The path cannot be planned: exit code 1.
+    #[error("{file}: {source}{hint}")]
+    Plan {
+        /// The file, or the name of an embedded path.
+        file: String,
+        /// Why, and where on the path.
+        source: Box<PlanError>,
+        /// A likely cause, starting with a separator; empty when there is none to name.
+        hint: String,
+    },
+    /// The part of a scenario in joint space cannot be set up: exit code 1.
+    #[error("{file}: {source}")]
+    Live {
+        /// The file.
+        file: String,
+        /// Why.
+        source: Box<LiveError>,
+    },
+}

@@ -1,0 +1,383 @@
+//! From a job and a path file to a verified motion of the CR7, in one call.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use arcfeed_geometry::{ArcLengthCurve, GeometryError, NurbsCurve, OrientationPath, PosePath, Spacing};
+use arcfeed_interp::{
+    FeedSection, LimitError, Limits, LiveError, Method, MotionPath, PathArm, PathError, PlanError, Planner, Setpoints,
+    ToolLimits, ToolPath, Trajectory,
+};
+use arcfeed_kinematics::{JointLimits, Joints, KinematicsError, ParallelAxisArm};
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+
+use super::cr7::Cr7;
+use super::error::Cr7Error;
+use super::robot::{Drives, Robot};
+use crate::input::error::InputError;
+use crate::input::job::{Job, ToolOrientation};
+use crate::input::path_file::{MOST_CONTROL_POINTS, PathFile};
+
+/// Positions along the path are good to this, m: far below what any encoder resolves.
+pub(crate) const ARC_LENGTH_TOLERANCE: f64 = 1e-15;
+/// How closely a tool that follows the tangent does so, rad.
+const HEADING_TOLERANCE: f64 = 1e-3;
+/// Degree of curves laid through points.
+const FIT_DEGREE: usize = 3;
+/// A path this far out of reach is probably given in another unit than meant, m.
+const FAR_OUT: f64 = 2.0;
+
+/// A planned and verified motion along the path of a [`Task`], with all that a report needs.
+#[derive(Debug, Clone)]
+pub struct Motion<'t, const N: usize = 6> {
+    name: &'t str,
+    trajectory: Trajectory<'t, N>,
+    preparation: Duration,
+    warnings: Vec<String>,
+}
+
+/// A job made ready: the path in the base frame, the arm with its limits and where it starts. Nothing is planned yet.
+///
+/// ```
+/// use robot_cr7::{Job, SamplePath, Task};
+///
+/// let task = Task::of_cr7(&Job::default(), &SamplePath::SixPoint.load()?)?;
+/// let motion = task.plan()?;
+/// for setpoint in motion.setpoints()? {
+///     let joints = setpoint?.q; // rad, for the controller
+/// #   assert!(joints.iter().all(|q| q.is_finite()));
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Task<A = ParallelAxisArm, const N: usize = 6> {
+    name: String,
+    file: String,
+    arm: A,
+    start: Joints<N>,
+    path: PosePath,
+    limits: JointLimits<N>,
+    tool: ToolLimits,
+    drives: Option<Drives<N>>,
+    sections: Vec<FeedSection>,
+    end_speeds: [f64; 2],
+    chord_tolerance: f64,
+    period: f64,
+    method: Method,
+    preparation: Duration,
+    warnings: Vec<String>,
+}
+
+impl Task {
+    /// The task of the CR7.
+    ///
+    /// # Errors
+    /// [`Cr7Error`], naming the file and the place.
+    pub fn of_cr7(job: &Job, file: &PathFile) -> Result<Self, Cr7Error> {
+        let cr7 = Cr7::of(job)?;
+        Self::new(job, file, cr7.limits(), Robot::load("cr7", None, None)?.drives::<6>(job)?, |path| {
+            let start = ToolPath::new(cr7.arm(), path.clone(), cr7.limits().range())?.start();
+            Ok((*cr7.arm(), start))
+        })
+    }
+}
+
+impl<A: PathArm<N>, const N: usize> Task<A, N> {
+    /// The task of any arm: `arm_for` gives the arm, tool included, and the joints to start from, once the path is known.
+    ///
+    /// # Errors
+    /// [`Cr7Error`], naming the file and the place.
+    pub fn new(
+        job: &Job,
+        file: &PathFile,
+        limits: &JointLimits<N>,
+        drives: Option<Drives<N>>,
+        arm_for: impl FnOnce(&PosePath) -> Result<(A, Joints<N>), PathError>,
+    ) -> Result<Self, Cr7Error> {
+        let begin = Instant::now();
+        let shown = file.file.display().to_string();
+        let path = path_of(job, file)?;
+        let tool = tool_of(job).map_err(|source| plan_error(&shown, source.into()))?;
+        let (arm, start) = arm_for(&path).map_err(|source| plan_error(&shown, source.into()))?;
+        let mut warnings = file.warnings.clone();
+        warnings.extend(job.warnings.iter().cloned());
+        Ok(Self {
+            name: file.name.clone(),
+            file: shown,
+            arm,
+            start,
+            path,
+            limits: *limits,
+            tool,
+            drives,
+            sections: job.sections.clone(),
+            end_speeds: job.feed.end_speeds,
+            chord_tolerance: job.chord_tolerance,
+            period: job.period,
+            method: job.method,
+            preparation: begin.elapsed(),
+            warnings,
+        })
+    }
+
+    /// Name of the path.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The arm, tool included.
+    pub fn arm(&self) -> &A {
+        &self.arm
+    }
+
+    /// The joints to start from.
+    pub fn start(&self) -> &Joints<N> {
+        &self.start
+    }
+
+    /// The path in the base frame.
+    pub fn path(&self) -> &PosePath {
+        &self.path
+    }
+
+    /// Limits of the joints.
+    pub fn joint_limits(&self) -> &JointLimits<N> {
+        &self.limits
+    }
+
+    /// Limits of the tool.
+    pub fn tool_limits(&self) -> &ToolLimits {
+        &self.tool
+    }
+
+    /// What the drives have to move and can do, where that counts.
+    pub fn drives(&self) -> Option<&Drives<N>> {
+        self.drives.as_ref()
+    }
+
+    /// The path of the tool as the arm follows it from its start.
+    ///
+    /// # Errors
+    /// [`Cr7Error::Plan`] when the arm cannot stand at the start.
+    pub fn tool_path(&self) -> Result<ToolPath<'_, N>, Cr7Error> {
+        ToolPath::starting_near(&self.arm, self.path.clone(), &self.start).map_err(|source| self.error(source.into()))
+    }
+
+    /// The planner with all limits of the job.
+    ///
+    /// # Errors
+    /// [`Cr7Error::Plan`] for a limit that cannot be used.
+    pub fn planner(&self) -> Result<Planner<'_, N>, Cr7Error> {
+        let planner = || {
+            let mut limits = Limits::new(self.limits).with_tool(self.tool);
+            if let Some(drives) = &self.drives {
+                limits = limits.with_torque(&drives.dynamics, drives.torque)?;
+            }
+            let [v_start, v_end] = self.end_speeds;
+            Planner::new(&self.arm, limits)
+                .with_chord_tolerance(self.chord_tolerance)?
+                .with_period(self.period)?
+                .with_end_speeds(v_start, v_end)
+        };
+        let planner = planner().map_err(|source| self.error(source))?;
+        Ok(planner.with_sections(self.sections.clone()).with_method(self.method))
+    }
+
+    /// The error of a planner, with the file and a likely cause.
+    pub(crate) fn error(&self, source: PlanError) -> Cr7Error {
+        let slow = match source {
+            PlanError::Limit(LimitError::TooLong { longest, .. }) => self.slow_key(longest),
+            _ => String::new(),
+        };
+        match plan_error(&self.file, source) {
+            Cr7Error::Plan { file, source, hint } => Cr7Error::Plan { file, source, hint: hint + &slow },
+            other => other,
+        }
+    }
+
+    /// The key of the job that makes the motion longer than `longest` (s).
+    fn slow_key(&self, longest: f64) -> String {
+        let (length, tool) = (self.path.length(), &self.tool);
+        let or_none = |limit: Option<f64>| limit.unwrap_or(f64::INFINITY);
+        let feed = or_none(tool.feed());
+        let (a, j) = (or_none(tool.tangential_acceleration()), or_none(tool.tangential_jerk()));
+        // The times that feed, acceleration and jerk take alone, from rest to rest.
+        let alone = [
+            ("feed.feed_mm_s", feed * 1e3, length / feed),
+            ("feed.tangential_acceleration_mm_s2", a * 1e3, 2.0 * (length / a).sqrt()),
+            ("feed.tangential_jerk_mm_s3", j * 1e3, (32.0 * length / j).cbrt()),
+        ];
+        match alone.iter().max_by(|x, y| x.2.total_cmp(&y.2)) {
+            Some((key, value, time)) if *time > 0.5 * longest => {
+                format!("; {key} = {value} alone makes it {time:.3e} s")
+            }
+            _ => "; look at the keys of [joints] and at feed_mm_s of the sections".to_owned(),
+        }
+    }
+
+    /// The planned and verified motion.
+    ///
+    /// # Errors
+    /// [`Cr7Error::Plan`].
+    pub fn plan(&self) -> Result<Motion<'_, N>, Cr7Error> {
+        let path = Arc::new(self.tool_path()?);
+        let trajectory = self.planner()?.plan_shared(path).map_err(|source| self.error(source))?;
+        let mut warnings = self.warnings.clone();
+        let corners = trajectory.stops().len();
+        if corners > 0 {
+            warnings.push(format!("the path has {corners} corners, where the tool stops"));
+        }
+        Ok(Motion { name: &self.name, trajectory, preparation: self.preparation, warnings })
+    }
+}
+
+/// The error of a live motion, with the file and a likely cause.
+pub(crate) fn live_error(file: &str, error: LiveError) -> Cr7Error {
+    match error {
+        LiveError::Plan(source) => plan_error(file, source),
+        source => Cr7Error::Live { file: file.to_owned(), source: Box::new(source) },
+    }
+}
+
+pub(crate) fn plan_error(file: &str, source: PlanError) -> Cr7Error {
+    let hint = unit_hint(&source);
+    Cr7Error::Plan { file: file.to_owned(), source: Box::new(source), hint }
+}
+
+/// The path of a file where the job places it, with the orientation that the job asks for.
+pub(crate) fn path_of(job: &Job, file: &PathFile) -> Result<PosePath, Cr7Error> {
+    let curve_error = |source| Cr7Error::Curve { file: file.file.display().to_string(), source };
+    let curve = file
+        .curve_with(|points| {
+            let degree = FIT_DEGREE.min(points.len().saturating_sub(1));
+            Ok(NurbsCurve::approximate(points, degree, Spacing::default(), job.fit_tolerance)?.curve)
+        })?
+        .transformed(&job.workpiece)
+        .map_err(curve_error)?;
+    let count = curve.control_points().len();
+    if count > MOST_CONTROL_POINTS {
+        return Err(Cr7Error::Input(InputError::Value {
+            file: file.file.clone(),
+            line: None,
+            key: "the curve through the points".to_owned(),
+            value: format!("one of {count} control points"),
+            rule: "a path has at most 25000 control points",
+            remedy: "raise path.fit_tolerance_mm of the job, or split the path",
+        }));
+    }
+    let curve = ArcLengthCurve::new(curve, ARC_LENGTH_TOLERANCE).map_err(curve_error)?;
+    let orientation = orientation_of(job, &curve).map_err(curve_error)?;
+    Ok(PosePath::new(curve, orientation))
+}
+
+/// The limits of the tool in a job.
+pub(crate) fn tool_of(job: &Job) -> Result<ToolLimits, LimitError> {
+    let feed = &job.feed;
+    let mut tool = ToolLimits::new()
+        .with_feed(feed.feed)?
+        .with_tangential_acceleration(feed.tangential_acceleration)?
+        .with_tangential_jerk(feed.tangential_jerk)?
+        .with_normal_acceleration(feed.normal_acceleration)?;
+    if let Some(jerk) = feed.normal_jerk {
+        tool = tool.with_normal_jerk(jerk)?;
+    }
+    if let Some(speed) = feed.angular_speed {
+        tool = tool.with_angular_speed(speed)?;
+    }
+    Ok(tool)
+}
+
+fn orientation_of(job: &Job, curve: &ArcLengthCurve<3>) -> Result<OrientationPath, GeometryError> {
+    let frame = job.workpiece.rotation;
+    match job.orientation {
+        ToolOrientation::Constant(rotation) => Ok(OrientationPath::Constant(frame * rotation)),
+        ToolOrientation::Slerp { from, to } => OrientationPath::slerp(curve.length(), frame * from, frame * to),
+        ToolOrientation::Tangent { axis } => {
+            let z = frame * axis;
+            let tangent = curve.jet(0.0).d1;
+            let x = (tangent - z.as_ref() * z.dot(&tangent))
+                .try_normalize(1e-6)
+                .ok_or(GeometryError::NoHeading { s: 0.0 })?;
+            let axes = Matrix3::from_columns(&[x, z.cross(&x), z.into_inner()]);
+            let start = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes));
+            OrientationPath::following_tangent(curve, z, start, HEADING_TOLERANCE)
+        }
+    }
+}
+
+/// A mix-up of millimetres and metres shows as a path that is metres out of reach.
+fn unit_hint(error: &PlanError) -> String {
+    fn of(error: &PathError) -> String {
+        match error {
+            PathError::Arm { source: KinematicsError::Unreachable { distance, .. }, .. } if *distance > FAR_OUT => {
+                format!(
+                    "; {distance:.1} m is more than the arm is long: check the \"units\" of the path file and \
+                     workpiece.position_mm of the job"
+                )
+            }
+            PathError::NoConfiguration { best, .. } => of(best),
+            _ => String::new(),
+        }
+    }
+    match error {
+        PlanError::Path(error) => of(error),
+        _ => String::new(),
+    }
+}
+
+impl<'t, const N: usize> Motion<'t, N> {
+    /// Name of the path.
+    pub fn name(&self) -> &str {
+        self.name
+    }
+
+    /// The trajectory: path, speed, limits, verification.
+    pub fn trajectory(&self) -> &Trajectory<'t, N> {
+        &self.trajectory
+    }
+
+    /// What a person should look at before running the motion.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// Adds what else a person should know, such as an assumption about the arm.
+    pub fn warn(&mut self, warnings: impl IntoIterator<Item = String>) {
+        self.warnings.extend(warnings);
+    }
+
+    /// Time from the path file to the finished plan without its verification.
+    pub fn planning_time(&self) -> Duration {
+        self.preparation + self.trajectory.timings().planning()
+    }
+
+    /// Setpoints at the job's control period, start and end included.
+    ///
+    /// # Errors
+    /// Never for a motion that was planned; the signature is that of [`Trajectory::setpoints`].
+    pub fn setpoints(&self) -> Result<Setpoints<'_, 't, N>, LimitError> {
+        self.trajectory.setpoints(self.trajectory.period())
+    }
+}
+
+/// Points of each chord segment, dense enough to be drawn as a curve, seen along the workpiece's z axis (m).
+pub fn drawn_segments<const N: usize>(
+    plan: &Trajectory<'_, N>,
+    workpiece: &nalgebra::Isometry3<f64>,
+) -> Vec<Vec<[f64; 2]>> {
+    let inverse = workpiece.inverse();
+    let Some(path) = plan.path().tool_curve() else { return Vec::new() };
+    let curve = path.curve();
+    plan.breaks()
+        .windows(2)
+        .map(|b| {
+            (0..=8)
+                .map(|i| {
+                    let s = b[0] + (b[1] - b[0]) * f64::from(i) / 8.0;
+                    let p: Vector3<f64> = inverse.transform_point(&curve.point(s).into()).coords;
+                    [p.x, p.y]
+                })
+                .collect()
+        })
+        .collect()
+}
