@@ -77,4 +77,4 @@ pub use planner::Planner;
 pub use problem::{PathProblem, RowsNeeded};
 pub use setpoint::Setpoint;
 pub use trajectory::{LimitPoint, PlanInfo, Setpoints, Timings, Trajectory};
-pub use verify::{Binding, Check, Requirement, Verification, verify};
+pub use verify::{Binding, Check, JointCheck, JointRates, JointSample, Requirement, Verification, verify};

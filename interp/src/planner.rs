@@ -248,6 +248,7 @@ impl<'a, const N: usize> Planner<'a, N> {
             limits: &self.settings.limits,
             jerk_limited,
             chord_tolerance: self.settings.chord_tolerance,
+            path_tolerance: self.settings.chord_tolerance,
             period: self.settings.period,
             sections: problem.sections(),
             end_speeds: self.settings.ends,

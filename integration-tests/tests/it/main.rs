@@ -6,4 +6,3 @@ mod any_smooth_curve;
 mod hybrid;
 mod regressions;
 mod tight_bends;
-

@@ -24,6 +24,7 @@ mod error;
 mod joints;
 mod live_path;
 mod motion;
+mod recorded;
 mod singular;
 mod state;
 

@@ -16,8 +16,10 @@ pub struct Requirement<'a, const N: usize = 6> {
     pub limits: &'a Limits<'a, N>,
     /// Whether jerk is limited. Where it is not, accelerations may step.
     pub jerk_limited: bool,
-    /// Largest chord error between two control cycles, and largest deviation from the path, m.
+    /// Largest chord error between two control cycles, m.
     pub chord_tolerance: f64,
+    /// Largest deviation of the tool from the path, m.
+    pub path_tolerance: f64,
     /// Control period, s.
     pub period: f64,
     /// Parts of the path with a feed of their own, in their order on it, without overlap.
@@ -33,6 +35,7 @@ impl<const N: usize> std::fmt::Debug for Requirement<'_, N> {
             .field("limits", &self.limits)
             .field("jerk_limited", &self.jerk_limited)
             .field("chord_tolerance", &self.chord_tolerance)
+            .field("path_tolerance", &self.path_tolerance)
             .field("period", &self.period)
             .field("sections", &self.sections)
             .field("end_speeds", &self.end_speeds)

@@ -7,7 +7,7 @@ use super::requirement::Requirement;
 use crate::setpoint::Setpoint;
 
 /// A setpoint, and the motion of the tool recomputed from its joints.
-pub(super) struct Sample<const N: usize> {
+pub(crate) struct Sample<const N: usize> {
     pub at: Setpoint<N>,
     pub position: Vector3<f64>,
     pub velocity: Vector3<f64>,

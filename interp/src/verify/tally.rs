@@ -2,11 +2,13 @@
 
 use arcfeed_feedrate::{LimitId, Quantity};
 use arcfeed_kinematics::Joints;
+use nalgebra::Vector3;
 
 use super::check::Verification;
+use super::joints::{EachJoint, JointRates, JointSample, JointTally, each};
 use super::requirement::Requirement;
 use super::sample::Sample;
-use super::worst::Worst;
+use super::worst::{Worst, sum_up};
 use crate::path::MotionPath;
 use crate::place::PathParameter;
 use crate::setpoint::Setpoint;
@@ -19,28 +21,19 @@ const JOINT_TOLERANCE: f64 = 1e-9;
 /// What counts as zero, relative to a limit or to the length of the path: speed at the ends, and the difference between
 /// what a setpoint says of the tool and what its joints do.
 const ZERO: f64 = 1e-6;
-/// No rounding moves a joint by more than this between two samples, rad (m): at the least singular
-/// value that a plan comes to, an arm of 20 m is off by less.
-const MOST_ROUNDING: f64 = 1e-9;
-/// Relative rounding of a speed: where a motion ends at one, its law and that speed need not agree in every digit.
-const SPEED: f64 = 1e-10;
+/// Rounding of an acceleration of the tool, m/s^2.
+const ROUNDING: f64 = 1e-11;
 /// Intervals of the path's length over which a limit may be let go without that being a gap.
 const GAP: f64 = 3e-3;
 
-/// The limits of each joint.
-type EachJoint = Vec<Worst>;
-
 /// Named by what they are on; `None` is not limited.
-pub(super) struct Tally<'a, const N: usize> {
+pub(crate) struct Tally<'a, const N: usize> {
     r: Requirement<'a, N>,
-    middle: Joints<N>,
+    rates: JointRates<N>,
     /// Places where the acceleration of the joints jumps because the path's curvature does.
     jumps: Vec<f64>,
     gap: f64,
-    position: EachJoint,
-    velocity: EachJoint,
-    acceleration: EachJoint,
-    jerk: Option<EachJoint>,
+    joints: JointTally<N>,
     torque: Option<EachJoint>,
     feed: Option<Worst>,
     tangential: Option<Worst>,
@@ -52,7 +45,6 @@ pub(super) struct Tally<'a, const N: usize> {
     off_path: Option<Worst>,
     turned: Option<Worst>,
     off_joints: Option<EachJoint>,
-    continuity: EachJoint,
     ends: Worst,
     agreement: Worst,
 }
@@ -60,9 +52,8 @@ pub(super) struct Tally<'a, const N: usize> {
 impl<'a, const N: usize> Tally<'a, N> {
     pub fn new(r: &Requirement<'a, N>) -> Self {
         let (joints, tool, path) = (r.limits.joints(), r.limits.tool(), r.path);
-        let each = |quantity, limits: &Joints<N>| -> EachJoint {
-            (0..N).map(|joint| Worst::new(LimitId::joint(quantity, joint), limits[joint])).collect()
-        };
+        let jerk = if r.jerk_limited { *joints.jerk() } else { Joints::repeat(f64::INFINITY) };
+        let rates = JointRates { jerk, ..JointRates::from(joints) };
         let one = |quantity, limit| Worst::new(LimitId::path(quantity), limit);
         let by_length = path.parameter() == PathParameter::ArcLength;
         let along = |quantity, limit: Option<f64>| limit.filter(|_| by_length).map(|limit| one(quantity, limit));
@@ -70,14 +61,11 @@ impl<'a, const N: usize> Tally<'a, N> {
         let feed = tool.feed().or(r.sections.first().map(|section| section.feed));
         Self {
             r: *r,
-            middle: (joints.lower() + joints.upper()) / 2.0,
+            rates,
             jumps: jumps(path),
             gap: GAP * path.length(),
-            position: each(Quantity::JointPosition, &((joints.upper() - joints.lower()) / 2.0)),
-            velocity: each(Quantity::JointVelocity, joints.velocity()),
-            acceleration: each(Quantity::JointAcceleration, joints.acceleration()),
-            jerk: r.jerk_limited.then(|| each(Quantity::JointJerk, joints.jerk())),
-            torque: r.limits.torque().map(|torque| each(Quantity::JointTorque, torque.limits())),
+            joints: JointTally::new(joints.range(), &rates, r.jerk_limited),
+            torque: r.limits.torque().map(|torque| each::<N>(Quantity::JointTorque, torque.limits())),
             feed: feed.map(|limit| one(Quantity::Feed, limit)),
             tangential: along(Quantity::TangentialAcceleration, tool.tangential_acceleration()),
             tangential_jerk: along(Quantity::TangentialJerk, tool.tangential_jerk().filter(|_| r.jerk_limited)),
@@ -85,24 +73,36 @@ impl<'a, const N: usize> Tally<'a, N> {
             normal_jerk: along(Quantity::NormalJerk, tool.normal_jerk()),
             angular: tool.angular_speed().map(|limit| one(Quantity::AngularSpeed, limit)),
             chord: path.tool_curve().map(|_| one(Quantity::ChordError, r.chord_tolerance)),
-            off_path: prescribed.then(|| one(Quantity::PathDeviation, r.chord_tolerance)),
+            off_path: prescribed.then(|| one(Quantity::PathDeviation, r.path_tolerance)),
             turned: prescribed.then(|| one(Quantity::OrientationDeviation, ORIENTATION_TOLERANCE)),
-            off_joints: (!prescribed).then(|| each(Quantity::PathDeviation, &Joints::repeat(JOINT_TOLERANCE))),
-            continuity: each(Quantity::Continuity, &Joints::repeat(1.0)),
+            off_joints: (!prescribed).then(|| each::<N>(Quantity::PathDeviation, &Joints::repeat(JOINT_TOLERANCE))),
             ends: one(Quantity::Ends, 1.0),
             agreement: one(Quantity::SetpointAgreement, 1.0),
         }
     }
 
-    /// Limits on what happens at one moment.
-    pub fn look(&mut self, sample: &Sample<N>) {
+    /// Limits of the joints at one moment.
+    pub fn look_at_joints(&mut self, sample: &Sample<N>) {
         let (at, gap, r) = (&sample.at, self.gap, &self.r);
-        let joints = r.limits.joints();
+        self.joints.see_position(&at.q, at.into());
         for k in 0..N {
-            self.position[k].see(at.q[k] - self.middle[k], at);
-            self.velocity[k].see_binding(at.qd[k], joints.velocity()[k], at, gap);
-            self.acceleration[k].see_binding(at.qdd[k], joints.acceleration()[k], at, gap);
+            self.joints.velocity[k].see_binding(at.qd[k], self.rates.velocity[k], at, gap);
+            self.joints.acceleration[k].see_binding(at.qdd[k], self.rates.acceleration[k], at, gap);
         }
+        if let Some((each, limits)) = self.torque.as_mut().zip(r.limits.torque()) {
+            // At rest friction has the direction of the motion that follows; at the end, of that which was.
+            let qd = if at.qd.amax() == 0.0 { creeping(r, at) } else { at.qd };
+            let torque = limits.torque(&at.q, &qd, &at.qdd);
+            for k in 0..N {
+                each[k].see_binding(torque[k], limits.limits()[k], at, gap);
+            }
+        }
+    }
+
+    /// Limits of joints and tool at one moment.
+    pub fn look(&mut self, sample: &Sample<N>) {
+        self.look_at_joints(sample);
+        let (at, gap, r) = (&sample.at, self.gap, &self.r);
         let speed = sample.velocity.norm();
         if let Some(feed) = &mut self.feed {
             feed.see_binding(speed, r.feed_at(at.s), at, gap);
@@ -133,14 +133,6 @@ impl<'a, const N: usize> Tally<'a, N> {
                 worst.see(at.q[k] - on_path[k], at);
             }
         }
-        if let Some((each, limits)) = self.torque.as_mut().zip(r.limits.torque()) {
-            // At rest friction has the direction of the motion that follows; at the end, of that which was.
-            let qd = if at.qd.amax() == 0.0 { creeping(r, at) } else { at.qd };
-            let torque = limits.torque(&at.q, &qd, &at.qdd);
-            for k in 0..N {
-                each[k].see_binding(torque[k], limits.limits()[k], at, gap);
-            }
-        }
         self.agreement.see(misfit(r, sample) / ZERO, at);
     }
 
@@ -150,7 +142,7 @@ impl<'a, const N: usize> Tally<'a, N> {
         if self.r.path.tool_curve().is_some() {
             return;
         }
-        if let Some(each) = &mut self.jerk {
+        if let Some(each) = &mut self.joints.jerk {
             for (worst, jerk) in each.iter_mut().zip(at.jerk.iter()) {
                 worst.see(*jerk, at);
             }
@@ -175,7 +167,19 @@ impl<'a, const N: usize> Tally<'a, N> {
     }
 
     /// Limits on what happens from one sample to the next; the first sample is the one a control period ago.
-    pub fn compare(&mut self, [first, before, now]: [&Sample<N>; 3]) {
+    pub fn compare(&mut self, samples: [&Sample<N>; 3]) {
+        self.compare_joints(samples);
+        let [_, before, now] = samples;
+        let dt = now.at.t - before.at.t;
+        if let Some(worst) = self.tangential_jerk.as_mut().filter(|_| dt > 0.0) {
+            // Accelerations that differ by rounding alone are no jerk.
+            let change = now.tangential - before.tangential;
+            worst.see(change.signum() * (change.abs() - ROUNDING).max(0.0) / dt, &now.at);
+        }
+    }
+
+    /// The same, for the joints alone.
+    pub fn compare_joints(&mut self, [first, before, now]: [&Sample<N>; 3]) {
         let (a, b) = (&before.at, &now.at);
         let dt = b.t - a.t;
         if dt <= 0.0 {
@@ -185,66 +189,26 @@ impl<'a, const N: usize> Tally<'a, N> {
         // Where the curvature itself jumps, acceleration has to step; a controller sees it spread over its period.
         let (base, span) = if crosses(a.s, b.s) { (first, self.r.period) } else { (before, dt) };
         let jumped = crosses(first.at.s, b.s);
-        if let Some(each) = &mut self.jerk {
+        if let Some(each) = &mut self.joints.jerk {
             let jerk = (b.qdd - base.at.qdd) / span;
             for k in 0..N {
-                each[k].see_binding(jerk[k], self.r.limits.joints().jerk()[k], b, self.gap);
+                each[k].see_binding(jerk[k], self.rates.jerk[k], b, self.gap);
                 if !jumped {
                     each[k].see(b.jerk[k], b);
                 }
             }
         }
-        if let Some(worst) = &mut self.tangential_jerk {
-            worst.see((now.tangential - before.tangential) / dt, b);
-        }
-        match self.r.jerk_limited {
-            true => self.continuous_acceleration(a, b, dt, if jumped { self.r.period } else { 0.0 }),
-            false => self.continuous_velocity(a, b, dt),
-        }
+        let step = if jumped { self.r.period } else { 0.0 };
+        let path = self.r.path;
+        let rounding = || path.rounding(&a.q) + path.rounding(&b.q);
+        let samples = [a, b].map(|at| JointSample { t: at.t, q: at.q, qd: at.qd, qdd: at.qdd });
+        self.joints.see_step([&samples[0], &samples[1]], (dt, step), &self.rates, rounding, b.into());
     }
 
-    /// A motion with jerk below J satisfies `|q1 - q0 - dt (v0 + v1) / 2| <= J dt^3 / 12` and
-    /// `|v1 - v0 - dt (a0 + a1) / 2| <= J dt^2 / 4`; an acceleration step within a period adds J period to that.
-    fn continuous_acceleration(&mut self, a: &Setpoint<N>, b: &Setpoint<N>, dt: f64, step: f64) {
-        let mut rounded: Option<Joints<N>> = None;
-        let path = self.r.path;
-        for k in 0..N {
-            let limit = self.r.limits.joints().jerk()[k];
-            let q = (b.q[k] - a.q[k] - 0.5 * dt * (a.qd[k] + b.qd[k])).abs();
-            let v = b.qd[k] - a.qd[k] - 0.5 * dt * (a.qdd[k] + b.qdd[k]);
-            let allowed_q = limit * (dt / 12.0 + step / 8.0) * dt * dt;
-            // What rounding adds is dear to know: it is asked for where it decides.
-            let worse = q > allowed_q * self.continuity[k].ratio().max(1.0);
-            let decides = worse && q < allowed_q + MOST_ROUNDING;
-            let rounding = || path.rounding(&a.q) + path.rounding(&b.q);
-            let ratio_q = match decides {
-                true => q / (allowed_q + rounded.get_or_insert_with(rounding)[k]),
-                false => q / allowed_q,
-            };
-            // Rounding of v, which is a sum of terms larger than itself.
-            let noise_v = 1e-12 + SPEED * b.qd[k].abs();
-            let ratio_v = v.abs() / (limit * (dt / 4.0 + step / 2.0) * dt + noise_v);
-            self.continuity[k].see(ratio_q.max(ratio_v), b);
-        }
-    }
-
-    /// A motion with acceleration below A satisfies `|q1 - q0 - dt (v0 + v1) / 2| <= A dt^2 / 4` and `|v1 - v0| <= A dt`.
-    fn continuous_velocity(&mut self, a: &Setpoint<N>, b: &Setpoint<N>, dt: f64) {
-        let path = self.r.path;
-        let mut rounded: Option<Joints<N>> = None;
-        for k in 0..N {
-            let limit = self.r.limits.joints().acceleration()[k];
-            let q = (b.q[k] - a.q[k] - 0.5 * dt * (a.qd[k] + b.qd[k])).abs();
-            let allowed_q = 0.25 * limit * dt * dt;
-            let rounding = || path.rounding(&a.q) + path.rounding(&b.q);
-            let ratio_q = match q > allowed_q && q < allowed_q + MOST_ROUNDING {
-                true => q / (allowed_q + rounded.get_or_insert_with(rounding)[k]),
-                false => q / allowed_q,
-            };
-            let noise_v = 1e-12 + SPEED * b.qd[k].abs();
-            let ratio_v = (b.qd[k] - a.qd[k]).abs() / (limit * dt + noise_v);
-            let stated = (b.qd[k] - a.qd[k] - 0.5 * dt * (a.qdd[k] + b.qdd[k])).abs() / (2.0 * limit * dt + noise_v);
-            self.continuity[k].see(ratio_q.max(ratio_v).max(stated), b);
+    /// One place of the path, reached within a control cycle, against the straight line between the cycle's samples.
+    pub fn chord_at(&mut self, place: Vector3<f64>, [first, last]: [&Sample<N>; 2]) {
+        if let Some(worst) = &mut self.chord {
+            worst.see(off_line(place, [first.position, last.position]), &last.at);
         }
     }
 
@@ -252,17 +216,12 @@ impl<'a, const N: usize> Tally<'a, N> {
     pub fn chord(&mut self, cycle: &[Sample<N>]) {
         let Some(worst) = &mut self.chord else { return };
         let (Some(first), Some(last)) = (cycle.first(), cycle.last()) else { return };
-        let along = last.position - first.position;
-        let length2 = along.norm_squared();
         for sample in cycle {
-            let d = sample.position - first.position;
-            let f = if length2 > 0.0 { (d.dot(&along) / length2).max(0.0).min(1.0) } else { 0.0 };
-            worst.see((d - along * f).norm(), &sample.at);
+            worst.see(off_line(sample.position, [first.position, last.position]), &sample.at);
         }
     }
 
     pub fn finish(self, samples: usize) -> Verification {
-        let joints = [Some(self.position), Some(self.velocity), Some(self.acceleration), self.jerk, self.torque];
         let tool = [
             self.feed,
             self.tangential,
@@ -274,22 +233,18 @@ impl<'a, const N: usize> Tally<'a, N> {
             self.off_path,
             self.turned,
         ];
-        let rest = [self.off_joints, Some(self.continuity)];
-        let all: Vec<Worst> = joints
-            .into_iter()
-            .flatten()
-            .flatten()
-            .chain(tool.into_iter().flatten())
-            .chain(rest.into_iter().flatten().flatten())
-            .chain([self.ends, self.agreement])
-            .collect();
-        Verification {
-            // An infinite limit is none.
-            checks: all.iter().map(Worst::check).filter(|check| check.limit != f64::INFINITY).collect(),
-            bindings: all.into_iter().filter_map(Worst::binding).collect(),
-            samples,
-        }
+        let each = [self.torque, self.off_joints].into_iter().flatten().flatten();
+        let all = self.joints.into_all().chain(tool.into_iter().flatten()).chain(each);
+        sum_up(all.chain([self.ends, self.agreement]), samples)
     }
+}
+
+/// Distance of a point from the straight line between two others.
+fn off_line(point: Vector3<f64>, [first, last]: [Vector3<f64>; 2]) -> f64 {
+    let (along, d) = (last - first, point - first);
+    let length2 = along.norm_squared();
+    let f = if length2 > 0.0 { (d.dot(&along) / length2).max(0.0).min(1.0) } else { 0.0 };
+    (d - along * f).norm()
 }
 
 /// Joint velocities that have the direction of the path and no size.
@@ -305,8 +260,10 @@ fn misfit<const N: usize>(r: &Requirement<'_, N>, sample: &Sample<N>) -> f64 {
     match r.path.parameter() {
         PathParameter::ArcLength => {
             let speed = sample.velocity.norm();
-            pose + (at.feed - speed).abs() / r.feed_at(at.s).min(fast)
-                + (at.acceleration - sample.tangential).abs() / strong
+            // A tool that steps back moves against the direction of the path.
+            let forward = if at.feed < 0.0 { -1.0 } else { 1.0 };
+            pose + (forward * at.feed - speed).abs() / r.feed_at(at.s).min(fast)
+                + (forward * at.acceleration - sample.tangential).abs() / strong
         }
         PathParameter::RotationAngle => pose + (at.feed - sample.turning).abs() / r.limits.joints().velocity().min(),
         // The parameter is no measure of the tool.

@@ -2,11 +2,33 @@
 
 use arcfeed_feedrate::LimitId;
 
-use super::check::{Binding, Check};
+use super::check::{Binding, Check, Verification};
 use crate::setpoint::Setpoint;
 
 /// A limit binds where it is used to this part at the least.
 const BINDS: f64 = 1.0 - 1e-3;
+
+/// Where and when something is seen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Moment {
+    /// Value of the path's parameter, m or rad.
+    pub s: f64,
+    /// Time, s.
+    pub t: f64,
+}
+
+impl Moment {
+    /// For a motion without a path.
+    pub fn at_time(t: f64) -> Self {
+        Self { s: 0.0, t }
+    }
+}
+
+impl<const N: usize> From<&Setpoint<N>> for Moment {
+    fn from(at: &Setpoint<N>) -> Self {
+        Self { s: at.s, t: at.t }
+    }
+}
 
 /// Largest ratio found so far for one limit.
 #[derive(Debug, Clone)]
@@ -24,24 +46,27 @@ impl Worst {
         self.check.ratio
     }
 
-    pub fn see<const N: usize>(&mut self, value: f64, at: &Setpoint<N>) {
+    pub fn see(&mut self, value: f64, at: impl Into<Moment>) {
         self.see_against(value, self.check.limit, at);
     }
 
     /// Where the limit is not the same everywhere.
-    pub fn see_against<const N: usize>(&mut self, value: f64, limit: f64, at: &Setpoint<N>) {
+    pub fn see_against(&mut self, value: f64, limit: f64, at: impl Into<Moment>) {
+        let at = at.into();
         let ratio = if value == 0.0 { 0.0 } else { value.abs() / limit };
         // A NaN, once seen, stays.
         if self.check.ratio.is_nan() {
             return;
         }
-        if ratio > self.check.ratio || ratio.is_nan() {
+        // A check without a limit so far takes the first that it is given.
+        if ratio > self.check.ratio || ratio.is_nan() || self.check.limit == f64::INFINITY {
             self.check = Check { value, limit, ratio, s: at.s, t: at.t, ..self.check };
         }
     }
 
     /// The same, noting where the limit binds; gaps of up to `gap` in the parameter do not count.
-    pub fn see_binding<const N: usize>(&mut self, value: f64, limit: f64, at: &Setpoint<N>, gap: f64) {
+    pub fn see_binding(&mut self, value: f64, limit: f64, at: impl Into<Moment>, gap: f64) {
+        let at = at.into();
         self.see_against(value, limit, at);
         if value.abs() >= BINDS * limit {
             match self.intervals.last_mut() {
@@ -57,5 +82,16 @@ impl Worst {
 
     pub fn binding(self) -> Option<Binding> {
         (!self.intervals.is_empty()).then_some(Binding { id: self.check.id, intervals: self.intervals })
+    }
+}
+
+/// The result, from the worst places of all limits.
+pub(super) fn sum_up(all: impl Iterator<Item = Worst>, samples: usize) -> Verification {
+    // An infinite limit is none.
+    let all: Vec<Worst> = all.filter(|worst| worst.check.limit != f64::INFINITY).collect();
+    Verification {
+        checks: all.iter().map(Worst::check).collect(),
+        bindings: all.into_iter().filter_map(Worst::binding).collect(),
+        samples,
     }
 }

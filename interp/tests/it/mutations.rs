@@ -142,6 +142,7 @@ impl Setup {
             limits,
             jerk_limited: true,
             chord_tolerance: self.chord,
+            path_tolerance: self.chord,
             period: self.period,
             sections: &[],
             end_speeds: self.ends,

@@ -39,6 +39,7 @@ impl<'a> Good<'a> {
             limits: &self.limits,
             jerk_limited: true,
             chord_tolerance: self.plan.chord_tolerance(),
+            path_tolerance: self.plan.chord_tolerance(),
             period: self.plan.period(),
             sections: &[],
             end_speeds: [0.0; 2],

@@ -3,14 +3,15 @@
 use std::fmt::{self, Display, Formatter};
 use std::path::PathBuf;
 
-use arcfeed_interp::{Detour, HybridState};
+use arcfeed_interp::{Detour, HybridState, PathParameter, Quantity};
 use arcfeed_kinematics::Joints;
 use serde::Serialize;
 
 use super::limit_table::{ending, limit_table, more};
 use crate::input::scenario::{Action, Event, When};
 use crate::run::limit_line::{LimitLine, worst};
-use crate::run::measure::{self, ON_PATH};
+use crate::run::limit_lines::limit_lines;
+use crate::run::measure;
 use crate::run::play::{Cycle, Given, Played, StepTimes};
 use crate::run::stage::Stage;
 use crate::run::trajectory_row::TrajectoryRow;
@@ -135,7 +136,7 @@ impl RunReport {
     pub fn new(stage: &Stage<'_>, played: &Played) -> Self {
         let scenario = stage.scenario;
         let cycles = &played.cycles;
-        let limits = measure::limits(stage, played);
+        let limits = limit_lines(&stage.verify(played), PathParameter::ArcLength);
         let excursions = excursions(stage, played);
         let holds = limits.iter().all(LimitLine::holds);
         let left = cycles.iter().position(|c| !c.on_path).unwrap_or(cycles.len());
@@ -181,9 +182,10 @@ impl RunReport {
         json(self)
     }
 
-    /// Largest part of a limit that is used; what is only rounding against [`Accuracy`] is left out.
+    /// Largest part of a limit that is used; the distance from the path, which is rounding, is left out.
     pub fn worst_ratio(&self) -> f64 {
-        worst(self.limits.iter().filter(|line| line.limit > ON_PATH)).map_or(0.0, |line| line.ratio)
+        worst(self.limits.iter().filter(|line| line.name != Quantity::PathDeviation.name()))
+            .map_or(0.0, |line| line.ratio)
     }
 }
 

@@ -4,8 +4,8 @@ use arcfeed_interp::{PathParameter, Quantity, Verification};
 
 use super::limit_line::{LimitLine, LimitUnit};
 
-/// Every limit with its worst place.
-pub(crate) fn limit_lines(verification: &Verification, parameter: PathParameter) -> Vec<LimitLine> {
+/// Every limit with its worst place; a place on the path is shown where the parameter is its length.
+pub fn limit_lines(verification: &Verification, parameter: PathParameter) -> Vec<LimitLine> {
     let line = |check: &arcfeed_interp::Check| LimitLine {
         name: check.quantity().name().to_owned(),
         joint: check.joint().map(|j| j + 1),

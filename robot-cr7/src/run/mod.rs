@@ -3,7 +3,6 @@
 pub(crate) mod compare;
 pub(crate) mod cr7;
 pub(crate) mod error;
-pub(crate) mod joint_check;
 pub(crate) mod limit_line;
 pub(crate) mod limit_lines;
 pub(crate) mod measure;

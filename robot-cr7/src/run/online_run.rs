@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 
 use arcfeed_feedrate::{AxisLimits, AxisState};
+use arcfeed_interp::JointRates;
 use arcfeed_kinematics::JointLimits;
 use arcfeed_sync::{JointState, OnlineGenerator, SyncError, Synchronisation};
 use thiserror::Error;
 
-use super::joint_check::Rates;
 use super::online_events::{Happening, Teller, in_degrees};
 use super::samples::MOST_CYCLES;
 use crate::input::error::InputError;
@@ -82,7 +82,7 @@ impl OnlineScenario {
             let line = Check::new(&self.text, &self.file).line_of(key);
             ScenarioError::Refused { file: self.file.clone(), line, place: format!("{place}{unit}"), source }
         };
-        let mut rates = Rates::from(limits);
+        let mut rates = JointRates::from(limits);
         let mut target = self.states::<N>("target", &self.target)?;
         let start = self.states::<N>("start", &self.start)?;
         let axes = axis_limits(&rates).map_err(|e| refused("joints", "joints", e))?;
@@ -144,7 +144,7 @@ impl OnlineScenario {
         i: usize,
         change: &Change,
         target: &mut [AxisState; N],
-        rates: &mut Rates<N>,
+        rates: &mut JointRates<N>,
     ) -> Result<(), InputError> {
         let joints = match change.joint {
             None => 0..N,
@@ -182,12 +182,12 @@ pub struct OnlineRun<const N: usize> {
     /// The target that is set in the end.
     pub target: [AxisState; N],
     /// Time, state, and the limits in force from this sample to the next.
-    pub samples: Vec<(f64, JointState<N>, Rates<N>)>,
+    pub samples: Vec<(f64, JointState<N>, JointRates<N>)>,
     /// What happened.
     pub events: Vec<Happening>,
 }
 
-fn axis_limits<const N: usize>(rates: &Rates<N>) -> Result<[AxisLimits; N], SyncError> {
+fn axis_limits<const N: usize>(rates: &JointRates<N>) -> Result<[AxisLimits; N], SyncError> {
     let mut axes = [None; N];
     for (axis, slot) in axes.iter_mut().enumerate() {
         let limits = AxisLimits::symmetric(rates.velocity[axis], rates.acceleration[axis], rates.jerk[axis]);

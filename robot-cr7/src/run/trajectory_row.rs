@@ -1,6 +1,6 @@
 //! One sample of a joint motion, as it is written and checked.
 
-use arcfeed_interp::Setpoint;
+use arcfeed_interp::{JointSample, Setpoint};
 use arcfeed_kinematics::Joints;
 use nalgebra::Isometry3;
 
@@ -29,6 +29,12 @@ impl<const N: usize> TrajectoryRow<N> {
         let [q, qd, qdd, jerk] = joints.map(|values| (*values).into());
         let r = tool.rotation.quaternion();
         Self { t, q, qd, qdd, jerk, position: tool.translation.vector.into(), quaternion: [r.i, r.j, r.k, r.w] }
+    }
+}
+
+impl<const N: usize> From<&TrajectoryRow<N>> for JointSample<N> {
+    fn from(row: &TrajectoryRow<N>) -> Self {
+        Self { t: row.t, q: row.q.into(), qd: row.qd.into(), qdd: row.qdd.into() }
     }
 }
 

@@ -4,7 +4,7 @@
 use crate::common;
 
 use common::Desk;
-use robot_cr7::{JointCheck, OnlineScenario, Rates, TrajectoryRow};
+use robot_cr7::{OnlineScenario, TrajectoryRow};
 
 const HOME: [&str; 6] = ["0", "-30", "90", "30", "-90", "0"];
 const THERE: [&str; 6] = ["60", "0", "60", "30", "-90", "45"];
@@ -152,98 +152,4 @@ fn bad_scenarios_name_the_line_and_the_rule() {
     }
     desk.write("s.toml", &format!("{STATES}[run]\nlongest_s = 0.05\n"));
     desk.run(&["online", "s.toml"]).refused(1, &["longest_s", "not reached"]);
-}
-
-/// One joint far from the beginning of time, at a jerk that alternates between both limits.
-fn late_rows(from: f64, period: f64, jerk: f64) -> Vec<TrajectoryRow<1>> {
-    let (mut q, mut v, mut a) = (0.3, 1.7, 0.0);
-    (0..400u32)
-        .map(|i| {
-            let row = TrajectoryRow {
-                t: (from / period).round() * period + f64::from(i) * period,
-                q: [q],
-                qd: [v],
-                qdd: [a],
-                jerk: [0.0],
-                position: [0.0; 3],
-                quaternion: [0.0, 0.0, 0.0, 1.0],
-            };
-            let j = if i % 20 < 10 { jerk } else { -jerk };
-            q += period * (v + period * (a / 2.0 + period * j / 6.0));
-            v += period * (a + period * j / 2.0);
-            a += period * j;
-            row
-        })
-        .collect()
-}
-
-#[test]
-fn a_late_motion_at_its_jerk_limit_is_no_false_alarm_and_a_late_jump_is_one() {
-    // Seen: continuity 1.00001 at t = 134 s, by the rounding of t times the velocity.
-    let (period, jerk) = (5e-4, 110.0);
-    let rates = Rates { velocity: [3.0], acceleration: [10.0], jerk: [jerk] };
-    let worst = |rows: &[TrajectoryRow<1>]| {
-        let mut check = JointCheck::new([-10.0], [10.0]);
-        rows.iter().for_each(|row| check.see(row, period, &rates));
-        let lines = check.into_lines();
-        let of = |name: &str| lines.iter().find(|l| l.name == name).map_or(f64::NAN, |l| l.ratio);
-        (of("continuity"), of("joint jerk"))
-    };
-    for from in [0.0, 134.0, 3600.0, 1e5] {
-        let mut rows = late_rows(from, period, jerk);
-        let (continuity, by_jerk) = worst(&rows);
-        // What is left to rounding grows with the time, since the resolution of the time does.
-        let least = if from < 1e4 { 0.98 } else { 0.8 };
-        assert!(continuity <= 1.0 + 1e-6 && continuity > least, "{continuity} at {from}");
-        assert!(by_jerk <= 1.0 + 1e-6 && by_jerk > 0.98, "{by_jerk} at {from}");
-        // A hundredth of what a cycle of this velocity covers.
-        rows[200..].iter_mut().for_each(|row| row.q[0] += 1e-2 * period);
-        assert!(worst(&rows).0 > 1.5, "{:?} at {from}", worst(&rows));
-    }
-}
-
-#[test]
-fn a_joint_outside_lowered_limits_has_the_time_of_its_brake_and_no_more() {
-    let (period, jerk) = (1e-3, 100.0);
-    let rates = |velocity: f64| Rates { velocity: [velocity], acceleration: [10.0], jerk: [jerk] };
-    // From 2 rad/s with the full acceleration, allowed 1 rad/s from the first row on: jerk down to -10, hold, and up to 0.
-    let judged = |late: usize| {
-        let mut check = JointCheck::<1>::new([-10.0], [10.0]);
-        let (mut q, mut v, mut a) = (0.0, 2.0, 0.0);
-        for i in 0..600 {
-            let t = f64::from(i) * period;
-            let row = TrajectoryRow {
-                t,
-                q: [q],
-                qd: [v],
-                qdd: [a],
-                jerk: [0.0],
-                position: [0.0; 3],
-                quaternion: [0.0, 0.0, 0.0, 1.0],
-            };
-            check.see(&row, period, &rates(if i == 0 { 2.0 } else { 1.0 }));
-            let since = i as i64 - late as i64;
-            let j = match since {
-                1..=100 => -jerk,
-                101..=110 => 0.0,
-                111..=210 => jerk,
-                _ => 0.0,
-            };
-            q += period * (v + period * (a / 2.0 + period * j / 6.0));
-            v += period * (a + period * j / 2.0);
-            a += period * j;
-        }
-        check.into_lines().into_iter().map(|line| line.ratio).fold(0.0, f64::max)
-    };
-    assert!(judged(0) <= 1.0 + 1e-6, "{}", judged(0));
-    assert!(judged(50) > 1.02, "{}", judged(50));
-}
-
-/// A target of 1000 degrees was followed with exit code 0.
-#[test]
-fn online_ran_to_625_percent_of_a_range() {
-    let desk = Desk::new("online_out_of_range");
-    desk.write("s.toml", "[start]\nq_deg = [0, -30, 90, 30, -90, 0]\n[target]\nq_deg = [0, -30, 1000, 30, -90, 0]\n");
-    desk.run(&["online", "s.toml"]).refused(1, &["s.toml:3", "target (in degrees)", "axis 3", "outside its range"]);
-    assert!(!desk.folder.join("out/trajectory.csv").exists());
 }

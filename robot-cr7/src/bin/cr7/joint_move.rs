@@ -4,9 +4,10 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use arcfeed_feedrate::{AxisState, MotionLaw};
+use arcfeed_interp::JointRates;
 use arcfeed_kinematics::JointLimits;
 use arcfeed_sync::{MotionOptions, Synchronisation, Trajectory};
-use robot_cr7::{Cr7Error, Job, JointReport, Rates, Robot, Staging, few_enough, sample_times};
+use robot_cr7::{Cr7Error, Job, JointReport, Robot, Staging, few_enough, sample_times};
 
 use crate::Failure;
 use crate::joint_space::{FILES, JointWriter, axes_of, axis_limits, for_joints, numbers, row};
@@ -117,17 +118,17 @@ fn run_with<const N: usize>(args: &Args, robot: &Robot, mut staging: Staging) ->
     few_enough(motion.duration(), job.period, "the limits in [joints] of the job, or lower --least-s")?;
 
     let progress = Progress::new("checking and writing");
-    let rates = Rates::from(&joint_limits);
+    let rates = JointRates::from(&joint_limits);
     let times = sample_times(motion.duration(), job.period);
     let mut writer = JointWriter::new(&mut staging, &joint_limits, times.len())?;
     for t in times {
         let before = writer.last().map_or(t, |row| row.t);
         writer.write(&row(&arm, t, &motion.at(t)), t - before, &rates)?;
     }
-    writer.see_end("start", 0.0, &axes_of(&motion.at(0.0)), &from);
+    writer.see_end(0.0, &axes_of(&motion.at(0.0)), &from);
     let arrivals: [f64; N] = std::array::from_fn(|k| motion.axes()[k].duration());
     let arrived = std::array::from_fn(|k| axes_of(&motion.at(arrivals[k]))[k]);
-    writer.see_end("end", motion.duration(), &arrived, &to);
+    writer.see_end(motion.duration(), &arrived, &to);
     let samples = writer.rows();
     let checks = writer.finish("joint move", &[])?;
     let slowest =

@@ -3,10 +3,11 @@
 use std::fs::File;
 
 use arcfeed_feedrate::{AxisLimits, AxisState, StateToStateError};
+use arcfeed_interp::{JointCheck, JointRates, JointSample, PathParameter};
 use arcfeed_kinematics::{ForwardKinematics, JointLimits};
 use arcfeed_sync::JointState;
 use robot_cr7::plot::{Bound, JointQuantity, joint_picture};
-use robot_cr7::{JointCheck, LimitLine, Rates, Robot, Series, Staging, TrajectoryRow, TrajectoryWriter};
+use robot_cr7::{LimitLine, Robot, Series, Staging, TrajectoryRow, TrajectoryWriter, limit_lines};
 
 use crate::Failure;
 use crate::output::REPORTS;
@@ -56,7 +57,7 @@ pub struct JointWriter<'s, const N: usize> {
     check: JointCheck<N>,
     series: Series,
     limits: JointLimits<N>,
-    rates: Option<Rates<N>>,
+    rates: Option<JointRates<N>>,
     last: Option<TrajectoryRow<N>>,
     rows: usize,
 }
@@ -85,7 +86,7 @@ impl<'s, const N: usize> JointWriter<'s, N> {
         Ok(Self {
             staging,
             trajectory,
-            check: JointCheck::new((*limits.lower()).into(), (*limits.upper()).into()),
+            check: JointCheck::new(limits.range()),
             series: Series::new(1 + 7 * N, samples),
             limits: *limits,
             rates: None,
@@ -95,15 +96,16 @@ impl<'s, const N: usize> JointWriter<'s, N> {
     }
 
     /// The next row, `dt` (s) after the one before; `rates` are in force from it on.
-    pub fn write(&mut self, row: &TrajectoryRow<N>, dt: f64, rates: &Rates<N>) -> Result<(), Failure> {
-        self.check.see(row, dt, rates);
+    pub fn write(&mut self, row: &TrajectoryRow<N>, dt: f64, rates: &JointRates<N>) -> Result<(), Failure> {
+        self.check.see(&JointSample::from(row), dt, rates);
         self.trajectory.write(row).map_err(|source| self.staging.failed(TRAJECTORY, source))?;
         if self.rates.is_some_and(|before| before != *rates) {
             self.series.cut();
         }
         let (r, l) = (row, rates);
-        let joints = [&r.q, &r.qd, &r.qdd, &r.jerk, &l.velocity, &l.acceleration, &l.jerk];
-        self.series.push(std::iter::once(r.t).chain(joints.into_iter().flatten().copied()));
+        let rows = [&r.q, &r.qd, &r.qdd, &r.jerk].into_iter().flatten();
+        let limits = [&l.velocity, &l.acceleration, &l.jerk].into_iter().flatten();
+        self.series.push(std::iter::once(r.t).chain(rows.chain(limits).copied()));
         (self.rates, self.last) = (Some(*rates), Some(*row));
         self.rows += 1;
         Ok(())
@@ -120,8 +122,8 @@ impl<'s, const N: usize> JointWriter<'s, N> {
     }
 
     /// Holds the states of the joints at one end of the motion against those asked for.
-    pub fn see_end(&mut self, end: &str, t: f64, states: &[AxisState; N], wanted: &[AxisState; N]) {
-        self.check.see_end(end, t, states, wanted);
+    pub fn see_end(&mut self, t: f64, states: &[AxisState; N], wanted: &[AxisState; N]) {
+        self.check.see_end(t, states, wanted);
     }
 
     /// Ends the trajectory, draws the pictures with `marks` at the times of events, and returns every limit.
@@ -139,7 +141,7 @@ impl<'s, const N: usize> JointWriter<'s, N> {
                 .map_err(|source| staging.failed(file, source))?;
             staging.write(file, &svg)?;
         }
-        Ok(check.into_lines())
+        Ok(limit_lines(&check.finish(), PathParameter::JointDistance))
     }
 }
 

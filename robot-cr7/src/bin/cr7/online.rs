@@ -71,9 +71,9 @@ fn run_with<const N: usize>(args: &Args, robot: &Robot, mut staging: Staging) ->
         writer.write(&row(&arm, *t, state), scenario.period, rates)?;
     }
     if let (Some((_, first, _)), Some((t, last, _))) = (run.samples.first(), run.samples.last()) {
-        writer.see_end("start", 0.0, &axes_of(first), &run.start);
+        writer.see_end(0.0, &axes_of(first), &run.start);
         let wanted = passed(&run.target, &axes_of(last), scenario.synchronisation);
-        writer.see_end("end", *t, &axes_of(last), &wanted);
+        writer.see_end(*t, &axes_of(last), &wanted);
     }
     let duration = writer.last().map_or(0.0, |r| r.t);
     let samples = writer.rows();
