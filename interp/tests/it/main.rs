@@ -9,6 +9,7 @@ mod locked;
 mod mutations;
 mod parameter;
 mod pose_moves;
+mod recorded;
 mod refusals;
 mod sampling;
 mod singular;
