@@ -282,6 +282,7 @@ fn check(arm: &impl Arm, range: &JointRange<6>, case: &Case, planned: &Cell<usiz
         limits: &limits,
         jerk_limited: true,
         chord_tolerance: case.chord,
+        path_tolerance: case.chord,
         period,
         sections: &[],
         end_speeds: [0.0; 2],
