@@ -225,21 +225,7 @@ impl PathFile {
         if header.is_some() {
             rows.next();
         }
-        let found = header.as_ref().and_then(|(_, h)| h.unit);
-        let place = header.as_ref().map_or_else(|| "the file (no header)".to_owned(), |(l, _)| format!("line {l}"));
-        let unit = match (found, asked) {
-            (Some(found), Some(asked)) if found != asked => {
-                let (found, asked) = (found.symbol(), asked.symbol());
-                return Err(InputError::UnitConflict { file: file.to_owned(), place, found, asked });
-            }
-            (Some(unit), _) | (None, Some(unit)) => unit,
-            (None, None) => {
-                let remedy =
-                    "name it in the header, as in x_mm,y_mm (mm, cm, m, in), or give the CSV unit with the job";
-                return Err(InputError::MissingUnit { file: file.to_owned(), place, remedy });
-            }
-        };
-
+        let unit = Header::unit(header.as_ref(), asked, file)?;
         let mut columns = header.map(|(line, h)| (line, h.columns));
         let (mut points, mut lines): (Vec<Vector3<f64>>, Vec<u64>) = (Vec::new(), Vec::new());
         for (line, cells) in rows {
@@ -257,17 +243,7 @@ impl PathFile {
             if cells.len() != axes.len() {
                 return Err(count_error(file, line, cells.len(), first_line, axes.len()));
             }
-            let mut point = Vector3::zeros();
-            for (column, (cell, &axis)) in cells.iter().zip(axes).enumerate() {
-                let value = cell.parse::<f64>().ok().filter(|v| v.is_finite()).ok_or_else(|| InputError::Cell {
-                    file: file.to_owned(),
-                    line,
-                    column: column + 1,
-                    cell: cell.clone(),
-                    remedy: "write plain numbers with a decimal point, separated by commas, as in 12.5,-3e-2",
-                })?;
-                point[axis] = unit.to_metres(value);
-            }
+            let point = point_of(&cells, axes, unit, (file, line))?;
             if let (Some(last), Some(&first_line)) = (points.last(), lines.last()) {
                 let distance_m = (point - last).norm();
                 if distance_m < LEAST_DISTANCE {
@@ -302,6 +278,27 @@ impl PathFile {
     }
 }
 
+/// The point of a line, whose cells belong to `axes`.
+fn point_of(
+    cells: &[String],
+    axes: &[usize],
+    unit: LengthUnit,
+    (file, line): (&Path, u64),
+) -> Result<Vector3<f64>, InputError> {
+    let mut point = Vector3::zeros();
+    for (column, (cell, &axis)) in cells.iter().zip(axes).enumerate() {
+        let value = cell.parse::<f64>().ok().filter(|v| v.is_finite()).ok_or_else(|| InputError::Cell {
+            file: file.to_owned(),
+            line,
+            column: column + 1,
+            cell: cell.clone(),
+            remedy: "write plain numbers with a decimal point, separated by commas, as in 12.5,-3e-2",
+        })?;
+        point[axis] = unit.to_metres(value);
+    }
+    Ok(point)
+}
+
 /// Kind of a path file, told by its extension.
 enum Kind {
     Json,
@@ -327,6 +324,23 @@ struct Header {
 }
 
 impl Header {
+    /// The unit of a file: that of its header, or else the one asked for.
+    fn unit(header: Option<&(u64, Self)>, asked: Option<LengthUnit>, file: &Path) -> Result<LengthUnit, InputError> {
+        let place = header.map_or_else(|| "the file (no header)".to_owned(), |(line, _)| format!("line {line}"));
+        match (header.and_then(|(_, header)| header.unit), asked) {
+            (Some(found), Some(asked)) if found != asked => {
+                let (found, asked) = (found.symbol(), asked.symbol());
+                Err(InputError::UnitConflict { file: file.to_owned(), place, found, asked })
+            }
+            (Some(unit), _) | (None, Some(unit)) => Ok(unit),
+            (None, None) => {
+                let remedy =
+                    "name it in the header, as in x_mm,y_mm (mm, cm, m, in), or give the CSV unit with the job";
+                Err(InputError::MissingUnit { file: file.to_owned(), place, remedy })
+            }
+        }
+    }
+
     fn parse(cells: &[String], line: u64, file: &Path) -> Result<Self, InputError> {
         let mut columns = Vec::new();
         let mut unit = None;

@@ -19,7 +19,7 @@ use crate::text::{number, percent};
 pub use run::{Picture, run_pictures};
 pub use schedule::{joint_panels_picture, shares_picture, speed_picture};
 
-use canvas::{Anchor, LIMIT, PALETTE, Panel, Pen, page, range, widened};
+use canvas::{Anchor, Canvas, LIMIT, PALETTE, Panel, Pen, page, range, widened};
 
 pub use compare::compare_picture;
 
@@ -354,18 +354,7 @@ pub fn joint_picture(
                 panel.series(canvas, &[(mark, y.0), (mark, y.1)], Pen::dashed(PALETTE[5], 0.9))?;
             }
             panel.series(canvas, &points, line)?;
-            match limits[j] {
-                Bound::Constant(_) | Bound::Between(..) => {
-                    panel.level(canvas, high)?;
-                    panel.level(canvas, low)?;
-                }
-                Bound::OverTime(limits) => {
-                    for sign in [1.0, -1.0] {
-                        let over: Vec<_> = t.iter().zip(limits).map(|(&t, &v)| (t, sign * v * degrees)).collect();
-                        panel.series(canvas, &over, Pen::dashed(LIMIT, 1.6))?;
-                    }
-                }
-            }
+            bound_lines(canvas, &panel, t, limits[j])?;
             let beside = |row: f64| (panel.right + 10.0, panel_top + 18.0 + 20.0 * row);
             canvas.text(&format!("peak {} {unit}", number(peak)), beside(0.0), Anchor::Left)?;
             let words = match limits[j] {
@@ -385,6 +374,22 @@ pub fn joint_picture(
         }
         Ok(())
     })
+}
+
+/// The limits of a joint in its panel, in degrees.
+fn bound_lines(canvas: &Canvas<'_>, panel: &Panel, t: &[f64], bound: Bound<'_>) -> Result<(), io::Error> {
+    let degrees = 180.0 / std::f64::consts::PI;
+    match bound {
+        Bound::Constant(_) | Bound::Between(..) => {
+            let (low, high) = bound.widest();
+            panel.level(canvas, high * degrees)?;
+            panel.level(canvas, low * degrees)
+        }
+        Bound::OverTime(limits) => [1.0, -1.0].into_iter().try_for_each(|sign| {
+            let over: Vec<_> = t.iter().zip(limits).map(|(&t, &v)| (t, sign * v * degrees)).collect();
+            panel.series(canvas, &over, Pen::dashed(LIMIT, 1.6))
+        }),
+    }
 }
 
 /// Several lines over one x axis; `levels` are drawn as dashed lines.
