@@ -117,7 +117,7 @@ impl<const D: usize> ArcLengthCurve<D> {
     /// Below about 1e-15 of the curve's size the tolerance is without effect: double precision ends there.
     ///
     /// # Errors
-    /// When the tolerance is not above 0, the curve has no length, or it stands still somewhere (cusp, coincident
+    /// Fails when the tolerance is not above 0, the curve has no length, or it stands still somewhere (cusp, coincident
     /// control points), so that no derivative by arc length exists there.
     pub fn new(curve: NurbsCurve<D>, tolerance: f64) -> Result<Self, GeometryError> {
         check_tolerance(tolerance)?;
@@ -305,7 +305,7 @@ struct Builder<'a, const D: usize> {
     rough: f64,
     pieces: Vec<MapPiece>,
     length: f64,
-    /// What the running sum `length` gained by rounding (Kahan's summation).
+    /// The error that the running sum `length` gained by rounding (Kahan's summation).
     lost: f64,
     speed_nodes: Chebyshev<SPEED_NODES>,
     map_nodes: Chebyshev<{ DEGREE + 1 }>,

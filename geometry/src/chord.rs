@@ -1,4 +1,4 @@
-//! How far a piece of a curve lies from its chord.
+//! The distance of a piece of a curve from its chord.
 
 use nalgebra::SVector;
 
@@ -70,7 +70,7 @@ struct Part {
     depth: u32,
 }
 
-/// When a measurement may stop.
+/// The condition under which a measurement may stop.
 #[derive(Debug, Clone, Copy)]
 struct Goal {
     /// Relative gap between the bounds.
@@ -90,7 +90,7 @@ impl ChordMeter {
     /// Largest distance of `piece` from its chord, to the relative `precision` (or to rounding, if that is coarser).
     ///
     /// # Errors
-    /// When `precision` is not a finite number above 0.
+    /// Fails when `precision` is not a finite number above 0.
     pub fn measure<const D: usize>(
         &mut self,
         piece: &RationalBezier<D>,
@@ -104,7 +104,7 @@ impl ChordMeter {
     /// True where `piece` leaves its chord by more than `tolerance`, or so nearly that rounding hides the difference.
     ///
     /// # Errors
-    /// When `tolerance` is not a finite number above 0.
+    /// Fails when `tolerance` is not a finite number above 0.
     pub fn exceeds<const D: usize>(
         &mut self,
         piece: &RationalBezier<D>,

@@ -1,4 +1,4 @@
-//! What can be wrong with a curve, and what to do about it.
+//! Errors in a curve, each with its remedy.
 
 use thiserror::Error;
 
@@ -61,7 +61,7 @@ pub enum GeometryError {
     /// A coordinate of a point is NaN or infinite.
     #[error("{what} {index} has coordinate {axis} = {value}, which is not a finite number of magnitude below 1e100")]
     PointNotFinite {
-        /// What kind of point: "control point", "data point", ...
+        /// The kind of point: "control point", "data point", ...
         what: &'static str,
         /// Index of the point, from 0.
         index: usize,
@@ -115,7 +115,7 @@ pub enum GeometryError {
         index: usize,
         /// The knot value.
         value: f64,
-        /// How often it stands there.
+        /// The number of times it stands there.
         multiplicity: usize,
         /// Degree of the curve.
         degree: usize,
@@ -170,9 +170,9 @@ pub enum GeometryError {
     KnotFull {
         /// The knot value.
         value: f64,
-        /// How often it stands there already.
+        /// The number of times it stands there already.
         present: usize,
-        /// How often it was to be inserted.
+        /// The number of times it was to be inserted.
         times: usize,
         /// Degree of the curve.
         degree: usize,

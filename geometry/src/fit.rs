@@ -19,7 +19,7 @@ const RESOLVED: f64 = 2.0 * NARROWEST;
 /// Rounds of knot placement after which the least-squares fit gives way to interpolation.
 const MAX_ROUNDS: usize = 64;
 
-/// How data points are spread over the parameter.
+/// The spacing of data points over the parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Spacing {
     /// In proportion to the distance between neighbours: the parameter runs nearly evenly with length.
@@ -47,7 +47,7 @@ impl<const D: usize> NurbsCurve<D> {
     /// First and last point may coincide; the curve then closes there, without being made smooth at the seam.
     ///
     /// # Errors
-    /// When there are fewer than degree + 1 points, the degree is 0 or above 15, two consecutive points coincide, a
+    /// Fails when there are fewer than degree + 1 points, the degree is 0 or above 15, two consecutive points coincide, a
     /// coordinate is not finite, or the points are spread so unevenly that the equations are singular to rounding.
     pub fn interpolate(points: &[SVector<f64, D>], degree: usize, spacing: Spacing) -> Result<Fit<D>, GeometryError> {
         check_input(points, degree, degree.saturating_add(1))?;
@@ -57,7 +57,7 @@ impl<const D: usize> NurbsCurve<D> {
     /// A spline of `degree` that passes all `points` within `tolerance`, with few control points.
     ///
     /// Least squares with fixed ends; knots are added in the middle of the data wherever a point is still too far away.
-    /// Where that leads no further (scattered points, a tolerance near rounding) the curve is laid through all points.
+    /// If that leads no further (scattered points, a tolerance near rounding) the curve is laid through all points.
     /// The deviation is measured from each point to the curve near it, after the fit.
     ///
     /// # Errors

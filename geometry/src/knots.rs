@@ -40,7 +40,7 @@ impl KnotVector {
     /// Checks and wraps `knots` for curves of `degree`.
     ///
     /// # Errors
-    /// When the degree is 0, a knot is not finite, the knots decrease, a knot stands more than degree + 1 times, there
+    /// Fails when the degree is 0, a knot is not finite, the knots decrease, a knot stands more than degree + 1 times, there
     /// are too few for one span, the domain is empty, or a span is too narrow for double precision.
     pub fn new(degree: usize, knots: Vec<f64>) -> Result<Self, GeometryError> {
         check_degree(degree)?;
@@ -119,7 +119,7 @@ impl KnotVector {
     /// A clamped vector with equally spaced interior knots on [0, 1].
     ///
     /// # Errors
-    /// When the degree is 0 or there are fewer than degree + 1 points.
+    /// Fails when the degree is 0 or there are fewer than degree + 1 points.
     pub fn clamped_uniform(degree: usize, points: usize) -> Result<Self, GeometryError> {
         check_degree(degree)?;
         if points < degree + 1 {
@@ -175,7 +175,7 @@ impl KnotVector {
         (self.degree..self.point_count()).filter(|&k| self.knots[k] < self.knots[k + 1])
     }
 
-    /// How often the value `u` stands in the vector (exact comparison).
+    /// The number of times the value `u` stands in the vector (exact comparison).
     pub fn multiplicity(&self, u: f64) -> usize {
         self.knots.iter().filter(|&&k| k == u).count()
     }

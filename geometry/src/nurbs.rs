@@ -41,7 +41,7 @@ pub struct NurbsCurve<const D: usize> {
     ends: Box<[SVector<f64, D>; 2]>,
 }
 
-/// What defines the curve, without the tables prepared for its evaluation.
+/// The definition of the curve, without the tables prepared for its evaluation.
 impl<const D: usize> std::fmt::Debug for NurbsCurve<D> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("NurbsCurve")
@@ -64,7 +64,7 @@ impl<const D: usize> NurbsCurve<D> {
     /// A curve from its degree, control points (not multiplied by their weights), weights and full knot vector.
     ///
     /// # Errors
-    /// When the counts do not match (`knots = points + degree + 1`, one weight per point), a number is not finite, a
+    /// Fails when the counts do not match (`knots = points + degree + 1`, one weight per point), a number is not finite, a
     /// weight is not above 0, the knots decrease or stand too often, or the curve would jump.
     pub fn new(
         degree: usize,

@@ -14,7 +14,7 @@ impl<const D: usize> NurbsCurve<D> {
     /// that counts as a knot of the curve (see [`KnotVector`](crate::KnotVector)) is inserted as that knot.
     ///
     /// # Errors
-    /// When `u` lies outside the domain, or would stand there more than degree times.
+    /// Fails when `u` lies outside the domain, or would stand there more than degree times.
     pub fn with_knot(&self, u: f64, times: usize) -> Result<Self, GeometryError> {
         let u = self.knots().snapped(u);
         self.check_insertion(u, times)?;
@@ -45,7 +45,7 @@ impl<const D: usize> NurbsCurve<D> {
     /// The parts before and after `u`, with the parameters they had; both are clamped at `u`.
     ///
     /// # Errors
-    /// When `u` does not lie strictly inside the domain.
+    /// Fails when `u` does not lie strictly inside the domain.
     pub fn split(&self, u: f64) -> Result<(Self, Self), GeometryError> {
         let (start, end) = self.domain();
         let u = self.knots().snapped(u);
@@ -94,7 +94,7 @@ impl<const D: usize> NurbsCurve<D> {
     /// The same curve run through backwards, over the same domain: `C(start + end - u)`.
     ///
     /// # Errors
-    /// When knots that were distinct fall together in the rounding of the mirrored parameter.
+    /// Fails when knots that were distinct fall together in the rounding of the mirrored parameter.
     pub fn reversed(&self) -> Result<Self, GeometryError> {
         let (a, b) = self.domain();
         // Each branch maps a to b and b to a exactly and keeps the order.
@@ -167,7 +167,7 @@ impl<const D: usize> NurbsCurve<D> {
     /// The curve with all coordinates multiplied by `factor`; 0.001 turns millimetres into metres.
     ///
     /// # Errors
-    /// When the factor is not a finite number above 0 or the coordinates overflow.
+    /// Fails when the factor is not a finite number above 0 or the coordinates overflow.
     pub fn scaled(&self, factor: f64) -> Result<Self, GeometryError> {
         check_positive("scale factor", factor)?;
         self.mapped(|p| p * factor)
@@ -214,7 +214,7 @@ impl NurbsCurve<3> {
     /// The curve moved and turned as a rigid body: `placement` takes the curve's frame to the new one.
     ///
     /// # Errors
-    /// When the placement holds a number that is not finite or the coordinates overflow.
+    /// Fails when the placement holds a number that is not finite or the coordinates overflow.
     pub fn transformed(&self, placement: &Isometry3<f64>) -> Result<Self, GeometryError> {
         self.mapped(|p| placement.rotation * p + placement.translation.vector)
     }

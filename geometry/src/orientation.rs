@@ -89,7 +89,7 @@ impl OrientationPath {
     /// Before the first and after the last key the orientation goes on as the spline does.
     ///
     /// # Errors
-    /// When there are fewer than two keys, their arc lengths do not increase, or a quaternion is not finite.
+    /// Fails when there are fewer than two keys, their arc lengths do not increase, or a quaternion is not finite.
     pub fn through(keys: &[(f64, UnitQuaternion<f64>)]) -> Result<Self, GeometryError> {
         if keys.len() < 2 {
             return Err(GeometryError::TooFewPoints { points: keys.len(), degree: 1 });
@@ -111,7 +111,7 @@ impl OrientationPath {
     /// From `from` at the start of a path of length `length` to `to` at its end, in step with arc length (slerp).
     ///
     /// # Errors
-    /// When the length is not above 0.
+    /// Fails when the length is not above 0.
     pub fn slerp(length: f64, from: UnitQuaternion<f64>, to: UnitQuaternion<f64>) -> Result<Self, GeometryError> {
         if !(length.is_finite() && length > 0.0) {
             return Err(GeometryError::NotPositive { what: "length", value: length });
@@ -128,7 +128,7 @@ impl OrientationPath {
     /// tells what was reached.
     ///
     /// # Errors
-    /// When the tolerance is not above 0, the path runs along the axis somewhere, or it has a corner.
+    /// Fails when the tolerance is not above 0, the path runs along the axis somewhere, or it has a corner.
     pub fn following_tangent(
         curve: &ArcLengthCurve<3>,
         axis: Unit<Vector3<f64>>,

@@ -14,7 +14,7 @@ const DEGREE_OF_ONE_PIECE: usize = 5;
 /// Entries of the table that finds the piece of a parameter, per piece.
 const BUCKETS_PER_PIECE: usize = 16;
 
-/// Where a piece lies in the curve's parameter: `t = (u - middle - rest) * scale` runs over [-1, 1].
+/// The place of a piece in the curve's parameter: `t = (u - middle - rest) * scale` runs over [-1, 1].
 ///
 /// The middle is rounded, and `rest` is what it lacks: without that, a piece of a few units in the last place would not
 /// reach from one knot to the next.

@@ -16,7 +16,7 @@ use crate::pose_path::PoseJet;
 /// Tool points closer than this are the same, m, and orientations closer than this are, rad.
 const SAME: f64 = 1e-9;
 
-/// What the parameter of a motion measures.
+/// The quantity that the parameter of a motion measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum PathParameter {
     /// Length covered by the tool point, m.
@@ -142,7 +142,7 @@ impl PoseMotion {
         self.kind
     }
 
-    /// What its parameter measures: the arc length, or the rotation angle of a pure orientation.
+    /// The quantity that its parameter measures: the arc length, or the rotation angle of a pure orientation.
     pub fn parameter(&self) -> PathParameter {
         match self.kind {
             MotionType::PureOrientation => PathParameter::RotationAngle,

@@ -19,7 +19,7 @@ const NODES: [(f64, f64); N / 2] = [
 ];
 /// Orders of the Legendre coefficients that show how fast they fall: three from the middle, then the last three.
 const ORDERS: [usize; 6] = [N / 2 - 2, N / 2 - 1, N / 2, N - 3, N - 2, N - 1];
-/// What a pair of values contributes to these coefficients: `(2 k + 1) / 2 w_j P_k(x_j)`.
+/// The contribution of a pair of values to these coefficients: `(2 k + 1) / 2 w_j P_k(x_j)`.
 const PROJECTIONS: [[f64; N / 2]; 6] = projections();
 
 /// An integral is halved at most this often; what remains at a cusp is then shorter than 1e-13 of the whole.
@@ -150,7 +150,7 @@ impl<const D: usize> NurbsCurve<D> {
     /// length cannot be met in double precision; asking for less costs time and gains nothing.
     ///
     /// # Errors
-    /// When the tolerance is not a finite number above 0.
+    /// Fails when the tolerance is not a finite number above 0.
     pub fn arc_length(&self, tolerance: f64) -> Result<f64, GeometryError> {
         let (a, b) = self.domain();
         self.arc_length_between(a, b, tolerance)
@@ -160,7 +160,7 @@ impl<const D: usize> NurbsCurve<D> {
     /// are taken to its ends.
     ///
     /// # Errors
-    /// When the tolerance is not a finite number above 0.
+    /// Fails when the tolerance is not a finite number above 0.
     pub fn arc_length_between(&self, u0: f64, u1: f64, tolerance: f64) -> Result<f64, GeometryError> {
         check_tolerance(tolerance)?;
         if u1 < u0 {

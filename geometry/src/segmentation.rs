@@ -14,7 +14,7 @@ use crate::nurbs::NurbsCurve;
 use cutter::Cutter;
 pub use cutter::MAX_SEGMENTS;
 
-/// How to choose the pieces. All methods are closed-loop: the deviation of every piece is measured, not estimated from
+/// The choice of the pieces. All methods are closed-loop: the deviation of every piece is measured, not estimated from
 /// the curvature.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
@@ -100,7 +100,7 @@ impl<const D: usize> NurbsCurve<D> {
     /// ```
     ///
     /// # Errors
-    /// When the tolerance is not a finite number above 0, is lost in the rounding of the coordinates (below 1e-12 of the
+    /// Fails when the tolerance is not a finite number above 0, is lost in the rounding of the coordinates (below 1e-12 of the
     /// largest of them), or asks for more than [`MAX_SEGMENTS`] pieces.
     pub fn segment(&self, method: SegmentationMethod, tolerance: f64) -> Result<Segmentation, GeometryError> {
         check_positive("tolerance", tolerance)?;

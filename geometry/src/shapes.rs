@@ -12,7 +12,7 @@ impl<const D: usize> NurbsCurve<D> {
     /// The straight line from `a` to `b`; its parameter is the length along it.
     ///
     /// # Errors
-    /// When the points coincide or are not finite.
+    /// Fails when the points coincide or are not finite.
     pub fn line(a: SVector<f64, D>, b: SVector<f64, D>) -> Result<Self, GeometryError> {
         Self::polyline(vec![a, b])
     }
@@ -29,7 +29,7 @@ impl<const D: usize> NurbsCurve<D> {
     /// ```
     ///
     /// # Errors
-    /// When there are fewer than 2 points, one is not finite, or two consecutive ones coincide or are closer together
+    /// Fails when there are fewer than 2 points, one is not finite, or two consecutive ones coincide or are closer together
     /// than the parameter resolves ([`GeometryError::KnotsTooClose`], 1e-12 of the length).
     pub fn polyline(points: Vec<SVector<f64, D>>) -> Result<Self, GeometryError> {
         if points.len() < 2 {
@@ -58,7 +58,7 @@ impl NurbsCurve<2> {
     /// (rad, positive to the left, at most a full turn), as an exact rational curve of degree 2 over [0, 1].
     ///
     /// # Errors
-    /// When the radius is not above 0, the sweep is 0 or more than a full turn, or a number is not finite.
+    /// Fails when the radius is not above 0, the sweep is 0 or more than a full turn, or a number is not finite.
     pub fn arc(centre: Vector2<f64>, radius: f64, start: f64, sweep: f64) -> Result<Self, GeometryError> {
         check_points("centre", &[centre])?;
         let (points, weights, knots) = unit_arc(radius, start, sweep)?;

@@ -215,7 +215,7 @@ impl<'a> Stage<'a> {
 pub struct Played {
     /// Cycles until the end.
     pub cycles: usize,
-    /// Whether the tool left the path.
+    /// True if the tool left the path.
     pub left_path: bool,
     /// Largest ratio of anything to its limit.
     pub worst: f64,

@@ -1,4 +1,4 @@
-//! What a planner needs of an arm.
+//! The abilities of an arm that a planner needs.
 
 use arcfeed_kinematics::{
     ForwardKinematics, InverseKinematics, JointDerivatives, Joints, KinematicsError, ToolDerivatives, joint_derivatives,

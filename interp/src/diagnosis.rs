@@ -14,7 +14,7 @@ const PERIODS: f64 = 2.0;
 /// Halvings of the distance in which the sharpest place of a bend is narrowed down.
 const NARROWING: usize = 40;
 
-/// What is special near `s` of the path. `between` tells whether the planner knew the limits between the points of its grid.
+/// The feature of the path near `s`. `between` tells whether the planner knew the limits between the points of its grid.
 pub(crate) fn cause<const N: usize>(problem: &PathProblem<'_, N>, s: f64, between: bool) -> Cause {
     if let Some(curve) = problem.path().tool_curve() {
         let reachable = problem.settings.reachable(curve.length());

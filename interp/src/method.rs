@@ -71,12 +71,12 @@ impl Method {
         }
     }
 
-    /// Whether it keeps limits on jerk.
+    /// True if it keeps limits on jerk.
     pub fn limits_jerk(self) -> bool {
         self.needs() == RowsNeeded::Jerk
     }
 
-    /// Whether it plans interval by interval, so that chord segments of a curve begin and end on its grid.
+    /// True if it plans interval by interval, so that chord segments of a curve begin and end on its grid.
     pub(crate) const fn is_by_interval(self) -> bool {
         matches!(self, Self::ContinuousAcceleration | Self::PerSegment { .. })
     }

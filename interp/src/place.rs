@@ -1,8 +1,8 @@
-//! What the parameter of a path measures, and a place on a path.
+//! The parameter of a path, and a place on a path.
 
 use std::fmt;
 
-/// What the parameter of a [`MotionPath`](crate::MotionPath) measures.
+/// The quantity that the parameter of a [`MotionPath`](crate::MotionPath) measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum PathParameter {
     /// Length covered by the tool point, m.
@@ -47,7 +47,7 @@ impl fmt::Display for PathParameter {
 pub struct PathPlace {
     /// Value of the parameter.
     pub s: f64,
-    /// What the parameter measures.
+    /// The quantity that the parameter measures.
     pub parameter: PathParameter,
     /// Tool point there, m, in base; `None` where the path prescribes none.
     pub tool: Option<[f64; 3]>,

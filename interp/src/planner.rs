@@ -158,7 +158,7 @@ impl<'a, const N: usize> Planner<'a, N> {
 
     /// Plans the motion along `path` and verifies it on dense samples. A trajectory that is returned keeps every limit.
     ///
-    /// What a plan exceeds between the points of its grid it is planned again for: on a finer grid, or with a little less of that limit.
+    /// A plan that exceeds a limit between the points of its grid is made again: on a finer grid, or with a little less of that limit.
     ///
     /// # Errors
     /// [`PlanError::Path`] where the arm cannot follow, [`PlanError::Limit`] for limits and settings that do not suit the path,

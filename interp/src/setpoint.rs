@@ -3,7 +3,7 @@
 use arcfeed_kinematics::Joints;
 use nalgebra::Isometry3;
 
-/// What the joints do at one moment.
+/// The motion of the joints at one moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Setpoint<const N: usize = 6> {
     /// Time since the start, s.

@@ -22,7 +22,7 @@ pub struct PlanInfo {
     pub method: Option<Method>,
     /// Why it is not the jerk-limited planner's; `None` where it is, or where another one was asked for.
     pub fallback: Option<Fallback>,
-    /// How often it was planned until its verification passed.
+    /// The number of planning rounds until the verification passed.
     pub rounds: usize,
     /// Intervals of the grid.
     pub intervals: usize,
@@ -48,7 +48,7 @@ impl fmt::Display for PlanInfo {
     }
 }
 
-/// How long the parts of planning took.
+/// The times of the parts of planning.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Timings {
     /// Cutting the path into chord segments and laying the grid.
@@ -177,7 +177,7 @@ impl<'p, const N: usize> Trajectory<'p, N> {
         &self.verification
     }
 
-    /// How long the parts of planning took.
+    /// The times of the parts of planning.
     pub fn timings(&self) -> Timings {
         self.timings
     }

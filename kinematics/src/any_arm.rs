@@ -35,7 +35,7 @@ pub struct AnyArm {
     arm: Box<dyn Erased>,
 }
 
-/// What follows from the differential kinematics at one place.
+/// The results of the differential kinematics at one place.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dexterity {
     /// Columns of the Jacobian: linear x y z, angular x y z.
@@ -61,7 +61,7 @@ pub struct AnySingularPose {
     pub distance: f64,
     /// The direction in which the tool cannot move there: linear x y z, angular x y z.
     pub lost: [f64; 6],
-    /// What it is, where geometry tells: see [`SingularPose::kind`].
+    /// The kind, where geometry tells: see [`SingularPose::kind`].
     pub kind: Option<SingularityKind>,
 }
 
@@ -97,7 +97,7 @@ impl AnyArm {
         &self.joint_names
     }
 
-    /// How many joints it has.
+    /// The number of joints.
     pub fn joints(&self) -> usize {
         self.joint_names.len()
     }
@@ -107,7 +107,7 @@ impl AnyArm {
         self.arm.as_any().downcast_ref()
     }
 
-    /// How its inverse is solved.
+    /// The method of its inverse.
     pub fn method(&self) -> InverseMethod {
         self.arm.method()
     }

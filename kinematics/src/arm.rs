@@ -17,7 +17,7 @@ use crate::{
 };
 use nalgebra::Isometry3;
 
-/// How an arm's inverse kinematics is solved.
+/// The method of an arm's inverse kinematics.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum InverseMethod {
     /// Closed form for three parallel axes, see [`ParallelAxisArm`].
@@ -45,7 +45,7 @@ enum Solver<const N: usize> {
     Numeric(NumericArm<N>),
 }
 
-/// What a joint's drive allows, symmetric about 0; each may be unknown.
+/// The limits of a joint's drive, symmetric about 0; each may be unknown.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DriveLimits<const N: usize> {
     /// Greatest speeds, rad/s (m/s).
@@ -222,12 +222,12 @@ impl<const N: usize> Arm<N> {
         &self.chain
     }
 
-    /// Where the joints may stand.
+    /// The ranges of the joints.
     pub fn range(&self) -> &JointRange<N> {
         &self.range
     }
 
-    /// What the drives allow, as far as it is known.
+    /// The limits of the drives, as far as they are known.
     pub fn drive_limits(&self) -> &DriveLimits<N> {
         &self.drives
     }
@@ -243,7 +243,7 @@ impl<const N: usize> Arm<N> {
         self.dynamics.as_ref()
     }
 
-    /// How the inverse is solved.
+    /// The method of the inverse.
     pub fn method(&self) -> InverseMethod {
         match self.solver {
             Solver::ParallelAxis(_) => InverseMethod::ParallelAxis,
@@ -259,7 +259,7 @@ impl<const N: usize> Arm<N> {
         Some([ParallelAxisArm::new(chain, range).err()?, SphericalWristArm::new(chain, range).err()?])
     }
 
-    /// What becomes of each inverse solution of `target` when seen from `seed`: inside the limits with which step, or
+    /// The fate of each inverse solution of `target` when seen from `seed`: inside the limits with which step, or
     /// outside by how much. A numeric inverse finds only solutions inside, and not all.
     ///
     /// # Errors
@@ -286,7 +286,7 @@ impl<const N: usize> Arm<N> {
         }))
     }
 
-    /// How far the arm at `q` is from its singular poses, kind by kind, if it has a closed form.
+    /// Distances of the arm at `q` from its singular poses, kind by kind, if it has a closed form.
     pub fn singularity_distances(&self, q: &Joints<N>) -> Option<SingularityDistances> {
         match &self.solver {
             Solver::ParallelAxis(arm) => Some(arm.singularity_distances(&renamed(q))),

@@ -27,7 +27,7 @@ pub struct LimitExcess {
     pub excess: f64,
 }
 
-/// What became of one inverse solution: see [`ParallelAxisArm::candidates`](crate::ParallelAxisArm::candidates).
+/// The fate of one inverse solution: see [`ParallelAxisArm::candidates`](crate::ParallelAxisArm::candidates).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Candidate<const N: usize> {
     /// Inside the limits.
@@ -103,7 +103,7 @@ pub fn largest_step<const N: usize>(a: &Joints<N>, b: &Joints<N>) -> (usize, f64
     (0..N).map(|i| (i, (a[i] - b[i]).abs())).fold((0, 0.0), |most, one| if one.1 > most.1 { one } else { most })
 }
 
-/// Of the `solutions` (revolute joints, any turn), the one inside `range` with the least largest joint step from `seed`.
+/// The one of the `solutions` (revolute joints, any turn) inside `range` with the least largest joint step from `seed`.
 ///
 /// The largest step and not the sum of squares: the joint that moves most decides how long the step takes, and a sum
 /// would trade one jump against five small moves. Ties go to the smaller sum of squares.

@@ -123,7 +123,7 @@ impl<const N: usize> Chain<N> {
         PoseResidual::of_rounding(extent, angles)
     }
 
-    /// Where the arm stands in the working frame.
+    /// The place of the arm in the working frame.
     pub fn base(&self) -> &Isometry3<f64> {
         &self.base
     }

@@ -84,17 +84,17 @@ impl<S: ClosedForm> ClosedFormArm<S> {
         &self.chain
     }
 
-    /// Where the joints may stand.
+    /// The ranges of the joints.
     pub fn range(&self) -> &JointRange<6> {
         &self.range
     }
 
-    /// How far the arm at `q` is from its singular poses, kind by kind.
+    /// Distances of the arm at `q` from its singular poses, kind by kind.
     pub fn singularity_distances(&self, q: &Joints<6>) -> SingularityDistances {
         self.solver.singularity_distances(&self.chain.configuration(q))
     }
 
-    /// What becomes of each inverse solution of `target` when seen from `seed`: inside the limits with which step, or
+    /// The fate of each inverse solution of `target` when seen from `seed`: inside the limits with which step, or
     /// outside by how much. The long form of [`KinematicsError::OutsideLimits`].
     ///
     /// # Errors

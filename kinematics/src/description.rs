@@ -18,13 +18,13 @@ pub const ASSUMED_RANGE: f64 = TAU;
 pub struct ArmDescription {
     /// Its short name.
     pub name: String,
-    /// Where the numbers come from.
+    /// The source of the numbers.
     pub source: String,
     /// Under which licence.
     pub licence: String,
-    /// What is assumed, and what else to know.
+    /// Assumptions and notes.
     pub notes: Vec<String>,
-    /// Where the arm stands in the working frame.
+    /// The place of the arm in the working frame.
     pub base: Isometry3<f64>,
     /// The joints from the base outwards, with the links they move.
     pub joints: Vec<JointDescription>,
@@ -64,7 +64,7 @@ pub struct JointDescription {
 }
 
 impl ArmDescription {
-    /// What is not known, one entry per kind, with the names of the joints it is missing for: "torque: a1, a2".
+    /// Unknown quantities, one entry per kind, with the names of the joints it is missing for: "torque: a1, a2".
     pub fn missing(&self) -> Vec<String> {
         type Known = fn(&JointDescription) -> bool;
         let kinds: [(&str, Known); 6] = [
@@ -138,7 +138,7 @@ fn every<const N: usize>(
     Some(values)
 }
 
-/// How far from 1 the length of an axis in a file may be: digits cut off, not another meaning.
+/// Largest difference from 1 of the length of an axis in a file: digits cut off, not another meaning.
 const AXIS_ROUNDING: f64 = 1e-3;
 
 impl JointDescription {

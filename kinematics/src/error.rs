@@ -54,14 +54,14 @@ pub enum KinematicsError {
     /// A number that describes an arm, a target or a path is NaN or infinite.
     #[error("{what} is not finite: every number in it must be an ordinary number")]
     NotFinite {
-        /// What holds the number.
+        /// The field that holds the number.
         what: &'static str,
     },
 
     /// The rotation part of a transform is not a unit quaternion.
     #[error("the quaternion of {what} has norm {norm}, not 1: normalise it")]
     NotUnit {
-        /// What holds the quaternion.
+        /// The field that holds the quaternion.
         what: &'static str,
         /// Its norm.
         norm: f64,
@@ -72,7 +72,7 @@ pub enum KinematicsError {
     JointNotFinite {
         /// Which joint, from 0.
         joint: usize,
-        /// What the value is.
+        /// The name of the value.
         what: &'static str,
         /// The value.
         value: f64,
@@ -103,11 +103,11 @@ pub enum KinematicsError {
         "no closed-form inverse for this arm: {rule}, but it is off by {deviation:.3e} (at most {tolerance:.1e} is corrected)"
     )]
     NotParallelAxis {
-        /// What the solver needs.
+        /// The rule of the solver.
         rule: &'static str,
         /// By how much the arm misses it, rad or m.
         deviation: f64,
-        /// How much is accepted, rad or m.
+        /// The tolerance, rad or m.
         tolerance: f64,
     },
 
@@ -116,11 +116,11 @@ pub enum KinematicsError {
         "no closed-form inverse for this arm: {rule}, but it is off by {deviation:.3e} (at most {tolerance:.1e} is corrected)"
     )]
     NotSphericalWrist {
-        /// What the solver needs.
+        /// The rule of the solver.
         rule: &'static str,
         /// By how much the arm misses it, rad or m.
         deviation: f64,
-        /// How much is accepted, rad or m.
+        /// The tolerance, rad or m.
         tolerance: f64,
     },
 
@@ -129,7 +129,7 @@ pub enum KinematicsError {
         "target is out of reach, {side} by {distance:.6} m: move it {} the shoulder by about that much, or turn the tool", if *.side == ReachSide::TooFar { "towards" } else { "away from" }
     )]
     Unreachable {
-        /// How far the end of the forearm is from where the best branch needs it, m. A target too far away comes into
+        /// Distance of the end of the forearm from where the best branch needs it, m. A target too far away comes into
         /// reach when it is moved by this (orientation kept) towards the second axis.
         distance: f64,
         /// Too far or too near.
@@ -143,7 +143,7 @@ pub enum KinematicsError {
     OutsideLimits {
         /// Which joint, from 0.
         joint: usize,
-        /// Where the best solution would put it, rad (m).
+        /// The value in the best solution, rad (m).
         value: f64,
         /// Its lower limit, rad (m).
         lower: f64,
@@ -151,7 +151,7 @@ pub enum KinematicsError {
         upper: f64,
         /// By how much the limit is exceeded, rad (m).
         excess: f64,
-        /// How many solutions were rejected. `ParallelAxisArm::candidates` tells each one's reason.
+        /// The number of rejected solutions. `ParallelAxisArm::candidates` tells each one's reason.
         solutions: usize,
     },
 
@@ -224,7 +224,7 @@ pub enum KinematicsError {
         position: f64,
         /// Angle between tool and target there, rad.
         orientation: f64,
-        /// How many attempts were made.
+        /// The number of attempts.
         attempts: usize,
         /// A joint that stands at a limit there, from 0.
         at_limit: Option<usize>,
@@ -237,20 +237,20 @@ pub enum KinematicsError {
     InvalidLock {
         /// Which joint, from 0.
         joint: usize,
-        /// Where it was to be held, rad (m).
+        /// The value at which it was to be held, rad (m).
         value: f64,
-        /// How many joints the arm has.
+        /// The number of joints of the arm.
         joints: usize,
-        /// How many the other one was to have.
+        /// The number that the other one was to have.
         left: usize,
     },
 
     /// Joint values for another number of joints, or an arm with none or too many.
     #[error("{given} joint values were given, but the arm has {expected} joints")]
     JointCount {
-        /// How many there are.
+        /// The number there are.
         given: usize,
-        /// How many there should be.
+        /// The number there should be.
         expected: usize,
     },
 
@@ -261,7 +261,7 @@ pub enum KinematicsError {
         part: Part,
         /// Its name.
         name: String,
-        /// What is wrong.
+        /// The fault.
         source: Box<KinematicsError>,
     },
 
@@ -275,7 +275,7 @@ pub enum KinematicsError {
     /// Something that is needed is not there.
     #[error("there is no {what}")]
     Missing {
-        /// What is missing.
+        /// The missing part.
         what: &'static str,
     },
 
@@ -284,7 +284,7 @@ pub enum KinematicsError {
     Unreadable {
         /// The format: "URDF" or "JSON".
         format: &'static str,
-        /// What the reader says.
+        /// The error of the reader.
         reason: String,
     },
 

@@ -6,7 +6,7 @@ use nalgebra::{Isometry3, SVector, Unit, UnitQuaternion, Vector3};
 /// One value per joint: rad for a revolute joint, m for a prismatic one (or their derivatives).
 pub type Joints<const N: usize> = SVector<f64, N>;
 
-/// How a joint moves.
+/// The kind of motion of a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum JointKind {
     /// Turns about its axis; its value is an angle, rad.
@@ -64,7 +64,7 @@ impl Joint {
         &self.axis
     }
 
-    /// What the joint does at `value` (rad or m): from its frame at value 0 to the one after the motion.
+    /// The motion of the joint at `value` (rad or m): from its frame at value 0 to the one after the motion.
     pub fn motion(&self, value: f64) -> Isometry3<f64> {
         match self.kind {
             JointKind::Revolute => Isometry3::rotation(self.axis.into_inner() * value),
@@ -139,7 +139,7 @@ impl<const N: usize> JointRange<N> {
         &self.upper
     }
 
-    /// Whether every joint of `q` is inside (ends included; NaN is outside).
+    /// True if every joint of `q` is inside (ends included; NaN is outside).
     pub fn contains(&self, q: &Joints<N>) -> bool {
         (0..N).all(|i| self.lower[i] <= q[i] && q[i] <= self.upper[i])
     }
@@ -158,7 +158,7 @@ impl<const N: usize> JointRange<N> {
     }
 }
 
-/// What each joint may do: where it may stand, and how fast it may move, symmetric about 0.
+/// The limits of each joint: its range, and its rates, symmetric about 0.
 ///
 /// Units: rad, rad/s, rad/s^2, rad/s^3 (m for prismatic joints). A value that exists is valid: all finite,
 /// lower < upper, rates > 0.

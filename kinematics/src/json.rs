@@ -25,7 +25,7 @@ use serde::Deserialize;
 use serde_json::{Value, json};
 
 const FORMAT: &str = "arm-params/1";
-/// How far a rotation matrix in a file may be from one.
+/// Largest deviation of a rotation matrix in a file from one.
 const ROTATION_ROUNDING: f64 = 1e-6;
 
 #[derive(Deserialize)]

@@ -21,13 +21,13 @@ use nalgebra::Vector3;
 const SINGULAR: f64 = 1e-9;
 /// Steps of one search.
 const STEPS: usize = 40;
-/// Of these, the first ones look for the nearest pose; the others only for a singular one.
+/// The first of these look for the nearest pose; the others only for a singular one.
 const NEAREST_STEPS: usize = 30;
 /// Conditions that are kept: enough for arms of up to 13 joints.
 const MOST_CONDITIONS: usize = 8;
 /// Largest change of a joint in a step, rad (m).
 const LARGEST_STEP: f64 = 0.5;
-/// How far and in how many steps each way searches look along each joint for a place to start from.
+/// Distance and number of steps each way in which searches look along each joint for a place to start from.
 const LOOK: f64 = std::f64::consts::PI;
 const LOOKS: i32 = 12;
 
@@ -51,7 +51,7 @@ pub struct SingularPose<const N: usize> {
     pub distance: f64,
     /// The direction in which the tool cannot move there.
     pub lost: Twist,
-    /// What it is, where geometry tells. Wrist: the last three axes are parallel to one plane. Of the others with six
+    /// The kind, where geometry tells. Wrist: the last three axes are parallel to one plane. Of the others with six
     /// joints, those whose cancelling motions have a part of joint 1 are at the shoulder, the rest at the elbow. With more
     /// joints, shoulder: the first three axes are parallel to one plane; elbow: what is lost is the motion along the line
     /// from shoulder to wrist. None for fewer than six joints, sliding joints and what is nothing of these.
@@ -277,7 +277,7 @@ impl<const N: usize> Search<'_, N> {
     }
 }
 
-/// What makes the arm singular at this singular place.
+/// The kind of the singular pose at this place.
 fn kind<const N: usize>(at: &Configuration<N>, weakest: &WeakestMotion<N>) -> Option<SingularityKind> {
     const SMALL: f64 = 1e-6;
     let (z, o) = (at.axes(), at.points());

@@ -1,4 +1,4 @@
-//! How far an arm is from a singular pose.
+//! Distances of an arm from a singular pose.
 //!
 //! The rows of the Jacobian are in metres and radians and are not scaled against each other, so singular values mix the
 //! two: compare them between poses of one arm, not between arms of different size.
@@ -7,14 +7,14 @@ use crate::jacobian::Jacobian;
 use crate::singularity_kind::SingularityKind;
 use nalgebra::Vector3;
 
-/// How far a six-joint arm is from its singular poses, kind by kind.
+/// Distances of a six-joint arm from its singular poses, kind by kind.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SingularityDistances {
     /// Angle between the wrist's first and last axis, or its complement to a half turn: 0 where they line up, rad.
     pub wrist: f64,
     /// Angle between upper arm and forearm, likewise: 0 where the arm is stretched or folded, rad.
     pub elbow: f64,
-    /// How far the wrist is from the plane through axis 1 that is parallel to axis 2, m.
+    /// Distance of the wrist from the plane through axis 1 that is parallel to axis 2, m.
     pub shoulder: f64,
     /// The nearest of the three, with the shoulder's distance taken relative to the size of the arm.
     pub nearest: SingularityKind,

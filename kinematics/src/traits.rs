@@ -1,4 +1,4 @@
-//! What an arm can do, as traits: planners ask for these and not for a particular arm.
+//! The abilities of an arm, as traits: planners ask for these and not for a particular arm.
 
 use crate::{
     analytic::Solutions,
@@ -70,7 +70,7 @@ pub trait InverseKinematics<const N: usize> {
     }
 }
 
-/// How far from its target an inverse leaves the tool.
+/// The distance from its target at which an inverse leaves the tool.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PoseResidual {
     /// Distance of the tool point from the target, m.
@@ -80,7 +80,7 @@ pub struct PoseResidual {
 }
 
 impl PoseResidual {
-    /// What rounding leaves at an arm whose coordinates are at most `extent` (m) and whose turning
+    /// The residual that rounding leaves at an arm whose coordinates are at most `extent` (m) and whose turning
     /// joints stand at angles with absolute values of the sum `angles` (rad): each step along the
     /// arm rounds once, each angle by its own size.
     pub(crate) fn of_rounding(extent: f64, angles: f64) -> Self {
@@ -89,7 +89,7 @@ impl PoseResidual {
         Self { position: orientation * extent, orientation }
     }
 
-    /// Whether a miss of `position` (m) and `orientation` (rad) is no more than this.
+    /// True if a miss of `position` (m) and `orientation` (rad) is no more than this.
     pub(crate) fn covers(&self, position: f64, orientation: f64) -> bool {
         position <= self.position && orientation <= self.orientation
     }

@@ -1,4 +1,4 @@
-//! What the methods of segmentation share: measuring a part of the curve, halving it, counting.
+//! The common parts of the methods of segmentation: measuring a part of the curve, halving it, counting.
 
 use crate::bezier::{Homogeneous, RationalBezier, restrict};
 use crate::chord::{ChordMeter, Deviation, cartesian, size_of, three};

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// What is special about the place where a finished trajectory breaks a limit.
+/// The feature of the path at the place where a finished trajectory breaks a limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Cause {

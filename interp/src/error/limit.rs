@@ -1,4 +1,4 @@
-//! What is wrong with the limits of a motion.
+//! Errors in the limits of a motion.
 
 use arcfeed_kinematics::KinematicsError;
 use thiserror::Error;
@@ -25,7 +25,7 @@ pub enum LimitError {
         limit: &'static str,
         /// Why it does not suit.
         problem: &'static str,
-        /// What to do.
+        /// The remedy.
         remedy: &'static str,
     },
     /// The grid of a path is too coarse or too fine.
@@ -41,11 +41,11 @@ pub enum LimitError {
     Section {
         /// Which one, from 0.
         index: usize,
-        /// Where it begins.
+        /// The start.
         from: f64,
-        /// Where it ends.
+        /// The end.
         to: f64,
-        /// What the two are.
+        /// The kind of the two.
         unit: &'static str,
         /// The rule that is broken.
         rule: &'static str,
@@ -61,7 +61,7 @@ pub enum LimitError {
         first: usize,
         /// The other one, from 0.
         second: usize,
-        /// Where the overlap begins, m.
+        /// The start of the overlap, m.
         s: f64,
     },
     /// A speed law does not run over the whole path.
@@ -69,11 +69,11 @@ pub enum LimitError {
         "the speed law runs from {start} to {end}, the path from 0 to {length}: a law has to run over the whole path"
     )]
     Law {
-        /// Where the law begins.
+        /// The start of the law.
         start: f64,
-        /// Where it ends.
+        /// The end.
         end: f64,
-        /// Where the path ends.
+        /// The end of the path.
         length: f64,
     },
     /// A motion takes longer than can be verified.

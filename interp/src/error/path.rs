@@ -1,4 +1,4 @@
-//! What is wrong with a path, and where.
+//! Errors in a path, with their place.
 
 use arcfeed_geometry::GeometryError;
 use arcfeed_kinematics::{Joints, KinematicsError};
@@ -17,7 +17,7 @@ pub enum PathError {
     Arm {
         /// The place.
         place: PathPlace,
-        /// What the arm says.
+        /// The error of the arm.
         source: KinematicsError,
     },
     /// The joints would have to jump to stay on the path.
@@ -27,9 +27,9 @@ pub enum PathError {
         place: PathPlace,
         /// The joint that jumps most, from 0.
         joint: usize,
-        /// How far, rad.
+        /// The distance, rad.
         jump: f64,
-        /// Where the joints would have gone on, rad.
+        /// The joint values that continue the motion, rad.
         predicted: Vec<f64>,
     },
     /// A joint reaches the end of its range on the path.
@@ -39,7 +39,7 @@ pub enum PathError {
         place: PathPlace,
         /// The joint, from 0.
         joint: usize,
-        /// Where it would have to be, rad.
+        /// The value that the path asks for, rad.
         value: f64,
         /// Lower end of its range, rad.
         lower: f64,
@@ -51,7 +51,7 @@ pub enum PathError {
         "none of the {candidates} configurations that reach the start can follow the path to its end; the best one fails: {best}"
     )]
     NoConfiguration {
-        /// How many configurations were tried.
+        /// The number of configurations tried.
         candidates: usize,
         /// Why the one that came farthest failed.
         best: Box<PathError>,
@@ -59,7 +59,7 @@ pub enum PathError {
     /// A path through joint way-points needs two of them.
     #[error("{count} way-points: a path needs two at least")]
     TooFewWaypoints {
-        /// How many there are.
+        /// The number there are.
         count: usize,
     },
     /// A joint way-point cannot be used.
@@ -67,7 +67,7 @@ pub enum PathError {
     Waypoint {
         /// Index of the way-point, from 0.
         index: usize,
-        /// What is wrong with it.
+        /// The fault.
         problem: String,
     },
     /// The spline through joint way-points leaves the range of a joint.
@@ -79,7 +79,7 @@ pub enum PathError {
         after: usize,
         /// The joint, from 0.
         joint: usize,
-        /// Where it would go, rad.
+        /// The value that it would reach, rad.
         value: f64,
         /// Lower end of its range, rad.
         lower: f64,
@@ -92,11 +92,11 @@ pub enum PathError {
     /// The arm is close to singular on an interval of the path, or changes its branch there.
     #[error("between s = {from:.6} and {to:.6} m: {trouble}; {rule}")]
     Singular {
-        /// Where the interval begins, m.
+        /// The start of the interval, m.
         from: f64,
-        /// Where it ends, m.
+        /// The end, m.
         to: f64,
-        /// What is wrong there, in words.
+        /// The fault there, in words.
         trouble: String,
         /// Why that is not gone round, and what to do.
         rule: &'static str,

@@ -1,4 +1,4 @@
-//! What can stop a path from becoming a motion.
+//! Reasons why a path does not become a motion.
 
 use arcfeed_feedrate::LimitId;
 use arcfeed_geometry::GeometryError;
@@ -33,11 +33,11 @@ pub enum PlanError {
         limit: LimitId,
         /// Value over limit.
         ratio: f64,
-        /// Where.
+        /// The place.
         place: PathPlace,
-        /// When, s.
+        /// The time, s.
         t: f64,
-        /// What is special about the place.
+        /// The feature of the path there.
         cause: Cause,
     },
 }

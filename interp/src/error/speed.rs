@@ -36,7 +36,7 @@ pub enum SpeedError {
         highest: f64,
         /// The limit that is in the way; none where it is how the rest of the path has to be run.
         row: Option<LimitId>,
-        /// Where the limit is met.
+        /// The place where the limit is met.
         place: PathPlace,
     },
     /// A look-ahead window and a speed at the end of the path exclude each other.
@@ -64,7 +64,7 @@ pub enum Infeasibility {
     Standstill,
 }
 
-/// What a person can change about a limit.
+/// The change that a person can make about a limit.
 fn way_out(row: LimitId) -> &'static str {
     match row.quantity {
         Quantity::JointTorque => {
@@ -107,7 +107,7 @@ fn end_speed(end: PathEnd, speed: f64, [lowest, highest]: [f64; 2], row: Option<
 }
 
 impl SpeedError {
-    /// What a planner of the feedrate crate says, with the place it speaks of; `grid` are the values of the parameter it planned on.
+    /// The error of a planner of the feedrate crate, with its place; `grid` are the values of the parameter it planned on.
     pub(crate) fn explained(error: FeedError, grid: &[f64], place: impl Fn(f64) -> PathPlace) -> Self {
         let last = grid.last().copied().unwrap_or(0.0);
         match error {
@@ -136,7 +136,7 @@ impl SpeedError {
         }
     }
 
-    /// Whether the planner gave up without saying that there is no motion.
+    /// True if the planner gave up without saying that there is no motion.
     pub(crate) fn is_not_converged(&self) -> bool {
         matches!(
             self,

@@ -6,7 +6,7 @@ use super::tool::ToolLimits;
 use super::torque::TorqueLimits;
 use crate::error::LimitError;
 
-/// What a motion has to keep: limits of the joints, and where they are set those of the tool and of the drives.
+/// The limits of a motion: those of the joints, and where they are set those of the tool and of the drives.
 ///
 /// ```
 /// use arcfeed_interp::{Limits, ToolLimits};

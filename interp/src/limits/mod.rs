@@ -1,4 +1,4 @@
-//! What a motion has to keep.
+//! The limits of a motion.
 
 mod all;
 mod sections;

@@ -10,16 +10,16 @@ use crate::error::{LimitError, positive};
 pub enum Extent {
     /// Between two arc lengths, m.
     Length {
-        /// Where it begins.
+        /// The start.
         from: f64,
-        /// Where it ends.
+        /// The end.
         to: f64,
     },
     /// Between two values of the curve's own parameter.
     Parameter {
-        /// Where it begins.
+        /// The start.
         from: f64,
-        /// Where it ends.
+        /// The end.
         to: f64,
     },
     /// Chord segments by number, both included, counted from 1. Which segments there are depends on the chord tolerance:
@@ -35,7 +35,7 @@ pub enum Extent {
 /// A part of a path with a feed of its own (Liu et al. 2024, Table 6): there it takes the place of
 /// [`ToolLimits::feed`](crate::ToolLimits::feed), whether lower or higher.
 ///
-/// Where two sections, or a section and the rest, meet, the lower feed counts.
+/// The lower feed counts where two sections, or a section and the rest, meet.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FeedSection {
     /// Which part.
@@ -47,9 +47,9 @@ pub struct FeedSection {
 /// A section by arc length, on a path that is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Section {
-    /// Where it begins, m.
+    /// The start, m.
     pub from: f64,
-    /// Where it ends, m.
+    /// The end, m.
     pub to: f64,
     /// Programmed feed there, m/s.
     pub feed: f64,

@@ -6,7 +6,7 @@ use arcfeed_kinematics::{Dynamics, Joints, KinematicsError};
 
 use crate::error::LimitError;
 
-/// What the drives can do, and what they have to move: dynamics of the arm with its payload, and greatest torques.
+/// The load of the drives and their limits: dynamics of the arm with its payload, and greatest torques.
 #[derive(Clone, Copy)]
 pub struct TorqueLimits<'a, const N: usize = 6> {
     dynamics: &'a (dyn Dynamics<N> + Sync),

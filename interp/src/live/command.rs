@@ -1,11 +1,11 @@
-//! What the motion is told.
+//! The commands of a motion.
 
 use arcfeed_feedrate::LiveSection;
 use arcfeed_kinematics::Joints;
 
 use super::error::{HybridError, MAX_POINTS};
 
-/// How a tool path is left.
+/// The way in which a tool path is left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LeaveBy {
     /// Brake on the path first: the tool stays on it until it stands.
@@ -20,7 +20,7 @@ pub enum LeaveBy {
 pub struct Excursion<const N: usize = 6> {
     points: [Joints<N>; MAX_POINTS],
     count: usize,
-    /// How the path is left.
+    /// The way in which the path is left.
     pub leave: LeaveBy,
 }
 

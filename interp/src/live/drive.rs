@@ -26,9 +26,9 @@ pub struct DriveLag<const N: usize = 6> {
     setpoint: Joints<N>,
     /// Time constants, s.
     tau: Joints<N>,
-    /// What is left of a lag after one cycle.
+    /// The part of a lag that is left after one cycle.
     left: Joints<N>,
-    /// How far a joint follows while its setpoint moves by 1 within one cycle.
+    /// The distance that a joint follows while its setpoint moves by 1 within one cycle.
     gained: Joints<N>,
 }
 

@@ -1,4 +1,4 @@
-//! What a live motion refuses.
+//! Errors of a live motion.
 
 use arcfeed_feedrate::FeedError;
 use arcfeed_sync::SyncError;
@@ -50,13 +50,13 @@ pub enum HybridError {
         command: &'static str,
         /// The state, in words.
         state: &'static str,
-        /// When it is possible.
+        /// The condition under which it is possible.
         rule: &'static str,
     },
     /// An excursion has no point, or too many.
     #[error("an excursion has {count} points; give 1 to {}", MAX_POINTS)]
     Points {
-        /// How many were given.
+        /// The number given.
         count: usize,
     },
     /// A point is outside the range of a joint.
@@ -80,7 +80,7 @@ pub enum HybridError {
     BrakesFirst {
         /// The joint, from 0.
         joint: usize,
-        /// Where it would get, rad.
+        /// The value that it would reach, rad.
         value: f64,
         /// The end of its range, rad.
         limit: f64,

@@ -19,7 +19,7 @@ use crate::problem::{Held, LimitFractions, PathGrid, PathProblem, RowsNeeded, su
 const USED: f64 = 0.9999;
 /// Parts of the largest tangential acceleration and jerk that are tried; the fastest choice is kept.
 const PARTS: [f64; 4] = [0.15, 0.3, 0.5, 0.7];
-/// Where a cap has to be lowered to less than this part of what was foretold, the interval is halved,
+/// An interval is halved where its cap has to be lowered to less than this part of what was foretold,
 const FORETOLD: f64 = 0.97;
 /// so often at most.
 const ROUNDS: usize = 7;
@@ -54,7 +54,7 @@ impl<'p, const N: usize> LivePath<'p, N> {
         self.problem.joint_path()
     }
 
-    /// Where the part of the path that this is begins, and where it ends, m.
+    /// Start and end of the part of the path that this is, m.
     pub fn range(&self) -> (f64, f64) {
         (self.curve.start(), self.curve.end())
     }
@@ -229,7 +229,7 @@ fn choose(problem: &FeedProblem, stops: &[usize]) -> Result<(f64, f64), FeedErro
     Ok((best.1, best.2))
 }
 
-/// How long the path takes under `caps`, or `None` where that is not known at once.
+/// The duration of the path under `caps`, or `None` where that is not known at once.
 fn duration(grid: &[f64], caps: &[f64], stops: &[usize], acceleration: f64, jerk: f64) -> Option<f64> {
     let segments: Vec<Segment> = grid
         .windows(2)

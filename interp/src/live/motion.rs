@@ -61,7 +61,7 @@ pub struct HybridMotion<'a, const N: usize = 6> {
     joints: JointSpace<N>,
     state: HybridState,
     on_path: bool,
-    /// What the operator wants of the motion on the path, whatever events do to it meanwhile.
+    /// The operator's wish for the motion on the path, whatever events do to it meanwhile.
     held: bool,
     excursion: Option<Excursion<N>>,
     /// Points that were reached since the path was left, for the way back, and how many.
@@ -129,7 +129,7 @@ impl<'a, const N: usize> HybridMotion<'a, N> {
         HybridStep { setpoint: self.last, state: self.state, on_path: self.on_path, holding, refused }
     }
 
-    /// Where the motion is.
+    /// The state of the motion.
     pub fn state(&self) -> HybridState {
         self.state
     }

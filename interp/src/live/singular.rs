@@ -26,7 +26,7 @@ const LEAST: usize = 20;
 /// Samples of a way round on which its deviation is measured.
 const SAMPLES: usize = 400;
 
-/// What to do where a path asks for more than the joints can do at a fair speed.
+/// The policy where a path asks for more than the joints can do at a fair speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SingularityPolicy {
     /// Follow it, as slowly as the joints need. Where it cannot be followed at any speed that is an error.
@@ -77,7 +77,7 @@ pub struct SingularInterval<const N: usize = 6> {
     pub to: f64,
     /// Joint values at both, rad; the second is `None` where the path is not followed to its end.
     pub joints: (Joints<N>, Option<Joints<N>>),
-    /// What is wrong there; the worst of it.
+    /// The fault there, the worst of several.
     pub kind: SingularityKind,
 }
 
@@ -86,9 +86,9 @@ pub struct SingularInterval<const N: usize = 6> {
 pub struct Detour<const N: usize = 6> {
     /// The interval that is left out.
     pub interval: SingularInterval<N>,
-    /// How far the tool point gets from it, m.
+    /// The largest distance of the tool point from it, m.
     pub deviation: f64,
-    /// How long it takes, s.
+    /// The duration, s.
     pub duration: f64,
 }
 
@@ -276,7 +276,7 @@ fn follow<const N: usize>(path: &ToolPath<'_, N>, s: f64, last: &JointJet<N>) ->
     Ok(jet)
 }
 
-/// Where the path might be taken up again at `s`: the solution that is reached soonest from `q`.
+/// The joint values at which the path might be resumed at `s`: the solution that is reached soonest from `q`.
 fn take_up<A, const N: usize>(
     arm: &A,
     path: &ToolPath<'_, N>,
@@ -293,7 +293,7 @@ where
     path.jet(s, &nearest_solution(&all, q, range).map_err(fail)?)
 }
 
-/// Whether a joint's velocity limit allows less than `slowest` there.
+/// True if a joint's velocity limit allows less than `slowest` there.
 fn stalled<const N: usize>(velocity: &Joints<N>, jet: &JointJet<N>, slowest: f64) -> Option<SingularityKind> {
     let (joint, speed) = (0..N)
         .map(|k| (k, velocity[k] / jet.d1[k].abs()))
@@ -301,7 +301,7 @@ fn stalled<const N: usize>(velocity: &Joints<N>, jet: &JointJet<N>, slowest: f64
     (speed < slowest).then_some(SingularityKind::Stall { joint, speed })
 }
 
-/// Of two kinds in one interval the worse.
+/// The worse of two kinds in one interval.
 fn worse(a: SingularityKind, b: SingularityKind) -> SingularityKind {
     match (&a, &b) {
         (SingularityKind::NotFollowed(_), _) => a,

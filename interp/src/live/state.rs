@@ -1,9 +1,9 @@
-//! Where a hybrid motion is.
+//! The state of a hybrid motion.
 
 use super::error::HybridError;
 use crate::setpoint::Setpoint;
 
-/// Where the motion is.
+/// The state of the motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum HybridState {
@@ -44,16 +44,16 @@ impl HybridState {
     }
 }
 
-/// What one cycle brought.
+/// The result of one cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HybridStep<const N: usize = 6> {
-    /// What to command at the end of the cycle. Off the path `s` is where it was left, and `acceleration` 0.
+    /// The setpoint at the end of the cycle. Off the path `s` is where it was left, and `acceleration` 0.
     pub setpoint: Setpoint<N>,
-    /// Where the motion is.
+    /// The state of the motion.
     pub state: HybridState,
-    /// Whether the tool is on the path.
+    /// True while the tool is on the path.
     pub on_path: bool,
-    /// Whether it was told to hold, and stands.
+    /// True while it was told to hold, and stands.
     pub holding: bool,
     /// Why the command of this cycle was not followed, or not to the letter. The motion goes on without it.
     pub refused: Option<HybridError>,

@@ -25,7 +25,7 @@ impl<'a> CompensatedTaylor<'a> {
     /// Starts at the beginning of `curve`, whose length is measured to `tolerance` (m).
     ///
     /// # Errors
-    /// When the tolerance is not above 0.
+    /// Fails when the tolerance is not above 0.
     pub fn new(curve: &'a NurbsCurve<3>, tolerance: f64) -> Result<Self, GeometryError> {
         Ok(Self { curve, length: curve.arc_length(tolerance)?, u: curve.domain().0, s: 0.0 })
     }

@@ -17,7 +17,7 @@ use arcfeed_geometry::{ArcLengthCurve, Curve};
 
 use crate::error::{PlanError, positive};
 
-/// What the feed asks of one control cycle.
+/// The demand of the feed on one control cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FeedCycle {
     /// Length of the cycle, s.
@@ -39,7 +39,7 @@ pub trait ParameterStep {
     fn step(&mut self, cycle: &FeedCycle) -> f64;
 }
 
-/// How well a [`ParameterStep`] keeps the feed.
+/// The feed accuracy of a [`ParameterStep`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fluctuation {
     /// Largest relative difference between the arc length run through in a cycle and the one asked for. Cycles of less
@@ -57,7 +57,7 @@ pub struct Fluctuation {
 /// quadrature of the arc length.
 ///
 /// # Errors
-/// When the period is not a finite number above 0.
+/// Fails when the period is not a finite number above 0.
 pub fn fluctuation(
     curve: &ArcLengthCurve<3>,
     law: &impl MotionLaw,

@@ -16,7 +16,7 @@ const SHORTEST_STEP: f64 = 1e-8;
 /// A step that misses the prediction by more than this is halved, or is a change of branch, rad.
 const JUMP: f64 = 1.0;
 
-/// Of the configurations `candidates` at the start of `path` that from which it is followed best, with its quality: the least of the
+/// The one of the configurations `candidates` at the start of `path` from which it is followed best, with its quality: the least of the
 /// smallest singular value and a tenth of the distance to the end of a joint's range, on a coarse walk along the path.
 ///
 /// # Errors

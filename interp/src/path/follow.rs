@@ -145,7 +145,7 @@ impl<const N: usize> JointPath<N> {
     }
 }
 
-/// Where `joint` turns back between two places, by Newton's method kept inside a shrinking bracket.
+/// The place between two others where `joint` turns back, by Newton's method inside a shrinking bracket.
 fn turning_point<const N: usize>(
     path: &dyn MotionPath<N>,
     from: &JointJet<N>,

@@ -35,7 +35,7 @@ impl<const N: usize> JointJet<N> {
         Self { s: self.s + h, q: self.ahead(h), d1, d2: self.d2 + self.d3 * h, d3: self.d3 }
     }
 
-    /// What the joints do at time `t` (s) in the state `state` of the motion along the path, with the tool at `pose`.
+    /// The setpoint at time `t` (s) in the state `state` of the motion along the path, with the tool at `pose`.
     ///
     /// ```text
     /// velocity      q' v

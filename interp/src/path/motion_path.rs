@@ -1,4 +1,4 @@
-//! What a planner needs to know of a path.
+//! The interface of a path to a planner.
 
 use arcfeed_geometry::{PoseJet, PosePath};
 use arcfeed_kinematics::Joints;
@@ -13,7 +13,7 @@ use crate::place::{PathParameter, PathPlace};
 /// between two poses, [`JointSpline`](crate::JointSpline) runs through joint way-points. A path of another kind is a type that
 /// implements this trait: four methods are enough.
 pub trait MotionPath<const N: usize>: std::fmt::Debug + Send + Sync {
-    /// What the parameter measures.
+    /// The quantity that the parameter measures.
     fn parameter(&self) -> PathParameter;
 
     /// Value of the parameter at the end of the path, above 0.
@@ -36,12 +36,12 @@ pub trait MotionPath<const N: usize>: std::fmt::Debug + Send + Sync {
         Ok(*after)
     }
 
-    /// Where derivatives may jump, inside the path, increasing.
+    /// The places inside the path where derivatives may jump, increasing.
     fn knots(&self) -> &[f64] {
         &[]
     }
 
-    /// Where the motion has to stop because its direction jumps, inside the path, increasing.
+    /// The places inside the path where the motion has to stop because its direction jumps, increasing.
     fn corners(&self) -> &[f64] {
         &[]
     }

@@ -158,7 +158,7 @@ impl<const N: usize> IntervalDerivatives<N> {
     }
 }
 
-/// How much the tool path's derivatives in the middle of an interval differ from what its ends foretell, relative to
+/// Difference of the tool path's derivatives in the middle of an interval from what its ends foretell, relative to
 /// their size: by so much more than their ends say derivatives may reach in between.
 struct InterpolationError {
     second: f64,
@@ -193,7 +193,7 @@ fn angular(twist: &Twist) -> Vector3<f64> {
     twist.fixed_rows::<3>(3).into_owned()
 }
 
-/// What bounds the speed of the tool in a bend.
+/// The bounds of the speed of the tool in a bend.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BendLimits {
     /// Chord error, m, over one control period, s.

@@ -1,4 +1,4 @@
-//! How much of each limit a plan may use.
+//! The fraction of each limit that a plan may use.
 
 use arcfeed_feedrate::{LimitId, Quantity};
 use arcfeed_kinematics::Joints;
@@ -8,7 +8,7 @@ use arcfeed_kinematics::Joints;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct LimitFractions {
     lowered: Vec<(LimitId, f64)>,
-    /// Of every limit, beside what is lowered.
+    /// The fraction of every limit, beside those that are lowered.
     all: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Where along a path the limits are evaluated: its knots, borders within it, and more points where a curve bends.
+//! The places of a path at which limits are evaluated: its knots, borders within it, and more points where a curve bends.
 
 use arcfeed_geometry::PosePath;
 use nalgebra::Vector3;
@@ -19,7 +19,7 @@ const CLOSE: f64 = 1e-9;
 /// Places this close together are the same knot, as a part of the length.
 const SAME: f64 = 2e-12;
 
-/// What the density of a grid is measured by.
+/// The measure of the density of a grid.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Measure {
     /// Highest feed, m/s.
@@ -132,7 +132,7 @@ pub(crate) fn stops(grid: &[f64], corners: impl Iterator<Item = f64>) -> Vec<usi
     stops
 }
 
-/// What the path is like at one place.
+/// The shape of the path at one place.
 #[derive(Clone, Copy)]
 struct Place {
     s: f64,

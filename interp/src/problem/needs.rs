@@ -1,4 +1,4 @@
-//! What a planner needs to know of the limits.
+//! The kinds of limits that a planner needs.
 
 /// The rows that a planner needs; each kind includes those before it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

@@ -8,9 +8,9 @@ use crate::error::{LimitError, PathError, PlanError};
 use crate::limits::{self, Feeds, Section};
 use crate::path::MotionPath;
 
-/// What a joint's jerk means at the tool, m/rad, times the part of it that is left for a step of acceleration: a low estimate.
+/// Motion of the tool per motion of a joint, m/rad, times the part of jerk that is left for a step of acceleration: a low estimate.
 const STEP: f64 = 0.03;
-/// What a joint's rates mean at the tool, m/rad, where a limit of the tool itself is not set.
+/// Motion of the tool per motion of a joint, m/rad, where a limit of the tool itself is not set.
 const REACH: f64 = 1.0;
 
 /// The grid of a path, with what it was made from.
@@ -62,7 +62,7 @@ impl PathGrid {
     }
 }
 
-/// What the density of the grid over a curve is measured by.
+/// The measure of the density of the grid over a curve.
 fn measure<const N: usize>(
     settings: &Settings<'_, N>,
     curve: &PosePath,

@@ -222,7 +222,7 @@ impl<'p, const N: usize> PathProblem<'p, N> {
         self.build(used, needs).map_err(|error| self.explained(error))
     }
 
-    /// What a planner says, with the place.
+    /// The error of a planner, with the place.
     pub(crate) fn explained(&self, error: FeedError) -> SpeedError {
         SpeedError::explained(error, &self.layout.grid, |s| self.path.get().place(s))
     }
@@ -300,7 +300,7 @@ impl<'p, const N: usize> PathProblem<'p, N> {
         problem.with_end_speeds(self.settings.ends[0], self.settings.ends[1])
     }
 
-    /// What bounds the speed in bends, each limit used in part.
+    /// The bounds of the speed in bends, with a fraction of each limit.
     pub(crate) fn bend_limits(&self, used: &LimitFractions) -> BendLimits {
         let tool = self.settings.limits.tool();
         let lowered = |limit: Option<f64>, quantity| limit.map(|limit| limit * used.tool(quantity));
@@ -312,7 +312,7 @@ impl<'p, const N: usize> PathProblem<'p, N> {
         }
     }
 
-    /// What the joints do at time `t` (s) when the path is run by `law`, in the state `state`, near the jet `near`.
+    /// The setpoint at time `t` (s) when the path is run by `law`, in the state `state`, near the jet `near`.
     pub(crate) fn setpoint(
         &self,
         t: f64,
@@ -339,7 +339,7 @@ impl<'p, const N: usize> PathProblem<'p, N> {
 /// The tool of the planner's arm may be this far from where the path begins, m and rad.
 const SAME_ARM: f64 = 1e-6;
 
-/// Whether planner and path have the same arm, and the limits of the tool make sense on this kind of path.
+/// Checks that planner and path have the same arm, and that the limits of the tool make sense on this kind of path.
 pub(crate) fn suits<const N: usize>(settings: &Settings<'_, N>, path: &dyn MotionPath<N>) -> Result<(), LimitError> {
     if let Some(tool) = path.tool(0.0) {
         let stands = settings.arm.forward(&path.start());

@@ -1,4 +1,4 @@
-//! What is asked of a plan, but for the path.
+//! The settings of a plan.
 
 use arcfeed_kinematics::ForwardKinematics;
 

@@ -20,7 +20,7 @@ pub struct Check {
 }
 
 impl Check {
-    /// What was checked.
+    /// The quantity that was checked.
     pub fn quantity(&self) -> Quantity {
         self.id.quantity
     }
@@ -31,7 +31,7 @@ impl Check {
     }
 }
 
-/// Where one limit binds: uses 99.9 % of its bound or more.
+/// The intervals in which one limit binds: 99.9 % of its bound or more is used.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Binding {
     /// Which limit.
@@ -66,7 +66,7 @@ impl Verification {
         &self.bindings
     }
 
-    /// Where one limit binds; empty where it does not.
+    /// The intervals in which one limit binds; empty if it does not.
     pub fn binding(&self, id: LimitId) -> &[(f64, f64)] {
         self.bindings.iter().find(|binding| binding.id == id).map_or(&[], |binding| &binding.intervals)
     }

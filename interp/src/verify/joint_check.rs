@@ -99,7 +99,7 @@ impl<const N: usize> JointCheck<N> {
         sum_up(self.tally.into_all().chain(self.ends), self.samples)
     }
 
-    /// What the joints do at `now`, and from `before` to it, under the rates `during` that time.
+    /// Checks the motion of the joints at `now`, and from `before` to it, under the rates `during` that time.
     fn compare(&mut self, before: &JointSample<N>, now: &JointSample<N>, dt: f64, during: &JointRates<N>) {
         let at = Moment::at_time(now.t);
         // The resolution of the time at which a sample is taken, and of its values.
@@ -136,7 +136,7 @@ impl<const N: usize> JointCheck<N> {
     }
 }
 
-/// How far and how long one joint is outside limits that were set below its state.
+/// Excess of one joint over limits that were set below its state, and the time it lasts.
 #[derive(Debug, Clone, Copy, Default)]
 struct Excess {
     velocity: f64,

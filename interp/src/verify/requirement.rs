@@ -1,11 +1,11 @@
-//! What a motion has to keep, in full.
+//! All requirements on a motion.
 
 use arcfeed_kinematics::ForwardKinematics;
 
 use crate::limits::{Feeds, Limits, Section};
 use crate::path::MotionPath;
 
-/// What a motion has to keep, for [`verify`](crate::verify).
+/// All requirements on a motion, for [`verify`](crate::verify).
 #[derive(Clone, Copy)]
 pub struct Requirement<'a, const N: usize = 6> {
     /// The arm.
@@ -14,7 +14,7 @@ pub struct Requirement<'a, const N: usize = 6> {
     pub path: &'a dyn MotionPath<N>,
     /// Limits of joints, tool and drives.
     pub limits: &'a Limits<'a, N>,
-    /// Whether jerk is limited. Where it is not, accelerations may step.
+    /// True if jerk is limited. Accelerations may step where it is not.
     pub jerk_limited: bool,
     /// Largest chord error between two control cycles, m.
     pub chord_tolerance: f64,

@@ -13,12 +13,12 @@ use crate::path::MotionPath;
 use crate::place::PathParameter;
 use crate::setpoint::Setpoint;
 
-/// How far the tool may be turned away from the path's orientation, rad. Exact inverses stay below 1e-9; the step of any
+/// Largest angle between the tool and the orientation of the path, rad. Exact inverses stay below 1e-9; the step of any
 /// encoder is larger.
 const ORIENTATION_TOLERANCE: f64 = 1e-6;
-/// How far a joint may be away from a path of the joints, rad.
+/// Largest distance of a joint from a path of the joints, rad.
 const JOINT_TOLERANCE: f64 = 1e-9;
-/// What counts as zero, relative to a limit or to the length of the path: speed at the ends, and the difference between
+/// The value that counts as zero, relative to a limit or to the length of the path: speed at the ends, and the difference between
 /// what a setpoint says of the tool and what its joints do.
 const ZERO: f64 = 1e-6;
 /// Rounding of an acceleration of the tool, m/s^2.
@@ -252,7 +252,7 @@ fn creeping<const N: usize>(r: &Requirement<'_, N>, at: &Setpoint<N>) -> Joints<
     r.path.jet(at.s, &at.q).map_or(at.qd, |jet| jet.d1 * f64::MIN_POSITIVE.sqrt())
 }
 
-/// What a setpoint says of the tool against what its joints do, relative.
+/// The difference between the tool motion that a setpoint states and that of its joints, relative.
 fn misfit<const N: usize>(r: &Requirement<'_, N>, sample: &Sample<N>) -> f64 {
     let at = &sample.at;
     let pose = sample.misstated / ORIENTATION_TOLERANCE * ZERO;
@@ -271,7 +271,7 @@ fn misfit<const N: usize>(r: &Requirement<'_, N>, sample: &Sample<N>) -> f64 {
     }
 }
 
-/// Where the curvature or the turning of a path of the tool jumps.
+/// The places where the curvature or the turning of a path of the tool jumps.
 fn jumps<const N: usize>(path: &dyn MotionPath<N>) -> Vec<f64> {
     let Some(curve) = path.tool_curve() else { return Vec::new() };
     let jumps = |s: f64| {

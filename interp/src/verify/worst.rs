@@ -8,7 +8,7 @@ use crate::setpoint::Setpoint;
 /// A limit binds where it is used to this part at the least.
 const BINDS: f64 = 1.0 - 1e-3;
 
-/// Where and when something is seen.
+/// Place and time of a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Moment {
     /// Value of the path's parameter, m or rad.
@@ -50,7 +50,7 @@ impl Worst {
         self.see_against(value, self.check.limit, at);
     }
 
-    /// Where the limit is not the same everywhere.
+    /// The same, for a limit that is not the same everywhere.
     pub fn see_against(&mut self, value: f64, limit: f64, at: impl Into<Moment>) {
         let at = at.into();
         let ratio = if value == 0.0 { 0.0 } else { value.abs() / limit };

@@ -23,7 +23,7 @@ pub trait ClosedForm: Copy + Send + Sync + 'static {
     /// The first rule of the family's geometry that the arm breaks.
     fn recognise(zero: &Configuration<6>) -> Result<Self, KinematicsError>;
 
-    /// Whether the geometry is ideal to rounding, so that solutions need no polish.
+    /// True if the geometry is ideal to rounding, so that solutions need no polish.
     fn is_exact(&self) -> bool;
 
     /// All solutions for `target`. Where a singular pose leaves a joint free it takes its value from `seed` (which must
@@ -33,6 +33,6 @@ pub trait ClosedForm: Copy + Send + Sync + 'static {
     /// [`KinematicsError::Unreachable`], or what is wrong with the target.
     fn solve(&self, target: &Isometry3<f64>, seed: &Joints<6>) -> Result<Solutions<6>, KinematicsError>;
 
-    /// How far an arm that looks like `at` is from the singular poses of its kinds.
+    /// Distances of an arm that looks like `at` from the singular poses of its kinds.
     fn singularity_distances(&self, at: &Configuration<6>) -> SingularityDistances;
 }

@@ -1,6 +1,6 @@
 //! All inverse solutions of six-joint arms with three parallel axes (Universal Robots, Dobot CR and their kin).
 //!
-//! What is needed: axes 2, 3, 4 parallel (direction n); axis 1 perpendicular to n; axis 5 perpendicular to n and to
+//! The geometry: axes 2, 3, 4 parallel (direction n); axis 1 perpendicular to n; axis 5 perpendicular to n and to
 //! axis 6; axes 5 and 6 meet in a point W, the wrist. Everything is read from the chain at zero joint values, so any
 //! zero convention, base and tool will do.
 //!
@@ -28,7 +28,7 @@ use crate::{
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector2, Vector3};
 use std::f64::consts::PI;
 
-/// How far a chain may be from the ideal geometry, rad and m; above [`EXACT`] its solutions are polished.
+/// Largest deviation of a chain from the ideal geometry, rad and m; above [`EXACT`] its solutions are polished.
 const ACCEPTED: f64 = 1e-4;
 /// Deviation that is nothing but rounding, rad and m.
 const EXACT: f64 = 1e-14;
@@ -64,10 +64,10 @@ pub struct ParallelAxes {
     sin_axis5: f64,
     /// The value of joint 5, negated, where axis 6 is parallel to n.
     wrist_zero: f64,
-    /// Whether axes 3 and 4 point along n (+1) or against it (-1).
+    /// True if axes 3 and 4 point along n (+1) or against it (-1).
     sign3: f64,
     sign4: f64,
-    /// What the roundings are relative to.
+    /// The scale of the roundings.
     size: f64,
     exact: bool,
 }

@@ -1,4 +1,4 @@
-//! What the closed forms share: joint 1, whose axis is perpendicular to those of joints 2 and 3, and the planar two-link
+//! The common parts of the closed forms: joint 1, whose axis is perpendicular to those of joints 2 and 3, and the planar two-link
 //! arm of joints 2 and 3.
 //!
 //! Both work in the frame F = (u, v, n): v along axis 1, n along axis 2, u = v x n, origin on axis 1.

@@ -73,7 +73,7 @@ impl<const N: usize> Solutions<N> {
         }
     }
 
-    /// Whether two wrist axes line up at the target in some branch: a whole circle of solutions exists there, and the
+    /// True if two wrist axes line up at the target in some branch: a whole circle of solutions exists there, and the
     /// list holds one representative of it (last joint at 0 or, if the arm does not reach that far, as near as it
     /// does). Seed-based inverse kinematics keeps the last joint where it was.
     ///
@@ -83,13 +83,13 @@ impl<const N: usize> Solutions<N> {
         self.wrist_singular
     }
 
-    /// Whether the wrist stands on the first joint's axis, on an arm without shoulder offset: the first joint is free
+    /// True if the wrist stands on the first joint's axis, on an arm without shoulder offset: the first joint is free
     /// and the list holds its solutions for one value.
     pub fn shoulder_singular(&self) -> bool {
         self.shoulder_singular
     }
 
-    /// Whether these are all solutions there are, as a closed form finds them. A search finds some.
+    /// True if these are all solutions there are, as a closed form finds them. A search finds some.
     pub fn is_complete(&self) -> bool {
         !self.incomplete
     }

@@ -1,6 +1,6 @@
 //! All inverse solutions of six-joint arms with a spherical wrist (KUKA, ABB, Fanuc, Staeubli, the Puma and their kin).
 //!
-//! What is needed: axes 4, 5, 6 meet in a point W; axis 5 perpendicular to 4 and 6; axes 2 and 3 parallel (direction n);
+//! The geometry: axes 4, 5, 6 meet in a point W; axis 5 perpendicular to 4 and 6; axes 2 and 3 parallel (direction n);
 //! axis 1 perpendicular to n. Axis 1 need not meet axis 2, nor W lie in the plane of the arm (the Puma's shoulder
 //! offset). Everything is read from the chain at zero joint values: any zero convention, sense of rotation, base and
 //! tool will do.
@@ -28,7 +28,7 @@ use crate::{
 use nalgebra::{Isometry3, Matrix3, Vector2, Vector3};
 use std::f64::consts::PI;
 
-/// How far a chain may be from the ideal geometry, rad and m; above [`EXACT`] its solutions are polished.
+/// Largest deviation of a chain from the ideal geometry, rad and m; above [`EXACT`] its solutions are polished.
 const ACCEPTED: f64 = 1e-4;
 /// Deviation that is nothing but rounding, rad and m.
 const EXACT: f64 = 1e-14;
@@ -56,9 +56,9 @@ pub struct SphericalWrist {
     links: TwoLink,
     /// The value of joint 5, negated, where axes 4 and 6 line up.
     wrist_zero: f64,
-    /// Whether axis 3 points along n (+1) or against it (-1).
+    /// True if axis 3 points along n (+1) or against it (-1).
     sign3: f64,
-    /// What the roundings are relative to.
+    /// The scale of the roundings.
     size: f64,
     exact: bool,
 }

@@ -3,7 +3,7 @@
 use crate::error::KinematicsError;
 use nalgebra::{Isometry3, Matrix3, SymmetricEigen, Vector3};
 
-/// How much the largest principal moment may exceed the sum of the other two, relative to it: rounding of published
+/// Largest excess of the largest principal moment over the sum of the other two, relative to it: rounding of published
 /// digits, not physics.
 const TRIANGLE_ROUNDING: f64 = 1e-6;
 /// Asymmetry of a tensor that is taken as rounding, relative to its largest entry.
@@ -100,7 +100,7 @@ impl Inertial {
         moments
     }
 
-    /// Whether [`Inertial::new`] would accept it.
+    /// True if [`Inertial::new`] would accept it.
     pub fn is_physical(&self) -> bool {
         Self::new(self.mass, self.centre, self.tensor).is_ok()
     }

@@ -235,7 +235,7 @@ impl<const N: usize> ArmDynamics<N> {
         &self.inertials
     }
 
-    /// What the arm carries.
+    /// The load of the arm.
     pub fn payload(&self) -> Option<&Inertial> {
         self.payload.as_ref()
     }

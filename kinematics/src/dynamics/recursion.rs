@@ -121,7 +121,7 @@ struct Wrench {
     z: [f64; 2],
 }
 
-/// How the points of a link accelerate about its origin: A r at r, A = [w']x + [w]x [w]x.
+/// The acceleration of the points of a link about its origin: A r at r, A = [w']x + [w]x [w]x.
 struct Swirl([[f64; 3]; 3]);
 
 impl Swirl {

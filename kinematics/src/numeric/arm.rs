@@ -9,7 +9,7 @@ use crate::{
 };
 use nalgebra::Isometry3;
 
-/// What to do with the freedom that is left when the tool stands at its target.
+/// The use of the freedom that is left when the tool stands at its target.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum NullSpace<const N: usize> {
     /// Nothing: the joints move as little as can be.
@@ -24,7 +24,7 @@ pub enum NullSpace<const N: usize> {
     },
 }
 
-/// How hard to try.
+/// The effort of a search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NumericSettings<const N: usize> {
     /// Error of position that counts as reached, m. A target that is reached is then met to
@@ -125,12 +125,12 @@ impl<const N: usize> NumericArm<N> {
         &self.chain
     }
 
-    /// Where the joints may stand.
+    /// The ranges of the joints.
     pub fn range(&self) -> &JointRange<N> {
         &self.range
     }
 
-    /// How hard it tries.
+    /// The effort of a search.
     pub fn settings(&self) -> &NumericSettings<N> {
         &self.settings
     }

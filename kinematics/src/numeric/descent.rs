@@ -23,7 +23,7 @@ pub(super) struct Attempt<const N: usize> {
     pub(super) steps: usize,
 }
 
-/// How far the tool is from its target.
+/// The distance of the tool from its target.
 struct Miss {
     position: f64,
     orientation: f64,

@@ -21,7 +21,7 @@ const NEAR_RESTARTS: f64 = 10.0;
 /// Attempts that are made to find several solutions.
 const SURVEY: usize = 64;
 
-/// Where the search ended: at the target or not.
+/// The end of the search: at the target or not.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NumericSolution<const N: usize> {
     /// Joint values inside the joint range: the solution, or the best that was found.
@@ -30,7 +30,7 @@ pub struct NumericSolution<const N: usize> {
     pub position: f64,
     /// Angle between the tool and the target, rad.
     pub orientation: f64,
-    /// Whether both are inside the tolerances.
+    /// True if both are inside the tolerances.
     pub converged: bool,
     /// A joint that stands at a limit there, from 0.
     pub at_limit: Option<usize>,

@@ -1,4 +1,4 @@
-//! What an arm needs of a URDF file: its links, joints and inertials.
+//! The parts of a URDF file that an arm needs: its links, joints and inertials.
 //!
 //! One pass over the markup keeps the elements below and skips everything else: geometry,
 //! materials, transmissions, simulator tags, names with a prefix. Nothing is opened: a mesh or
@@ -62,7 +62,7 @@ impl Default for Origin {
     }
 }
 
-/// What the drive of a joint allows; 0 where the file does not say.
+/// The limits of the drive of a joint; 0 where the file does not say.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Limit {
     pub(super) lower: f64,
@@ -200,7 +200,7 @@ impl Robot {
 struct Reader {
     robot: Robot,
     version: Version,
-    /// Whether there are elements that only the xacro program understands.
+    /// True if there are elements that only the xacro program understands.
     xacro: bool,
 }
 

@@ -7,13 +7,13 @@ use quick_xml::{
     events::{BytesStart, Event},
 };
 
-/// How deep elements may be nested; a URDF's are six deep at most.
+/// Deepest nesting of elements; a URDF's are six deep at most.
 const MAX_NESTING: usize = 100;
-/// How many attributes an element may have.
+/// The most attributes of an element.
 const MAX_ATTRIBUTES: usize = 100;
-/// How long a name or another text in an attribute may be, bytes.
+/// Greatest length of a name or another text in an attribute, bytes.
 const MAX_TEXT: usize = 1000;
-/// How long a file may be, bytes: a hundred times the largest arm with all its meshes' tags.
+/// Greatest length of a file, bytes: a hundred times the largest arm with all its meshes' tags.
 const MAX_FILE: usize = 1 << 26;
 
 pub(super) fn unreadable(reason: String) -> KinematicsError {
@@ -136,7 +136,7 @@ impl Attributes<'_> {
         }
     }
 
-    /// What to say of an attribute that is not there.
+    /// The words for an attribute that is not there.
     pub(super) fn without(&self, name: &str) -> String {
         format!("<{}> has no {name}", self.name())
     }

@@ -10,7 +10,7 @@ use crate::{
 use nalgebra::Isometry3;
 use std::collections::{HashMap, HashSet};
 
-/// How many names an error lists.
+/// The number of names that an error lists.
 const MAX_NAMES: usize = 20;
 
 pub(super) struct Tree<'a> {
@@ -30,12 +30,12 @@ struct Ends {
     child: usize,
 }
 
-/// What a link has above it, up to the base.
+/// The joints above a link, up to the base.
 #[derive(Clone, Copy, Default)]
 struct Way {
     /// The nearest moving joint.
     moving: Option<usize>,
-    /// Whether some joint is of a kind that no arm has, or follows another one.
+    /// True if some joint is of a kind that no arm has, or follows another one.
     unusable: bool,
 }
 
@@ -175,7 +175,7 @@ impl<'a> Tree<'a> {
         Err(broken(rule, listed(tips.map(|link| self.name(link)))))
     }
 
-    /// What is above each link that is below `base`, or is it.
+    /// The joints above each link that is below `base`, or is it.
     fn ways(&self, base: usize) -> Vec<Option<Way>> {
         let mut ways = vec![None; self.above.len()];
         let mut open = vec![(base, Way::default())];

@@ -1,4 +1,4 @@
-//! What can be wrong with the files a person hands in, and what to do about it.
+//! Errors in the files that a person hands in, each with its remedy.
 
 use std::path::{Path, PathBuf};
 
@@ -16,9 +16,9 @@ pub enum InputError {
     Read {
         /// The file.
         file: PathBuf,
-        /// What the operating system said.
+        /// The error of the operating system.
         source: std::io::Error,
-        /// What to do.
+        /// The remedy.
         remedy: &'static str,
     },
     /// An output file cannot be written.
@@ -26,7 +26,7 @@ pub enum InputError {
     Write {
         /// The file.
         file: PathBuf,
-        /// What the operating system said.
+        /// The error of the operating system.
         source: std::io::Error,
     },
     /// A file that is read has the name of one that is to be written.
@@ -48,7 +48,7 @@ pub enum InputError {
     Empty {
         /// The file.
         file: PathBuf,
-        /// What should stand in it, with a pointer to an example.
+        /// The content that it should have, with a pointer to an example.
         expected: &'static str,
     },
     /// The extension of a path file is not a known one.
@@ -70,7 +70,7 @@ pub enum InputError {
         column: usize,
         /// The rule, as the parser words it.
         message: String,
-        /// What to do, starting with a separator; empty when the message says it already.
+        /// The remedy, starting with a separator; empty when the message says it already.
         hint: String,
     },
     /// No unit of length is given.
@@ -80,7 +80,7 @@ pub enum InputError {
         file: PathBuf,
         /// Key or line where the unit is expected.
         place: String,
-        /// How to give one.
+        /// The way to give one.
         remedy: &'static str,
     },
     /// The unit of length is not a known one.
@@ -130,7 +130,7 @@ pub enum InputError {
         column: usize,
         /// The text found.
         cell: String,
-        /// What to do.
+        /// The remedy.
         remedy: &'static str,
     },
     /// A row has a different number of columns.
@@ -187,7 +187,7 @@ pub enum InputError {
         value: String,
         /// The rule it breaks.
         rule: &'static str,
-        /// What to do.
+        /// The remedy.
         remedy: &'static str,
     },
     /// The numbers of a path file do not make a curve.

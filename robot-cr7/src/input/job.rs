@@ -18,7 +18,7 @@ const EXPECTED: &str = "a TOML job such as jobs/butterfly.toml";
 /// The highest feed, m/s. No arm comes near it, and planning takes the longer the higher the feed is above what the arm can do.
 const FASTEST: f64 = 1e3;
 
-/// How the tool is turned along the path, in the workpiece frame.
+/// The orientation of the tool along the path, in the workpiece frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ToolOrientation {
     /// The same all the way.
@@ -56,12 +56,12 @@ pub struct FeedLimits {
     pub end_speeds: [f64; 2],
 }
 
-/// What a job says of torque: that it is limited at all, by what, and what the arm carries.
+/// Torque in a job: that it is limited at all, by what, and the load of the arm.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TorqueJob {
     /// Greatest torques in N m, where they replace those of the arm's model.
     pub limit: Option<JointValues>,
-    /// What is mounted to the flange.
+    /// The load at the flange.
     pub payload: Option<Payload>,
 }
 
@@ -145,7 +145,7 @@ impl Job {
     /// Reads and checks a job file.
     ///
     /// # Errors
-    /// When the file cannot be read, is not TOML, has an unknown key, or a value breaks its rule; the message names file,
+    /// Fails when the file cannot be read, is not TOML, has an unknown key, or a value breaks its rule; the message names file,
     /// line, key and value, and what to do.
     pub fn read(file: &Path) -> Result<Self, InputError> {
         Self::parse(&read_text(file, EXPECTED)?, file)

@@ -24,7 +24,7 @@ impl JointValues {
     /// The values for an arm of `N` joints.
     ///
     /// # Errors
-    /// How many there are, when that is another number.
+    /// The number there are, when that is another one.
     pub fn of<const N: usize>(&self) -> Result<[f64; N], usize> {
         match self {
             Self::All(value) => Ok([*value; N]),

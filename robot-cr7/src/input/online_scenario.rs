@@ -73,7 +73,7 @@ pub struct OnlineScenario {
     pub(crate) text: String,
     /// Control period, s.
     pub period: f64,
-    /// How the joints belong together.
+    /// The synchronisation of the joints.
     pub synchronisation: Synchronisation,
     /// Longest motion that is simulated, s.
     pub longest: f64,
@@ -84,7 +84,7 @@ pub struct OnlineScenario {
     pub(crate) changes: Vec<Change>,
 }
 
-/// What changes at one time. The values are those of position, velocity, acceleration of the target, then of the limits
+/// The changes at one time. The values are those of position, velocity, acceleration of the target, then of the limits
 /// of velocity, acceleration and jerk.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Change {
@@ -104,7 +104,7 @@ impl OnlineScenario {
     /// Reads and checks a scenario file.
     ///
     /// # Errors
-    /// When the file cannot be read, is not TOML, has an unknown key, or a value breaks its rule.
+    /// Fails when the file cannot be read, is not TOML, has an unknown key, or a value breaks its rule.
     pub fn read(file: &Path) -> Result<Self, InputError> {
         Self::parse(&read_text(file, EXPECTED)?, file)
     }

@@ -37,7 +37,7 @@ const MOST_POINTS: usize = 500_000;
 const EXPECTED_JSON: &str = "one JSON object with the keys units, degree, control_points, weights and knots";
 const EXPECTED_CSV: &str = "one point a line, x,y or x,y,z, under a header with the unit such as x_mm,y_mm";
 
-/// What a path file describes, in metres, in the workpiece frame.
+/// The geometry of a path file, in metres, in the workpiece frame.
 #[derive(Debug, Clone, PartialEq)]
 pub enum PathGeometry {
     /// A NURBS curve (JSON files).
@@ -56,7 +56,7 @@ pub enum PathGeometry {
 pub struct PathFile {
     /// Name of the path: the key `name`, else the name of the file without its extension.
     pub name: String,
-    /// Where the numbers come from, if the file says it.
+    /// The source of the numbers, if the file says it.
     pub source: Option<String>,
     /// The file it was read from (for messages).
     pub file: PathBuf,
@@ -88,7 +88,7 @@ impl PathFile {
     /// their own.
     ///
     /// # Errors
-    /// When the file cannot be read, or breaks a rule of its format; the message says where and how to mend it.
+    /// Fails when the file cannot be read, or breaks a rule of its format; the message names the place and the remedy.
     pub fn read(file: &Path, csv_unit: Option<LengthUnit>) -> Result<Self, InputError> {
         match Kind::of(file)? {
             Kind::Json => Self::parse_json(&read_text(file, EXPECTED_JSON)?, file),
@@ -110,7 +110,7 @@ impl PathFile {
     /// The curve: the file's own, or what `fit` makes of its points (in metres).
     ///
     /// # Errors
-    /// What `fit` returns, with the file and the line added.
+    /// The error of `fit`, with the file and the line added.
     pub fn curve_with<F>(&self, fit: F) -> Result<NurbsCurve<3>, InputError>
     where
         F: FnOnce(&[Vector3<f64>]) -> Result<NurbsCurve<3>, GeometryError>,
@@ -411,7 +411,7 @@ fn json_unit(symbol: Option<&str>, file: &Path) -> Result<LengthUnit, InputError
     })
 }
 
-/// What to do about an error of the JSON parser.
+/// The remedy for an error of the JSON parser.
 fn json_hint(text: &str, error: &serde_json::Error, message: &str) -> &'static str {
     let rest = text.lines().nth(error.line().saturating_sub(1)).unwrap_or_default();
     let at: String = rest.chars().skip(error.column().saturating_sub(2)).take(9).collect();

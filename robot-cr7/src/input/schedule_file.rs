@@ -1,4 +1,4 @@
-//! What `cr7 schedule` reads: a motion between two poses or through joint way-points, with its limits, as TOML.
+//! The file of `cr7 schedule`: a motion between two poses or through joint way-points, with its limits, as TOML.
 
 use std::path::{Path, PathBuf};
 
@@ -73,7 +73,7 @@ struct RawLimits {
     angular_deg_s: Option<f64>,
 }
 
-/// Where the tool stands at one end of a motion.
+/// The place of the tool at one end of a motion.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SchedulePlace {
     /// Tool tip in the base frame.
@@ -87,9 +87,9 @@ pub enum SchedulePlace {
 pub enum ScheduleWay {
     /// From pose to pose.
     Poses {
-        /// Where it starts.
+        /// The start.
         start: SchedulePlace,
-        /// Where it goes.
+        /// The goal.
         goal: SchedulePlace,
         /// Joint values near which the start is looked for, rad.
         near: Option<JointValues>,
@@ -108,7 +108,7 @@ pub struct ScheduleFile {
     pub way: ScheduleWay,
     /// Tool tip in the flange frame.
     pub tool: Isometry3<f64>,
-    /// What the flange carries.
+    /// The load at the flange.
     pub payload: Option<Inertial>,
     /// Intervals of the grid.
     pub intervals: usize,
@@ -137,7 +137,7 @@ impl ScheduleFile {
     /// Reads and checks a file.
     ///
     /// # Errors
-    /// When the file cannot be read, is not TOML, has an unknown key, or a value breaks its rule.
+    /// Fails when the file cannot be read, is not TOML, has an unknown key, or a value breaks its rule.
     pub fn read(file: &Path) -> Result<Self, InputError> {
         Self::parse(&read_text(file, EXPECTED)?, file)
     }

@@ -31,7 +31,7 @@ impl LengthUnit {
         }
     }
 
-    /// How the unit is written in files.
+    /// The symbol of the unit in files.
     pub fn symbol(self) -> &'static str {
         match self {
             Self::Millimetre => "mm",

@@ -13,7 +13,7 @@ use crate::text::{WIDTH, clip, json, number};
 /// The result of a motion in joint space. Its fields are the keys of the JSON form, SI units in their names.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct JointReport {
-    /// What was done.
+    /// The name of the motion.
     pub name: String,
     /// Duration in s.
     pub duration_s: f64,
@@ -23,11 +23,11 @@ pub struct JointReport {
     pub period_s: f64,
     /// Facts in words, each a name and a value.
     pub facts: Vec<(String, String)>,
-    /// What happened on the way.
+    /// The events on the way.
     pub events: Vec<Happening>,
     /// Every limit with its worst place.
     pub limits: Vec<LimitLine>,
-    /// What a person should look at.
+    /// Warnings.
     pub warnings: Vec<String>,
     /// Files written.
     pub files: Vec<PathBuf>,

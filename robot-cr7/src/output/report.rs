@@ -13,7 +13,7 @@ use crate::run::limit_lines::limit_lines;
 use crate::run::task::Motion;
 use crate::text::{WIDTH, clip, duration, json, number};
 
-/// How many segments one method needs for the chord tolerance.
+/// The number of segments that one method needs for the chord tolerance.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SegmentCount {
     /// Name of the segmentation.
@@ -24,7 +24,7 @@ pub struct SegmentCount {
     pub max_deviation_m: f64,
 }
 
-/// What came out of a plan. Its fields are the keys of the JSON form, SI units in their names.
+/// The report of a plan. Its fields are the keys of the JSON form, SI units in their names.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
     /// Name of the path.
@@ -37,7 +37,7 @@ pub struct Report {
     pub planner: String,
     /// Why it is not the jerk-limited planner's, where that was asked for.
     pub fallback: Option<String>,
-    /// How often it was planned until its verification passed.
+    /// The number of planning rounds until the verification passed.
     pub planning_rounds: usize,
     /// Number of samples.
     pub samples: usize,
@@ -59,7 +59,7 @@ pub struct Report {
     pub motion_per_computing: f64,
     /// Every limit with its worst place.
     pub limits: Vec<LimitLine>,
-    /// What a person should look at.
+    /// Warnings.
     pub warnings: Vec<String>,
     /// Files written.
     pub files: Vec<PathBuf>,

@@ -1,4 +1,4 @@
-//! What came of a run, on one screen and as JSON.
+//! The report of a run, on one screen and as JSON.
 
 use std::fmt::{self, Display, Formatter};
 use std::path::PathBuf;
@@ -32,7 +32,7 @@ pub struct RunReport {
     pub cycles: usize,
     /// Control period, s.
     pub period_s: f64,
-    /// Whether the end of the path was reached; false after a stop.
+    /// True if the end of the path was reached; false after a stop.
     pub path_finished: bool,
     /// The states one after the other.
     pub states: Vec<StateSpan>,
@@ -48,7 +48,7 @@ pub struct RunReport {
     pub accuracy_after: Option<Accuracy>,
     /// Every limit with its worst place.
     pub limits: Vec<LimitLine>,
-    /// Whether no limit was exceeded and the tool was on the path whenever the state says so.
+    /// True if no limit was exceeded and the tool was on the path whenever the state says so.
     pub holds: bool,
     /// Time constants of the simulated drives, s.
     pub drive_time_constant_s: [f64; 6],
@@ -56,7 +56,7 @@ pub struct RunReport {
     pub following_error_rad: [f64; 6],
     /// Times of the steps.
     pub step_times: StepTimes,
-    /// What a person should look at.
+    /// Warnings.
     pub warnings: Vec<String>,
     /// Files written.
     pub files: Vec<PathBuf>,
@@ -67,20 +67,20 @@ pub struct RunReport {
 pub struct StateSpan {
     /// The state, in words; on the task path also "holding" and "stepping back".
     pub state: String,
-    /// When it begins, s.
+    /// The time at which it begins, s.
     pub from_s: f64,
-    /// When it ends, s.
+    /// The time at which it ends, s.
     pub to_s: f64,
 }
 
 /// An event that came.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct EventLine {
-    /// When, s.
+    /// The time, s.
     pub t_s: f64,
     /// Arc length there, m.
     pub s_m: f64,
-    /// What was ordered.
+    /// The order.
     pub what: String,
     /// By how much later it came than its own time, s: the events before it had to come first.
     pub late_s: f64,
@@ -91,7 +91,7 @@ pub struct EventLine {
 /// One way off the path and back.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ExcursionLine {
-    /// When the event came, s.
+    /// The time of the event, s.
     pub event_s: f64,
     /// From the event until the arm is in joint space, s.
     pub time_to_leave_s: f64,
@@ -99,30 +99,30 @@ pub struct ExcursionLine {
     pub time_to_goal_s: Option<f64>,
     /// From the order to return until the tool is on the path again, s.
     pub time_to_return_s: Option<f64>,
-    /// When it is on the path again, s.
+    /// The time at which it is on the path again, s.
     pub back_s: Option<f64>,
-    /// Where the path was left, m.
+    /// The place where the path was left, m.
     pub left_at_m: f64,
-    /// Where it was resumed, m.
+    /// The place where it was resumed, m.
     pub resumed_at_m: Option<f64>,
 }
 
 /// A stretch of the path near a singular pose that was gone round.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DetourLine {
-    /// Where it begins, m.
+    /// The start, m.
     pub from_m: f64,
-    /// Where it ends, m.
+    /// The end, m.
     pub to_m: f64,
-    /// How far the tool gets from it, m.
+    /// The largest distance of the tool from it, m.
     pub deviation_m: f64,
-    /// How long the way round takes, s.
+    /// The duration of the way round, s.
     pub duration_s: f64,
-    /// What is wrong there.
+    /// The fault there.
     pub why: String,
 }
 
-/// How near the tool stayed to the path.
+/// The distances of the tool from the path.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Accuracy {
     /// Largest distance of the setpoints from their place on the path, by forward kinematics, m.

@@ -1,4 +1,4 @@
-//! What is drawn of a scheduled motion, as plain numbers in the units of the labels.
+//! The figures of a scheduled motion, as plain numbers in the units of the labels.
 
 use arcfeed_interp::{Binding, LimitId, LimitPoint, PathParameter, SpeedError, Trajectory};
 
@@ -7,7 +7,7 @@ use arcfeed_interp::{Binding, LimitId, LimitPoint, PathParameter, SpeedError, Tr
 pub struct SpeedFigure {
     /// Name of its file.
     pub file: String,
-    /// What it shows.
+    /// The title.
     pub title: String,
     /// Conditions and results in words.
     pub facts: String,
@@ -25,7 +25,7 @@ pub struct SpeedFigure {
     pub bindings: Vec<BindingBar>,
 }
 
-/// Where one limit binds.
+/// The intervals in which one limit binds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BindingBar {
     /// Name of the limit.
@@ -41,7 +41,7 @@ pub struct BindingBar {
 pub struct ShareFigure {
     /// Name of its file.
     pub file: String,
-    /// What it shows.
+    /// The title.
     pub title: String,
     /// Conditions and results in words.
     pub facts: String,
@@ -63,7 +63,7 @@ pub struct SharePanel {
 pub struct JointFigure {
     /// Name of its file.
     pub file: String,
-    /// What it shows.
+    /// The title.
     pub title: String,
     /// Conditions and results in words.
     pub facts: String,

@@ -18,7 +18,7 @@ use crate::run::speed_task::SpeedTask;
 use crate::run::trajectory_row::TrajectoryRow;
 use crate::text::{WIDTH, clip, duration, json, number, percent};
 
-/// Where one limit binds.
+/// The intervals in which one limit binds.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BindingLine {
     /// Which limit, in words: "torque of joint 3".
@@ -36,7 +36,7 @@ pub struct ScheduleReport {
     pub robot: String,
     /// Kind of motion: "pure translation", "pure orientation", "composite motion", "joint way-points".
     pub motion: String,
-    /// What the parameter measures.
+    /// The quantity that the parameter measures.
     pub parameter: String,
     /// Unit of the parameter.
     pub parameter_unit: &'static str,
@@ -62,9 +62,9 @@ pub struct ScheduleReport {
     pub limits: Vec<LimitLine>,
     /// Number of dense samples.
     pub checked_samples: usize,
-    /// Where each limit binds (uses 99.9 % and more).
+    /// The intervals in which each limit binds (99.9 % of it and more is used).
     pub binding: Vec<BindingLine>,
-    /// What a person should look at.
+    /// Warnings.
     pub warnings: Vec<String>,
     /// Files written.
     pub files: Vec<PathBuf>,
@@ -180,7 +180,7 @@ impl ScheduleReport {
     }
 }
 
-/// What was done to make the limits hold, and who planned.
+/// Remarks on the plan: what made the limits hold, and which planner made it.
 fn notes<const N: usize>(trajectory: &Trajectory<'_, N>) -> Vec<String> {
     let info = trajectory.info();
     let mut notes = Vec::new();

@@ -79,7 +79,7 @@ impl Series {
         self.column(0).len()
     }
 
-    /// Whether no row is kept.
+    /// True if no row is kept.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

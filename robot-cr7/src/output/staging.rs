@@ -147,7 +147,7 @@ impl Staging {
 }
 
 impl Drop for Staging {
-    /// What is not published is no result: no file of it stays, and none of an earlier run.
+    /// Removes what is not published: no file of it stays, and none of an earlier run.
     fn drop(&mut self) {
         if self.published {
             return;

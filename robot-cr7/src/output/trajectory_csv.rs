@@ -26,7 +26,7 @@ impl<W: Write, const N: usize> TrajectoryWriter<W, N> {
     /// Starts a file with its header. The writer buffers by itself.
     ///
     /// # Errors
-    /// What `writer` returns.
+    /// The error of `writer`.
     pub fn new(writer: W) -> std::io::Result<Self> {
         let mut writer = csv::WriterBuilder::new().has_headers(false).buffer_capacity(1 << 16).from_writer(writer);
         writer.write_record(trajectory_columns(N)).map_err(into_io)?;
@@ -36,7 +36,7 @@ impl<W: Write, const N: usize> TrajectoryWriter<W, N> {
     /// Adds one sample.
     ///
     /// # Errors
-    /// What the underlying writer returns.
+    /// The error of the underlying writer.
     pub fn write(&mut self, row: &TrajectoryRow<N>) -> std::io::Result<()> {
         let r = row;
         let joints = (&r.q[..], &r.qd[..], &r.qdd[..], &r.jerk[..]);
@@ -46,7 +46,7 @@ impl<W: Write, const N: usize> TrajectoryWriter<W, N> {
     /// Writes what is still buffered. Dropping does it too, but swallows the error.
     ///
     /// # Errors
-    /// What the underlying writer returns.
+    /// The error of the underlying writer.
     pub fn finish(mut self) -> std::io::Result<()> {
         self.writer.flush()
     }
@@ -55,7 +55,7 @@ impl<W: Write, const N: usize> TrajectoryWriter<W, N> {
 /// Writes a trajectory to a file, whole or not at all.
 ///
 /// # Errors
-/// When the file cannot be written.
+/// Fails when the file cannot be written.
 pub fn write_trajectory<I, const N: usize>(file: &Path, rows: I) -> Result<(), InputError>
 where
     I: IntoIterator<Item = TrajectoryRow<N>>,
@@ -79,7 +79,7 @@ pub(crate) fn write_rows<W: Write, const N: usize>(
 /// Reads a trajectory back; `file` is the name used in messages.
 ///
 /// # Errors
-/// When the header is not [`trajectory_columns`] of `N`, or a cell is not a finite number.
+/// Fails when the header is not [`trajectory_columns`] of `N`, or a cell is not a finite number.
 pub fn read_trajectory<R: Read, const N: usize>(reader: R, file: &Path) -> Result<Vec<TrajectoryRow<N>>, InputError> {
     let columns = trajectory_columns(N);
     let mut rows = Vec::new();

@@ -26,7 +26,7 @@ pub fn interrupt(exit_code: i32) -> ! {
 /// Writes a file so that it is there whole or not at all.
 ///
 /// # Errors
-/// What the operating system says; nothing is left then, and what stood under the name stands.
+/// The error of the operating system. Nothing is left then, and what stood under the name stands.
 pub(crate) fn write_whole(file: &Path, fill: impl FnOnce(File) -> io::Result<()>) -> io::Result<()> {
     let (part, created) = begin(file)?;
     let written = fill(created).and_then(|()| {

@@ -19,16 +19,16 @@ use crate::text::clip;
 /// Places of the path at which profiles are drawn.
 const DRAWN: usize = 3000;
 
-/// Where one kind of limit is used most.
+/// The place where one kind of limit is used most.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Use {
     /// The limit, such as "joint acceleration" or "feed".
     pub limit: &'static str,
     /// The joint, from 1, for limits that each joint has of its own.
     pub joint: Option<usize>,
-    /// How much of it is used: above 1 it is broken.
+    /// The part of it that is used: above 1 it is broken.
     pub ratio: f64,
-    /// Where, m along the path.
+    /// The place, m along the path.
     pub at_s_m: f64,
 }
 
@@ -37,7 +37,7 @@ pub struct Use {
 pub struct Entry {
     /// Name of the planner.
     pub planner: &'static str,
-    /// Whether it keeps limits on jerk.
+    /// True if it keeps limits on jerk.
     pub jerk_limited: bool,
     /// Duration of the motion, s; none where it found no motion.
     pub duration_s: Option<f64>,
@@ -55,7 +55,7 @@ pub struct Entry {
 }
 
 impl Entry {
-    /// Whether every limit it is to keep is kept.
+    /// True if every limit it is to keep is kept.
     pub fn keeps(&self) -> bool {
         self.duration_s.is_some() && self.worst.iter().all(|worst| worst.ratio <= 1.0 + TOLERANCE)
     }

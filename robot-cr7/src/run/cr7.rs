@@ -29,7 +29,7 @@ impl Cr7 {
     /// The arm with the tool frame `tool` (tip in the flange frame, m), under the assumed limits.
     ///
     /// # Errors
-    /// When the tool frame is not finite.
+    /// Fails when the tool frame is not finite.
     pub fn new(tool: Isometry3<f64>) -> Result<Self, KinematicsError> {
         Self::with_limits(tool, Joints::repeat(VELOCITY), Joints::repeat(ACCELERATION), Joints::repeat(JERK))
     }
@@ -37,7 +37,7 @@ impl Cr7 {
     /// The arm with a tool frame and limits of joint velocity (rad/s), acceleration (rad/s^2) and jerk (rad/s^3).
     ///
     /// # Errors
-    /// When the tool frame is not finite, or a limit is not a finite number above 0.
+    /// Fails when the tool frame is not finite, or a limit is not a finite number above 0.
     pub fn with_limits(
         tool: Isometry3<f64>,
         velocity: Joints<6>,

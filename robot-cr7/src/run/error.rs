@@ -22,7 +22,7 @@ pub enum Cr7Error {
     Curve {
         /// The file, or the name of an embedded path.
         file: String,
-        /// What is wrong with the curve.
+        /// The fault of the curve.
         source: GeometryError,
     },
     /// A tool frame or a joint limit is unusable: exit code 2.
@@ -33,9 +33,9 @@ pub enum Cr7Error {
     JointCount {
         /// Key of the job.
         key: &'static str,
-        /// How many numbers it lists.
+        /// The number of values that it lists.
         given: usize,
-        /// How many joints there are.
+        /// The number of joints.
         joints: usize,
     },
     /// There is no robot of this name: exit code 2.
@@ -51,7 +51,7 @@ pub enum Cr7Error {
     Robot {
         /// The file, or the name of a built-in robot.
         file: String,
-        /// What is wrong with it.
+        /// The fault.
         source: KinematicsError,
     },
     /// The torque is to be limited, but what that takes is not known of the robot: exit code 2.
@@ -59,9 +59,9 @@ pub enum Cr7Error {
     NoDynamics {
         /// Name of the robot.
         robot: String,
-        /// What is missing, with its verb.
+        /// The missing part, with its verb.
         missing: &'static str,
-        /// What to do.
+        /// The remedy.
         remedy: &'static str,
     },
     /// A motion between poses does not start or end in the joints asked for: exit code 1.
@@ -73,7 +73,7 @@ pub enum Cr7Error {
         line: Option<usize>,
         /// The key, such as `goal.q_deg`.
         key: &'static str,
-        /// Where the motion leads instead, why, and what to do.
+        /// The place where the motion leads instead, the reason and the remedy.
         problem: String,
     },
     /// The motion has more samples than are written: exit code 1.
@@ -81,7 +81,7 @@ pub enum Cr7Error {
     TooManySamples {
         /// The file.
         file: String,
-        /// How many, and what to change.
+        /// Their number, and the remedy.
         source: TooManySamples,
     },
     /// The path cannot be planned: exit code 1.

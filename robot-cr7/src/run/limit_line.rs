@@ -62,7 +62,7 @@ impl LimitUnit {
 /// One limit and how far the finished trajectory uses it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LimitLine {
-    /// What is limited, such as "feed" or "joint velocity"; the lines of all joints of one kind share it.
+    /// The limited quantity, such as "feed" or "joint velocity"; the lines of all joints of one kind share it.
     pub name: String,
     /// The joint, from 1, for limits that each joint has of its own.
     pub joint: Option<usize>,
@@ -72,7 +72,7 @@ pub struct LimitLine {
     pub value: f64,
     /// The limit there.
     pub limit: f64,
-    /// How much of the limit is used: 1 is all of it, above 1 it is broken.
+    /// The part of the limit that is used: 1 is all of it, above 1 it is broken.
     pub ratio: f64,
     /// Arc length of the worst place in m; none for a motion that follows no path.
     pub at_s_m: Option<f64>,
@@ -81,7 +81,7 @@ pub struct LimitLine {
 }
 
 impl LimitLine {
-    /// Whether the limit holds to within 1e-6 of itself, which is rounding. A value that is not a number does not.
+    /// True if the limit holds to within 1e-6 of itself, which is rounding. A value that is not a number does not.
     pub fn holds(&self) -> bool {
         self.ratio <= 1.0 + TOLERANCE
     }

@@ -1,4 +1,4 @@
-//! How near a run stays to its path.
+//! The distance of a run from its path.
 
 use arcfeed_interp::Verification;
 use arcfeed_kinematics::Joints;

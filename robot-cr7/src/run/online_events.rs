@@ -1,4 +1,4 @@
-//! What an online motion tells on the way, in words.
+//! The events of an online motion in words.
 
 use arcfeed_sync::{Events, SyncError};
 use serde::Serialize;
@@ -6,9 +6,9 @@ use serde::Serialize;
 /// Something that happened during a motion.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Happening {
-    /// When, in s.
+    /// The time, s.
     pub t_s: f64,
-    /// What, in words.
+    /// The event in words.
     pub what: String,
 }
 

@@ -31,7 +31,7 @@ pub enum ScenarioError {
         line: Option<usize>,
         /// Which part of the scenario.
         place: String,
-        /// What the generator says.
+        /// The error of the generator.
         source: SyncError,
     },
     /// The motion is still under way at the end of what is simulated.
@@ -41,7 +41,7 @@ pub enum ScenarioError {
         file: PathBuf,
         /// Longest motion, s.
         longest: f64,
-        /// What is missing, s.
+        /// The time that is missing, s.
         left: f64,
     },
     /// The motion has more control cycles than are simulated.
@@ -51,7 +51,7 @@ pub enum ScenarioError {
         file: PathBuf,
         /// Control period, ms.
         period_ms: f64,
-        /// What is missing, s.
+        /// The time that is missing, s.
         left: f64,
     },
 }
@@ -183,7 +183,7 @@ pub struct OnlineRun<const N: usize> {
     pub target: [AxisState; N],
     /// Time, state, and the limits in force from this sample to the next.
     pub samples: Vec<(f64, JointState<N>, JointRates<N>)>,
-    /// What happened.
+    /// The events.
     pub events: Vec<Happening>,
 }
 

@@ -13,7 +13,7 @@ use super::stage::{Order, Stage, What};
 use super::task::{live_error, plan_error};
 use crate::input::scenario::{Action, When};
 
-/// How time passes.
+/// The passing of time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Clock {
     /// As fast as the computer is.
@@ -22,16 +22,16 @@ pub enum Clock {
     RealTime,
 }
 
-/// What one cycle brought.
+/// The result of one cycle.
 #[derive(Debug, Clone, Copy)]
 pub struct Cycle {
     /// The setpoint at its end.
     pub setpoint: Setpoint,
-    /// Where the motion is.
+    /// The state of the motion.
     pub state: HybridState,
-    /// Whether the tool is on the path.
+    /// True while the tool is on the path.
     pub on_path: bool,
-    /// Whether it was told to hold, and stands.
+    /// True while it was told to hold, and stands.
     pub holding: bool,
     /// The joints of the simulated arm at its end, rad.
     pub joints: Joints<6>,
@@ -225,7 +225,7 @@ impl Stage<'_> {
     }
 }
 
-/// Whether the arm stands and waits for an order.
+/// True if the arm stands and waits for an order.
 fn stands(step: &HybridStep, factor: f64) -> bool {
     let waits = step.holding || step.state == HybridState::Waiting || factor == 0.0 && step.on_path;
     waits && step.setpoint.qd.amax() == 0.0 && step.setpoint.qdd.amax() == 0.0

@@ -15,7 +15,7 @@ use crate::input::joint_values::{JointOverrides, JointValues};
 
 const EXPECTED: &str = "a robot as URDF (.urdf) or JSON (.json)";
 
-/// What the drives of an arm have to move, and what they can do.
+/// The load of the drives of an arm, and their limits.
 #[derive(Debug, Clone, Copy)]
 pub struct Drives<const N: usize = 6> {
     /// Links, rotors, friction and payload.
@@ -64,7 +64,7 @@ impl Robot {
         Ok(Self { description, any })
     }
 
-    /// What its source says.
+    /// Notes of its source.
     pub fn description(&self) -> &ArmDescription {
         &self.description
     }
@@ -117,7 +117,7 @@ impl Robot {
         Ok((arm.range().with_rates(velocity, acceleration, jerk)?, assumed))
     }
 
-    /// What its drives have to move and can do, payload included; `None` where the job leaves the torque out of account.
+    /// The load and the limits of its drives, payload included; `None` where the job leaves the torque out of account.
     ///
     /// # Errors
     /// [`Cr7Error::NoDynamics`] where the links or the torque limits are not known, [`Cr7Error::JointCount`], or what is wrong with

@@ -1,4 +1,4 @@
-//! How many samples a motion has, and how many are written and held at most.
+//! The number of samples of a motion, and the most that are written and held.
 
 use thiserror::Error;
 
@@ -23,7 +23,7 @@ pub struct TooManySamples {
     pub duration: f64,
     /// Control period, s.
     pub period: f64,
-    /// What makes the motion faster, in words that follow "raise".
+    /// The keys that make the motion faster, in words that follow "raise".
     pub levers: &'static str,
 }
 

@@ -20,7 +20,7 @@ use crate::input::path_file::{MOST_CONTROL_POINTS, PathFile};
 
 /// Positions along the path are good to this, m: far below what any encoder resolves.
 pub(crate) const ARC_LENGTH_TOLERANCE: f64 = 1e-15;
-/// How closely a tool that follows the tangent does so, rad.
+/// Largest angle between the tangent and a tool that follows it, rad.
 const HEADING_TOLERANCE: f64 = 1e-3;
 /// Degree of curves laid through points.
 const FIT_DEGREE: usize = 3;
@@ -150,7 +150,7 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
         &self.tool
     }
 
-    /// What the drives have to move and can do, where that counts.
+    /// The load and the limits of the drives, where torque is limited.
     pub fn drives(&self) -> Option<&Drives<N>> {
         self.drives.as_ref()
     }
@@ -336,7 +336,7 @@ impl<'t, const N: usize> Motion<'t, N> {
         &self.trajectory
     }
 
-    /// What a person should look at before running the motion.
+    /// Warnings about the motion.
     pub fn warnings(&self) -> &[String] {
         &self.warnings
     }

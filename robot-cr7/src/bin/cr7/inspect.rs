@@ -34,7 +34,7 @@ pub struct Args {
     /// Chord tolerance of the segmentations, mm
     #[arg(long, default_value_t = 0.001)]
     tolerance_mm: f64,
-    /// How far a curve fitted to the points of a .csv file may pass them by, mm
+    /// Largest distance of a curve from the points of a .csv file that it is fitted to, mm
     #[arg(long, default_value_t = 0.001)]
     fit_mm: f64,
     /// Unit of a .csv file whose header names none: mm, cm, m or in

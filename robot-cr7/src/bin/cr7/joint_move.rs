@@ -42,7 +42,7 @@ pub struct Args {
     /// Joint accelerations at the end, degrees per second squared [default: 0]
     #[arg(long, num_args = 1..=10, allow_negative_numbers = true, value_name = "Q")]
     to_deg_s2: Option<Vec<f64>>,
-    /// How the joints belong together: all arrive at once, on a straight line where it can be, on a line or not at all,
+    /// Synchronisation of the joints: all arrive at once, on a straight line where it can be, on a line or not at all,
     /// or each on its own
     #[arg(long, value_enum, default_value = "time")]
     mode: Mode,

@@ -1,4 +1,4 @@
-//! What the commands in joint space share: limits, rows, files and pictures.
+//! The common parts of the commands in joint space: limits, rows, files and pictures.
 
 use std::fs::File;
 
@@ -62,7 +62,7 @@ pub struct JointWriter<'s, const N: usize> {
     rows: usize,
 }
 
-/// What the commands in joint space write.
+/// The files of the commands in joint space.
 pub const FILES: [&str; 7] = [
     TRAJECTORY,
     "joint_position.svg",

@@ -79,7 +79,7 @@ enum Command {
     Reproduce(reproduce::Args),
 }
 
-/// How a command can fail, which is also its exit code.
+/// The failure of a command, which is also its exit code.
 enum Failure {
     /// The input is fine but the thing cannot be done: exit code 1.
     Undoable(String),
@@ -117,7 +117,7 @@ impl From<robot_cr7::InputError> for Failure {
     }
 }
 
-/// What a shell reports for a program that Ctrl-C ended.
+/// The exit code of a program that Ctrl-C ended.
 const INTERRUPTED: i32 = 130;
 
 fn main() -> ExitCode {

@@ -96,7 +96,7 @@ fn run_with<const N: usize>(args: &Args, robot: &Robot, mut staging: Staging) ->
     conclude(report, staging, args.json, "change the target, the limits or the mode")
 }
 
-/// Where the joints are to be at the end, when they are at `last`.
+/// The states of the joints at the end, when they are at `last`.
 ///
 /// Joints that arrive one by one go on with the velocity of their target until the last one arrives.
 fn passed<const N: usize>(

@@ -58,7 +58,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     on_tool_path(&args.robot, &job, &file, Plan { args, job: &job, staging, progress })
 }
 
-/// What the command writes.
+/// The files of the command.
 const FILES: [&str; 9] = [
     "trajectory.csv",
     "path.svg",
@@ -70,7 +70,7 @@ const FILES: [&str; 9] = [
     REPORTS[0],
     REPORTS[1],
 ];
-/// What makes a motion faster that has too many samples.
+/// The keys that make a motion faster that has too many samples.
 const LEVERS: &str = "feed.feed_mm_s and the limits of the job";
 
 /// Plans and samples the motion, and writes all there is to write.

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// How long the program is silent on a stderr that is no terminal.
+/// Time of silence on a stderr that is no terminal.
 const SILENCE: Duration = Duration::from_secs(5);
 
 /// Shows what the program does as long as it lives.
@@ -31,7 +31,7 @@ impl Progress {
         Self::Lines { steps: Some(steps), teller: Some(spawn(move || tell(first, &receiver))) }
     }
 
-    /// What the program does from now on.
+    /// Names the next step of the program.
     pub fn step(&self, step: &str) {
         match self {
             Self::Spinner(bar) => bar.set_message(step.to_owned()),

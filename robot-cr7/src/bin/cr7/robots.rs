@@ -103,7 +103,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What a robot is like: inverse, reach, joints with their limits, Denavit-Hartenberg table where there is one.
+/// Prints the facts of a robot: inverse, reach, joints with their limits, Denavit-Hartenberg table where there is one.
 pub fn inspect(robot: &Robot) -> Result<(), Failure> {
     for_joints!(robot, inspect_with(robot))
 }

@@ -76,7 +76,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     play(args, staging, &scenario, (&arm, &limits), assumed)
 }
 
-/// What the command writes.
+/// The files of the command.
 const FILES: [&str; 8] = [
     "trajectory.csv",
     "simulated.csv",

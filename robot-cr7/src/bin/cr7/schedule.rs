@@ -112,7 +112,7 @@ fn way_points<const N: usize>(
     finish(args, staging, &SpeedTask::way_points(file, robot, &arm, args.planner.into())?)
 }
 
-/// What the command writes.
+/// The files of the command.
 const FILES: [&str; 5] = ["trajectory.csv", "speed.svg", "joints.svg", REPORTS[0], REPORTS[1]];
 
 /// Plans the motion and writes all there is to write.

@@ -8,7 +8,7 @@ use robot_cr7::{Cr7Error, Job, LengthUnit, PathFile, Task, butterfly};
 use crate::Failure;
 use crate::robots::RobotArgs;
 
-/// What a command does with a tool path.
+/// A command on a tool path.
 pub trait OnToolPath {
     /// `warnings` tell what was assumed of the arm.
     fn run<A: PathArm<N>, const N: usize>(self, task: Task<A, N>, warnings: Vec<String>) -> Result<(), Failure>;

@@ -47,7 +47,7 @@ pub struct Scenario {
     pub(crate) events: Vec<Event>,
 }
 
-/// Where the tool path comes from.
+/// The source of the tool path.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum ScenarioPath {
     File(PathBuf),
@@ -72,7 +72,7 @@ pub(crate) struct Event {
     pub(crate) action: Action,
 }
 
-/// When an event comes: at the first cycle at which this holds and all events before it have come.
+/// The condition of an event: it comes at the first cycle at which this holds and all events before it have come.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum When {
     /// From this time on, s.
@@ -116,7 +116,7 @@ impl Action {
         }
     }
 
-    /// What is ordered, in words.
+    /// The order in words.
     pub(crate) fn words(&self) -> String {
         let mm = |v: f64| number(v * 1e3);
         match self {

@@ -1,4 +1,4 @@
-//! What can be said of the order of the events before anything moves.
+//! Checks of the order of the events before anything moves.
 
 use arcfeed_feedrate::MAX_SECTIONS;
 
@@ -6,14 +6,14 @@ use super::{Action, Event, When};
 use crate::input::error::InputError;
 use crate::input::toml_check::Check;
 
-/// What is known of the motion between two events.
+/// The known state of the motion between two events.
 #[derive(Debug, Default)]
 struct Known {
     /// Number of the event that left the path, if it has not been told to return.
     away: Option<usize>,
     /// Number of the event that holds, if nothing went on after it.
     held: Option<usize>,
-    /// Whether there is anything to resume.
+    /// True if there is anything to resume.
     resumable: bool,
     /// Number of the event that set the override to 0.
     zero: Option<usize>,

@@ -23,7 +23,7 @@ const DEGREE: f64 = std::f64::consts::PI / 180.0;
 /// Highest override that can be ordered.
 const MOST_PERCENT: f64 = 150.0;
 
-/// What counts as a stall where the file does not say.
+/// The speed that counts as a stall where the file names none.
 const STALL: f64 = 0.05;
 
 fn policy_of(check: &Check<'_>, raw: &RawRun) -> Result<SingularityPolicy, InputError> {
@@ -49,7 +49,7 @@ impl Scenario {
     /// Reads and checks a scenario file.
     ///
     /// # Errors
-    /// When the file cannot be read, is not TOML, has an unknown key, a value breaks its rule, or the events cannot come in this order.
+    /// Fails when the file cannot be read, is not TOML, has an unknown key, a value breaks its rule, or the events cannot come in this order.
     pub fn read(file: &Path) -> Result<Self, InputError> {
         Self::parse(&read_text(file, EXPECTED)?, file)
     }
@@ -137,7 +137,7 @@ fn path_of(check: &Check<'_>, raw: &RawScenario) -> Result<ScenarioPath, InputEr
     Ok(ScenarioPath::File(check.file.parent().unwrap_or(Path::new("")).join(name)))
 }
 
-/// What a scenario shares with a job.
+/// The job in a scenario.
 fn job_of(text: &str, file: &Path, raw: &RawScenario) -> Result<Job, InputError> {
     let check = Check::new(text, file);
     let joints = joints_of(&check, &raw.joints)?;

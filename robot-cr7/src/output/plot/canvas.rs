@@ -35,7 +35,7 @@ const SOFT_INK: RGBColor = RGBColor(95, 95, 95);
 const GRID: RGBColor = RGBColor(228, 228, 228);
 const FRAME: RGBColor = RGBColor(150, 150, 150);
 
-/// How a line is drawn.
+/// The style of a line.
 #[derive(Clone, Copy)]
 pub(crate) struct Pen {
     pub color: RGBColor,
@@ -54,7 +54,7 @@ impl Pen {
     }
 }
 
-/// Where a text stands relative to its point.
+/// The place of a text relative to its point.
 #[derive(Clone, Copy)]
 pub(crate) enum Anchor {
     Left,

@@ -16,7 +16,7 @@ const ZOOM: f64 = 0.06;
 /// The profiles over the whole path, and closer around the place where the published scan breaks its limits most.
 ///
 /// # Errors
-/// When the drawing library fails.
+/// Fails when the drawing library fails.
 pub fn compare_picture(comparison: &Comparison) -> Result<String, io::Error> {
     let shown = |points: &[(f64, f64)]| points.iter().map(|p| (p.0 * 1e3, p.1 * 1e3)).collect::<Vec<_>>();
     let drawn: Vec<(&Entry, Pen)> = DRAWN

@@ -27,7 +27,7 @@ const WIDTH: u32 = 1080;
 const LEFT: f64 = 88.0;
 const RIGHT: f64 = 1056.0;
 
-/// What a picture's x axis shows.
+/// The quantity on a picture's x axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Along {
     /// Arc length, given in m and shown in mm.
@@ -97,7 +97,7 @@ impl Bound<'_> {
         }
     }
 
-    /// How much of it `value` uses.
+    /// The part of it that `value` uses.
     fn used(&self, value: f64, i: usize) -> f64 {
         let (low, high) = self.at(i);
         (value - 0.5 * (low + high)).abs() / (0.5 * (high - low))
@@ -127,7 +127,7 @@ pub struct Line<'a> {
 /// Saves a picture, whole or not at all.
 ///
 /// # Errors
-/// When the file cannot be written.
+/// Fails when the file cannot be written.
 pub fn save_picture(file: &Path, svg: &str) -> Result<(), InputError> {
     write_whole(file, |mut part| part.write_all(svg.as_bytes()))
         .map_err(|source| InputError::Write { file: file.to_owned(), source })
@@ -139,7 +139,7 @@ pub fn save_picture(file: &Path, svg: &str) -> Result<(), InputError> {
 /// `tolerance` in m.
 ///
 /// # Errors
-/// When the drawing library fails.
+/// Fails when the drawing library fails.
 pub fn path_picture(
     name: &str,
     segments: &[Vec<[f64; 2]>],
@@ -258,7 +258,7 @@ fn bars(canvas: &canvas::Canvas<'_>, panel: &Panel, deviations: &[f64]) -> Resul
 /// at the top of the picture there.
 ///
 /// # Errors
-/// When the drawing library fails.
+/// Fails when the drawing library fails.
 pub fn feed_picture(name: &str, along: Along, feed: &[(f64, f64)], limit: &[(f64, f64)]) -> Result<String, io::Error> {
     let shown = |p: &(f64, f64)| (p.0 * along.factor(), p.1 * 1e3);
     let feed: Vec<_> = feed.iter().map(shown).collect();
@@ -304,7 +304,7 @@ fn mean_speed(feed: &[(f64, f64)], along: Along) -> Option<f64> {
 /// at each of `marks` (s). A limit far above the curve would flatten it: then the panel shows the curve, and the number tells how much is used.
 ///
 /// # Errors
-/// When the drawing library fails.
+/// Fails when the drawing library fails.
 pub fn joint_picture(
     name: &str,
     quantity: JointQuantity,
@@ -395,7 +395,7 @@ fn bound_lines(canvas: &Canvas<'_>, panel: &Panel, t: &[f64], bound: Bound<'_>) 
 /// Several lines over one x axis; `levels` are drawn as dashed lines.
 ///
 /// # Errors
-/// When the drawing library fails.
+/// Fails when the drawing library fails.
 pub fn lines_picture(
     title: &str,
     facts: &str,

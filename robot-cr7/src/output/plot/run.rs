@@ -160,7 +160,7 @@ fn space_picture(stage: &Stage<'_>, played: &Played, report: &RunReport) -> Resu
     })
 }
 
-/// What the picture stands on, mm.
+/// The ground of the picture, mm.
 struct PathGrid {
     height: f64,
     square: f64,

@@ -13,7 +13,7 @@ const ROW: f64 = 22.0;
 /// Speed under its limit curves; what no acceleration could keep is tinted, and bars below tell which limit binds.
 ///
 /// # Errors
-/// When the drawing library fails.
+/// Fails when the drawing library fails.
 pub fn speed_picture(figure: &SpeedFigure) -> Result<String, io::Error> {
     let lines = || figure.speeds.iter().flat_map(|(_, points)| points);
     let fastest = range(lines().map(|p| p.1)).1.max(0.0);
@@ -64,7 +64,7 @@ pub fn speed_picture(figure: &SpeedFigure) -> Result<String, io::Error> {
 /// Joint curves in units of their limits, one panel a quantity.
 ///
 /// # Errors
-/// When the drawing library fails.
+/// Fails when the drawing library fails.
 pub fn shares_picture(figure: &ShareFigure) -> Result<String, io::Error> {
     let (top, pitch, height) = (92.0, 204.0, 172.0);
     let x = range(figure.panels.iter().flat_map(|p| p.joints.iter().flatten()).map(|p| p.0));
@@ -106,7 +106,7 @@ pub fn shares_picture(figure: &ShareFigure) -> Result<String, io::Error> {
 /// One quantity in six panels, two a row, limits in red.
 ///
 /// # Errors
-/// When the drawing library fails.
+/// Fails when the drawing library fails.
 pub fn joint_panels_picture(figure: &JointFigure) -> Result<String, io::Error> {
     let (top, pitch, height) = (104.0, 182.0, 124.0);
     let x = range(figure.joints.iter().flat_map(|panel| panel.lines.iter().flatten()).map(|p| p.0));
