@@ -185,18 +185,24 @@ impl JobCheck<'_> {
         let mm = 1e3;
         let feed = FeedLimits {
             feed: self.feed("feed.feed_mm_s", raw.feed.feed_mm_s)?.unwrap_or(default.feed.feed),
-            tangential_acceleration: self
-                .0
-                .limit("feed.tangential_acceleration_mm_s2", raw.feed.tangential_acceleration_mm_s2, mm)?
-                .unwrap_or(default.feed.tangential_acceleration),
-            tangential_jerk: self
-                .0
-                .limit("feed.tangential_jerk_mm_s3", raw.feed.tangential_jerk_mm_s3, mm)?
-                .unwrap_or(default.feed.tangential_jerk),
-            normal_acceleration: self
-                .0
-                .limit("feed.normal_acceleration_mm_s2", raw.feed.normal_acceleration_mm_s2, mm)?
-                .unwrap_or(default.feed.normal_acceleration),
+            tangential_acceleration: self.0.limit_or(
+                "feed.tangential_acceleration_mm_s2",
+                raw.feed.tangential_acceleration_mm_s2,
+                mm,
+                default.feed.tangential_acceleration,
+            )?,
+            tangential_jerk: self.0.limit_or(
+                "feed.tangential_jerk_mm_s3",
+                raw.feed.tangential_jerk_mm_s3,
+                mm,
+                default.feed.tangential_jerk,
+            )?,
+            normal_acceleration: self.0.limit_or(
+                "feed.normal_acceleration_mm_s2",
+                raw.feed.normal_acceleration_mm_s2,
+                mm,
+                default.feed.normal_acceleration,
+            )?,
             normal_jerk: self.0.limit("feed.normal_jerk_mm_s3", raw.feed.normal_jerk_mm_s3, mm)?,
             angular_speed: self.0.limit(
                 "feed.angular_speed_deg_s",
@@ -214,25 +220,25 @@ impl JobCheck<'_> {
         let job = Job {
             path_file: raw.path.file.as_ref().map(|p| self.0.file.parent().unwrap_or(Path::new("")).join(p)),
             csv_unit: csv_unit.transpose()?,
-            fit_tolerance: self
-                .0
-                .limit("path.fit_tolerance_mm", raw.path.fit_tolerance_mm, mm)?
-                .unwrap_or(default.fit_tolerance),
+            fit_tolerance: self.0.limit_or(
+                "path.fit_tolerance_mm",
+                raw.path.fit_tolerance_mm,
+                mm,
+                default.fit_tolerance,
+            )?,
             workpiece: self.0.frame("workpiece", &raw.workpiece, default.workpiece)?,
             tool: self.0.frame("tool", &raw.tool, default.tool)?,
             orientation: self.orientation(&raw.orientation)?,
             feed,
             sections: raw.sections.iter().enumerate().map(|(i, raw)| self.section(i, raw)).collect::<Result<_, _>>()?,
             torque: self.torque(&raw.torque)?,
-            joints: JointOverrides {
-                velocity: self.0.joints("joints.velocity_deg_s", raw.joints.velocity_deg_s.as_ref())?,
-                acceleration: self.0.joints("joints.acceleration_deg_s2", raw.joints.acceleration_deg_s2.as_ref())?,
-                jerk: self.0.joints("joints.jerk_deg_s3", raw.joints.jerk_deg_s3.as_ref())?,
-            },
-            chord_tolerance: self
-                .0
-                .limit("tolerance.chord_mm", raw.tolerance.chord_mm, mm)?
-                .unwrap_or(default.chord_tolerance),
+            joints: self.0.overrides("joints", &raw.joints)?,
+            chord_tolerance: self.0.limit_or(
+                "tolerance.chord_mm",
+                raw.tolerance.chord_mm,
+                mm,
+                default.chord_tolerance,
+            )?,
             period: self.0.period(raw.sampling.period_ms)?.unwrap_or(default.period),
             method: self.method(&raw.plan)?,
             warnings: Vec::new(),
@@ -331,7 +337,7 @@ impl JobCheck<'_> {
     }
 
     fn torque(&self, raw: &RawTorque) -> Result<Option<TorqueJob>, InputError> {
-        let limit = raw.limit_nm.as_ref().map(|values| self.0.limits("torque.limit_nm", values)).transpose()?;
+        let limit = raw.limit_nm.as_ref().map(|values| self.0.limits("torque.limit_nm", values, 1.0)).transpose()?;
         let mass = self.0.limit("torque.payload_kg", raw.payload_kg, 1.0)?;
         let centre = raw.payload_centre_mm.map(|mm| self.0.finite("torque.payload_centre_mm", mm)).transpose()?;
         let without = |key: &str, rule, remedy| Err(self.0.wrong(key, "given", rule, remedy));

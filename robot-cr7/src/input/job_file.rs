@@ -1,10 +1,11 @@
 //! The job file as it is written: TOML, unknown keys refused.
 
 use serde::Deserialize;
-use serde::de::{self, Deserializer, SeqAccess, Visitor};
+
+use super::joint_values::JointValues;
 
 /// The whole file. Absent keys are `None`; defaults belong to [`crate::Job`].
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct RawJob {
     pub path: RawPath,
@@ -20,7 +21,7 @@ pub(crate) struct RawJob {
     pub plan: RawPlan,
 }
 
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct RawPath {
     pub file: Option<String>,
@@ -28,7 +29,7 @@ pub(crate) struct RawPath {
     pub fit_tolerance_mm: Option<f64>,
 }
 
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct RawFrame {
     pub position_mm: Option<[f64; 3]>,
@@ -44,7 +45,7 @@ pub(crate) enum RawMode {
     Tangent,
 }
 
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct RawOrientation {
     pub mode: RawMode,
@@ -54,7 +55,7 @@ pub(crate) struct RawOrientation {
     pub axis: Option<[f64; 3]>,
 }
 
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct RawFeed {
     pub feed_mm_s: Option<f64>,
@@ -67,16 +68,16 @@ pub(crate) struct RawFeed {
     pub end_mm_s: Option<f64>,
 }
 
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct RawTorque {
     pub limited: Option<bool>,
-    pub limit_nm: Option<PerJoint>,
+    pub limit_nm: Option<JointValues>,
     pub payload_kg: Option<f64>,
     pub payload_centre_mm: Option<[f64; 3]>,
 }
 
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct RawSection {
     pub feed_mm_s: Option<f64>,
@@ -88,68 +89,29 @@ pub(crate) struct RawSection {
     pub to_segment: Option<i64>,
 }
 
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct RawJoints {
-    pub velocity_deg_s: Option<PerJoint>,
-    pub acceleration_deg_s2: Option<PerJoint>,
-    pub jerk_deg_s3: Option<PerJoint>,
+    pub velocity_deg_s: Option<JointValues>,
+    pub acceleration_deg_s2: Option<JointValues>,
+    pub jerk_deg_s3: Option<JointValues>,
 }
 
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct RawTolerance {
     pub chord_mm: Option<f64>,
 }
 
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct RawSampling {
     pub period_ms: Option<f64>,
 }
 
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct RawPlan {
     pub planner: Option<String>,
     pub lookahead: Option<i64>,
-}
-
-/// One number for all joints, or a list with one for each.
-#[derive(Debug, Clone)]
-pub(crate) enum PerJoint {
-    All(f64),
-    Each(Vec<f64>),
-}
-
-impl<'de> Deserialize<'de> for PerJoint {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct OneOrList;
-
-        impl<'de> Visitor<'de> for OneOrList {
-            type Value = PerJoint;
-
-            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-                f.write_str("one number for all joints or a list with one for each")
-            }
-
-            fn visit_f64<E: de::Error>(self, v: f64) -> Result<PerJoint, E> {
-                Ok(PerJoint::All(v))
-            }
-
-            fn visit_i64<E: de::Error>(self, v: i64) -> Result<PerJoint, E> {
-                Ok(PerJoint::All(v as f64))
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<PerJoint, A::Error> {
-                let mut values = Vec::new();
-                while let Some(v) = seq.next_element::<f64>()? {
-                    values.push(v);
-                }
-                Ok(PerJoint::Each(values))
-            }
-        }
-
-        deserializer.deserialize_any(OneOrList)
-    }
 }

@@ -1,4 +1,6 @@
-//! Values of a job for the joints of an arm.
+//! Values of a file for the joints of an arm.
+
+use serde::Deserialize;
 
 /// Joint limits that replace those of the arm's model, all above 0.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -11,8 +13,12 @@ pub struct JointOverrides {
     pub jerk: Option<JointValues>,
 }
 
-/// A value for the joints of an arm whose number the job does not know.
-#[derive(Debug, Clone, PartialEq)]
+/// The form of [`JointValues`] in a file, for messages.
+pub(crate) const PER_JOINT: &str = "one number for all joints or a list with one for each";
+
+/// A value for the joints of an arm whose number the file does not know.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(untagged, expecting = "one number for all joints or a list with one for each")]
 pub enum JointValues {
     /// The same for all joints.
     All(f64),
@@ -21,6 +27,17 @@ pub enum JointValues {
 }
 
 impl JointValues {
+    /// Each value changed by `change`, which is told the key of the value.
+    pub(crate) fn try_map<E>(&self, key: &str, mut change: impl FnMut(&str, f64) -> Result<f64, E>) -> Result<Self, E> {
+        Ok(match self {
+            Self::All(value) => Self::All(change(key, *value)?),
+            Self::Each(list) => {
+                let each = list.iter().enumerate().map(|(i, &value)| change(&format!("{key}[{i}]"), value));
+                Self::Each(each.collect::<Result<_, E>>()?)
+            }
+        })
+    }
+
     /// The values for an arm of `N` joints.
     ///
     /// # Errors

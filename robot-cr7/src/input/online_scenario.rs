@@ -6,7 +6,7 @@ use arcfeed_sync::Synchronisation;
 use serde::Deserialize;
 
 use super::error::{InputError, read_text};
-use super::job_file::{PerJoint, RawJoints, RawSampling};
+use super::job_file::{RawJoints, RawSampling};
 use super::joint_values::{JointOverrides, JointValues};
 use super::toml_check::{Check, read_toml};
 
@@ -48,9 +48,9 @@ enum RawMode {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct RawState {
-    q_deg: PerJoint,
-    qd_deg_s: Option<PerJoint>,
-    qdd_deg_s2: Option<PerJoint>,
+    q_deg: JointValues,
+    qd_deg_s: Option<JointValues>,
+    qdd_deg_s2: Option<JointValues>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -58,12 +58,12 @@ struct RawState {
 struct RawChange {
     at_s: f64,
     joint: Option<i64>,
-    q_deg: Option<PerJoint>,
-    qd_deg_s: Option<PerJoint>,
-    qdd_deg_s2: Option<PerJoint>,
-    velocity_deg_s: Option<PerJoint>,
-    acceleration_deg_s2: Option<PerJoint>,
-    jerk_deg_s3: Option<PerJoint>,
+    q_deg: Option<JointValues>,
+    qd_deg_s: Option<JointValues>,
+    qdd_deg_s2: Option<JointValues>,
+    velocity_deg_s: Option<JointValues>,
+    acceleration_deg_s2: Option<JointValues>,
+    jerk_deg_s3: Option<JointValues>,
 }
 
 /// A checked scenario, in SI units.
@@ -117,7 +117,7 @@ impl OnlineScenario {
         let raw: RawScenario = read_toml(text, file, "scenarios/online.toml")?;
         let check = Check::new(text, file);
         let state = |section: &str, raw: &RawState| -> Result<[JointValues; 3], InputError> {
-            let or_zero = |key, value: &Option<PerJoint>| {
+            let or_zero = |key, value: &Option<JointValues>| {
                 Ok(match value {
                     None => JointValues::All(0.0),
                     Some(value) => check.values(&format!("{section}.{key}"), value, DEGREE)?,
@@ -149,11 +149,7 @@ impl OnlineScenario {
                 RawMode::None => Synchronisation::None,
             },
             longest: check.limit("run.longest_s", raw.run.longest_s, 1.0)?.unwrap_or(60.0),
-            joints: JointOverrides {
-                velocity: check.joints("joints.velocity_deg_s", raw.joints.velocity_deg_s.as_ref())?,
-                acceleration: check.joints("joints.acceleration_deg_s2", raw.joints.acceleration_deg_s2.as_ref())?,
-                jerk: check.joints("joints.jerk_deg_s3", raw.joints.jerk_deg_s3.as_ref())?,
-            },
+            joints: check.overrides("joints", &raw.joints)?,
             start: state("start", &raw.start)?,
             target: state("target", &raw.target)?,
             changes,
@@ -183,7 +179,7 @@ impl OnlineScenario {
         let mut values: [Option<JointValues>; 6] = Default::default();
         for (k, (slot, given)) in values.iter_mut().zip(given).enumerate() {
             let Some(given) = given else { continue };
-            if let (Some(_), PerJoint::Each(list)) = (joint, given) {
+            if let (Some(_), JointValues::Each(list)) = (joint, given) {
                 let rule = "with `joint` it is about that one";
                 let value = format!("a list of {}", list.len());
                 return Err(check.wrong(&key(KEYS[k]), value, rule, "write one number"));
@@ -191,7 +187,7 @@ impl OnlineScenario {
             *slot = match k {
                 0 => Some(check.places(&key(KEYS[k]), given, DEGREE)?),
                 1..=2 => Some(check.values(&key(KEYS[k]), given, DEGREE)?),
-                _ => check.joints(&key(KEYS[k]), Some(given))?,
+                _ => Some(check.limits(&key(KEYS[k]), given, 1.0 / DEGREE)?),
             };
         }
         if values.iter().all(Option::is_none) {

@@ -7,7 +7,7 @@ use nalgebra::{Isometry3, Matrix3, Vector3};
 use serde::Deserialize;
 
 use super::error::{InputError, read_text};
-use super::job_file::{PerJoint, RawFrame, RawSampling};
+use super::job_file::{RawFrame, RawJoints, RawSampling};
 use super::joint_values::{JointOverrides, JointValues};
 use super::toml_check::{Check, read_toml};
 
@@ -52,23 +52,23 @@ struct RawPayload {
 struct RawPlace {
     position_mm: Option<[f64; 3]>,
     rotation_rpy_deg: Option<[f64; 3]>,
-    q_deg: Option<PerJoint>,
-    near_deg: Option<PerJoint>,
+    q_deg: Option<JointValues>,
+    near_deg: Option<JointValues>,
 }
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct RawWaypoint {
-    q_deg: PerJoint,
+    q_deg: JointValues,
 }
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 struct RawLimits {
-    velocity_deg_s: Option<PerJoint>,
-    acceleration_deg_s2: Option<PerJoint>,
-    jerk_deg_s3: Option<PerJoint>,
-    torque_nm: Option<PerJoint>,
+    velocity_deg_s: Option<JointValues>,
+    acceleration_deg_s2: Option<JointValues>,
+    jerk_deg_s3: Option<JointValues>,
+    torque_nm: Option<JointValues>,
     linear_mm_s: Option<f64>,
     angular_deg_s: Option<f64>,
 }
@@ -165,9 +165,14 @@ impl ScheduleFile {
         let speeds =
             [speed("motion.start_speed", raw.motion.start_speed)?, speed("motion.end_speed", raw.motion.end_speed)?];
         let limits = &raw.limits;
+        let joints = RawJoints {
+            velocity_deg_s: limits.velocity_deg_s.clone(),
+            acceleration_deg_s2: limits.acceleration_deg_s2.clone(),
+            jerk_deg_s3: limits.jerk_deg_s3.clone(),
+        };
         let torque = match &limits.torque_nm {
             None => None,
-            Some(values) => Some(positive(&check, "limits.torque_nm", values)?),
+            Some(values) => Some(check.limits("limits.torque_nm", values, 1.0)?),
         };
         Ok(Self {
             way,
@@ -176,11 +181,7 @@ impl ScheduleFile {
             intervals,
             speeds,
             period: check.period(raw.sampling.period_ms)?.unwrap_or(1e-3),
-            joints: JointOverrides {
-                velocity: check.joints("limits.velocity_deg_s", limits.velocity_deg_s.as_ref())?,
-                acceleration: check.joints("limits.acceleration_deg_s2", limits.acceleration_deg_s2.as_ref())?,
-                jerk: check.joints("limits.jerk_deg_s3", limits.jerk_deg_s3.as_ref())?,
-            },
+            joints: check.overrides("limits", &joints)?,
             torque,
             linear_speed: check.limit("limits.linear_mm_s", limits.linear_mm_s, 1e3)?,
             angular_speed: check.limit("limits.angular_deg_s", limits.angular_deg_s, 1.0 / DEGREE)?,
@@ -205,11 +206,7 @@ impl ScheduleFile {
     /// # Errors
     /// [`InputError::Value`] for a list of another length.
     pub fn of<const N: usize>(&self, key: &str, values: &JointValues) -> Result<[f64; N], InputError> {
-        values.of::<N>().map_err(|given| {
-            let rule = "a list has one number for each joint of the arm";
-            let value = format!("a list of {given} for {N} joints");
-            self.wrong(key, &value, rule, "write one number for all, or one for each")
-        })
+        Check::new(&self.text, &self.file).of(key, values)
     }
 }
 
@@ -265,17 +262,6 @@ fn place(check: &mut Check<'_>, section: &str, raw: &RawPlace) -> Result<Schedul
             Ok(SchedulePlace::Pose(check.frame(section, &frame, Isometry3::identity())?))
         }
     }
-}
-
-fn positive(check: &Check<'_>, key: &str, values: &PerJoint) -> Result<JointValues, InputError> {
-    let one = |key: &str, v: f64| Ok(check.limit(key, Some(v), 1.0)?.unwrap_or(v));
-    Ok(match values {
-        PerJoint::All(v) => JointValues::All(one(key, *v)?),
-        PerJoint::Each(list) => {
-            let each = list.iter().enumerate().map(|(i, &v)| one(&format!("{key}[{i}]"), v));
-            JointValues::Each(each.collect::<Result<_, InputError>>()?)
-        }
-    })
 }
 
 fn payload(check: &Check<'_>, raw: &RawPayload) -> Result<Inertial, InputError> {

@@ -6,8 +6,12 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use serde::de::DeserializeOwned;
 
 use super::error::{InputError, line_column};
-use super::job_file::{PerJoint, RawFrame};
-use super::joint_values::JointValues;
+use super::job_file::{RawFrame, RawJoints};
+use super::joint_values::{JointOverrides, JointValues, PER_JOINT};
+use crate::text::clip;
+
+/// Degrees per radian.
+const PER_RADIAN: f64 = 180.0 / std::f64::consts::PI;
 
 /// Longest tool and farthest workpiece that can be meant with an arm that reaches less than a metre, in metres.
 const FARTHEST: f64 = 100.0;
@@ -21,7 +25,11 @@ const FINITE: (&str, &str) = ("it has to be a finite number", "write a plain num
 pub(crate) fn read_toml<T: DeserializeOwned>(text: &str, file: &Path, example: &str) -> Result<T, InputError> {
     toml::from_str(text).map_err(|e| {
         let (line, column) = e.span().map_or((1, 1), |span| line_column(text, span.start));
-        let message = e.message().replace('\n', ": ");
+        let mut message = e.message().replace('\n', ": ");
+        // An untagged value is not told by the parser.
+        if let Some(given) = e.span().and_then(|span| text.get(span)).filter(|_| message == PER_JOINT) {
+            message += &format!(", not {}", clip(given, 40));
+        }
         let hint = if message.contains("unknown field") {
             format!("; remove the key, or correct its spelling ({example} shows all)")
         } else if message.contains("unknown variant") {
@@ -95,60 +103,52 @@ impl<'a> Check<'a> {
         Err(self.wrong(key, value, rule, "raise it, or remove the key to use the default"))
     }
 
-    pub fn joints(&self, key: &str, value: Option<&PerJoint>) -> Result<Option<JointValues>, InputError> {
-        let si = |key: &str, v: f64| Ok(self.limit(key, Some(v), 180.0 / std::f64::consts::PI)?.unwrap_or(v));
-        Ok(match value {
-            None => None,
-            Some(PerJoint::All(v)) => Some(JointValues::All(si(key, *v)?)),
-            Some(PerJoint::Each(list)) => {
-                let each = list.iter().enumerate().map(|(i, &v)| si(&format!("{key}[{i}]"), v));
-                Some(JointValues::Each(each.collect::<Result<_, InputError>>()?))
-            }
+    /// The same, `default` where there is no number.
+    pub fn limit_or(&self, key: &str, value: Option<f64>, per_si: f64, default: f64) -> Result<f64, InputError> {
+        Ok(self.limit(key, value, per_si)?.unwrap_or(default))
+    }
+
+    /// Numbers above 0 for the joints, divided by `per_si`.
+    pub fn limits(&self, key: &str, values: &JointValues, per_si: f64) -> Result<JointValues, InputError> {
+        values.try_map(key, |key, v| self.limit_or(key, Some(v), per_si, v))
+    }
+
+    /// Joint limits in degrees of `section`.
+    pub fn overrides(&self, section: &str, raw: &RawJoints) -> Result<JointOverrides, InputError> {
+        let limits = |name: &str, values: &Option<JointValues>| {
+            values.as_ref().map(|values| self.limits(&format!("{section}.{name}"), values, PER_RADIAN)).transpose()
+        };
+        Ok(JointOverrides {
+            velocity: limits("velocity_deg_s", &raw.velocity_deg_s)?,
+            acceleration: limits("acceleration_deg_s2", &raw.acceleration_deg_s2)?,
+            jerk: limits("jerk_deg_s3", &raw.jerk_deg_s3)?,
         })
     }
 
-    /// Numbers above 0 as they are.
-    pub fn limits(&self, key: &str, value: &PerJoint) -> Result<JointValues, InputError> {
-        let one = |key: &str, v: f64| Ok(self.limit(key, Some(v), 1.0)?.unwrap_or(v));
-        Ok(match value {
-            PerJoint::All(v) => JointValues::All(one(key, *v)?),
-            PerJoint::Each(list) => {
-                let each = list.iter().enumerate().map(|(i, &v)| one(&format!("{key}[{i}]"), v));
-                JointValues::Each(each.collect::<Result<_, InputError>>()?)
-            }
+    /// The values for an arm of `N` joints.
+    pub fn of<const N: usize>(&self, key: &str, values: &JointValues) -> Result<[f64; N], InputError> {
+        values.of::<N>().map_err(|given| {
+            let rule = "a list has one number for each joint of the arm";
+            let value = format!("a list of {given} for {N} joints");
+            self.wrong(key, value, rule, "write one number for all, or one for each")
         })
     }
 
     /// Finite numbers of any sign, times `si`.
-    pub fn values(&self, key: &str, value: &PerJoint, si: f64) -> Result<JointValues, InputError> {
-        let one = |key: &str, v: f64| match v.is_finite() {
+    pub fn values(&self, key: &str, values: &JointValues, si: f64) -> Result<JointValues, InputError> {
+        values.try_map(key, |key, v| match v.is_finite() {
             true => Ok(v * si),
             false => Err(self.wrong(key, v, FINITE.0, FINITE.1)),
-        };
-        Ok(match value {
-            PerJoint::All(v) => JointValues::All(one(key, *v)?),
-            PerJoint::Each(list) => {
-                let each = list.iter().enumerate().map(|(i, &v)| one(&format!("{key}[{i}]"), v));
-                JointValues::Each(each.collect::<Result<_, InputError>>()?)
-            }
         })
     }
 
     /// Joint values within a hundred turns (or 628 m of a slide), times `si`: beyond, the unit is wrong, and sine and
     /// cosine lose their digits.
-    pub fn places(&self, key: &str, value: &PerJoint, si: f64) -> Result<JointValues, InputError> {
-        let values = self.values(key, value, si)?;
-        let (far, at) = match &values {
-            JointValues::All(v) => (Some(v / si).filter(|_| v.abs() > FARTHEST_JOINT), key.to_owned()),
-            JointValues::Each(list) => match list.iter().position(|v| v.abs() > FARTHEST_JOINT) {
-                Some(i) => (Some(list[i] / si), format!("{key}[{i}]")),
-                None => (None, key.to_owned()),
-            },
-        };
-        match far {
-            Some(v) => Err(self.wrong(&at, v, "a joint value lies within a hundred turns", "check its unit")),
-            None => Ok(values),
-        }
+    pub fn places(&self, key: &str, values: &JointValues, si: f64) -> Result<JointValues, InputError> {
+        self.values(key, values, si)?.try_map(key, |key, v| match v.abs() > FARTHEST_JOINT {
+            true => Err(self.wrong(key, v / si, "a joint value lies within a hundred turns", "check its unit")),
+            false => Ok(v),
+        })
     }
 
     pub fn period(&self, ms: Option<f64>) -> Result<Option<f64>, InputError> {

@@ -58,11 +58,7 @@ pub enum ScenarioError {
 
 impl OnlineScenario {
     fn of<const N: usize>(&self, key: &str, values: &JointValues) -> Result<[f64; N], InputError> {
-        values.of::<N>().map_err(|given| {
-            let rule = "a list has one number for each joint of the arm";
-            let value = format!("a list of {given} for {N} joints");
-            Check::new(&self.text, &self.file).wrong(key, value, rule, "write one number for all, or one for each")
-        })
+        Check::new(&self.text, &self.file).of(key, values)
     }
 
     fn states<const N: usize>(&self, section: &str, v: &[JointValues; 3]) -> Result<[AxisState; N], InputError> {

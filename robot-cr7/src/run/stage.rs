@@ -134,11 +134,7 @@ impl Scenario {
     }
 
     fn values(&self, key: &str, values: &JointValues) -> Result<Joints<6>, InputError> {
-        values.of::<6>().map(Joints::from).map_err(|given| {
-            let rule = "a list has one number for each joint of the arm";
-            let value = format!("a list of {given} for 6 joints");
-            self.check().wrong(key, value, rule, "write one number for all, or one for each")
-        })
+        self.check().of::<6>(key, values).map(Joints::from)
     }
 
     /// Joint values of a place, inside the range of every joint.

@@ -212,6 +212,8 @@ fn files_that_make_no_scenario_are_refused() {
     refused(&line(", { position_mm = [0, 3000, 0], rpy_deg = [0, 0, 0] }"), &["path.line[1]", "reach"]);
     let both = format!("{BASE}[joints]\nvelocity_deg_s = 10\nvelocity_rad_s = 1\n");
     refused(&both, &["s.toml:9", "joints.velocity_rad_s", "given once"]);
+    let unknown = BASE.replace("[feed]", "[feed]\nangular_speed_deg_s = 30");
+    refused(&unknown, &["feed.angular_speed_deg_s", "30", "remove the key"]);
     // A path that the arm cannot follow is named with its place.
     refused(&format!("{BASE}[workpiece]\nposition_mm = [900, 0, 0]\n"), &["s = ", "reach"]);
 }

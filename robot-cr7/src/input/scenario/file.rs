@@ -2,7 +2,8 @@
 
 use serde::Deserialize;
 
-use crate::input::job_file::{PerJoint, RawFeed, RawFrame, RawOrientation, RawSampling, RawTolerance};
+use crate::input::job_file::{RawFeed, RawFrame, RawOrientation, RawSampling, RawTolerance};
+use crate::input::joint_values::JointValues;
 
 /// The whole file.
 #[derive(Debug, Deserialize)]
@@ -42,7 +43,7 @@ pub(super) struct RawScenarioPath {
 #[serde(deny_unknown_fields)]
 pub(super) struct RawRun {
     pub feed_mm_s: f64,
-    pub drive_time_constant_ms: Option<PerJoint>,
+    pub drive_time_constant_ms: Option<JointValues>,
     pub longest_s: Option<f64>,
     pub start: Option<RawPlace>,
     pub singularities: Option<RawSingularities>,
@@ -60,21 +61,21 @@ pub(super) enum RawSingularities {
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct RawScenarioJoints {
-    pub velocity_deg_s: Option<PerJoint>,
-    pub acceleration_deg_s2: Option<PerJoint>,
-    pub jerk_deg_s3: Option<PerJoint>,
-    pub velocity_rad_s: Option<PerJoint>,
-    pub acceleration_rad_s2: Option<PerJoint>,
-    pub jerk_rad_s3: Option<PerJoint>,
-    pub zero_deg: Option<PerJoint>,
+    pub velocity_deg_s: Option<JointValues>,
+    pub acceleration_deg_s2: Option<JointValues>,
+    pub jerk_deg_s3: Option<JointValues>,
+    pub velocity_rad_s: Option<JointValues>,
+    pub acceleration_rad_s2: Option<JointValues>,
+    pub jerk_rad_s3: Option<JointValues>,
+    pub zero_deg: Option<JointValues>,
 }
 
 /// A place of the arm: joint values, or a pose of the tool.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct RawPlace {
-    pub deg: Option<PerJoint>,
-    pub rad: Option<PerJoint>,
+    pub deg: Option<JointValues>,
+    pub rad: Option<JointValues>,
     pub position_mm: Option<[f64; 3]>,
     pub rpy_deg: Option<[f64; 3]>,
 }

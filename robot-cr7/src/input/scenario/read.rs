@@ -11,7 +11,7 @@ use super::order::check_order;
 use super::{Action, Event, Place, Scenario, ScenarioPath, When};
 use crate::input::error::{InputError, read_text};
 use crate::input::job::{Job, JobCheck};
-use crate::input::job_file::{PerJoint, RawFrame, RawJob, RawPath};
+use crate::input::job_file::{RawJob, RawPath};
 use crate::input::joint_values::{JointOverrides, JointValues};
 use crate::input::sample_paths::SamplePath;
 use crate::input::toml_check::{Check, read_toml};
@@ -141,47 +141,42 @@ fn path_of(check: &Check<'_>, raw: &RawScenario) -> Result<ScenarioPath, InputEr
 fn job_of(text: &str, file: &Path, raw: &RawScenario) -> Result<Job, InputError> {
     let check = Check::new(text, file);
     let joints = joints_of(&check, &raw.joints)?;
-    let frame = |raw: &RawFrame| RawFrame { position_mm: raw.position_mm, rotation_rpy_deg: raw.rotation_rpy_deg };
+    let feed = &raw.feed;
+    for (key, given) in [
+        ("angular_speed_deg_s", feed.angular_speed_deg_s),
+        ("start_mm_s", feed.start_mm_s),
+        ("end_mm_s", feed.end_mm_s),
+    ] {
+        if let Some(value) = given {
+            let rule = "a scenario runs from rest to rest and limits no angular speed";
+            return Err(check.wrong(&format!("feed.{key}"), value, rule, "remove the key"));
+        }
+    }
     let job = RawJob {
         path: RawPath { file: None, csv_unit: raw.path.csv_unit.clone(), fit_tolerance_mm: raw.path.fit_tolerance_mm },
-        workpiece: raw.workpiece.as_ref().map(frame).unwrap_or_default(),
-        tool: frame(&raw.tool),
+        workpiece: raw.workpiece.clone().unwrap_or_default(),
+        tool: raw.tool.clone(),
+        orientation: raw.orientation.clone().unwrap_or_default(),
+        feed: feed.clone(),
+        tolerance: raw.tolerance.clone(),
+        sampling: raw.sampling.clone(),
         ..RawJob::default()
     };
-    let mut job = job;
-    if let Some(o) = &raw.orientation {
-        job.orientation.mode = o.mode;
-        job.orientation.rpy_deg = o.rpy_deg;
-        job.orientation.from_rpy_deg = o.from_rpy_deg;
-        job.orientation.to_rpy_deg = o.to_rpy_deg;
-        job.orientation.axis = o.axis;
-    }
-    job.feed.feed_mm_s = raw.feed.feed_mm_s;
-    job.feed.tangential_acceleration_mm_s2 = raw.feed.tangential_acceleration_mm_s2;
-    job.feed.tangential_jerk_mm_s3 = raw.feed.tangential_jerk_mm_s3;
-    job.feed.normal_acceleration_mm_s2 = raw.feed.normal_acceleration_mm_s2;
-    job.feed.normal_jerk_mm_s3 = raw.feed.normal_jerk_mm_s3;
-    job.tolerance.chord_mm = raw.tolerance.chord_mm;
-    job.sampling.period_ms = raw.sampling.period_ms;
     Ok(Job { joints, ..JobCheck(check).job(&job)? })
 }
 
 fn joints_of(check: &Check<'_>, raw: &RawScenarioJoints) -> Result<JointOverrides, InputError> {
-    let one = |name: &str, deg: &Option<PerJoint>, rad: &Option<PerJoint>, power: &str| {
+    let one = |name: &str, deg: &Option<JointValues>, rad: &Option<JointValues>, power: &str| {
         let (deg_key, rad_key) = (format!("joints.{name}_deg_{power}"), format!("joints.{name}_rad_{power}"));
-        let Some(rad) = rad else { return check.joints(&deg_key, deg.as_ref()) };
-        if deg.is_some() {
-            let rule = "a limit is given once";
-            return Err(check.wrong(&rad_key, "given in degrees, too", rule, "remove one of the two"));
-        }
-        let above = |key: &str, v: f64| Ok(check.limit(key, Some(v), 1.0)?.unwrap_or(v));
-        Ok(Some(match rad {
-            PerJoint::All(v) => JointValues::All(above(&rad_key, *v)?),
-            PerJoint::Each(list) => {
-                let each = list.iter().enumerate().map(|(i, &v)| above(&format!("{rad_key}[{i}]"), v));
-                JointValues::Each(each.collect::<Result<_, InputError>>()?)
+        match (deg, rad) {
+            (None, None) => Ok(None),
+            (Some(deg), None) => check.limits(&deg_key, deg, 1.0 / DEGREE).map(Some),
+            (None, Some(rad)) => check.limits(&rad_key, rad, 1.0).map(Some),
+            (Some(_), Some(_)) => {
+                let rule = "a limit is given once";
+                Err(check.wrong(&rad_key, "given in degrees, too", rule, "remove one of the two"))
             }
-        }))
+        }
     };
     Ok(JointOverrides {
         velocity: one("velocity", &raw.velocity_deg_s, &raw.velocity_rad_s, "s")?,
@@ -190,7 +185,7 @@ fn joints_of(check: &Check<'_>, raw: &RawScenarioJoints) -> Result<JointOverride
     })
 }
 
-fn lag_of(check: &Check<'_>, raw: Option<&PerJoint>) -> Result<JointValues, InputError> {
+fn lag_of(check: &Check<'_>, raw: Option<&JointValues>) -> Result<JointValues, InputError> {
     let key = "run.drive_time_constant_ms";
     let Some(raw) = raw else { return Ok(JointValues::All(0.0)) };
     let values = check.values(key, raw, 1e-3)?;
