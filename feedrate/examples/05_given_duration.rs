@@ -1,5 +1,5 @@
 //! One axis between two moving states in several durations, and the durations in which it cannot be done.
-use arcfeed_feedrate::{AxisLimits, AxisProblem, AxisState, MotionLaw, MotionState, StateToState, StateToStateError};
+use arcfeed_feedrate::{AxisLimits, AxisProblem, AxisState, FeedError, MotionLaw, MotionState, StateToState};
 
 mod common;
 use common::{Curve, Panel};
@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     // In between it says what would be possible instead.
     match problem.lasting(0.5 * (last_before + first_after)) {
-        Err(e @ StateToStateError::DurationImpossible { .. }) => println!("{e}"),
+        Err(e @ FeedError::DurationImpossible { .. }) => println!("{e}"),
         other => return Err(format!("{other:?}").into()),
     }
     let shortest = problem.shortest();

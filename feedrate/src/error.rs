@@ -295,6 +295,81 @@ pub enum FeedError {
         /// End speed asked for (m/s).
         speed: f64,
     },
+    /// Limits that must be the same in both directions differ.
+    #[error(
+        "the limits {lower} and {upper} on {what} differ in size; this motion needs the same limit in both directions"
+    )]
+    NotSymmetric {
+        /// `"v"`, `"a"` or `"j"`.
+        what: &'static str,
+        /// The lower limit.
+        lower: f64,
+        /// The upper limit.
+        upper: f64,
+    },
+    /// The target lies outside a limit.
+    #[error("{what} of the target is {value}, outside the limit {limit}; move the target inside or widen the limit")]
+    TargetOutside {
+        /// `"v"` or `"a"`.
+        what: &'static str,
+        /// The value given.
+        value: f64,
+        /// The limit it breaks.
+        limit: f64,
+    },
+    /// Every motion that arrives in the target state breaks a velocity limit right before it.
+    #[error(
+        "to arrive at v = {v} with a = {a} the velocity must have been {before} just before, outside the limit {limit}; \
+         lower the target's acceleration or move its velocity away from that limit"
+    )]
+    TargetUnreachable {
+        /// Velocity of the target (m/s).
+        v: f64,
+        /// Acceleration of the target (m/s²).
+        a: f64,
+        /// Velocity no motion towards the target can avoid (m/s).
+        before: f64,
+        /// The limit it breaks (m/s).
+        limit: f64,
+    },
+    /// Every motion that has arrived in the target state breaks a velocity limit right after it.
+    #[error(
+        "after arriving at v = {v} with a = {a} the velocity goes on to {after}, outside the limit {limit}; \
+         lower the target's acceleration or move its velocity away from that limit"
+    )]
+    TargetOvershoots {
+        /// Velocity of the target (m/s).
+        v: f64,
+        /// Acceleration of the target (m/s²).
+        a: f64,
+        /// Velocity no motion on from the target can avoid (m/s).
+        after: f64,
+        /// The limit it breaks (m/s).
+        limit: f64,
+    },
+    /// No motion takes this long: too short, or inside a blocked interval.
+    #[error(
+        "no motion takes exactly {duration} s; {}{above} s is the next one that is possible",
+        below_text(.below)
+    )]
+    DurationImpossible {
+        /// The duration asked for (s).
+        duration: f64,
+        /// The longest possible duration below it (s), if there is one.
+        below: Option<f64>,
+        /// The shortest possible duration above it (s).
+        above: f64,
+    },
+    /// The motion leaves the range of positions.
+    #[error("at t = {time} s the position is {position}, beyond the limit {limit}; move the limit or slow down before")]
+    LeavesPositions {
+        /// The farthest position (m).
+        position: f64,
+        /// When it is there (s).
+        time: f64,
+        /// The limit it breaks (m).
+        limit: f64,
+    },
     /// The end speed cannot be reached.
     #[error("end speed {speed} is out of reach: the fastest motion arrives at {highest}; ask for that or less")]
     EndTooFast {
@@ -303,6 +378,10 @@ pub enum FeedError {
         /// Speed at which the fastest motion arrives (m/s).
         highest: f64,
     },
+}
+
+fn below_text(below: &Option<f64>) -> String {
+    below.map_or_else(String::new, |t| format!("{t} s is the last one below, "))
 }
 
 pub(crate) fn finite(what: &'static str, value: f64) -> Result<f64, FeedError> {

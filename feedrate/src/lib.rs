@@ -24,7 +24,7 @@
 //! # The rooms
 //! | module | holds |
 //! |---|---|
-//! | [`state`], [`limits`] | [`MotionState`], [`MotionLaw`], [`MotionLimits`] |
+//! | [`state`], [`limits`] | [`MotionState`], [`AxisState`], [`MotionLaw`], [`AxisLimits`] |
 //! | [`scurve::solve`] | distance for a change of speed and its inverses |
 //! | [`scurve::profile`] | the seven-phase profile over a displacement |
 //! | [`scurve::change`] | change of speed and braking from any state |
@@ -76,9 +76,9 @@ pub mod state_to_state;
 pub use baseline::{Bounded, ClarabelBaseline};
 pub use error::{FeedError, PathEnd};
 pub use jerk_limited::{JerkLimited, JerkLimitedPlan};
-pub use limits::MotionLimits;
+pub use limits::AxisLimits;
 pub use live::{FeedOverride, LiveSection, LiveStatus, LiveStep, MAX_SECTIONS, VelocityLimitCurve};
-pub use online::{Adoption, FeedLimits, FeedScheduler, FeedStatus, FeedStep};
+pub use online::{Adoption, FeedScheduler, FeedStatus, FeedStep};
 pub use problem::{FeedPlanner, FeedProblem, LimitPartition, live_speed};
 pub use row::{IntervalBound, JerkRow, LimitId, Quantity, Row};
 pub use scan::continuous_acceleration::{plan_continuous, plan_continuous_at_once};
@@ -94,7 +94,5 @@ pub use scurve::phases::Phase;
 pub use scurve::profile::{Adjust, Adjusted, SProfile};
 pub use scurve::solve::{distance_for_change, highest_speed_over, lowest_speed_over};
 pub use speed_law::{Cursor, SpeedLaw};
-pub use state::{MotionLaw, MotionState};
-pub use state_to_state::{
-    AxisLimits, AxisProblem, AxisState, Durations, PositionRange, StateToState, StateToStateError,
-};
+pub use state::{AxisState, MotionLaw, MotionState};
+pub use state_to_state::{AxisProblem, Durations, PositionRange, StateToState};

@@ -27,3 +27,26 @@ pub trait MotionLaw {
     /// on; at the end it is 0.
     fn at(&self, t: f64) -> MotionState;
 }
+
+/// Position, velocity and acceleration of one axis at one moment.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct AxisState {
+    /// Position (m or rad).
+    pub p: f64,
+    /// Velocity (1/s).
+    pub v: f64,
+    /// Acceleration (1/s²).
+    pub a: f64,
+}
+
+impl AxisState {
+    /// A state of motion.
+    pub const fn new(p: f64, v: f64, a: f64) -> Self {
+        Self { p, v, a }
+    }
+
+    /// At rest at a position.
+    pub const fn rest(p: f64) -> Self {
+        Self { p, v: 0.0, a: 0.0 }
+    }
+}

@@ -44,7 +44,7 @@ pub enum SyncError {
         /// Index of the axis, from 0.
         axis: usize,
         /// What is wrong with it.
-        source: arcfeed_feedrate::StateToStateError,
+        source: arcfeed_feedrate::FeedError,
     },
     /// There is no axis with this index.
     #[error("there is no axis {}: there are {count}", axis + 1)]

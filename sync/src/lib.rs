@@ -14,6 +14,8 @@
 
 pub mod error;
 pub mod generator;
+pub mod joint_state;
+pub mod limits;
 pub mod mode;
 pub mod point_to_point;
 pub mod projection;
@@ -25,9 +27,11 @@ mod straight;
 pub use arcfeed_feedrate as feedrate;
 pub use error::SyncError;
 pub use generator::{Events, OnlineGenerator, Step};
+pub use joint_state::JointState;
+pub use limits::symmetric_limits;
 pub use mode::{MotionOptions, Synchronisation};
 pub use nalgebra;
-pub use point_to_point::{AxisLimits, JointState, PointToPoint};
+pub use point_to_point::PointToPoint;
 pub use projection::{
     PoseLimits, PoseProjectionSync, PoseState, PoseStep, ProjectionStatus, ProjectionStep, ProjectionSync,
 };

@@ -2,7 +2,7 @@
 
 use arcfeed_feedrate::{MotionState, Phase, StateToState};
 
-use crate::point_to_point::JointState;
+use crate::joint_state::JointState;
 use crate::state_to_state::Trajectory;
 
 /// Samples of a [`Trajectory`]: any order of times is fine, neighbouring ones are fast.

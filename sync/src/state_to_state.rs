@@ -1,10 +1,10 @@
 //! Several axes from state to state in a common time.
 
-use arcfeed_feedrate::{AxisLimits, AxisProblem, AxisState, MotionLaw, StateToState, StateToStateError};
+use arcfeed_feedrate::{AxisLimits, AxisProblem, AxisState, FeedError, MotionLaw, StateToState};
 
 use crate::error::SyncError;
+use crate::joint_state::JointState;
 use crate::mode::{MotionOptions, Synchronisation};
-use crate::point_to_point::JointState;
 use crate::straight::Line;
 
 /// The shortest common motion of `N` axes, each from a state to a state within its own limits.
@@ -113,7 +113,7 @@ impl<const N: usize> Trajectory<N> {
         for _ in 0..ROUNDS * (N + 1) {
             match all.fill(&problems) {
                 Ok(()) => return Ok(all),
-                Err(SyncError::State { source: StateToStateError::DurationImpossible { above, .. }, .. })
+                Err(SyncError::State { source: FeedError::DurationImpossible { above, .. }, .. })
                     if above > all.duration =>
                 {
                     all.duration = options.round_up(above);
@@ -121,11 +121,11 @@ impl<const N: usize> Trajectory<N> {
                 Err(e) => return Err(e),
             }
         }
-        Err(SyncError::State { axis: 0, source: StateToStateError::OutOfRange })
+        Err(SyncError::State { axis: 0, source: FeedError::OutOfRange { what: "duration of the motion" } })
     }
 
     /// Every axis in the common duration.
-    fn fill(&mut self, problems: &[Result<AxisProblem, StateToStateError>; N]) -> Result<(), SyncError> {
+    fn fill(&mut self, problems: &[Result<AxisProblem, FeedError>; N]) -> Result<(), SyncError> {
         for (axis, (motion, problem)) in self.axes.iter_mut().zip(problems).enumerate() {
             if let Ok(problem) = problem {
                 problem.lasting_into(self.duration, motion).map_err(|source| SyncError::State { axis, source })?;
@@ -142,7 +142,8 @@ impl<const N: usize> Trajectory<N> {
     ) -> Result<Self, SyncError> {
         let line = Line::new(start, target, limits).map_err(|axis| SyncError::NotStraight { axis })?;
         let m = line.reference;
-        let out_of_range = SyncError::State { axis: m, source: StateToStateError::OutOfRange };
+        let out_of_range =
+            SyncError::State { axis: m, source: FeedError::OutOfRange { what: "duration of the motion" } };
         let motion = line.limits(limits).ok_or(out_of_range).and_then(|shared| {
             AxisProblem::new(&start[m], &target[m], &shared)
                 .and_then(|problem| lasting_at_least(&problem, options))
@@ -191,15 +192,15 @@ impl<const N: usize> Trajectory<N> {
 }
 
 /// The shortest motion of one axis whose duration the options allow.
-fn lasting_at_least(problem: &AxisProblem, options: &MotionOptions) -> Result<StateToState, StateToStateError> {
+fn lasting_at_least(problem: &AxisProblem, options: &MotionOptions) -> Result<StateToState, FeedError> {
     let mut t = options.round_up(problem.shortest_duration());
     for _ in 0..ROUNDS {
         match problem.lasting(t) {
-            Err(StateToStateError::DurationImpossible { above, .. }) if above > t => t = options.round_up(above),
+            Err(FeedError::DurationImpossible { above, .. }) if above > t => t = options.round_up(above),
             done => return done,
         }
     }
-    Err(StateToStateError::OutOfRange)
+    Err(FeedError::OutOfRange { what: "duration of the motion" })
 }
 
 /// Whether a motion stays within the limits from `now` on.

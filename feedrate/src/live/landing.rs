@@ -2,8 +2,9 @@
 
 use super::curve::VelocityLimitCurve;
 use crate::error::FeedError;
-use crate::online::{FeedLimits, FeedScheduler, FeedStep};
-use crate::state_to_state::AxisState;
+use crate::limits::AxisLimits;
+use crate::online::{FeedScheduler, FeedStep};
+use crate::state::AxisState;
 
 /// Parts in which an exact plan to an end is held against the caps.
 const PARTS: usize = 24;
@@ -56,9 +57,9 @@ impl Landing {
     }
 }
 
-fn limits(curve: &VelocityLimitCurve, v: f64) -> Result<FeedLimits, FeedError> {
+fn limits(curve: &VelocityLimitCurve, v: f64) -> Result<AxisLimits, FeedError> {
     let (a, j) = (curve.acceleration(), curve.jerk());
-    FeedLimits::new(v, (-a, a), (-j, j))
+    AxisLimits::forward(v, (-a, a), (-j, j))
 }
 
 /// Whether a plan from `s` keeps the caps, between its samples too.

@@ -1,6 +1,6 @@
 //! The shortest change of speed and acceleration, wherever it ends.
 
-use super::limits::FeedLimits;
+use crate::limits::AxisLimits;
 
 /// A stretch of constant jerk: how long, and the jerk.
 pub(super) type Leg = (f64, f64);
@@ -16,7 +16,7 @@ pub(super) struct Change {
 }
 
 impl Change {
-    pub fn new((v, a): (f64, f64), to: (f64, f64), l: &FeedLimits) -> Self {
+    pub fn new((v, a): (f64, f64), to: (f64, f64), l: &AxisLimits) -> Self {
         let bound = a.min(l.a.1).max(l.a.0);
         let jerk = if a > bound { l.j.0 } else { l.j.1 };
         let t0 = (bound - a) / jerk;

@@ -18,9 +18,7 @@
 //!   from the sign of the change of speed.
 
 mod change;
-mod limits;
 mod plan;
 mod scheduler;
 
-pub use limits::FeedLimits;
 pub use scheduler::{Adoption, FeedScheduler, FeedStatus, FeedStep};

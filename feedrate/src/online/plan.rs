@@ -1,11 +1,11 @@
 //! The plan in force: phases of constant jerk to the end of the path, or to a halt on the way.
 
 use super::change::{Change, Leg};
-use super::limits::FeedLimits;
 use crate::error::FeedError;
+use crate::limits::AxisLimits;
 use crate::scurve::phases::Phase;
-use crate::state::MotionState;
-use crate::state_to_state::{AxisState, StateToState, StateToStateError};
+use crate::state::{AxisState, MotionState};
+use crate::state_to_state::StateToState;
 
 /// Two changes of speed with four phases each, and a cruise; a state-to-state motion has as many.
 const PHASES: usize = 9;
@@ -31,11 +31,12 @@ impl Plan {
     /// Where the end takes more speed than `v_max` (its own speed is higher), the last change of speed exceeds `v_max` by that.
     ///
     /// It may run backwards only if braking could not be taken off in time with the jerk `release` either.
-    pub fn new(start: &AxisState, end: &AxisState, limits: &FeedLimits, release: f64) -> Result<Self, FeedError> {
-        if limits.v_max == 0.0 || limits.v_max < limits.entry_speed(end) {
+    pub fn new(start: &AxisState, end: &AxisState, limits: &AxisLimits, release: f64) -> Result<Self, FeedError> {
+        if limits.v_max() == 0.0 || limits.v_max() < entry_speed(limits, end) {
             return Self::below_end_speed(start, end, limits, release);
         }
-        let axis = limits.as_axis().map_err(|e| refused(e, start, end, limits))?;
+        // The solver needs a lower bound of the velocity; a motion that reaches it is refused afterwards.
+        let axis = AxisLimits { v: (-limits.v_max(), limits.v_max()), ..*limits };
         let motion = StateToState::new(start, end, &axis).map_err(|e| refused(e, start, end, limits))?;
         let mut plan = Self::empty(end);
         for (phase, dt) in motion.phases() {
@@ -59,10 +60,10 @@ impl Plan {
     fn below_end_speed(
         start: &AxisState,
         end: &AxisState,
-        limits: &FeedLimits,
+        limits: &AxisLimits,
         release: f64,
     ) -> Result<Self, FeedError> {
-        let slow = limits.v_max;
+        let slow = limits.v_max();
         let first = Change::new((start.v, start.a), (slow, 0.0), limits);
         let last = Change::new((slow, 0.0), (end.v, end.a), limits);
         let free = end.p - start.p - first.length - last.length;
@@ -101,7 +102,7 @@ impl Plan {
         }
     }
 
-    fn checked(self, start: &AxisState, end: &AxisState, limits: &FeedLimits, release: f64) -> Result<Self, FeedError> {
+    fn checked(self, start: &AxisState, end: &AxisState, limits: &AxisLimits, release: f64) -> Result<Self, FeedError> {
         // Finite numbers times zero are zero.
         let finite = |p: &Phase, dt: f64| 0.0 * (p.s + p.v + p.a + p.after(dt).p) == 0.0;
         let in_range = self.phases[..self.count].iter().zip(&self.lasting).all(|(p, &dt)| finite(p, dt));
@@ -137,12 +138,12 @@ impl Plan {
     }
 
     /// Whether what is left after time `t` keeps the limits.
-    pub fn keeps(&self, limits: &FeedLimits, t: f64) -> bool {
+    pub fn keeps(&self, limits: &AxisLimits, t: f64) -> bool {
         let within = |range: (f64, f64), bounds: (f64, f64)| {
             let slack = SLACK * bounds.1.max(-bounds.0);
             range.0 >= bounds.0 - slack && range.1 <= bounds.1 + slack
         };
-        self.extremes(t, speeds).1 <= limits.v_max * (1.0 + SLACK)
+        self.extremes(t, speeds).1 <= limits.v_max() * (1.0 + SLACK)
             && within(self.extremes(t, |p, dt| [p.a, p.a + p.j * dt]), limits.a)
             && within(self.extremes(t, |p, _| [p.j]), limits.j)
     }
@@ -166,16 +167,21 @@ fn speeds(phase: &Phase, dt: f64) -> [f64; 3] {
     [phase.v, phase.after(dt).v, between]
 }
 
-fn too_close(start: &AxisState, end: &AxisState, limits: &FeedLimits) -> FeedError {
+/// Highest speed that arriving in `end` takes.
+pub(super) fn entry_speed(limits: &AxisLimits, end: &AxisState) -> f64 {
+    end.v + 0.5 * end.a.min(0.0) * (end.a / -limits.j_min())
+}
+
+fn too_close(start: &AxisState, end: &AxisState, limits: &AxisLimits) -> FeedError {
     let needed = Change::new((start.v, start.a), (end.v, end.a), limits).length;
     FeedError::EndTooClose { remaining: end.p - start.p, needed, v: end.v, a: end.a }
 }
 
-/// The solver's refusals in the words of this crate: everything it could find fault with has been checked, but for numbers out of range.
-fn refused(e: StateToStateError, start: &AxisState, end: &AxisState, limits: &FeedLimits) -> FeedError {
+/// The solver's refusals as the scheduler reports them. All but numbers out of range have been checked before.
+fn refused(e: FeedError, start: &AxisState, end: &AxisState, limits: &AxisLimits) -> FeedError {
     match e {
-        StateToStateError::NotFinite { what, value } => FeedError::NotFinite { what, value },
-        StateToStateError::TargetUnreachable { .. } => too_close(start, end, limits),
+        FeedError::NotFinite { .. } => e,
+        FeedError::TargetUnreachable { .. } => too_close(start, end, limits),
         _ => FeedError::OutOfRange { what: "duration of the motion" },
     }
 }

@@ -1,10 +1,9 @@
 //! The scheduler: one step a cycle, limits and end changeable in between.
 
-use super::limits::FeedLimits;
-use super::plan::Plan;
+use super::plan::{Plan, entry_speed};
 use crate::error::{FeedError, finite, not_negative};
-use crate::state::MotionState;
-use crate::state_to_state::AxisState;
+use crate::limits::AxisLimits;
+use crate::state::{AxisState, MotionState};
 
 /// How far new limits could be followed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -52,8 +51,8 @@ pub struct FeedStep {
 /// limit costs at most three exact plans.
 ///
 /// ```
-/// use arcfeed_feedrate::{AxisState, FeedLimits, FeedScheduler, FeedStatus};
-/// let full = FeedLimits::new(0.1, (-2.0, 1.0), (-50.0, 40.0))?;
+/// use arcfeed_feedrate::{AxisLimits, AxisState, FeedScheduler, FeedStatus};
+/// let full = AxisLimits::forward(0.1, (-2.0, 1.0), (-50.0, 40.0))?;
 /// let mut feed = FeedScheduler::new(&AxisState::rest(0.0), &AxisState::new(0.2, 0.02, 0.0), &full)?;
 /// let mut cycle = 0;
 /// let last = loop {
@@ -78,9 +77,9 @@ pub struct FeedScheduler {
     t: f64,
     target: AxisState,
     /// Last ones asked for.
-    wanted: FeedLimits,
+    wanted: AxisLimits,
     /// The ones the plan keeps.
-    in_force: FeedLimits,
+    in_force: AxisLimits,
 }
 
 impl FeedScheduler {
@@ -92,7 +91,7 @@ impl FeedScheduler {
     /// [`FeedError::NotFinite`] or [`FeedError::Negative`] naming the field (`end.v` must not be negative);
     /// [`FeedError::AboveLimit`] or [`FeedError::BelowLimit`] if the end's acceleration is outside the limits, or such
     /// that its speed would have been negative just before; [`FeedError::EndTooClose`] if no motion arrives without running backwards.
-    pub fn new(start: &AxisState, end: &AxisState, limits: &FeedLimits) -> Result<Self, FeedError> {
+    pub fn new(start: &AxisState, end: &AxisState, limits: &AxisLimits) -> Result<Self, FeedError> {
         finite("start.p", start.p)?;
         finite("start.v", start.v)?;
         finite("start.a", start.a)?;
@@ -125,12 +124,12 @@ impl FeedScheduler {
     /// # Errors
     /// [`FeedError::AboveLimit`] or [`FeedError::BelowLimit`] if the end's acceleration is outside; the motion
     /// then goes on as before.
-    pub fn set_limits(&mut self, limits: &FeedLimits) -> Result<Adoption, FeedError> {
+    pub fn set_limits(&mut self, limits: &AxisLimits) -> Result<Adoption, FeedError> {
         if *limits == self.in_force {
             self.wanted = *limits;
             return Ok(Adoption::Full);
         }
-        limits.check_end(&self.target)?;
+        check_end(&self.target, limits)?;
         self.wanted = *limits;
         if self.has_arrived() {
             self.in_force = *limits;
@@ -138,7 +137,7 @@ impl FeedScheduler {
         }
         let from = self.current();
         let kept = self.plan.arrives && self.plan.keeps(limits, self.t);
-        let wide = limits.widened_by(&self.in_force);
+        let wide = widened(limits, &self.in_force);
         let release = wide.j_max();
         if let Ok(plan) = Plan::new(&from, &self.target, limits, release) {
             self.in_force = *limits;
@@ -152,7 +151,7 @@ impl FeedScheduler {
             self.in_force = *limits;
             return Ok(Adoption::Full);
         }
-        let raised = FeedLimits { v_max: wide.v_max.max(wide.entry_speed(&self.target)), ..wide };
+        let raised = AxisLimits { v: (wide.v.0, wide.v.1.max(entry_speed(&wide, &self.target))), ..wide };
         for softer in [wide, raised] {
             if let Ok(plan) = Plan::new(&from, &self.target, &softer, release) {
                 self.in_force = softer;
@@ -186,7 +185,7 @@ impl FeedScheduler {
     }
 
     /// Limits the present motion keeps, or is on its way back to.
-    pub const fn limits(&self) -> &FeedLimits {
+    pub const fn limits(&self) -> &AxisLimits {
         &self.in_force
     }
 
@@ -218,9 +217,32 @@ impl FeedScheduler {
 /// A new plan must be shorter by this much, relative, to replace one that is still valid.
 const KEEP: f64 = 1e-12;
 
-fn check_target(end: &AxisState, limits: &FeedLimits) -> Result<(), FeedError> {
+fn check_target(end: &AxisState, limits: &AxisLimits) -> Result<(), FeedError> {
     finite("end.p", end.p)?;
     finite("end.v", end.v)?;
     finite("end.a", end.a)?;
-    limits.check_end(end)
+    check_end(end, limits)
+}
+
+/// Returns an error unless the end speed and acceleration are possible: inside the acceleration limits, and neither
+/// entered nor left from below zero.
+fn check_end(end: &AxisState, limits: &AxisLimits) -> Result<(), FeedError> {
+    not_negative("end.v", end.v)?;
+    if end.a > limits.a_max() {
+        return Err(FeedError::AboveLimit { what: "end.a", value: end.a, limit: limits.a_max() });
+    }
+    if end.a < limits.a_min() {
+        return Err(FeedError::BelowLimit { what: "end.a", value: end.a, limit: limits.a_min() });
+    }
+    let gained = 0.5 * end.a.max(0.0) * (end.a / limits.j_max());
+    if gained > end.v * (1.0 + 1e-13) {
+        return Err(FeedError::BelowLimit { what: "end.v", value: end.v, limit: gained });
+    }
+    Ok(())
+}
+
+/// The wider of both limits in acceleration and jerk, with the speed of the first.
+fn widened(limits: &AxisLimits, other: &AxisLimits) -> AxisLimits {
+    let union = |x: (f64, f64), y: (f64, f64)| (x.0.min(y.0), x.1.max(y.1));
+    AxisLimits { v: limits.v, a: union(limits.a, other.a), j: union(limits.j, other.j) }
 }

@@ -11,7 +11,7 @@ use super::pass::{Braking, Here, Run, Step, climb, run};
 use super::segment::{boundary_speeds, checked_caps};
 use super::{Segment, boundaries};
 use crate::error::FeedError;
-use crate::limits::MotionLimits;
+use crate::limits::AxisLimits;
 use crate::scurve::phases::Phase;
 use crate::scurve::profile::{Adjusted, SProfile};
 use crate::speed_law::{Builder, SpeedLaw};
@@ -94,7 +94,7 @@ fn join(segments: &[Segment], s0: f64, v_start: f64, v_end: f64, plan: &mut Buil
 fn split(segments: &[Segment], s: &[f64], speeds: &[f64], plan: &mut Builder) {
     let n = segments.len();
     if n == 1 {
-        let limits = MotionLimits::trusted(segments[0].v_max, segments[0].a_max, segments[0].j_max);
+        let limits = AxisLimits::symmetric_unchecked(segments[0].v_max, segments[0].a_max, segments[0].j_max);
         plan.push_profile(s[0], &SProfile::build(segments[0].length, speeds[0], speeds[1], &limits, Adjusted::No));
         return;
     }

@@ -2,7 +2,7 @@
 
 use super::{Segment, boundaries, boundary_caps};
 use crate::error::{FeedError, not_negative};
-use crate::limits::MotionLimits;
+use crate::limits::AxisLimits;
 use crate::scurve::profile::{Adjusted, SProfile};
 use crate::scurve::solve::{distance, fits, lower, lowest, raise};
 use crate::speed_law::{Builder, SpeedLaw};
@@ -175,7 +175,7 @@ fn assemble(segments: &[Segment], speeds: &[f64]) -> Result<SpeedLaw, FeedError>
     let s = boundaries(segments);
     let mut plan = Builder::with_capacity(7 * segments.len());
     for (k, segment) in segments.iter().enumerate() {
-        let limits = MotionLimits::trusted(segment.v_max, segment.a_max, segment.j_max);
+        let limits = AxisLimits::symmetric_unchecked(segment.v_max, segment.a_max, segment.j_max);
         plan.push_profile(s[k], &SProfile::build(segment.length, speeds[k], speeds[k + 1], &limits, Adjusted::No));
     }
     plan.finish(s[segments.len()], speeds[segments.len()])

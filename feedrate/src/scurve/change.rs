@@ -2,7 +2,7 @@
 
 use super::phases::Phase;
 use crate::error::{FeedError, finite, not_negative};
-use crate::limits::MotionLimits;
+use crate::limits::AxisLimits;
 use crate::state::{MotionLaw, MotionState};
 
 /// The fastest jerk-limited motion from speed and acceleration `(v, a)` to a speed with zero acceleration.
@@ -19,8 +19,8 @@ use crate::state::{MotionLaw, MotionState};
 /// [`SpeedChange::lowest_speed`].
 ///
 /// ```
-/// use arcfeed_feedrate::{MotionLaw, MotionLimits, SpeedChange};
-/// let limits = MotionLimits::new(0.1, 1.0, 50.0)?;
+/// use arcfeed_feedrate::{MotionLaw, AxisLimits, SpeedChange};
+/// let limits = AxisLimits::symmetric(0.1, 1.0, 50.0)?;
 /// let brake = SpeedChange::brake(0.08, 0.5, &limits)?; // moving and still accelerating
 /// let end = brake.at(brake.duration());
 /// assert_eq!((end.v, end.a), (0.0, 0.0));
@@ -40,10 +40,11 @@ impl SpeedChange {
     /// # Errors
     /// [`FeedError::AboveLimit`] if `target` is above `v_max`; [`FeedError::Negative`] if it is negative;
     /// [`FeedError::NotFinite`] for NaN or infinity.
-    pub fn new(v: f64, a: f64, target: f64, limits: &MotionLimits) -> Result<Self, FeedError> {
+    pub fn new(v: f64, a: f64, target: f64, limits: &AxisLimits) -> Result<Self, FeedError> {
         finite("v", v)?;
         finite("a", a)?;
         not_negative("target", target)?;
+        limits.check_symmetric_acceleration()?;
         if target > limits.v_max() {
             return Err(FeedError::AboveLimit { what: "target", value: target, limit: limits.v_max() });
         }
@@ -56,7 +57,7 @@ impl SpeedChange {
     ///
     /// # Errors
     /// As [`SpeedChange::new`].
-    pub fn brake(v: f64, a: f64, limits: &MotionLimits) -> Result<Self, FeedError> {
+    pub fn brake(v: f64, a: f64, limits: &AxisLimits) -> Result<Self, FeedError> {
         Self::new(v, a, 0.0, limits)
     }
 

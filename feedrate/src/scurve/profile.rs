@@ -2,8 +2,8 @@
 
 use super::phases::Phase;
 use super::solve::{Leg, distance, fits, lower, peak, raise};
-use crate::error::{FeedError, not_negative};
-use crate::limits::MotionLimits;
+use crate::error::{FeedError, not_negative, positive};
+use crate::limits::AxisLimits;
 use crate::state::{MotionLaw, MotionState};
 
 /// Which of the two speeds may be moved when the displacement is too short to get from one to the other.
@@ -45,8 +45,8 @@ pub enum Adjusted {
 /// displacement equation is solved directly (closed form when both legs reach `a_max`).
 ///
 /// ```
-/// use arcfeed_feedrate::{MotionLaw, MotionLimits, SProfile};
-/// let limits = MotionLimits::new(0.1, 1.0, 50.0)?;
+/// use arcfeed_feedrate::{MotionLaw, AxisLimits, SProfile};
+/// let limits = AxisLimits::symmetric(0.1, 1.0, 50.0)?;
 /// let move_ = SProfile::new(0.02, 0.0, 0.0, &limits)?;
 /// let end = move_.at(move_.duration());
 /// assert_eq!((end.p, end.v, end.a), (0.02, 0.0, 0.0));
@@ -66,7 +66,7 @@ impl SProfile {
     /// # Errors
     /// [`FeedError::TooShort`] if `length` does not suffice to get from one speed to the other;
     /// [`FeedError::AboveLimit`] if a speed is above `v_max`; [`FeedError::Negative`] or [`FeedError::NotFinite`] for invalid numbers.
-    pub fn new(length: f64, v_start: f64, v_end: f64, limits: &MotionLimits) -> Result<Self, FeedError> {
+    pub fn new(length: f64, v_start: f64, v_end: f64, limits: &AxisLimits) -> Result<Self, FeedError> {
         check(length, v_start, v_end, limits)?;
         let required = distance(v_start, v_end, limits.a_max(), limits.j_max());
         if !fits(v_start, v_end, length, limits.a_max(), limits.j_max()) {
@@ -86,7 +86,7 @@ impl SProfile {
         length: f64,
         v_start: f64,
         v_end: f64,
-        limits: &MotionLimits,
+        limits: &AxisLimits,
         adjust: Adjust,
     ) -> Result<Self, FeedError> {
         check(length, v_start, v_end, limits)?;
@@ -113,7 +113,7 @@ impl SProfile {
     }
 
     /// The profile for speeds between which `length` is known to suffice.
-    pub(crate) fn build(length: f64, v0: f64, v1: f64, limits: &MotionLimits, adjusted: Adjusted) -> Self {
+    pub(crate) fn build(length: f64, v0: f64, v1: f64, limits: &AxisLimits, adjusted: Adjusted) -> Self {
         let (a_max, j_max) = (limits.a_max(), limits.j_max());
         let v = peak(v0, v1, length, limits);
         let mut up = Leg::new(v - v0, a_max, j_max);
@@ -204,8 +204,10 @@ impl SProfile {
     }
 }
 
-fn check(length: f64, v_start: f64, v_end: f64, limits: &MotionLimits) -> Result<(), FeedError> {
+fn check(length: f64, v_start: f64, v_end: f64, limits: &AxisLimits) -> Result<(), FeedError> {
     not_negative("length", length)?;
+    positive("v_max", limits.v_max())?;
+    limits.check_symmetric_acceleration()?;
     for (what, value) in [("v_start", v_start), ("v_end", v_end)] {
         not_negative(what, value)?;
         if value > limits.v_max() {

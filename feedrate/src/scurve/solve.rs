@@ -5,7 +5,7 @@
 //! side; no tolerance is absolute.
 
 use crate::error::{FeedError, not_negative};
-use crate::limits::MotionLimits;
+use crate::limits::AxisLimits;
 
 /// The two times of one acceleration leg: `ramp` for each jerk phase, `hold` at constant acceleration.
 #[derive(Debug, Clone, Copy)]
@@ -52,7 +52,8 @@ pub(crate) fn fits(v0: f64, v1: f64, length: f64, a_max: f64, j_max: f64) -> boo
 ///
 /// # Errors
 /// [`FeedError`] if a speed is negative or not finite.
-pub fn distance_for_change(v0: f64, v1: f64, limits: &MotionLimits) -> Result<f64, FeedError> {
+pub fn distance_for_change(v0: f64, v1: f64, limits: &AxisLimits) -> Result<f64, FeedError> {
+    limits.check_symmetric_acceleration()?;
     let d = distance(not_negative("v0", v0)?, not_negative("v1", v1)?, limits.a_max(), limits.j_max());
     if d.is_finite() { Ok(d) } else { Err(FeedError::OutOfRange { what: "displacement" }) }
 }
@@ -63,7 +64,8 @@ pub fn distance_for_change(v0: f64, v1: f64, limits: &MotionLimits) -> Result<f6
 ///
 /// # Errors
 /// [`FeedError`] if an argument is negative or not finite.
-pub fn highest_speed_over(v0: f64, length: f64, limits: &MotionLimits) -> Result<f64, FeedError> {
+pub fn highest_speed_over(v0: f64, length: f64, limits: &AxisLimits) -> Result<f64, FeedError> {
+    limits.check_symmetric_acceleration()?;
     let v = raise(not_negative("v0", v0)?, not_negative("length", length)?, limits.a_max(), limits.j_max());
     if v.is_finite() { Ok(v) } else { Err(FeedError::OutOfRange { what: "speed" }) }
 }
@@ -75,7 +77,8 @@ pub fn highest_speed_over(v0: f64, length: f64, limits: &MotionLimits) -> Result
 ///
 /// # Errors
 /// [`FeedError`] if an argument is negative or not finite.
-pub fn lowest_speed_over(v0: f64, length: f64, limits: &MotionLimits) -> Result<f64, FeedError> {
+pub fn lowest_speed_over(v0: f64, length: f64, limits: &AxisLimits) -> Result<f64, FeedError> {
+    limits.check_symmetric_acceleration()?;
     let (v0, length) = (not_negative("v0", v0)?, not_negative("length", length)?);
     Ok(lowest(v0, length, limits.a_max(), limits.j_max()))
 }
@@ -162,7 +165,7 @@ pub(crate) fn lower(v0: f64, length: f64, a_max: f64, j_max: f64) -> f64 {
 ///
 /// Requires `distance(v0, v1) <= length`. The answer is rounded so that the legs do not take more than `length` by
 /// more than rounding.
-pub(crate) fn peak(v0: f64, v1: f64, length: f64, limits: &MotionLimits) -> f64 {
+pub(crate) fn peak(v0: f64, v1: f64, length: f64, limits: &AxisLimits) -> f64 {
     let (a_max, j_max, v_max) = (limits.a_max(), limits.j_max(), limits.v_max());
     let total = |v: f64| distance(v0, v, a_max, j_max) + distance(v, v1, a_max, j_max);
     if total(v_max) <= length {

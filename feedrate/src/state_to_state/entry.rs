@@ -2,15 +2,16 @@
 
 use super::cruise;
 use super::durations::Gaps;
-use super::error::StateToStateError;
 use super::extremal::Extremals;
 use super::family::{Jerks, Problem};
-use super::limits::{AxisLimits, AxisState, SLACK};
 use super::outside::Brake;
 use super::profile::StateToState;
 use super::shape::{Shape, end_of};
 use super::solve::{Direct, solve, starts_too_fast};
 use super::writer::Writer;
+use crate::error::FeedError;
+use crate::limits::{AxisLimits, SLACK};
+use crate::state::AxisState;
 
 /// The shortest motion, not yet written down.
 #[derive(Debug, Clone, Copy)]
@@ -39,7 +40,7 @@ pub(super) struct Entry {
 }
 
 impl Entry {
-    pub fn new(s: &AxisState, t: &AxisState, l: &AxisLimits) -> Result<Self, StateToStateError> {
+    pub fn new(s: &AxisState, t: &AxisState, l: &AxisLimits) -> Result<Self, FeedError> {
         let j = Jerks::new(l.j.1, -l.j.0);
         check_entry(t, l, &j)?;
         let (lead, mut s) = (*s, *s);
@@ -213,10 +214,10 @@ fn between(p: &Problem, t: f64, noise: f64, ends: (f64, f64), writer: &mut Write
 const ROUND_OFF: f64 = 1e-13;
 
 /// Whether the target can be entered at all: its acceleration cannot have come from nowhere.
-fn check_entry(t: &AxisState, l: &AxisLimits, j: &Jerks) -> Result<(), StateToStateError> {
+fn check_entry(t: &AxisState, l: &AxisLimits, j: &Jerks) -> Result<(), FeedError> {
     let slack = SLACK * l.v.1.max(-l.v.0);
     let change = 0.5 * t.a * t.a;
     let (before, limit) = if t.a > 0.0 { (t.v - change * j.inv_up, l.v.0) } else { (t.v + change * j.inv_down, l.v.1) };
     let excess = if t.a > 0.0 { limit - before } else { before - limit };
-    if excess > slack { Err(StateToStateError::TargetUnreachable { v: t.v, a: t.a, before, limit }) } else { Ok(()) }
+    if excess > slack { Err(FeedError::TargetUnreachable { v: t.v, a: t.a, before, limit }) } else { Ok(()) }
 }

@@ -32,10 +32,8 @@ mod by_duration;
 mod cruise;
 mod durations;
 mod entry;
-mod error;
 mod extremal;
 mod family;
-mod limits;
 mod outside;
 mod problem;
 mod profile;
@@ -46,7 +44,5 @@ mod velocity;
 mod writer;
 
 pub use durations::Durations;
-pub use error::StateToStateError;
-pub use limits::{AxisLimits, AxisState};
 pub use problem::AxisProblem;
 pub use profile::{PositionRange, StateToState};

@@ -2,10 +2,11 @@
 
 use super::durations::Durations;
 use super::entry::{Entry, Shortest};
-use super::error::{StateToStateError, finite};
-use super::limits::{AxisLimits, AxisState, SLACK};
 use super::profile::StateToState;
 use super::scale::Units;
+use crate::error::{FeedError, finite};
+use crate::limits::{AxisLimits, SLACK};
+use crate::state::AxisState;
 
 /// A motion of one axis from state to state whose duration is not decided yet.
 ///
@@ -22,7 +23,7 @@ use super::scale::Units;
 /// assert!(problem.lasting(1.5).is_err());
 /// assert!(problem.durations().contains(above));
 /// assert_eq!(problem.lasting(above + 0.1)?.duration(), above + 0.1);
-/// # Ok::<(), arcfeed_feedrate::StateToStateError>(())
+/// # Ok::<(), arcfeed_feedrate::FeedError>(())
 /// ```
 #[derive(Debug, Clone, Copy)]
 pub struct AxisProblem {
@@ -41,7 +42,7 @@ impl AxisProblem {
     ///
     /// # Errors
     /// As [`StateToState::new`].
-    pub fn new(start: &AxisState, target: &AxisState, limits: &AxisLimits) -> Result<Self, StateToStateError> {
+    pub fn new(start: &AxisState, target: &AxisState, limits: &AxisLimits) -> Result<Self, FeedError> {
         let fields = [
             ("start.p", start.p),
             ("start.v", start.v),
@@ -71,7 +72,7 @@ impl AxisProblem {
     }
 
     /// The shortest motion to the velocity and acceleration of `target`, all numbers finite.
-    pub(super) fn direct(s: &AxisState, t: &AxisState, l: &AxisLimits) -> Result<StateToState, StateToStateError> {
+    pub(super) fn direct(s: &AxisState, t: &AxisState, l: &AxisLimits) -> Result<StateToState, FeedError> {
         let mut motion = StateToState::default();
         let Some(units) = Units::choose(s, t, l) else {
             let p = Entry::new(s, t, l)?.direct(&mut motion);
@@ -125,8 +126,8 @@ impl AxisProblem {
     /// that time, which keeps the limits as those do.
     ///
     /// # Errors
-    /// [`StateToStateError::DurationImpossible`] with the nearest possible ones, [`StateToStateError::NotFinite`].
-    pub fn lasting(&self, duration: f64) -> Result<StateToState, StateToStateError> {
+    /// [`FeedError::DurationImpossible`] with the nearest possible ones, [`FeedError::NotFinite`].
+    pub fn lasting(&self, duration: f64) -> Result<StateToState, FeedError> {
         let mut motion = StateToState::default();
         self.lasting_into(duration, &mut motion).map(|()| motion)
     }
@@ -135,7 +136,7 @@ impl AxisProblem {
     ///
     /// # Errors
     /// As [`AxisProblem::lasting`].
-    pub fn lasting_into(&self, duration: f64, out: &mut StateToState) -> Result<(), StateToStateError> {
+    pub fn lasting_into(&self, duration: f64, out: &mut StateToState) -> Result<(), FeedError> {
         if duration == self.duration {
             self.write_shortest(out);
             return Ok(());
@@ -147,10 +148,10 @@ impl AxisProblem {
             let durations = self.durations();
             if !durations.contains(duration) {
                 let (below, above) = (durations.at_most(duration), durations.at_least(duration));
-                return Err(StateToStateError::DurationImpossible { duration, below, above });
+                return Err(FeedError::DurationImpossible { duration, below, above });
             }
             if !self.entry.between(inside, out) {
-                return Err(StateToStateError::OutOfRange);
+                return Err(FeedError::OutOfRange { what: "duration of the motion" });
             }
         }
         out.set_target(&self.target, self.jerk);
@@ -171,10 +172,10 @@ impl StateToState {
     /// inside, without undershooting it.
     ///
     /// # Errors
-    /// [`StateToStateError::NotFinite`] naming the field; [`StateToStateError::TargetOutside`] and
-    /// [`StateToStateError::TargetUnreachable`] if the target breaks a limit or forces to break one right
-    /// before it; [`StateToStateError::OutOfRange`] if the motion has no finite representation.
-    pub fn new(start: &AxisState, target: &AxisState, limits: &AxisLimits) -> Result<Self, StateToStateError> {
+    /// [`FeedError::NotFinite`] naming the field; [`FeedError::TargetOutside`] and
+    /// [`FeedError::TargetUnreachable`] if the target breaks a limit or forces to break one right
+    /// before it; [`FeedError::OutOfRange`] if the motion has no finite representation.
+    pub fn new(start: &AxisState, target: &AxisState, limits: &AxisLimits) -> Result<Self, FeedError> {
         Ok(AxisProblem::new(start, target, limits)?.shortest())
     }
 
@@ -182,12 +183,7 @@ impl StateToState {
     ///
     /// # Errors
     /// As [`StateToState::new`].
-    pub fn recompute(
-        &mut self,
-        start: &AxisState,
-        target: &AxisState,
-        limits: &AxisLimits,
-    ) -> Result<(), StateToStateError> {
+    pub fn recompute(&mut self, start: &AxisState, target: &AxisState, limits: &AxisLimits) -> Result<(), FeedError> {
         AxisProblem::new(start, target, limits)?.write_shortest(self);
         Ok(())
     }
@@ -201,29 +197,30 @@ impl StateToState {
         target: &AxisState,
         limits: &AxisLimits,
         duration: f64,
-    ) -> Result<Self, StateToStateError> {
+    ) -> Result<Self, FeedError> {
         AxisProblem::new(start, target, limits)?.lasting(duration)
     }
 }
 
-pub(super) fn check_target(target: &AxisState, limits: &AxisLimits) -> Result<(), StateToStateError> {
+pub(super) fn check_target(target: &AxisState, limits: &AxisLimits) -> Result<(), FeedError> {
+    limits.check_both_directions()?;
     check_inside("v", target.v, limits.v)?;
     check_inside("a", target.a, limits.a)
 }
 
-fn check_inside(what: &'static str, value: f64, (lower, upper): (f64, f64)) -> Result<(), StateToStateError> {
+fn check_inside(what: &'static str, value: f64, (lower, upper): (f64, f64)) -> Result<(), FeedError> {
     let slack = SLACK * upper.max(-lower);
     let limit = if value < lower { lower } else { upper };
     if value >= lower - slack && value <= upper + slack {
         Ok(())
     } else {
-        Err(StateToStateError::TargetOutside { what, value, limit })
+        Err(FeedError::TargetOutside { what, value, limit })
     }
 }
 
-fn rescaled_error(e: StateToStateError, units: Units) -> StateToStateError {
+fn rescaled_error(e: FeedError, units: Units) -> FeedError {
     match e {
-        StateToStateError::TargetUnreachable { v, a, before, limit } => StateToStateError::TargetUnreachable {
+        FeedError::TargetUnreachable { v, a, before, limit } => FeedError::TargetUnreachable {
             v: units.back(v, 1),
             a: units.back(a, 2),
             before: units.back(before, 1),

@@ -1,9 +1,9 @@
 //! The motion itself: phases, sampling, position extrema.
 
-use super::error::StateToStateError;
-use super::limits::AxisState;
 use super::scale::Units;
+use crate::error::FeedError;
 use crate::scurve::phases::Phase;
+use crate::state::AxisState;
 use crate::state::{MotionLaw, MotionState};
 
 /// At most three phases to bring acceleration and velocity inside their limits, and thirteen of the mean of two motions with
@@ -21,7 +21,7 @@ pub(super) const PHASES: usize = 16;
 /// let end = motion.at(motion.duration());
 /// assert_eq!((end.p, end.v, end.a), (1.2, 0.5, 0.0));
 /// assert!(motion.position_range().max <= 1.2);
-/// # Ok::<(), arcfeed_feedrate::StateToStateError>(())
+/// # Ok::<(), arcfeed_feedrate::FeedError>(())
 /// ```
 #[derive(Debug, Clone, Copy, Default)]
 pub struct StateToState {
@@ -77,9 +77,13 @@ impl StateToState {
         (Phase { t: self.duration, s: p, v, a, j: self.fade }, lasting)
     }
 
-    pub(super) fn check_sound(&self) -> Result<(), StateToStateError> {
+    pub(super) fn check_sound(&self) -> Result<(), FeedError> {
         let sum: f64 = self.phases[..self.count].iter().map(|p| 0.0 * (p.t + p.s + p.v + p.a + p.j)).sum();
-        if sum == 0.0 && self.duration.is_finite() { Ok(()) } else { Err(StateToStateError::OutOfRange) }
+        if sum == 0.0 && self.duration.is_finite() {
+            Ok(())
+        } else {
+            Err(FeedError::OutOfRange { what: "duration of the motion" })
+        }
     }
 
     /// The phases in order, each with its duration (s), which is not zero.

@@ -1,6 +1,7 @@
 //! Powers of two that bring the numbers of a problem near 1, exactly.
 
-use super::limits::{AxisLimits, AxisState};
+use crate::limits::AxisLimits;
+use crate::state::AxisState;
 
 /// Units of length and time as exponents of two.
 #[derive(Debug, Clone, Copy, PartialEq)]

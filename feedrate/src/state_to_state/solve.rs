@@ -11,9 +11,9 @@
 //! durations then fall into a short first range, between two direct changes, and a second one without end.
 
 use super::family::{Family, Peak, Peaks, Problem};
-use super::limits::SLACK;
 use super::outside;
 use super::shape::Shape;
+use crate::limits::SLACK;
 
 /// The shortest change of velocity and acceleration, wherever it ends.
 pub(super) struct Direct {

@@ -1,5 +1,5 @@
 //! Change of speed from any state: limits, exact end, minimality against an independent search.
-use arcfeed_feedrate::{FeedError, MotionLaw, MotionLimits, SpeedChange};
+use arcfeed_feedrate::{AxisLimits, FeedError, MotionLaw, SpeedChange};
 use proptest::prelude::*;
 
 /// Least time from (v0, a0) to (v1, 0) among all jerk-limited motions that visit one peak acceleration: the brute force
@@ -43,7 +43,7 @@ proptest! {
     fn is_the_shortest_way_and_keeps_the_limits(
         v0 in 0.0..3.0_f64, a0 in -6.0..6.0_f64, v1 in 0.0..2.0_f64, a in 0.5..4.0_f64, j in 1.0..60.0_f64,
     ) {
-        let limits = MotionLimits::new(2.0, a, j).unwrap();
+        let limits = AxisLimits::symmetric(2.0, a, j).unwrap();
         let c = SpeedChange::new(v0, a0, v1, &limits).unwrap();
         let best = brute_force(v0, a0, v1, a, j);
         prop_assert!(c.duration() <= best * (1.0 + 1e-9), "{} against {best}", c.duration());
@@ -81,15 +81,15 @@ proptest! {
     #[test]
     fn units_do_not_matter(v0 in 0.0..3.0_f64, a0 in -6.0..6.0_f64, v1 in 0.0..2.0_f64, p in -30..30_i32) {
         let l = 2f64.powi(2 * p);
-        let one = SpeedChange::new(v0, a0, v1, &MotionLimits::new(2.0, 3.0, 40.0).unwrap()).unwrap();
-        let other = SpeedChange::new(v0 * l, a0 * l, v1 * l, &MotionLimits::new(2.0 * l, 3.0 * l, 40.0 * l).unwrap()).unwrap();
+        let one = SpeedChange::new(v0, a0, v1, &AxisLimits::symmetric(2.0, 3.0, 40.0).unwrap()).unwrap();
+        let other = SpeedChange::new(v0 * l, a0 * l, v1 * l, &AxisLimits::symmetric(2.0 * l, 3.0 * l, 40.0 * l).unwrap()).unwrap();
         prop_assert_eq!(one.duration(), other.duration());
     }
 }
 
 #[test]
 fn printed_order_is_longer_when_the_acceleration_points_the_right_way() {
-    let limits = MotionLimits::new(2.0, 2.0, 10.0).unwrap();
+    let limits = AxisLimits::symmetric(2.0, 2.0, 10.0).unwrap();
     let (v0, a0, v1) = (0.2, 1.5, 1.6);
     let ours = SpeedChange::new(v0, a0, v1, &limits).unwrap();
     // Eqs. 14 to 18: first a to zero, then one S-shaped change.
@@ -100,7 +100,7 @@ fn printed_order_is_longer_when_the_acceleration_points_the_right_way() {
 
 #[test]
 fn a_start_above_the_limit_brakes_and_a_hard_start_dips() {
-    let limits = MotionLimits::new(1.0, 2.0, 10.0).unwrap();
+    let limits = AxisLimits::symmetric(1.0, 2.0, 10.0).unwrap();
     let fast = SpeedChange::new(3.0, 5.0, 1.0, &limits).unwrap();
     assert!(!fast.reverses() && fast.at(fast.duration()).v == 1.0);
     let dip = SpeedChange::brake(0.01, -2.0, &limits).unwrap();
@@ -111,7 +111,7 @@ fn a_start_above_the_limit_brakes_and_a_hard_start_dips() {
 
 #[test]
 fn invalid_input_is_named() {
-    let limits = MotionLimits::new(1.0, 2.0, 10.0).unwrap();
+    let limits = AxisLimits::symmetric(1.0, 2.0, 10.0).unwrap();
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         for (field, name) in ["v", "a", "target"].iter().enumerate() {
             let mut x = [0.1; 3];
@@ -127,7 +127,7 @@ fn invalid_input_is_named() {
 /// A start at its peak acceleration was sampled with the jerk of the first phase, which lasts no time.
 #[test]
 fn a_start_at_the_peak_acceleration_is_sampled_right() {
-    let limits = MotionLimits::new(2.0, 2.0, 10.0).unwrap();
+    let limits = AxisLimits::symmetric(2.0, 2.0, 10.0).unwrap();
     for (v, a) in [(1.5, -2.0), (-1.5, 2.0), (0.2, -2.0)] {
         let change = SpeedChange::brake(v, a, &limits).unwrap();
         let mut before = change.at(0.0);

@@ -1,6 +1,6 @@
 //! Motions of a given duration: every duration that is possible is met exactly, the others are refused with the nearest.
 #![allow(clippy::unwrap_used, clippy::neg_cmp_op_on_partial_ord)]
-use arcfeed_feedrate::{AxisLimits, AxisProblem, AxisState, MotionLaw, StateToStateError};
+use arcfeed_feedrate::{AxisLimits, AxisProblem, AxisState, FeedError, MotionLaw};
 
 use crate::common;
 use common::Rng;
@@ -61,7 +61,7 @@ fn impossible_durations_name_the_nearest() {
                 continue;
             }
             match problem.lasting(t) {
-                Err(StateToStateError::DurationImpossible { duration, below, above }) => {
+                Err(FeedError::DurationImpossible { duration, below, above }) => {
                     assert_eq!((duration, below, above), (t, Some(a), b));
                     refused += 1;
                 }
@@ -70,14 +70,14 @@ fn impossible_durations_name_the_nearest() {
         }
         let short = 0.999 * durations.shortest();
         if short < durations.shortest() {
-            assert!(matches!(problem.lasting(short), Err(StateToStateError::DurationImpossible { below: None, .. })));
+            assert!(matches!(problem.lasting(short), Err(FeedError::DurationImpossible { below: None, .. })));
         }
     }
     assert!(refused > 800, "{refused}");
     let limits = AxisLimits::symmetric(1.0, 1.0, 1.0).unwrap();
     let problem = AxisProblem::new(&AxisState::rest(0.0), &AxisState::rest(1.0), &limits).unwrap();
-    assert!(matches!(problem.lasting(f64::NAN), Err(StateToStateError::NotFinite { what: "duration", .. })));
-    assert!(matches!(problem.lasting(-1.0), Err(StateToStateError::DurationImpossible { below: None, .. })));
+    assert!(matches!(problem.lasting(f64::NAN), Err(FeedError::NotFinite { what: "duration", .. })));
+    assert!(matches!(problem.lasting(-1.0), Err(FeedError::DurationImpossible { below: None, .. })));
 }
 
 #[test]

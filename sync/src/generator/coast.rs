@@ -1,6 +1,6 @@
 //! How an axis goes on without a target: at constant velocity, and to a stop before its range ends.
 
-use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, StateToState, StateToStateError};
+use arcfeed_feedrate::{AxisLimits, AxisState, FeedError, MotionLaw, StateToState};
 
 /// What differs by less, relative to the size of the numbers, differs by round-off.
 const ROUND_OFF: f64 = 64.0 * f64::EPSILON;
@@ -50,7 +50,7 @@ pub(super) struct Coast {
 impl Coast {
     /// From `s` the acceleration is brought to zero, and the velocity inside its limits; then it stays what it is. Where the range
     /// ends ahead, the axis brakes so that it stands at that end.
-    pub fn new(s: &AxisState, l: &AxisLimits, range: &Range) -> Result<Self, StateToStateError> {
+    pub fn new(s: &AxisState, l: &AxisLimits, range: &Range) -> Result<Self, FeedError> {
         let v = l.velocity_after(s).clamp(l.v_min(), l.v_max());
         let end = if v > 0.0 { range.upper } else { range.lower };
         if v == 0.0 || !end.is_finite() {

@@ -1,6 +1,6 @@
 //! What a cycle brings.
 
-use crate::point_to_point::JointState;
+use crate::joint_state::JointState;
 
 /// What one cycle brought.
 #[derive(Debug, Clone, Copy, PartialEq)]

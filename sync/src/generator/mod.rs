@@ -9,8 +9,8 @@ use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw};
 use self::coast::Range;
 use self::following::Following;
 use crate::error::SyncError;
+use crate::joint_state::JointState;
 use crate::mode::{MotionOptions, Synchronisation};
-use crate::point_to_point::JointState;
 use crate::state_to_state::{Trajectory, keeps};
 
 pub use self::events::{Events, Step};

@@ -1,6 +1,6 @@
 //! One coordinate of the part of the motion that fades away: a brake to rest, wherever that is.
 
-use arcfeed_feedrate::{MotionLaw, MotionLimits, MotionState, SpeedChange};
+use arcfeed_feedrate::{AxisLimits, MotionLaw, MotionState, SpeedChange};
 
 /// Ranges of velocity, acceleration and jerk over some time, zero included, and a bound of the displacement.
 #[derive(Debug, Clone, Copy, Default)]
@@ -40,7 +40,7 @@ impl Fade {
         if v == 0.0 && a == 0.0 {
             return Some(Self::default());
         }
-        let brake = MotionLimits::new(1.0, limits.a, limits.j).and_then(|l| SpeedChange::brake(v, a, &l)).ok()?;
+        let brake = AxisLimits::symmetric(1.0, limits.a, limits.j).and_then(|l| SpeedChange::brake(v, a, &l)).ok()?;
         let (low, high) = (brake.lowest_speed(), brake.highest_speed());
         let reach = match limits.in_proportion {
             true => 0.0,

@@ -1,5 +1,6 @@
 //! The synchroniser in joint space.
 
+use arcfeed_feedrate::AxisLimits;
 use nalgebra::{SMatrix, SVector};
 
 use super::ProjectionStatus;
@@ -8,7 +9,8 @@ use super::line::{LinePlan, Start};
 use super::recover::Recovery;
 use super::room::{FLOOR, NONE, Order, RESERVE, Room, Rooms, SLACK, WIDEST};
 use crate::error::SyncError;
-use crate::point_to_point::{AxisLimits, JointState};
+use crate::joint_state::JointState;
+use crate::limits::check_symmetric;
 
 /// State and status after a cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,9 +31,9 @@ pub struct ProjectionStep<const N: usize> {
 /// error, on a straight line throughout. Nothing allocates.
 ///
 /// ```
-/// use arcfeed_sync::{AxisLimits, JointState, ProjectionStatus, ProjectionSync};
+/// use arcfeed_sync::{JointState, ProjectionStatus, ProjectionSync, symmetric_limits};
 /// use nalgebra::Vector3;
-/// let limits = AxisLimits::new(Vector3::repeat(2.0), Vector3::repeat(10.0), Vector3::repeat(200.0))?;
+/// let limits = symmetric_limits(Vector3::repeat(2.0), Vector3::repeat(10.0), Vector3::repeat(200.0))?;
 /// let mut sync = ProjectionSync::new(&JointState::rest(Vector3::zeros()), Vector3::new(1.0, -0.5, 0.2), &limits)?;
 /// for cycle in 0.. {
 ///     if cycle == 300 {
@@ -46,7 +48,7 @@ pub struct ProjectionStep<const N: usize> {
 /// ```
 #[derive(Debug, Clone, Copy)]
 pub struct ProjectionSync<const N: usize> {
-    limits: AxisLimits<N>,
+    limits: [AxisLimits; N],
     target: SVector<f64, N>,
     /// Where the motion in force began.
     from: JointState<N>,
@@ -67,14 +69,15 @@ impl<const N: usize> ProjectionSync<N> {
     /// From `start`, in any state of motion (its jerk does not matter), to rest at `target` (rad).
     ///
     /// # Errors
-    /// [`SyncError::Axis`] naming the joint and what is not finite; [`SyncError::OutOfRange`] if the numbers leave the range
-    /// of `f64`.
-    pub fn new(start: &JointState<N>, target: SVector<f64, N>, limits: &AxisLimits<N>) -> Result<Self, SyncError> {
+    /// [`SyncError::Axis`] naming the joint and what is not finite; [`SyncError::State`] naming the joint whose limits
+    /// differ in the two directions; [`SyncError::OutOfRange`] if the numbers leave the range of `f64`.
+    pub fn new(start: &JointState<N>, target: SVector<f64, N>, limits: &[AxisLimits; N]) -> Result<Self, SyncError> {
         let parts = [("start position", &start.q), ("start velocity", &start.qd), ("start acceleration", &start.qdd)];
         for (what, values) in parts {
             check_finite(what, values)?;
         }
         check_finite("target", &target)?;
+        check_symmetric(limits)?;
         let motion = Motion::new(start, &target, limits)?;
         Ok(Self { limits: *limits, target, from: *start, motion, t: 0.0 })
     }
@@ -94,15 +97,16 @@ impl<const N: usize> ProjectionSync<N> {
     /// Other limits from here on.
     ///
     /// # Errors
-    /// [`SyncError::OutOfRange`]; the motion then goes on with the old ones.
-    pub fn set_limits(&mut self, limits: &AxisLimits<N>) -> Result<(), SyncError> {
+    /// [`SyncError::State`], [`SyncError::OutOfRange`]; the motion then goes on with the old ones.
+    pub fn set_limits(&mut self, limits: &[AxisLimits; N]) -> Result<(), SyncError> {
         if *limits == self.limits {
             return Ok(());
         }
+        check_symmetric(limits)?;
         self.replan(self.target, *limits)
     }
 
-    fn replan(&mut self, target: SVector<f64, N>, limits: AxisLimits<N>) -> Result<(), SyncError> {
+    fn replan(&mut self, target: SVector<f64, N>, limits: [AxisLimits; N]) -> Result<(), SyncError> {
         let from = self.state();
         self.motion = Motion::new(&from, &target, &limits)?;
         (self.target, self.limits, self.from, self.t) = (target, limits, from, 0.0);
@@ -182,18 +186,17 @@ impl<const N: usize> ProjectionSync<N> {
     }
 
     /// The limits.
-    pub const fn limits(&self) -> &AxisLimits<N> {
+    pub const fn limits(&self) -> &[AxisLimits; N] {
         &self.limits
     }
 }
 
 impl<const N: usize> Motion<N> {
-    fn new(from: &JointState<N>, target: &SVector<f64, N>, limits: &AxisLimits<N>) -> Result<Self, SyncError> {
+    fn new(from: &JointState<N>, target: &SVector<f64, N>, limits: &[AxisLimits; N]) -> Result<Self, SyncError> {
         if let Some(plan) = plan(from, target, limits) {
             return Ok(Self::Planned(plan));
         }
-        let (v, a, j) = (limits.velocity(), limits.acceleration(), limits.jerk());
-        let recovery = |k: usize| Recovery::new(from.qd[k], from.qdd[k], (v[k], a[k], j[k]));
+        let recovery = |k: usize| Recovery::new(from.qd[k], from.qdd[k], &limits[k]);
         let joints: [Recovery; N] = std::array::from_fn(recovery);
         let duration = joints.iter().map(Recovery::duration).fold(0.0, f64::max);
         if !duration.is_finite() {
@@ -203,11 +206,14 @@ impl<const N: usize> Motion<N> {
     }
 }
 
-fn plan<const N: usize>(from: &JointState<N>, target: &SVector<f64, N>, limits: &AxisLimits<N>) -> Option<LinePlan<N>> {
-    let inside = |x: &SVector<f64, N>, bound: &SVector<f64, N>| {
-        x.iter().zip(bound.iter()).all(|(x, b)| x.abs() <= b * (1.0 + 2.0 * FLOOR))
-    };
-    if !(inside(&from.qd, limits.velocity()) && inside(&from.qdd, limits.acceleration())) {
+fn plan<const N: usize>(
+    from: &JointState<N>,
+    target: &SVector<f64, N>,
+    limits: &[AxisLimits; N],
+) -> Option<LinePlan<N>> {
+    let inside = |x: f64, bound: f64| x.abs() <= bound * (1.0 + 2.0 * FLOOR);
+    let inside = |k: usize| inside(from.qd[k], limits[k].v_max()) && inside(from.qdd[k], limits[k].a_max());
+    if !(0..N).all(inside) {
         return None;
     }
     LinePlan::new(&Start { v: from.qd, a: from.qdd }, limits, |d| target - from.q - d)
@@ -222,8 +228,8 @@ fn check_finite<const N: usize>(what: &'static str, values: &SVector<f64, N>) ->
     Ok(())
 }
 
-/// A box per joint.
-impl<const N: usize> Room<N> for AxisLimits<N> {
+/// A box per joint, the same in both directions.
+impl<const N: usize> Room<N> for [AxisLimits; N] {
     fn frame(&self, _: &SVector<f64, N>, _: &SVector<f64, N>, _: &SVector<f64, N>) -> SMatrix<f64, N, N> {
         // The limits are those of the joints: their own axes are the only ones that fit.
         SMatrix::identity()
@@ -234,10 +240,10 @@ impl<const N: usize> Room<N> for AxisLimits<N> {
     }
 
     fn project(&self, order: Order, y: &SVector<f64, N>, u: &SVector<f64, N>) -> f64 {
-        let bound = self.bound(order);
         let (mut dot, mut square) = (0.0, 0.0);
-        for k in 0..N {
-            let (y, u) = (y[k] / bound[k], u[k] / bound[k]);
+        for (k, limits) in self.iter().enumerate() {
+            let bound = order.bound(limits);
+            let (y, u) = (y[k] / bound, u[k] / bound);
             dot += y * u;
             square += u * u;
         }
@@ -245,10 +251,9 @@ impl<const N: usize> Room<N> for AxisLimits<N> {
     }
 
     fn share(&self, order: Order, part: &SVector<f64, N>, whole: &SVector<f64, N>) -> f64 {
-        let bound = self.bound(order);
         let mut share = 1.0f64;
-        for k in 0..N {
-            let (p, c, b) = (part[k].abs(), whole[k].abs(), bound[k]);
+        for (k, limits) in self.iter().enumerate() {
+            let (p, c, b) = (part[k].abs(), whole[k].abs(), order.bound(limits));
             let against = part[k] * whole[k] < 0.0;
             let most = match order {
                 // A velocity that fades stays on its side of zero and so leaves the other one free.
@@ -272,19 +277,20 @@ impl<const N: usize> Room<N> for AxisLimits<N> {
         share: f64,
     ) -> [BrakeLimits; N] {
         std::array::from_fn(|k| {
-            let (a, j) = (self.acceleration()[k], self.jerk()[k]);
+            let (a, j) = (self[k].a_max(), self[k].j_max());
             let most = own[k].abs().max((share * a).min(a - line[k].abs()));
             BrakeLimits { a: most, j: share * j, in_proportion: true }
         })
     }
 
     fn rooms(&self, u: &SVector<f64, N>, ranges: &[Ranges; N]) -> Rooms {
-        let room = |bound: &SVector<f64, N>, range: fn(&Ranges) -> (f64, f64)| {
+        let room = |bound: fn(&AxisLimits) -> f64, range: fn(&Ranges) -> (f64, f64)| {
             let (mut lower, mut upper) = (-WIDEST, WIDEST);
             for k in 0..N {
                 let (low, high) = range(&ranges[k]);
-                let (down, up) = (-bound[k] - low, bound[k] - high);
-                if low < -bound[k] * (1.0 + SLACK) || high > bound[k] * (1.0 + SLACK) {
+                let bound = bound(&self[k]);
+                let (down, up) = (-bound - low, bound - high);
+                if low < -bound * (1.0 + SLACK) || high > bound * (1.0 + SLACK) {
                     return NONE;
                 }
                 if u[k] > 0.0 {
@@ -296,18 +302,18 @@ impl<const N: usize> Room<N> for AxisLimits<N> {
             (lower, upper)
         };
         Rooms {
-            v: room(self.velocity(), |r| r.v),
-            a: room(self.acceleration(), |r| r.a),
-            j: room(self.jerk(), |r| r.j),
+            v: room(AxisLimits::v_max, |r| r.v),
+            a: room(AxisLimits::a_max, |r| r.a),
+            j: room(AxisLimits::j_max, |r| r.j),
         }
     }
 }
 
-impl<const N: usize> AxisLimits<N> {
-    fn bound(&self, order: Order) -> &SVector<f64, N> {
-        match order {
-            Order::Velocity => self.velocity(),
-            Order::Acceleration => self.acceleration(),
+impl Order {
+    fn bound(self, limits: &AxisLimits) -> f64 {
+        match self {
+            Self::Velocity => limits.v_max(),
+            Self::Acceleration => limits.a_max(),
         }
     }
 }

@@ -17,7 +17,7 @@
 //! sum is inside the limits whatever the phases of the two. As `w` fades the ranges shrink and the bounds widen; `x` is planned
 //! again at [`STAGES`] moments from where it is then, which is inside the wider bounds too.
 
-use arcfeed_feedrate::{AxisLimits as ScalarLimits, AxisState, MotionLaw, MotionState, StateToState};
+use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, MotionState, StateToState};
 use nalgebra::{SMatrix, SVector};
 
 use super::fade::{Fade, Ranges};
@@ -156,7 +156,7 @@ impl<const M: usize> LinePlan<M> {
         let faded = parts.fades.iter().map(Fade::duration).fold(0.0, f64::max);
         let target = AxisState::rest(1.0);
         let mut x = AxisState::new(0.0, parts.alpha, parts.beta);
-        let still = StateToState::new(&target, &target, &ScalarLimits::symmetric(1.0, 1.0, 1.0).ok()?).ok()?;
+        let still = StateToState::new(&target, &target, &AxisLimits::symmetric(1.0, 1.0, 1.0).ok()?).ok()?;
         let mut plan = Self {
             u: parts.u,
             frame: parts.frame,
@@ -220,7 +220,7 @@ impl<const M: usize> LinePlan<M> {
 }
 
 /// Bounds of the scalar, each at least a trace of what it is without the fading part.
-fn scalar_limits(rooms: &Rooms, full: &Rooms) -> Option<ScalarLimits> {
+fn scalar_limits(rooms: &Rooms, full: &Rooms) -> Option<AxisLimits> {
     let open = |r: (f64, f64), f: (f64, f64)| (r.0.min(FLOOR * f.0), r.1.max(FLOOR * f.1));
-    ScalarLimits::new(open(rooms.v, full.v), open(rooms.a, full.a), open(rooms.j, full.j)).ok()
+    AxisLimits::new(open(rooms.v, full.v), open(rooms.a, full.a), open(rooms.j, full.j)).ok()
 }

@@ -1,6 +1,6 @@
 //! The synchroniser for a tool: position and orientation.
 
-use arcfeed_feedrate::{MotionLaw, MotionLimits, SpeedChange};
+use arcfeed_feedrate::{AxisLimits, MotionLaw, SpeedChange};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3, Vector6};
 
 use super::ProjectionStatus;
@@ -294,7 +294,7 @@ impl Recovery {
         let speed = later.norm();
         let direction = if speed > 0.0 { later / speed } else { Vector3::zeros() };
         let target = speed.min(v_max);
-        let limits = MotionLimits::new(v_max, a_max, j_max).ok()?;
+        let limits = AxisLimits::symmetric(v_max, a_max, j_max).ok()?;
         let change = SpeedChange::new(speed, 0.0, target, &limits).ok()?;
         release.is_finite().then_some(Self { v, a, release, direction, change })
     }

@@ -1,5 +1,5 @@
 //! Straight-line moves: limits, straightness, exact ends, time-optimality against a closed form, bad input.
-use arcfeed_sync::{AxisLimits, PointToPoint, SyncError};
+use arcfeed_sync::{PointToPoint, SyncError, symmetric_limits};
 use nalgebra::{SVector, Vector3};
 use proptest::prelude::*;
 
@@ -13,7 +13,7 @@ proptest! {
         start in vector(-3.0..3.0), goal in vector(-3.0..3.0),
         v in vector(0.1..5.0), a in vector(0.5..50.0), j in vector(1.0..5000.0), least in 0.0..6.0_f64,
     ) {
-        let limits = AxisLimits::new(v, a, j).unwrap();
+        let limits = symmetric_limits(v, a, j).unwrap();
         let motion = PointToPoint::lasting_at_least(start, goal, &limits, least).unwrap();
         let t_end = motion.duration();
         prop_assert!(t_end >= least * (1.0 - 1e-12));
@@ -38,7 +38,7 @@ proptest! {
 #[test]
 fn duration_is_the_textbook_one() {
     // All three bounds reached: d / v + v / a + a / j.
-    let limits = AxisLimits::new(SVector::from([1.0]), SVector::from([4.0]), SVector::from([40.0])).unwrap();
+    let limits = symmetric_limits(SVector::from([1.0]), SVector::from([4.0]), SVector::from([40.0])).unwrap();
     let motion = PointToPoint::new(SVector::from([0.0]), SVector::from([3.0]), &limits).unwrap();
     assert!((motion.duration() - (3.0 + 0.25 + 0.1)).abs() < 1e-12);
     // Only the jerk bound: 4 (d / (2 j))^(1/3).
@@ -48,7 +48,7 @@ fn duration_is_the_textbook_one() {
 
 #[test]
 fn no_way_to_go_takes_no_time() {
-    let limits = AxisLimits::new(Vector3::repeat(1.0), Vector3::repeat(1.0), Vector3::repeat(1.0)).unwrap();
+    let limits = symmetric_limits(Vector3::repeat(1.0), Vector3::repeat(1.0), Vector3::repeat(1.0)).unwrap();
     let motion = PointToPoint::lasting_at_least(Vector3::x(), Vector3::x(), &limits, 3.0).unwrap();
     assert_eq!(motion.duration(), 0.0);
     assert_eq!(motion.at(1.0).q, Vector3::x());
@@ -58,10 +58,10 @@ fn no_way_to_go_takes_no_time() {
 fn bad_input_is_named() {
     let one = Vector3::repeat(1.0);
     for bad in [f64::NAN, 0.0, -1.0, f64::INFINITY] {
-        let message = AxisLimits::new(one, Vector3::new(1.0, bad, 1.0), one).unwrap_err().to_string();
+        let message = symmetric_limits(one, Vector3::new(1.0, bad, 1.0), one).unwrap_err().to_string();
         assert!(message.starts_with("axis 2: acceleration limit is"), "{message}");
     }
-    let limits = AxisLimits::new(one, one, one).unwrap();
+    let limits = symmetric_limits(one, one, one).unwrap();
     let nan = Vector3::new(0.0, 0.0, f64::NAN);
     assert!(matches!(PointToPoint::new(nan, one, &limits), Err(SyncError::Axis { axis: 2, what: "start", .. })));
     assert!(matches!(PointToPoint::lasting_at_least(one, one, &limits, -1.0), Err(SyncError::Duration { .. })));
