@@ -90,7 +90,7 @@ pub use scan::reachability::Reachability;
 pub use scan::segment::{boundary_speeds, plan_per_segment, plan_windowed};
 pub use scan::{Segment, boundaries};
 pub use scurve::change::SpeedChange;
-pub use scurve::phases::Phase;
+pub use scurve::phase::Phase;
 pub use scurve::profile::{Adjust, Adjusted, SProfile};
 pub use scurve::solve::{distance_for_change, highest_speed_over, lowest_speed_over};
 pub use speed_law::{Cursor, SpeedLaw};

@@ -3,6 +3,7 @@
 use crate::constraint::{Feed, PathConstraint, Stop, TangentialAcceleration, TangentialJerk};
 use crate::error::{FeedError, positive};
 use crate::jerk_limited::JerkLimited;
+use crate::limits::AxisLimits;
 use crate::problem::{FeedPlanner, FeedProblem};
 use crate::scan::Segment;
 use crate::scan::continuous_acceleration::plan_continuous;
@@ -98,6 +99,11 @@ impl VelocityLimitCurve {
     /// Bound on the tangential jerk, either sign (m/s³).
     pub fn jerk(&self) -> f64 {
         self.jerk
+    }
+
+    /// Tangential acceleration and jerk as limits of a forward motion; the speed is limited by the curve alone.
+    pub(super) fn limits(&self) -> AxisLimits {
+        AxisLimits::symmetric_unchecked(f64::INFINITY, self.acceleration, self.jerk)
     }
 
     /// How long the whole path takes at full speed (s).

@@ -96,7 +96,7 @@ impl FeedOverride<'_> {
     /// Leaves the last part of the way to the next stop to an exact plan, from shortly before the last place to brake.
     fn begin_landing(&mut self) {
         let Some(&stop) = self.curve.stops().get(self.next) else { return };
-        let braking = SpeedChange::build(self.v, self.a, 0.0, self.curve.acceleration(), self.curve.jerk()).length();
+        let braking = SpeedChange::between((self.v, self.a), (0.0, 0.0), &self.curve.limits()).length();
         if self.intent == Intent::Run && self.v > 0.0 && stop - self.s - braking < EARLY * self.v * self.period {
             self.land(stop, 1.0);
         }

@@ -20,6 +20,8 @@ const APPROACH: (f64, f64) = (0.4, 5.0);
 
 /// How to go on for a cycle.
 #[derive(Debug, Clone, Copy)]
+// A few per cycle, none is stored.
+#[allow(clippy::large_enum_variant)]
 enum Way {
     /// By a change of speed, and at its target speed after it.
     Change(SpeedChange, f64),
@@ -44,7 +46,7 @@ impl FeedOverride<'_> {
 
     /// The fastest change to speed `target`.
     fn change_to(&self, target: f64) -> Way {
-        Way::Change(SpeedChange::build(self.v, self.a, target, self.curve.acceleration(), self.curve.jerk()), target)
+        Way::Change(SpeedChange::between((self.v, self.a), (target, 0.0), &self.curve.limits()), target)
     }
 
     /// Position, speed and acceleration at time `t` of a way to go on.
@@ -120,11 +122,11 @@ impl FeedOverride<'_> {
             }
             self.braking_for = None;
         }
-        let (a, j) = (self.curve.acceleration(), self.curve.jerk());
+        let (limits, j) = (self.curve.limits(), self.curve.jerk());
         let too_late = |&(from, feed): &(f64, f64)| {
             let feed = feed * self.factor;
             next.1 + 0.5 * next.2 * next.2.abs() / j > feed
-                && SpeedChange::build(next.1, next.2, feed, a, j).length() > from - next.0
+                && SpeedChange::between((next.1, next.2), (feed, 0.0), &limits).length() > from - next.0
         };
         let ahead = self.feeds.ahead(self.s).chain(self.feeds.ends_ahead(self.s));
         let slowest = ahead.filter(too_late).min_by(|x, y| x.1.total_cmp(&y.1));
@@ -182,8 +184,8 @@ impl FeedOverride<'_> {
         if a <= a_law {
             return true;
         }
-        let brake = SpeedChange::build(v, a, 0.0, a_max, j_max);
-        let hardest = brake.phases()[1].t;
+        let brake = SpeedChange::between((v, a), (0.0, 0.0), &self.curve.limits());
+        let hardest = brake.peak_time;
         // How far the braking is under the law at a time, in speed and in acceleration.
         let under = |t: f64| {
             let at = brake.at(t);

@@ -58,8 +58,8 @@ impl Landing {
 }
 
 fn limits(curve: &VelocityLimitCurve, v: f64) -> Result<AxisLimits, FeedError> {
-    let (a, j) = (curve.acceleration(), curve.jerk());
-    AxisLimits::forward(v, (-a, a), (-j, j))
+    let limits = curve.limits();
+    AxisLimits::forward(v, limits.a, limits.j)
 }
 
 /// Whether a plan from `s` keeps the caps, between its samples too.

@@ -17,7 +17,6 @@
 //! * the choice between braking and accelerating at the end (in print by `max(Sdec, Sacc)`, which can be imaginary) follows
 //!   from the sign of the change of speed.
 
-mod change;
 mod plan;
 mod scheduler;
 

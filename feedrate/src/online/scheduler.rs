@@ -108,10 +108,10 @@ impl FeedScheduler {
     pub fn step(&mut self, period: f64) -> Result<FeedStep, FeedError> {
         let period = not_negative("period", finite("period", period)?)?;
         let was = self.t;
-        self.t = (was + period).min(self.plan.duration);
-        let status = match (self.t >= self.plan.duration, self.plan.arrives) {
+        self.t = (was + period).min(self.plan.phases.duration);
+        let status = match (self.t >= self.plan.phases.duration, self.plan.arrives) {
             (false, _) => FeedStatus::Moving,
-            (true, true) => FeedStatus::Reached { unused: (was + period - self.plan.duration).max(0.0) },
+            (true, true) => FeedStatus::Reached { unused: (was + period - self.plan.phases.duration).max(0.0) },
             (true, false) => FeedStatus::Holding,
         };
         Ok(FeedStep { state: self.state(), status })
@@ -142,7 +142,7 @@ impl FeedScheduler {
         if let Ok(plan) = Plan::new(&from, &self.target, limits, release) {
             self.in_force = *limits;
             // Halfway through braking for the end, round-off must not replace the plan by a detour.
-            if !(kept && plan.arrives && plan.duration >= (self.plan.duration - self.t) * (1.0 - KEEP)) {
+            if !(kept && plan.arrives && plan.phases.duration >= (self.plan.phases.duration - self.t) * (1.0 - KEEP)) {
                 self.adopt(plan);
             }
             return Ok(Adoption::Full);
@@ -181,7 +181,7 @@ impl FeedScheduler {
     /// The state now.
     #[inline]
     pub fn state(&self) -> MotionState {
-        self.plan.at(self.t)
+        self.plan.phases.at(self.t)
     }
 
     /// Limits the present motion keeps, or is on its way back to.
@@ -196,11 +196,11 @@ impl FeedScheduler {
 
     /// Time to the end if nothing changes (s); infinite during a hold.
     pub fn remaining(&self) -> f64 {
-        if self.plan.arrives { self.plan.duration - self.t } else { f64::INFINITY }
+        if self.plan.arrives { self.plan.phases.duration - self.t } else { f64::INFINITY }
     }
 
     fn has_arrived(&self) -> bool {
-        self.plan.arrives && self.t >= self.plan.duration
+        self.plan.arrives && self.t >= self.plan.phases.duration
     }
 
     fn current(&self) -> AxisState {

@@ -12,7 +12,7 @@ use super::segment::{boundary_speeds, checked_caps};
 use super::{Segment, boundaries};
 use crate::error::FeedError;
 use crate::limits::AxisLimits;
-use crate::scurve::phases::Phase;
+use crate::scurve::phase::Phase;
 use crate::scurve::profile::{Adjusted, SProfile};
 use crate::speed_law::{Builder, SpeedLaw};
 

@@ -5,7 +5,7 @@
 //! The same is done, in the second pass, towards the curve of the first.
 
 use super::ceiling::Piece;
-use crate::scurve::phases::Phase;
+use crate::scurve::phase::Phase;
 use crate::state::MotionState;
 
 /// A phase with its duration and the index of the piece it starts in.

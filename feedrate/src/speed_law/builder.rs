@@ -4,7 +4,7 @@ use super::SpeedLaw;
 use super::piece::{Piece, Shape};
 use crate::error::FeedError;
 use crate::scurve::profile::SProfile;
-use crate::state::{MotionLaw, MotionState};
+use crate::state::MotionState;
 
 /// Collects pieces into a law. The time is summed in compensated form, so that thousands of pieces do not drift.
 #[derive(Debug)]
@@ -37,10 +37,8 @@ impl Builder {
 
     /// The phases of an S-profile that starts at `s0`.
     pub fn push_profile(&mut self, s0: f64, profile: &SProfile) {
-        let phases = profile.phases();
-        for (i, phase) in phases.iter().enumerate() {
-            let end = phases.get(i + 1).map_or(profile.duration(), |next| next.t);
-            self.push_phase(s0 + phase.s, phase.v, phase.a, phase.j, end - phase.t);
+        for (phase, dt) in profile.phases() {
+            self.push_phase(s0 + phase.s, phase.v, phase.a, phase.j, dt);
         }
     }
 

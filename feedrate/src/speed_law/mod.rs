@@ -92,7 +92,7 @@ impl SpeedLaw {
                 return Err(FeedError::Negative { what: "duration of a phase", value: dt });
             }
             builder.push_phase(state.p, state.v, state.a, j, dt);
-            let phase = crate::scurve::phases::Phase { t: 0.0, s: state.p, v: state.v, a: state.a, j };
+            let phase = crate::scurve::phase::Phase { t: 0.0, s: state.p, v: state.v, a: state.a, j };
             // The speed is least at an end of the phase or where its acceleration is zero.
             let turn = -state.a / j;
             for at in [dt, if turn > 0.0 && turn < dt { turn } else { 0.0 }] {

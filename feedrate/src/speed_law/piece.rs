@@ -1,6 +1,6 @@
 //! One piece of a speed law, by its state at the start and what stays constant on it.
 
-use crate::scurve::phases::Phase;
+use crate::scurve::phase::Phase;
 use crate::state::MotionState;
 
 /// What stays constant on a piece.

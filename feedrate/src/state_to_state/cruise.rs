@@ -11,8 +11,9 @@
 //!
 //! so that Newton's method has one root to find. Where the two changes take longer than `T` there is no such motion.
 
-use super::family::{Jerks, Peak, Problem};
+use super::family::Problem;
 use super::shape::Shape;
+use crate::scurve::closed_form::{Jerks, Peak};
 
 /// Shortest changes of one direction from a fixed state to a velocity without acceleration, in the frame in which they rise.
 #[derive(Clone, Copy)]

@@ -1,16 +1,18 @@
 //! A problem entered: its start acceleration brought inside the limits, and everything that is solved from there on.
 
+use super::brake_to_limits::Brake;
 use super::cruise;
 use super::durations::Gaps;
 use super::extremal::Extremals;
-use super::family::{Jerks, Problem};
-use super::outside::Brake;
+use super::family::Problem;
+use super::mean::Mean;
+use super::phase_writer::Writer;
 use super::profile::StateToState;
 use super::shape::{Shape, end_of};
 use super::solve::{Direct, solve, starts_too_fast};
-use super::writer::Writer;
 use crate::error::FeedError;
 use crate::limits::{AxisLimits, SLACK};
+use crate::scurve::closed_form::Jerks;
 use crate::state::AxisState;
 
 /// The shortest motion, not yet written down.
@@ -77,7 +79,7 @@ impl Entry {
 
     /// A writer with the phase that brings the acceleration inside its limits.
     fn writer<'a>(&self, out: &'a mut StateToState) -> Writer<'a> {
-        let mut writer = Writer::new(out);
+        let mut writer = Writer::new(&mut out.phases);
         writer.push(self.lead_time, self.lead.p, self.lead.v, self.lead.a, self.jerk);
         writer
     }
@@ -123,7 +125,7 @@ impl Entry {
         let to = self.from + direct.displacement;
         let mut writer = self.writer(out);
         writer.write(p, &direct.shape, false, self.from, to);
-        let duration = writer.t;
+        let duration = writer.duration();
         writer.finish(duration);
         to
     }
@@ -208,7 +210,7 @@ fn between(p: &Problem, t: f64, noise: f64, ends: (f64, f64), writer: &mut Write
     if up.0 < -noise || down.0 < -noise {
         return false;
     }
-    writer.between(p, t, (&up, &down), ends)
+    Mean::new(p, t, (&up, &down), ends).map(|mean| mean.write(writer)).is_some()
 }
 
 const ROUND_OFF: f64 = 1e-13;

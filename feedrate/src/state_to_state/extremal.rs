@@ -5,9 +5,9 @@
 //! the limits form a convex set. [`Extremals`] of the frame going up give its upper end, those of the mirrored frame its lower
 //! end. `T` is possible exactly if the displacement wanted lies in between.
 
+use super::brake_to_limits;
 use super::durations::Gaps;
 use super::family::{Family, Problem};
-use super::outside;
 use super::shape::Shape;
 use super::solve::{OneSided, start_of_peaked, starts_too_fast};
 
@@ -33,7 +33,7 @@ impl Extremals {
     /// Of the frame of `p`; the direct change starts with a rise in it or not.
     pub fn new(p: &Problem, direct_rises: bool) -> Self {
         let beyond = if starts_too_fast(p) {
-            let (shape, duration, excess) = outside::settled(p);
+            let (shape, duration, excess) = brake_to_limits::settled(p);
             Beyond::Settled { shape, duration, excess }
         } else {
             let family = Family::new(p);

@@ -14,41 +14,7 @@
 //! is then smooth at `s = 0`, and for `s < 0` the very same formulas describe the extremals in which the
 //! acceleration never passes through zero (the middle phase ends before it gets there, or starts after).
 
-/// Jerk limits of a frame, as positive numbers, and what follows from them.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Jerks {
-    pub up: f64,
-    pub down: f64,
-    pub inv_up: f64,
-    pub inv_down: f64,
-    pub k: f64,
-    /// Distance above the lower end of a ramp: `m a³`.
-    pub m: f64,
-    /// Distance gained per hold time: `q a²`.
-    pub q: f64,
-}
-
-impl Jerks {
-    pub fn new(up: f64, down: f64) -> Self {
-        Self::from_parts(up, down, 1.0 / up, 1.0 / down)
-    }
-
-    fn from_parts(up: f64, down: f64, u: f64, d: f64) -> Self {
-        Self {
-            up,
-            down,
-            inv_up: u,
-            inv_down: d,
-            k: 0.5 * (u + d),
-            m: u * u / 6.0 + 0.5 * u * d + d * d / 3.0,
-            q: 0.5 * u + d,
-        }
-    }
-
-    pub fn swapped(&self) -> Self {
-        Self::from_parts(self.down, self.up, self.inv_down, self.inv_up)
-    }
-}
+use crate::scurve::closed_form::{Jerks, Peak};
 
 /// A problem in the frame in which it moves up. `d` is the displacement wanted; `a_min` is stored as the positive `fall`.
 #[derive(Debug, Clone, Copy)]
@@ -79,26 +45,6 @@ impl Problem {
             fall: self.rise,
             j: self.j.swapped(),
         }
-    }
-}
-
-/// Peak acceleration and time at it, of a ramp over `x = k peak_free²` with acceleration limit `cap`.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Peak {
-    pub a: f64,
-    pub hold: f64,
-}
-
-impl Peak {
-    /// From the square of the peak acceleration a ramp would have without a limit on it.
-    pub fn from_square(sq: f64, cap: f64, k: f64) -> Self {
-        Self::from_free(sq.max(0.0).sqrt(), cap, k)
-    }
-
-    /// From the peak acceleration a ramp would have without a limit on it.
-    #[inline]
-    pub fn from_free(a: f64, cap: f64, k: f64) -> Self {
-        if a <= cap { Self { a, hold: 0.0 } } else { Self { a: cap, hold: k * (a - cap) * (a + cap) / cap } }
     }
 }
 

@@ -28,20 +28,21 @@
 //! # Source
 //! Liu et al. 2024: online trajectory generation for robots in hybrid space (task and joint space), section 4.1.
 
+mod brake_to_limits;
 mod by_duration;
 mod cruise;
 mod durations;
 mod entry;
 mod extremal;
 mod family;
-mod outside;
+mod mean;
+mod phase_writer;
 mod problem;
 mod profile;
 mod scale;
 mod shape;
 mod solve;
 mod velocity;
-mod writer;
 
 pub use durations::Durations;
 pub use problem::AxisProblem;

@@ -159,7 +159,7 @@ impl AxisProblem {
             out.rescale(u);
             out.check_sound()?;
         }
-        out.duration = duration;
+        out.phases.duration = duration;
         Ok(())
     }
 }

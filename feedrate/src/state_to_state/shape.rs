@@ -1,6 +1,7 @@
 //! The shape of a solution: two halves, a cruise between them, and how long each phase of it lasts.
 
-use super::family::{Family, Peak, Peaks, Problem};
+use super::family::{Family, Peaks, Problem};
+use crate::scurve::closed_form::Peak;
 
 /// The phases of a solution, in the frame it was found in.
 #[derive(Debug, Clone, Copy)]

@@ -10,10 +10,11 @@
 //! the direct change and one that brings the acceleration through zero do not exist. The
 //! durations then fall into a short first range, between two direct changes, and a second one without end.
 
-use super::family::{Family, Peak, Peaks, Problem};
-use super::outside;
+use super::brake_to_limits;
+use super::family::{Family, Peaks, Problem};
 use super::shape::Shape;
 use crate::limits::SLACK;
+use crate::scurve::closed_form::{Change, Peak};
 
 /// The shortest change of velocity and acceleration, wherever it ends.
 pub(super) struct Direct {
@@ -25,27 +26,13 @@ pub(super) struct Direct {
 
 impl Direct {
     pub fn new(p: &Problem) -> Self {
-        let (u, d) = (p.j.inv_up, p.j.inv_down);
-        let (s0, sf, dv) = (0.5 * p.a0 * p.a0, 0.5 * p.af * p.af, p.vf - p.v0);
-        let single = (sf - s0) * if p.af >= p.a0 { u } else { -d };
-        // A change by one phase is both; the peak of the right one has the sign of the accelerations.
-        let up = if dv == single { p.a0 + p.af >= 0.0 } else { dv > single };
-        let (square, cap, sign) =
-            if up { (dv + s0 * u + sf * d, p.rise, 1.0) } else { (-dv + s0 * d + sf * u, p.fall, -1.0) };
-        let peak = Peak::from_square(square / p.j.k, cap, p.j.k);
-        let (j1, j3) = if up { (u, d) } else { (d, u) };
-        // Mirror a change going down: same numbers, other signs.
-        let (a0, af, v0, vf) = (sign * p.a0, sign * p.af, sign * p.v0, sign * p.vf);
-        let (t1, t3) = (((peak.a - a0) * j1).max(0.0), ((peak.a - af) * j3).max(0.0));
-        let d1 = t1 * (v0 + t1 * (2.0 * a0 + peak.a) / 6.0);
-        let d3 = t3 * (vf - t3 * (2.0 * af + peak.a) / 6.0);
-        let v2 = vf - 0.5 * t3 * (peak.a + af);
-        let d2 = peak.hold * (v2 - 0.5 * peak.a * peak.hold);
-        let peak = Peak { a: sign * peak.a, hold: peak.hold };
+        let change = Change::new((p.v0, p.a0), (p.vf, p.af), (p.rise, p.fall), &p.j);
+        let Change { up, peak, t1, d2, d3, .. } = change;
+        let d1 = t1 * (p.v0 + t1 * (2.0 * p.a0 + peak.a) / 6.0);
         let (first, second) =
             if up { (peak, Peak { a: p.af, hold: 0.0 }) } else { (Peak { a: p.a0, hold: 0.0 }, peak) };
         let shape = Shape { first, second, cruise: 0.0, v_peak: 0.0, joined: true, up: (true, false), squeezed: false };
-        Self { up, displacement: sign * (d1 + d2 + d3), shape }
+        Self { up, displacement: d1 + d2 + d3, shape }
     }
 }
 
@@ -148,7 +135,7 @@ pub(super) fn start_of_peaked(p: &Problem, family: &Family) -> f64 {
 /// Extremals with a peak velocity, and cruising at the limit where they do not suffice.
 fn solve_peaked(p: &Problem, family: &Family, start: f64, f_start: f64) -> Shape {
     if starts_too_fast(p) {
-        return outside::solve(p);
+        return brake_to_limits::solve(p);
     }
     let top = family.at_velocity(p.v_max).max(start);
     let f_top = family.eval(top).0;

@@ -23,13 +23,11 @@ fn hold(p: &SProfile, length: f64, v0: f64, v1: f64, v: f64, a: f64, j: f64) {
     let (first, last) = (p.at(0.0), p.at(t_end));
     assert_eq!((first.p, first.v, first.a), (0.0, v0, 0.0));
     assert_eq!((last.p, last.v, last.a), (length, v1, 0.0));
-    let phases = p.phases();
-    for i in 0..7 {
-        let end = phases.get(i + 1).map_or(t_end, |n| n.t);
-        let dt = end - phases[i].t;
+    let phases: Vec<_> = p.phases().collect();
+    for (i, &(phase, dt)) in phases.iter().enumerate() {
         assert!(dt >= -1e-12 * t_end, "phase {i} lasts {dt}");
         for k in 0..=8 {
-            let x = phases[i].after(dt * f64::from(k) / 8.0);
+            let x = phase.after(dt * f64::from(k) / 8.0);
             assert!(x.v <= v * (1.0 + 1e-9) && x.v >= -1e-9 * v, "v {} of {v}", x.v);
             assert!(
                 x.a.abs() <= a * (1.0 + 1e-9) && x.j.abs() <= j * (1.0 + 1e-9),
@@ -38,8 +36,8 @@ fn hold(p: &SProfile, length: f64, v0: f64, v1: f64, v: f64, a: f64, j: f64) {
                 x.j
             );
         }
-        let x = phases[i].after(dt);
-        let next = phases.get(i + 1).map_or((length, v1, 0.0), |n| (n.s, n.v, n.a));
+        let x = phase.after(dt);
+        let next = phases.get(i + 1).map_or((length, v1, 0.0), |(n, _)| (n.s, n.v, n.a));
         // Round-off in time costs speed times its own: the clock carries one unit in the last place of t_end.
         let scale = p.v_peak();
         assert!((x.p - next.0).abs() <= 1e-9 * length, "phase {i}: s {} then {}", x.p, next.0);

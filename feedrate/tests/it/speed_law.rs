@@ -80,10 +80,7 @@ proptest! {
 #[test]
 fn a_profile_is_a_law_of_its_phases() {
     let profile = SProfile::new(0.3, 0.0, 0.05, &AxisLimits::symmetric(0.2, 1.0, 15.0).unwrap()).unwrap();
-    let phases = profile.phases();
-    let durations: Vec<(f64, f64)> = (0..phases.len())
-        .map(|i| (phases[i].j, phases.get(i + 1).map_or(profile.duration(), |next| next.t) - phases[i].t))
-        .collect();
+    let durations: Vec<(f64, f64)> = profile.phases().map(|(phase, dt)| (phase.j, dt)).collect();
     let law = SpeedLaw::from_phases(MotionState::default(), &durations).unwrap();
     for i in 0..=1000 {
         let t = profile.duration() * f64::from(i) / 1000.0;

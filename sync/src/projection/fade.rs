@@ -69,15 +69,13 @@ impl Fade {
     pub fn ranges_after(&self, t: f64) -> Ranges {
         let mut ranges = Ranges { p: self.reach, ..Ranges::default() };
         let Some(brake) = &self.brake else { return ranges };
-        let phases = brake.phases();
-        for (i, phase) in phases.iter().enumerate() {
-            let end = phases.get(i + 1).map_or(brake.duration(), |next| next.t);
-            if end <= t || end <= phase.t {
+        for (phase, dt) in brake.phases() {
+            let from = (t - phase.t).max(0.0);
+            if from >= dt {
                 continue;
             }
-            let (from, to) = ((t - phase.t).max(0.0), end - phase.t);
-            let turn = -phase.a / phase.j;
-            for x in [from, to, if turn > from && turn < to { turn } else { from }] {
+            let turn = phase.turn(dt).filter(|turn| *turn > from);
+            for x in [from, dt, turn.unwrap_or(from)] {
                 let s = phase.after(x);
                 widen(&mut ranges.v, s.v);
                 widen(&mut ranges.a, s.a);

@@ -6,8 +6,9 @@
 //! velocity with which the displacement comes out exactly, unless braking hard at first turns out to be shorter.
 
 use super::cruise::Changes;
-use super::family::{Peak, Problem};
+use super::family::Problem;
 use super::shape::Shape;
+use crate::scurve::closed_form::Peak;
 
 pub(super) fn solve(p: &Problem) -> Shape {
     let changes = Changes::new(p);
