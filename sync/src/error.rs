@@ -144,9 +144,6 @@ pub enum SyncError {
         "the motion is not representable in finite numbers for these arguments; use units in which the numbers are closer to 1"
     )]
     OutOfRange,
-    /// The scalar motion along the line cannot be built.
-    #[error("along the line: {0}")]
-    Line(#[from] arcfeed_feedrate::FeedError),
 }
 
 impl SyncError {

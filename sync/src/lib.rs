@@ -1,7 +1,7 @@
 //! Several axes moving together.
 //!
-//! [`PointToPoint`] moves `N` axes from rest to rest on an exactly straight line in joint space, as fast as the
-//! bounds of each axis on velocity, acceleration and jerk allow. All axes share one scalar motion, so they start and stop together.
+//! [`Trajectory::rest_to_rest`] moves `N` axes from rest to rest on an exactly straight line in joint space, as fast
+//! as the limits of each axis on velocity, acceleration and jerk allow. All axes start and stop together.
 //!
 //! [`ProjectionSync`] takes them, and [`PoseProjectionSync`] a tool, from any state of motion to rest at a target that may change in any
 //! cycle, on a straight line as soon as the state permits.
@@ -17,7 +17,6 @@ pub mod generator;
 pub mod joint_state;
 pub mod limits;
 pub mod mode;
-pub mod point_to_point;
 pub mod projection;
 pub mod sampler;
 pub mod so3;
@@ -31,7 +30,6 @@ pub use joint_state::JointState;
 pub use limits::symmetric_limits;
 pub use mode::{MotionOptions, Synchronisation};
 pub use nalgebra;
-pub use point_to_point::PointToPoint;
 pub use projection::{
     PoseLimits, PoseProjectionSync, PoseState, PoseStep, ProjectionStatus, ProjectionStep, ProjectionSync,
 };

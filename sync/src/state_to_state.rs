@@ -2,6 +2,8 @@
 
 use arcfeed_feedrate::{AxisLimits, AxisProblem, AxisState, FeedError, MotionLaw, StateToState};
 
+use nalgebra::SVector;
+
 use crate::error::SyncError;
 use crate::joint_state::JointState;
 use crate::mode::{MotionOptions, Synchronisation};
@@ -54,6 +56,44 @@ impl<const N: usize> Trajectory<N> {
             Synchronisation::StraightLine => Self::straight(start, target, limits, options)
                 .or_else(|_| Self::together(start, target, limits, options)),
         }
+    }
+
+    /// The fastest motion from rest to rest on the straight line between two positions (rad), lasting at least
+    /// `least_duration` (s). Between equal positions the duration is 0.
+    ///
+    /// On the line every limit of an axis is a limit of the axis that moves farthest, so that its shortest motion
+    /// within the tightest of them is time-optimal among all motions on that line.
+    ///
+    /// ```
+    /// use arcfeed_sync::{Trajectory, symmetric_limits};
+    /// use nalgebra::Vector3;
+    /// let limits = symmetric_limits(Vector3::repeat(2.0), Vector3::repeat(10.0), Vector3::repeat(200.0))?;
+    /// let goal = Vector3::new(1.0, -0.5, 0.0);
+    /// let motion = Trajectory::rest_to_rest(Vector3::zeros(), goal, &limits, 0.0)?;
+    /// assert_eq!(motion.at(motion.duration()).q, goal);
+    /// # Ok::<(), arcfeed_sync::SyncError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`SyncError::Axis`] if a position is not finite; [`SyncError::Duration`] if `least_duration` is negative or not
+    /// finite; [`SyncError::State`] if the numbers leave the range of `f64`.
+    pub fn rest_to_rest(
+        start: SVector<f64, N>,
+        goal: SVector<f64, N>,
+        limits: &[AxisLimits; N],
+        least_duration: f64,
+    ) -> Result<Self, SyncError> {
+        let options = MotionOptions::new(Synchronisation::ForcedStraight).with_least_duration(least_duration)?;
+        for (what, vector) in [("start", start), ("goal", goal), ("distance", goal - start)] {
+            for (axis, &value) in vector.iter().enumerate() {
+                if !value.is_finite() {
+                    return Err(SyncError::Axis { axis, what, value, rule: "finite" });
+                }
+            }
+        }
+        let options = if start == goal { MotionOptions::new(Synchronisation::ForcedStraight) } else { options };
+        let at_rest = |q: SVector<f64, N>| std::array::from_fn(|k| AxisState::rest(q[k]));
+        Self::straight(&at_rest(start), &at_rest(goal), limits, &options)
     }
 
     /// Of motions that belong to no line.

@@ -83,6 +83,10 @@ impl<const N: usize> Line<N> {
 
     /// The limits of all axes as limits of the reference axis; `None` if they leave the range of numbers.
     pub fn limits(&self, limits: &[AxisLimits; N]) -> Option<AxisLimits> {
+        if self.ratios.iter().all(|&r| r == 0.0) {
+            // Nothing moves.
+            return limits.get(self.reference).copied();
+        }
         let mut all = [(f64::NEG_INFINITY, f64::INFINITY); 3];
         for (l, &r) in limits.iter().zip(&self.ratios) {
             if r == 0.0 {
