@@ -21,24 +21,21 @@
 //! `sddot` ([`constraint`], [`FeedProblem`]), and a [`FeedPlanner`] finds the law: [`ForwardBackwardScan`], [`Reachability`],
 //! [`InterpolatedReachability`] and, with jerk, [`JerkLimited`]. All read the same rows and yield a [`SpeedLaw`].
 //!
-//! # The rooms
-//! | module | holds |
+//! # Overview
+//! | task | items |
 //! |---|---|
-//! | [`state`], [`limits`] | [`MotionState`], [`AxisState`], [`MotionLaw`], [`AxisLimits`] |
-//! | [`scurve::solve`] | distance for a change of speed and its inverses |
-//! | [`scurve::profile`] | the seven-phase profile over a displacement |
-//! | [`scurve::change`] | change of speed and braking from any state |
-//! | [`caps`] | bounds from chord error, normal acceleration and jerk, joints |
-//! | [`scan`] | [`Segment`], the scans per segment and joined; the scans over rows and reachability |
-//! | [`row`], [`problem`], [`constraint`] | limits as rows on a grid, where each comes from |
-//! | [`jerk_limited`] | the third-order planner |
-//! | `baseline` (feature `clarabel`) | the conic optimum of the same rows and its bound; with jerk, programs in sequence |
-//! | [`online`] | [`FeedScheduler`]: speed towards the end of a path under limits that change while it runs |
-//! | [`live`] | [`FeedOverride`]: speed under a limit curve, changed by an operator while it runs |
-//! | [`StateToState`] | time-optimal motion from any position, speed and acceleration to any other, or to a speed, or to a stop |
-//! | [`AxisProblem`], [`Durations`] | the durations between two states that are possible, and a motion in each of them |
-//! | [`speed_law`] | [`SpeedLaw`]: what every planner returns, sampled by time or by position |
-//! | [`error`] | [`FeedError`] |
+//! | states, limits, errors | [`MotionState`], [`AxisState`], [`AxisLimits`], [`MotionLaw`], [`Phase`], [`FeedError`] |
+//! | change of speed in the least time | [`SpeedChange`], [`distance_for_change`] and its inverses |
+//! | motion over a displacement | [`SProfile`] |
+//! | motion from any state to any other | [`StateToState`]; in a given duration [`AxisProblem`], [`Durations`] |
+//! | speed limits from the path and the joints | [`caps`] |
+//! | limits as rows on a grid | [`constraint`], [`Row`], [`JerkRow`], [`IntervalBound`], [`FeedProblem`] |
+//! | planners for segments | [`Segment`], [`plan_per_segment`], [`plan_windowed`], [`plan_continuous`] |
+//! | planners for rows ([`FeedPlanner`]) | [`ForwardBackwardScan`], [`Reachability`], [`InterpolatedReachability`], [`JerkLimited`] |
+//! | reference optimum (feature `clarabel`) | `ClarabelBaseline` |
+//! | the result of every planner | [`SpeedLaw`], sampled by time or by position |
+//! | limits that change while the motion runs | [`FeedScheduler`] |
+//! | an operator's override, hold and step back | [`FeedOverride`] under a [`VelocityLimitCurve`] |
 //!
 //! # Units
 //! Metres and seconds in the docs, but nothing depends on them: no tolerance in this crate is absolute.
@@ -53,24 +50,24 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 #[cfg(feature = "clarabel")]
-pub mod baseline;
+mod baseline;
 pub mod caps;
 #[cfg(feature = "clarabel")]
 mod conic_program;
 pub mod constraint;
-pub mod error;
-pub mod jerk_limited;
-pub mod limits;
-pub mod live;
+mod error;
+mod jerk_limited;
+mod limits;
+mod live;
 mod lp2;
-pub mod online;
-pub mod problem;
-pub mod row;
-pub mod scan;
-pub mod scurve;
-pub mod speed_law;
-pub mod state;
-pub mod state_to_state;
+mod online;
+mod problem;
+mod row;
+mod scan;
+mod scurve;
+mod speed_law;
+mod state;
+mod state_to_state;
 
 #[cfg(feature = "clarabel")]
 pub use baseline::{Bounded, ClarabelBaseline};

@@ -12,15 +12,15 @@
 //! Positions are in radians and times in seconds; prismatic axes in metres work just as well, axis by axis.
 #![forbid(unsafe_code)]
 
-pub mod error;
-pub mod generator;
-pub mod joint_state;
-pub mod limits;
-pub mod mode;
-pub mod projection;
-pub mod sampler;
+mod error;
+mod generator;
+mod joint_state;
+mod limits;
+mod mode;
+mod projection;
+mod sampler;
 pub mod so3;
-pub mod state_to_state;
+mod state_to_state;
 mod straight;
 
 pub use arcfeed_feedrate as feedrate;

@@ -15,8 +15,16 @@ const USED: (f64, f64) = (0.997, 0.99);
 /// The law may be exceeded by this factor in speed: run so much faster it still keeps speed, acceleration and jerk.
 pub(super) const ROOM: f64 = 1.002;
 
-/// `V(s)`, the highest speed at which every limit holds whatever the motion does within `|a| <= A`, `|j| <= J`; see the
-/// [module](crate::live).
+/// The limit curve `V(s)`: the highest speed at which every limit holds whatever the motion does within `|a| <= A`,
+/// `|j| <= J`.
+///
+/// The builder of the curve puts the worst case of both into `V`. From it the fastest law `n(s)` is planned once. Then,
+/// from any state with `v <= n(s)` and `a <= n'(s)`, braking as hard as `A` and `J` allow stays under `n` until it stands.
+///
+/// *Proof.* With `y = v^2 / 2`: `dy/ds = a` and `da/ds = j / v`. While braking builds up,
+/// `da/ds = -J / v <= -J / v_n <= da_n/ds`, as `v <= v_n`; so `a <= a_n` stays true, and with it `v <= v_n`. At
+/// `a = -A <= a_n` the same. While it is released, `v = a^2 / (2 J)`; if `n` came down to that state with less
+/// acceleration it could not stand still without running backwards, which it does not. ∎
 ///
 /// ```
 /// use arcfeed_feedrate::VelocityLimitCurve;

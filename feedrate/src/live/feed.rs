@@ -36,7 +36,10 @@ pub struct LiveStep {
     pub status: LiveStatus,
 }
 
-/// A motion along a [`VelocityLimitCurve`] whose feed may change in any cycle; see the [module](crate::live).
+/// A motion along a [`VelocityLimitCurve`] whose feed may change in any cycle.
+///
+/// A cycle does what the operator asks if, from the state that it leads to, braking gets under the fastest law; else it
+/// does a little less. Braking itself is always possible. Nothing is planned anew while the motion runs.
 ///
 /// **Guarantees**, whatever is asked for and whenever: `|a| <= A`, `|j| <= J`, the speed is under the curve, and every end (corner, end of
 /// path, place to step back to) is reached exactly and at rest. A lower feed is met as soon as `A` and `J` allow, that of a section
@@ -111,7 +114,7 @@ impl<'a> FeedOverride<'a> {
         self.feeds.set_base(feed)
     }
 
-    /// Sets the feeds of up to [`MAX_SECTIONS`](super::MAX_SECTIONS) stretches; where they overlap the lowest counts.
+    /// Sets the feeds of up to [`MAX_SECTIONS`](crate::MAX_SECTIONS) stretches; where they overlap the lowest counts.
     ///
     /// # Errors
     /// [`FeedError::AboveLimit`] for too many, [`FeedError::NotFinite`], [`FeedError::NotPositive`], [`FeedError::BelowLimit`].

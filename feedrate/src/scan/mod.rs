@@ -1,15 +1,15 @@
 //! Speed along a path given as a list of segments, each with its own limits.
 
 mod ceiling;
-pub mod continuous_acceleration;
-pub mod fallback;
+pub(crate) mod continuous_acceleration;
+pub(crate) mod fallback;
 mod feasible_pairs;
-pub mod forward_backward;
-pub mod interpolated;
-pub mod on_problem;
+pub(crate) mod forward_backward;
+pub(crate) mod interpolated;
+pub(crate) mod on_problem;
 mod pass;
-pub mod reachability;
-pub mod segment;
+pub(crate) mod reachability;
+pub(crate) mod segment;
 
 use crate::error::FeedError;
 

@@ -13,6 +13,18 @@ pub(super) const PHASES: usize = 16;
 
 /// A motion of one axis between two states, the shortest one or one of a given duration. The default one stands still at 0.
 ///
+/// The shortest motion minimises `T` subject to `p''' = j`, the states at both ends, and the limits on velocity,
+/// acceleration and jerk (Liu et al. 2024, section 4.1, corrected). The solution is exact: a closed form where both halves
+/// reach their acceleration limits or the motion cruises, otherwise the root of one smooth function of one variable. No
+/// tolerance is absolute, so that the result scales exactly with powers of two in the units of length and time.
+///
+/// * A start outside the limits is brought back with bounded jerk. An acceleration beyond its limit is taken back with the
+///   largest jerk first. A velocity beyond its limit, or bound to get there, is either settled at a velocity inside without
+///   undershooting it, or braked as hard as possible until it is at the limit and continued in the shortest way from there;
+///   the shorter of the two is taken. That no third way is shorter is not proven.
+/// * A target outside the limits, or one that cannot be entered without leaving them, is an error.
+/// * Positions are not limited while planning; [`StateToState::check_within`] says where a motion leaves a range.
+///
 /// ```
 /// use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, StateToState};
 /// let limits = AxisLimits::new((-1.0, 2.0), (-8.0, 5.0), (-80.0, 50.0))?;
@@ -85,7 +97,7 @@ impl StateToState {
 
     /// As [`MotionLaw::at`], but beyond the end the motion goes on: the acceleration of the target is brought to zero with the
     /// largest jerk, and the velocity stays what it is then.
-    /// [`AxisLimits::check_leaving`](super::AxisLimits::check_leaving) says whether that velocity is within
+    /// [`AxisLimits::check_leaving`](crate::AxisLimits::check_leaving) says whether that velocity is within
     /// its limits.
     pub fn at_or_after(&self, t: f64) -> MotionState {
         if t <= self.phases.duration || t.is_nan() {

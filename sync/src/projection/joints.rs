@@ -21,14 +21,35 @@ pub struct ProjectionStep<const N: usize> {
     pub status: ProjectionStatus,
 }
 
-/// Joints on a straight line to a target that may change in any cycle (Liu et al. 2024, section 4.2, corrected; see the
-/// [module](crate::projection)).
+/// Joints on a straight line to a target that may change in any cycle (Liu et al. 2024, section 4.2, corrected).
+///
+/// When the target changes, velocity and acceleration are divided once into their projection on the error and the rest.
+/// The rest brakes to a halt joint by joint. What that leaves of every joint's limits bounds the one scalar along the
+/// line to the target (eq. 17, corrected), which is planned time-optimally. Both are kept until the target changes again,
+/// so that nothing is singular at the end. If a state cannot be divided within the limits, accelerations are taken off
+/// first.
 ///
 /// **Guarantees**: every joint keeps its velocity, acceleration and jerk limit at all times to 1e-9 of the limit; a start outside
 /// them, or bound to get outside, is brought inside first, with the largest jerk, and the limits hold from the first
 /// moment at which that is possible (jerk always). The target is reached exactly, at rest. From the moment the
 /// transverse motion has faded, the joints move on a straight line; from a start at rest, or moving along the
 /// error, on a straight line throughout. Nothing allocates.
+///
+/// # When to prefer it
+/// Against the time-optimal motion of the slowest joint alone, over 4000 random problems of six joints: from rest 1.000
+/// (median) to 1.17 (worst) times as long, from random states of motion 1.05 to 1.39, from random states close to the
+/// target 1.09 to 1.67. The time-optimal synchronised motion ([`Trajectory`](crate::Trajectory),
+/// [`OnlineGenerator`](crate::OnlineGenerator)) is on that bound more often, but runs through joint space on curves that
+/// depend on the limits. Prefer the projection where the path matters (a straight line in joint space, or of the tool)
+/// and where the target moves all the time: a new target costs some 10 microseconds (a pose some 40) and keeps the part
+/// of the motion that already points there.
+///
+/// # Departures from print
+/// The paper lays a frame on the present error (its first axis along it, the others by Gram-Schmidt), plans each axis of
+/// that frame on its own with projected limits (eq. 17), and turns the result back (eq. 18), every cycle anew. As printed
+/// it does not move, or blows up. Corrected, it breaks the joint limits it is meant to keep (100 of 100 random starts,
+/// acceleration up to 3.2 times its limit): boxes on the rotated axes do not fit into the box of the joints, and the
+/// frame is singular where the error vanishes.
 ///
 /// ```
 /// use arcfeed_sync::{JointState, ProjectionStatus, ProjectionSync, symmetric_limits};

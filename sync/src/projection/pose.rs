@@ -38,7 +38,7 @@ pub struct PoseStep {
 }
 
 /// A tool on a straight line, turning about one axis by the shortest rotation, to a target pose that may change in any cycle
-/// (Liu et al. 2024, section 4.2, eqs. 19 and 20, corrected; see the [module](crate::projection)).
+/// (Liu et al. 2024, section 4.2, eqs. 19 and 20, corrected).
 ///
 /// Position and orientation share one scalar and arrive together. **Guarantees**: the norms of linear and angular velocity, acceleration and
 /// jerk stay inside their limits at all times, to 1e-9 of them; a start outside (or too close to a limit to divide its motion) is
@@ -46,7 +46,13 @@ pub struct PoseStep {
 /// at rest. Once the motion across the line has faded (at once from rest), the tool point moves on a straight line and the
 /// tool turns about one fixed axis, by at most pi. Nothing allocates.
 ///
-/// Whether an arm can follow (reach, singularities, joint limits) is not known here.
+/// Reach, singularities and joint limits of an arm are not known here.
+///
+/// Where the paper adds quaternions (eq. 20), rotations are composed of exact exponentials ([`so3`](crate::so3)); the
+/// error is taken on the shorter arc (eq. 19 lacks the factor and the choice of sign). Limits are balls, so that the frame
+/// of the error, Gram-Schmidt's, does fit there. Products of angular rates (velocities that turn each other) are part of
+/// the budget. A start with an angular acceleration across its velocity often has it taken off first, which takes at most
+/// acceleration limit over jerk limit.
 ///
 /// ```
 /// use arcfeed_sync::nalgebra::{Isometry3, Vector3};
