@@ -1,7 +1,7 @@
 //! Jerk-limited motion on one scalar: S-curves, and speed along a path.
 //!
 //! # The problem
-//! A tool moves along a path of length `L`; `s(t)` is the arc length covered. Wanted is the shortest time `T` with
+//! A tool moves along a path of length `L`; `s(t)` is the arc length covered. The planners minimise the time `T` subject to
 //!
 //! ```text
 //! s(0) = 0,  s(T) = L,  s'(0) = v_start,  s'(T) = v_end,  s''(0) = s''(T) = 0,

@@ -46,7 +46,7 @@ pub enum Quantity {
     StartSpeed,
     /// The speed asked for at the end.
     EndSpeed,
-    /// What the rest of the path leaves room for.
+    /// The speed that the rest of the path allows.
     Ahead,
     /// A row of the caller's own.
     Other,

@@ -14,7 +14,7 @@ use crate::straight::Line;
 /// With [`Synchronisation::Time`] the duration is the smallest one that every axis can meet. Between moving states that may be more
 /// than the slowest axis needs: a faster axis may be unable to take just a little longer (see
 /// [`Durations`](arcfeed_feedrate::Durations)). All other axes stretch their motion to it with one cruise velocity
-/// (Liu et al. 2024, section 4.1, corrected: see [`AxisProblem::lasting`]).
+/// (Liu et al. 2024, section 4.1, corrected: see [`AxisProblem::with_duration`]).
 ///
 /// ```
 /// use arcfeed_sync::feedrate::{AxisLimits, AxisState};
@@ -125,7 +125,7 @@ impl<const N: usize> Trajectory<N> {
         let mut axes = [StateToState::default(); N];
         for axis in 0..N {
             axes[axis] = AxisProblem::new(&start[axis], &target[axis], &limits[axis])
-                .and_then(|problem| lasting_at_least(&problem, options))
+                .and_then(|problem| with_least_duration(&problem, options))
                 // The others may arrive later.
                 .and_then(|motion| limits[axis].check_leaving(&target[axis]).map(|()| motion))
                 .map_err(|source| SyncError::State { axis, source })?;
@@ -168,7 +168,9 @@ impl<const N: usize> Trajectory<N> {
     fn fill(&mut self, problems: &[Result<AxisProblem, FeedError>; N]) -> Result<(), SyncError> {
         for (axis, (motion, problem)) in self.axes.iter_mut().zip(problems).enumerate() {
             if let Ok(problem) = problem {
-                problem.lasting_into(self.duration, motion).map_err(|source| SyncError::State { axis, source })?;
+                problem
+                    .with_duration_into(self.duration, motion)
+                    .map_err(|source| SyncError::State { axis, source })?;
             }
         }
         Ok(())
@@ -186,7 +188,7 @@ impl<const N: usize> Trajectory<N> {
             SyncError::State { axis: m, source: FeedError::OutOfRange { what: "duration of the motion" } };
         let motion = line.limits(limits).ok_or(out_of_range).and_then(|shared| {
             AxisProblem::new(&start[m], &target[m], &shared)
-                .and_then(|problem| lasting_at_least(&problem, options))
+                .and_then(|problem| with_least_duration(&problem, options))
                 .map_err(|source| SyncError::State { axis: m, source })
         });
         let motion = match motion {
@@ -232,10 +234,10 @@ impl<const N: usize> Trajectory<N> {
 }
 
 /// The shortest motion of one axis whose duration the options allow.
-fn lasting_at_least(problem: &AxisProblem, options: &MotionOptions) -> Result<StateToState, FeedError> {
+fn with_least_duration(problem: &AxisProblem, options: &MotionOptions) -> Result<StateToState, FeedError> {
     let mut t = options.round_up(problem.shortest_duration());
     for _ in 0..ROUNDS {
-        match problem.lasting(t) {
+        match problem.with_duration(t) {
             Err(FeedError::DurationImpossible { above, .. }) if above > t => t = options.round_up(above),
             done => return done,
         }

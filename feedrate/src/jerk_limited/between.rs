@@ -5,8 +5,8 @@
 
 use std::ops::Range;
 
+use super::barrier_problem::BarrierProblem;
 use super::spline::Values;
-use super::stretch::Stretch;
 use crate::constraint::Within;
 use crate::problem::{FeedProblem, matching, quadratic};
 use crate::row::Row;
@@ -82,7 +82,7 @@ const KEPT: f64 = 0.3;
 /// The least part of a limit that margins leave.
 const LEAST_PART: f64 = 0.5;
 
-impl Stretch {
+impl BarrierProblem {
     /// Sets margins on jerk at the ends of every interval so that the current `x(s)` keeps inside it what it keeps there.
     /// None grows past what leaves the iterate strictly inside.
     pub fn set_margins(&mut self, problem: &FeedProblem, values: &Values) {

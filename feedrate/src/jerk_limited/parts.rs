@@ -34,7 +34,7 @@ fn parts(problem: &FeedProblem) -> Result<Vec<Part>, FeedError> {
         let expected = 2 + speeds.iter().filter(|&&v| v == 0.0).count();
         if i - from < expected {
             return Err(FeedError::LengthMismatch {
-                what: "a stretch between two stops (intervals)",
+                what: "a barrier_problem between two stops (intervals)",
                 got: i - from,
                 expected,
             });

@@ -10,10 +10,10 @@ use crate::scan::continuous_acceleration::plan_continuous;
 use crate::speed_law::SpeedLaw;
 use crate::state::MotionState;
 
-/// Part of speed, and of acceleration and jerk, that the fastest law uses: what is kept back is the room in which it is followed.
+/// Part of speed, and of acceleration and jerk, that the fastest law uses: the rest is the margin in which it is followed.
 const USED: (f64, f64) = (0.997, 0.99);
 /// The law may be exceeded by this factor in speed: run so much faster it still keeps speed, acceleration and jerk.
-pub(super) const ROOM: f64 = 1.002;
+pub(super) const TOLERATED: f64 = 1.002;
 
 /// The limit curve `V(s)`: the highest speed at which every limit holds whatever the motion does within `|a| <= A`,
 /// `|j| <= J`.

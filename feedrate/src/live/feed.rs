@@ -1,7 +1,7 @@
 //! The motion along a live curve: its state, and what may be asked of it.
 
 use super::curve::VelocityLimitCurve;
-use super::landing::Landing;
+use super::final_stop::FinalStop;
 use super::sections::{Feeds, LiveSection};
 use crate::error::{FeedError, finite, not_negative, positive};
 use crate::state::MotionState;
@@ -80,7 +80,7 @@ pub struct FeedOverride<'a> {
     pub(super) a: f64,
     /// Number of the next place to stand at.
     pub(super) next: usize,
-    pub(super) landing: Option<Landing>,
+    pub(super) final_stop: Option<FinalStop>,
     /// Start of the section ahead for which the motion brakes, and the feed on it.
     pub(super) braking_for: Option<(f64, f64)>,
 }
@@ -101,7 +101,7 @@ impl<'a> FeedOverride<'a> {
             v: 0.0,
             a: 0.0,
             next: 0,
-            landing: None,
+            final_stop: None,
             braking_for: None,
         })
     }
@@ -163,7 +163,7 @@ impl<'a> FeedOverride<'a> {
     /// Takes the motion as standing where it is: something else has taken it over, and brings it back here.
     pub fn stand(&mut self) {
         (self.v, self.a) = (0.0, 0.0);
-        (self.landing, self.braking_for) = (None, None);
+        (self.final_stop, self.braking_for) = (None, None);
         self.intent = Intent::Hold;
         self.next = self.stops_passed();
     }
@@ -182,7 +182,7 @@ impl<'a> FeedOverride<'a> {
             v: 0.0,
             a: 0.0,
             next: 0,
-            landing: None,
+            final_stop: None,
             braking_for: None,
         }
     }

@@ -1,6 +1,6 @@
 //! One cycle under the limit curve: as far towards what is asked for as is safe.
 
-use super::curve::ROOM;
+use super::curve::TOLERATED;
 use super::feed::FeedOverride;
 use crate::scurve::change::SpeedChange;
 use crate::state::{MotionLaw, MotionState};
@@ -159,7 +159,7 @@ impl FeedOverride<'_> {
         // the speed `v`.
         let law = |s: f64, v: f64| {
             let law = if s < stop { self.curve.fastest(s) } else { MotionState::default() };
-            let (v_law, a_law) = (ROOM * law.v, ROOM * ROOM * law.a);
+            let (v_law, a_law) = (TOLERATED * law.v, TOLERATED * TOLERATED * law.a);
             let slower = (v / v_law).min(1.0);
             (v_law, if a_law < 0.0 && slower > 0.0 { a_law * slower * slower } else { a_law })
         };

@@ -3,8 +3,8 @@
 mod curve;
 mod cycle;
 mod feed;
+mod final_stop;
 mod follow;
-mod landing;
 mod sections;
 
 pub use curve::VelocityLimitCurve;

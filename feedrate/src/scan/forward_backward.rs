@@ -92,8 +92,8 @@ fn first_crossing(p: f64, c: f64, r: f64, from: f64) -> f64 {
 fn leaves(p: f64, c: f64, lo: f64, hi: f64, from: f64) -> f64 {
     if c == 0.0 {
         // The common case, with a single division and no branch; p = 0 gives infinity, or NaN that no comparison takes.
-        let room = if p > 0.0 { hi } else { -lo };
-        return room / p.abs();
+        let left = if p > 0.0 { hi } else { -lo };
+        return left / p.abs();
     }
     first_crossing(p, c, hi, from).min(first_crossing(p, c, lo, from))
 }
@@ -145,9 +145,9 @@ fn step(x: f64, limit: f64, h: f64, sign: f64, near: &[Row], far: &[Row], both_e
             let rest = row.b * x + friction + row.d;
             let value = row.a * u + rest;
             if !((row.lo <= value) & (value <= row.hi)) {
-                // At u = 0 the row holds, so the room is not negative but for round-off.
-                let room = if sign * row.a > 0.0 { row.hi - rest } else { rest - row.lo };
-                u = sign * lesser(sign * u, room / row.a.abs());
+                // At u = 0 the row holds, so what is left is not negative but for round-off.
+                let left = if sign * row.a > 0.0 { row.hi - rest } else { rest - row.lo };
+                u = sign * lesser(sign * u, left / row.a.abs());
             }
         }
         if u != most {
@@ -219,15 +219,15 @@ fn out_of_reach(problem: &FeedProblem, end: PathEnd, i: usize, highest: f64) -> 
 pub(crate) fn moves(problem: &FeedProblem, x: &[f64]) -> Result<(), FeedError> {
     let Some(k) = (0..problem.intervals()).find(|&k| !(x[k] + x[k + 1] > 0.0)) else { return Ok(()) };
     let h = problem.h(k);
-    // The end that is capped, or else the row that leaves the least room for any acceleration.
+    // The end that is capped, or else the row that leaves the least to any acceleration.
     for i in [k, k + 1] {
         let (cap, row) = problem.cap(i);
         if cap == 0.0 && row.quantity != Quantity::Corner {
             return Err(FeedError::Standstill { index: i, s: problem.grid()[i], row });
         }
     }
-    let room = |row: &Row| leaves(0.5 * row.a / h + row.b, row.c, row.lo - row.d, row.hi - row.d, 0.0);
-    let tightest = problem.rows(k).iter().chain(problem.rows(k + 1)).min_by(|p, q| room(p).total_cmp(&room(q)));
+    let left = |row: &Row| leaves(0.5 * row.a / h + row.b, row.c, row.lo - row.d, row.hi - row.d, 0.0);
+    let tightest = problem.rows(k).iter().chain(problem.rows(k + 1)).min_by(|p, q| left(p).total_cmp(&left(q)));
     let row = tightest.map_or(problem.cap(k).1, |row| row.source);
     Err(FeedError::Standstill { index: k, s: problem.grid()[k], row })
 }

@@ -95,13 +95,13 @@ pub(super) fn advance(piece: &Piece, here: &mut Here, s_stop: f64, steps: &mut V
         (-piece.j_max, (here.a - a_to) / piece.j_max)
     };
     let phase = Phase { t: 0.0, s: here.s, v: here.v, a: here.a, j };
-    let room = s_stop - here.s;
+    let left = s_stop - here.s;
     // A stretch of round-off at a boundary is not worth a step, and would be judged by the wrong side's limits.
-    if room <= 1e-14 * s_stop {
+    if left <= 1e-14 * s_stop {
         here.s = s_stop;
         return;
     }
-    if dt.is_finite() && phase.advance(dt) <= room {
+    if dt.is_finite() && phase.advance(dt) <= left {
         let end = phase.after(dt);
         steps.push(Step { phase, dt, piece: here.piece });
         (here.s, here.v, here.a) = (end.p.min(s_stop), end.v, a_to);
@@ -110,9 +110,9 @@ pub(super) fn advance(piece: &Piece, here: &mut Here, s_stop: f64, steps: &mut V
     // Ends at s_stop. An upper bound of the time: at constant speed, or from rest by acceleration or jerk.
     let bound = if j == 0.0 {
         // s = v t + a t^2 / 2, solved without cancellation.
-        2.0 * room / (here.v + (here.v * here.v + 2.0 * here.a * room).sqrt())
+        2.0 * left / (here.v + (here.v * here.v + 2.0 * here.a * left).sqrt())
     } else {
-        phase.time_to_cover(room, dt)
+        phase.time_to_cover(left, dt)
     };
     let end = phase.after(bound);
     steps.push(Step { phase, dt: bound, piece: here.piece });

@@ -407,7 +407,7 @@ impl<'a> Solver<'a> {
             upper = false;
         }
         let limit = if (first.a > 0.0) == upper { first.hi } else { first.lo };
-        let excess = (now.room * first.a).abs();
+        let excess = (now.width * first.a).abs();
         FeedError::Infeasible { index: k, s, row: first.source, against: second.source, excess, limit }
     }
 

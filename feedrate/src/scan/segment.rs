@@ -107,7 +107,7 @@ fn backward(segments: &[Segment], caps: &[f64], v_end: f64) -> Vec<f64> {
 }
 
 /// The highest speed at the start of a segment from which a speed up to `bound` at its end can be reached. A full stop
-/// takes less room than braking to a third of the speed, so it may allow more.
+/// takes less distance than braking to a third of the speed, so it may allow more.
 fn backward_step(segment: &Segment, cap: f64, bound: f64, may_stop: bool) -> f64 {
     let mut v = raise(bound, segment.length, segment.a_max, segment.j_max);
     if may_stop && bound > 0.0 {
@@ -129,7 +129,7 @@ fn forward(segment: &Segment, v: f64, bound: f64) -> f64 {
 }
 
 /// The highest end speed below `bound` that can be reached from `v` although `bound` itself cannot: braking harder
-/// than to a third of the speed takes less room again.
+/// than to a third of the speed takes less distance again.
 fn slower_than(segment: &Segment, v: f64, bound: f64) -> f64 {
     let (mut lo, mut hi) = (0.0, bound);
     for _ in 0..60 {

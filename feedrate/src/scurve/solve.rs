@@ -48,7 +48,7 @@ pub(crate) fn fits(v0: f64, v1: f64, length: f64, a_max: f64, j_max: f64) -> boo
 /// Displacement (m) that the fastest change from speed `v0` to `v1` takes, with zero acceleration at both ends.
 ///
 /// Liu et al. 2023, eqs. 17 and 18. The relation is symmetric in the two speeds. It is not monotone in the lower one:
-/// braking to rest takes *less* room than braking to a third of the speed.
+/// braking to rest takes *less* distance than braking to a third of the speed.
 ///
 /// # Errors
 /// [`FeedError`] if a speed is negative or not finite.
@@ -72,7 +72,7 @@ pub fn highest_speed_over(v0: f64, length: f64, limits: &AxisLimits) -> Result<f
 
 /// Lowest speed (m/s) reachable from `v0` over `length` (m) with zero acceleration at both ends.
 ///
-/// The inverse of Liu et al. 2023, eq. 18. Since braking to rest takes less room than braking to a third of the speed, the answer
+/// The inverse of Liu et al. 2023, eq. 18. Since braking to rest takes less distance than braking to a third of the speed, the answer
 /// jumps to 0 as soon as a full stop fits.
 ///
 /// # Errors

@@ -6,7 +6,7 @@
 //! velocity with which the displacement comes out exactly, unless braking hard at first turns out to be shorter.
 
 use super::cruise::Changes;
-use super::family::Problem;
+use super::displacement_function::Problem;
 use super::shape::Shape;
 use crate::scurve::closed_form::Peak;
 

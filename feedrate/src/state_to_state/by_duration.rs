@@ -1,8 +1,8 @@
 //! The extremals of one direction by their duration: both ways between the two, and where the displacement turns.
 
-use super::family::{Family, MAX_STEPS};
+use super::displacement_function::{DisplacementFunction, MAX_STEPS};
 
-impl Family {
+impl DisplacementFunction {
     /// Duration of the extremal at `s`.
     pub fn duration(&self, s: f64) -> f64 {
         let held = |sq: f64, cap: f64| self.k * (cap + sq / cap);
@@ -13,7 +13,7 @@ impl Family {
         small + large + self.lead_time
     }
 
-    /// The value of `s` at which the extremal lasts `t`: the inverse of [`Family::duration`], in closed form.
+    /// The value of `s` at which the extremal lasts `t`: the inverse of [`DisplacementFunction::duration`], in closed form.
     pub fn at_duration(&self, t: f64) -> f64 {
         let s = self.near_duration(t);
         // One Newton step takes off what cancellation left.

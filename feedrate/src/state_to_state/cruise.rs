@@ -11,7 +11,7 @@
 //!
 //! so that Newton's method has one root to find. Where the two changes take longer than `T` there is no such motion.
 
-use super::family::Problem;
+use super::displacement_function::Problem;
 use super::shape::Shape;
 use crate::scurve::closed_form::{Jerks, Peak};
 

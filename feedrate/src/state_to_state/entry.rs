@@ -2,9 +2,9 @@
 
 use super::brake_to_limits::Brake;
 use super::cruise;
+use super::displacement_function::Problem;
 use super::durations::Gaps;
 use super::extremal::Extremals;
-use super::family::Problem;
 use super::mean::Mean;
 use super::phase_writer::Writer;
 use super::profile::StateToState;

@@ -3,7 +3,7 @@
 //! Both keep the limits, and so does every mean of them because the motions that keep the limits form a convex set.
 //! The mean whose weights are as the excesses of the two goes as far as wanted.
 
-use super::family::Problem;
+use super::displacement_function::Problem;
 use super::phase_writer::Writer;
 use super::profile::PHASES;
 use super::shape::Shape;

@@ -31,10 +31,10 @@
 mod brake_to_limits;
 mod by_duration;
 mod cruise;
+mod displacement_function;
 mod durations;
 mod entry;
 mod extremal;
-mod family;
 mod mean;
 mod phase_writer;
 mod problem;

@@ -1,7 +1,7 @@
 //! Shapes written down as phases.
 
 use super::brake_to_limits::Brake;
-use super::family::Problem;
+use super::displacement_function::Problem;
 use super::profile::PHASES;
 use super::shape::{Shape, times};
 use crate::scurve::phase::Phase;

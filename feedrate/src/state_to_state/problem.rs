@@ -20,9 +20,9 @@ use crate::state::AxisState;
 /// let durations = problem.durations();
 /// assert_eq!(durations.shortest(), 0.5);
 /// let (_, above) = durations.blocked()[0];
-/// assert!(problem.lasting(1.5).is_err());
+/// assert!(problem.with_duration(1.5).is_err());
 /// assert!(problem.durations().contains(above));
-/// assert_eq!(problem.lasting(above + 0.1)?.duration(), above + 0.1);
+/// assert_eq!(problem.with_duration(above + 0.1)?.duration(), above + 0.1);
 /// # Ok::<(), arcfeed_feedrate::FeedError>(())
 /// ```
 #[derive(Debug, Clone, Copy)]
@@ -109,7 +109,7 @@ impl AxisProblem {
     /// The durations that are possible.
     ///
     /// From a start outside the limits every duration counts as possible in which either of two ways back is: settling at the
-    /// velocity limit without undershooting it, or braking as hard as possible until inside. [`AxisProblem::lasting`] may find
+    /// velocity limit without undershooting it, or braking as hard as possible until inside. [`AxisProblem::with_duration`] may find
     /// more then; from inside the limits these are all.
     pub fn durations(&self) -> Durations {
         let lead = self.entry.lead_time;
@@ -127,16 +127,16 @@ impl AxisProblem {
     ///
     /// # Errors
     /// [`FeedError::DurationImpossible`] with the nearest possible ones, [`FeedError::NotFinite`].
-    pub fn lasting(&self, duration: f64) -> Result<StateToState, FeedError> {
+    pub fn with_duration(&self, duration: f64) -> Result<StateToState, FeedError> {
         let mut motion = StateToState::default();
-        self.lasting_into(duration, &mut motion).map(|()| motion)
+        self.with_duration_into(duration, &mut motion).map(|()| motion)
     }
 
-    /// As [`AxisProblem::lasting`], into a motion that is there already; an error leaves it undefined.
+    /// As [`AxisProblem::with_duration`], into a motion that is there already; an error leaves it undefined.
     ///
     /// # Errors
-    /// As [`AxisProblem::lasting`].
-    pub fn lasting_into(&self, duration: f64, out: &mut StateToState) -> Result<(), FeedError> {
+    /// As [`AxisProblem::with_duration`].
+    pub fn with_duration_into(&self, duration: f64, out: &mut StateToState) -> Result<(), FeedError> {
         if duration == self.duration {
             self.write_shortest(out);
             return Ok(());
@@ -188,17 +188,17 @@ impl StateToState {
         Ok(())
     }
 
-    /// A motion that takes exactly `duration` (s): see [`AxisProblem::lasting`].
+    /// A motion that takes exactly `duration` (s): see [`AxisProblem::with_duration`].
     ///
     /// # Errors
-    /// As [`StateToState::new`] and [`AxisProblem::lasting`].
-    pub fn lasting(
+    /// As [`StateToState::new`] and [`AxisProblem::with_duration`].
+    pub fn with_duration(
         start: &AxisState,
         target: &AxisState,
         limits: &AxisLimits,
         duration: f64,
     ) -> Result<Self, FeedError> {
-        AxisProblem::new(start, target, limits)?.lasting(duration)
+        AxisProblem::new(start, target, limits)?.with_duration(duration)
     }
 }
 

@@ -40,7 +40,7 @@ pub(super) const PHASES: usize = 16;
 pub struct StateToState {
     pub(super) phases: Phases<PHASES>,
     /// Jerk that brings the acceleration of the target to zero after the end.
-    pub(super) fade: f64,
+    pub(super) release_jerk: f64,
 }
 
 /// Lowest and highest position of a motion, and when it is there first.
@@ -75,14 +75,14 @@ impl StateToState {
     /// Ends in `target`; the jerk limits are those of the way on.
     pub(super) fn set_target(&mut self, t: &AxisState, jerk: (f64, f64)) {
         self.phases.end = MotionState { p: t.p, v: t.v, a: t.a, j: 0.0 };
-        self.fade = if t.a > 0.0 { jerk.0 } else { jerk.1 };
+        self.release_jerk = if t.a > 0.0 { jerk.0 } else { jerk.1 };
     }
 
     /// The phase after the end, which brings the acceleration of the target to zero, and its duration.
-    fn fading(&self) -> (Phase, f64) {
+    fn release(&self) -> (Phase, f64) {
         let MotionState { p, v, a, .. } = self.phases.end;
-        let duration = if a == 0.0 || self.fade == 0.0 { 0.0 } else { (-a / self.fade).max(0.0) };
-        (Phase { t: self.phases.duration, s: p, v, a, j: self.fade }, duration)
+        let duration = if a == 0.0 || self.release_jerk == 0.0 { 0.0 } else { (-a / self.release_jerk).max(0.0) };
+        (Phase { t: self.phases.duration, s: p, v, a, j: self.release_jerk }, duration)
     }
 
     pub(super) fn check_sound(&self) -> Result<(), FeedError> {
@@ -105,8 +105,8 @@ impl StateToState {
         }
         // Zero acceleration times an infinite time would be no number.
         let t = t.min(f64::MAX);
-        let (phase, lasting, _) = self.phase_at(t);
-        phase.after((t - phase.t).min(lasting))
+        let (phase, dt, _) = self.phase_at(t);
+        phase.after((t - phase.t).min(dt))
     }
 
     /// The phase that acts at time `t` (s), its duration, and the time at which the next one begins, infinite for the last one:
@@ -114,21 +114,21 @@ impl StateToState {
     pub fn phase_at(&self, t: f64) -> (Phase, f64, f64) {
         let (phases, duration) = (&self.phases, self.phases.duration);
         if t >= duration || phases.len() == 0 {
-            let (fading, lasting) = self.fading();
+            let (release, dt) = self.release();
             if t <= duration || t.is_nan() {
-                return (Phase { j: 0.0, ..fading }, 0.0, duration);
+                return (Phase { j: 0.0, ..release }, 0.0, duration);
             }
-            if t - duration < lasting {
-                return (fading, lasting, duration + lasting);
+            if t - duration < dt {
+                return (release, dt, duration + dt);
             }
-            let end = fading.after(lasting);
-            let on = Phase { t: duration + lasting, s: end.p, v: end.v, a: 0.0, j: 0.0 };
+            let end = release.after(dt);
+            let on = Phase { t: duration + dt, s: end.p, v: end.v, a: 0.0, j: 0.0 };
             return (on, f64::INFINITY, f64::INFINITY);
         }
         let i = phases.index_at(t);
         let next = if i + 1 < phases.len() { phases.get(i + 1).0.t } else { duration };
-        let (phase, lasting) = phases.get(i);
-        (phase, lasting, next.min(duration))
+        let (phase, dt) = phases.get(i);
+        (phase, dt, next.min(duration))
     }
 
     /// The same motion of another axis that moves `ratio` times as far, from `start` to `target`, which must be in that proportion
@@ -142,7 +142,7 @@ impl StateToState {
         });
         // A ratio below zero exchanges the jerk limits, and the sign of the acceleration with them.
         other.phases.end = MotionState { p: target.p, v: target.v, a: target.a, j: 0.0 };
-        other.fade = ratio * self.fade;
+        other.release_jerk = ratio * self.release_jerk;
         other
     }
 
@@ -173,7 +173,7 @@ impl StateToState {
 /// The jerk after the end counts only where the target has an acceleration.
 impl PartialEq for StateToState {
     fn eq(&self, other: &Self) -> bool {
-        self.phases == other.phases && (self.phases.end.a == 0.0 || self.fade == other.fade)
+        self.phases == other.phases && (self.phases.end.a == 0.0 || self.release_jerk == other.release_jerk)
     }
 }
 

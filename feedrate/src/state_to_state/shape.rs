@@ -1,6 +1,6 @@
 //! The shape of a solution: two halves, a cruise between them, and how long each phase of it lasts.
 
-use super::family::{Family, Peaks, Problem};
+use super::displacement_function::{DisplacementFunction, Peaks, Problem};
 use crate::scurve::closed_form::Peak;
 
 /// The phases of a solution, in the frame it was found in.
@@ -22,8 +22,8 @@ pub(super) struct Shape {
 }
 
 impl Shape {
-    pub fn going_up(family: &Family, peaks: Peaks) -> Self {
-        let (first, second) = family.ramps(peaks);
+    pub fn going_up(function: &DisplacementFunction, peaks: Peaks) -> Self {
+        let (first, second) = function.ramps(peaks);
         Self { first, second, cruise: 0.0, v_peak: 0.0, joined: true, up: (true, false), squeezed: false }
     }
 }

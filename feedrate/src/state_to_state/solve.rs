@@ -11,7 +11,7 @@
 //! durations then fall into a short first range, between two direct changes, and a second one without end.
 
 use super::brake_to_limits;
-use super::family::{Family, Peaks, Problem};
+use super::displacement_function::{DisplacementFunction, Peaks, Problem};
 use super::shape::Shape;
 use crate::limits::SLACK;
 use crate::scurve::closed_form::{Change, Peak};
@@ -57,7 +57,7 @@ pub(super) fn starts_too_fast(p: &Problem) -> bool {
 
 /// Extremals with the acceleration on one side of zero throughout, from the direct change on.
 pub(super) struct OneSided {
-    pub family: Family,
+    pub function: DisplacementFunction,
     /// First and last value of `s`.
     pub from: f64,
     pub to: f64,
@@ -72,11 +72,11 @@ impl OneSided {
             return None;
         }
         let other = if direct_rises { p.a0 } else { -p.af };
-        let family = Family::forced(p, direct_rises);
-        let beyond = other.max(0.0).powi(2) - family.gap();
+        let function = DisplacementFunction::forced(p, direct_rises);
+        let beyond = other.max(0.0).powi(2) - function.gap();
         let gap_follows = beyond > 0.0;
         (gap_follows || !starts_too_fast(p)).then(|| Self {
-            family,
+            function,
             from: -reach,
             to: -beyond.max(0.0).sqrt(),
             gap_follows,
@@ -87,62 +87,62 @@ impl OneSided {
 /// As [`solve`] for a displacement above that of the direct change, which starts with a rise or not.
 fn solve_up(p: &Problem, direct_rises: bool) -> (Shape, bool) {
     let mut gap_in_durations = false;
-    if let Some(OneSided { family, from, to, gap_follows }) = OneSided::new(p, direct_rises) {
+    if let Some(OneSided { function, from, to, gap_follows }) = OneSided::new(p, direct_rises) {
         gap_in_durations = gap_follows;
-        if let Some(peaks) = root_one_sided(&family, from, to) {
-            return (Shape::going_up(&family, peaks), false);
+        if let Some(peaks) = root_one_sided(&function, from, to) {
+            return (Shape::going_up(&function, peaks), false);
         }
     }
-    let family = Family::new(p);
-    let start = start_of_peaked(p, &family);
-    let f_start = family.eval(start).0;
+    let function = DisplacementFunction::new(p);
+    let start = start_of_peaked(p, &function);
+    let f_start = function.eval(start).0;
     if gap_in_durations && f_start > 0.0 {
         let mirrored = p.mirrored();
-        let family = Family::new(&mirrored);
-        let start = start_of_peaked(&mirrored, &family);
-        return (solve_peaked(&mirrored, &family, start, family.eval(start).0), true);
+        let function = DisplacementFunction::new(&mirrored);
+        let start = start_of_peaked(&mirrored, &function);
+        return (solve_peaked(&mirrored, &function, start, function.eval(start).0), true);
     }
-    (solve_peaked(p, &family, start, f_start), false)
+    (solve_peaked(p, &function, start, f_start), false)
 }
 
 /// First root between `from` and `to <= 0`. The displacement may rise, fall and rise again in between.
-fn root_one_sided(family: &Family, from: f64, to: f64) -> Option<Peaks> {
+fn root_one_sided(function: &DisplacementFunction, from: f64, to: f64) -> Option<Peaks> {
     if from >= to {
         return None;
     }
-    let (mut from, mut f_from) = (from, family.eval(from).0);
+    let (mut from, mut f_from) = (from, function.eval(from).0);
     if f_from >= 0.0 {
-        return Some(family.at(from));
+        return Some(function.at(from));
     }
-    if let Some(top) = family.summit(from, to) {
-        let f_top = family.eval(top).0;
+    if let Some(top) = function.summit(from, to) {
+        let f_top = function.eval(top).0;
         if f_top >= 0.0 {
-            return Some(family.root(from, f_from, top, f_top));
+            return Some(function.root(from, f_from, top, f_top));
         }
         (from, f_from) = (top, f_top);
     }
-    let f_to = family.eval(to).0;
-    (f_to >= 0.0).then(|| family.root(from, f_from, to, f_to))
+    let f_to = function.eval(to).0;
+    (f_to >= 0.0).then(|| function.root(from, f_from, to, f_to))
 }
 
 /// The lowest `s` at which the acceleration passes through zero between rise and fall.
-pub(super) fn start_of_peaked(p: &Problem, family: &Family) -> f64 {
+pub(super) fn start_of_peaked(p: &Problem, function: &DisplacementFunction) -> f64 {
     let (rise, fall) = (p.a0.max(0.0).powi(2), p.af.min(0.0).powi(2));
-    let (small, large) = if family.small_is_fall() { (fall, rise) } else { (rise, fall) };
-    small.max(large - family.gap()).max(0.0).sqrt()
+    let (small, large) = if function.small_is_fall() { (fall, rise) } else { (rise, fall) };
+    small.max(large - function.gap()).max(0.0).sqrt()
 }
 
 /// Extremals with a peak velocity, and cruising at the limit where they do not suffice.
-fn solve_peaked(p: &Problem, family: &Family, start: f64, f_start: f64) -> Shape {
+fn solve_peaked(p: &Problem, function: &DisplacementFunction, start: f64, f_start: f64) -> Shape {
     if starts_too_fast(p) {
         return brake_to_limits::solve(p);
     }
-    let top = family.at_velocity(p.v_max).max(start);
-    let f_top = family.eval(top).0;
+    let top = function.at_velocity(p.v_max).max(start);
+    let f_top = function.eval(top).0;
     if f_top <= 0.0 {
-        let shape = Shape::going_up(family, family.at(top));
+        let shape = Shape::going_up(function, function.at(top));
         return Shape { cruise: -f_top / p.v_max, v_peak: p.v_max, joined: false, ..shape };
     }
-    let peaks = if f_start >= 0.0 { family.at(start) } else { family.root(start, f_start, top, f_top) };
-    Shape::going_up(family, peaks)
+    let peaks = if f_start >= 0.0 { function.at(start) } else { function.root(start, f_start, top, f_top) };
+    Shape::going_up(function, peaks)
 }

@@ -61,10 +61,8 @@ impl Coast {
         let velocity = if v > 0.0 { (l.v_min(), v) } else { (v, l.v_max()) };
         let limits = AxisLimits::new(velocity, (l.a_min(), l.a_max()), (l.j_min(), l.j_max()))?;
         let motion = StateToState::new(s, &AxisState::rest(end), &limits)?;
-        let brakes_from = motion
-            .phases()
-            .find(|(phase, _)| phase.a == 0.0 && phase.j == 0.0)
-            .map_or(0.0, |(phase, lasting)| phase.t + lasting);
+        let brakes_from =
+            motion.phases().find(|(phase, _)| phase.a == 0.0 && phase.j == 0.0).map_or(0.0, |(phase, dt)| phase.t + dt);
         Ok(Self { motion, brakes_from })
     }
 

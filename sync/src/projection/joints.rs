@@ -4,10 +4,10 @@ use arcfeed_feedrate::AxisLimits;
 use nalgebra::{SMatrix, SVector};
 
 use super::ProjectionStatus;
-use super::fade::{BrakeLimits, Ranges};
+use super::feasible_set::{FLOOR, FeasibleSet, NONE, Order, RESERVE, SLACK, ScalarBounds, WIDEST};
 use super::line::{LinePlan, Start};
 use super::recover::Recovery;
-use super::room::{FLOOR, NONE, Order, RESERVE, Room, Rooms, SLACK, WIDEST};
+use super::transverse_brake::{BrakeLimits, Ranges};
 use crate::error::SyncError;
 use crate::joint_state::JointState;
 use crate::limits::check_symmetric;
@@ -32,7 +32,7 @@ pub struct ProjectionStep<const N: usize> {
 /// **Guarantees**: every joint keeps its velocity, acceleration and jerk limit at all times to 1e-9 of the limit; a start outside
 /// them, or bound to get outside, is brought inside first, with the largest jerk, and the limits hold from the first
 /// moment at which that is possible (jerk always). The target is reached exactly, at rest. From the moment the
-/// transverse motion has faded, the joints move on a straight line; from a start at rest, or moving along the
+/// transverse motion has come to rest, the joints move on a straight line; from a start at rest, or moving along the
 /// error, on a straight line throughout. Nothing allocates.
 ///
 /// # When to prefer it
@@ -160,7 +160,7 @@ impl<const N: usize> ProjectionSync<N> {
                 self.t = plan.duration;
                 ProjectionStatus::Reached { unused }
             }
-            Motion::Planned(plan) if self.t >= plan.faded => ProjectionStatus::Straight,
+            Motion::Planned(plan) if self.t >= plan.brake_end => ProjectionStatus::Straight,
             Motion::Planned(_) => ProjectionStatus::Turning,
         };
         Ok(ProjectionStep { state: self.state(), status })
@@ -250,7 +250,7 @@ fn check_finite<const N: usize>(what: &'static str, values: &SVector<f64, N>) ->
 }
 
 /// A box per joint, the same in both directions.
-impl<const N: usize> Room<N> for [AxisLimits; N] {
+impl<const N: usize> FeasibleSet<N> for [AxisLimits; N] {
     fn frame(&self, _: &SVector<f64, N>, _: &SVector<f64, N>, _: &SVector<f64, N>) -> SMatrix<f64, N, N> {
         // The limits are those of the joints: their own axes are the only ones that fit.
         SMatrix::identity()
@@ -277,7 +277,7 @@ impl<const N: usize> Room<N> for [AxisLimits; N] {
             let (p, c, b) = (part[k].abs(), whole[k].abs(), order.bound(limits));
             let against = part[k] * whole[k] < 0.0;
             let most = match order {
-                // A velocity that fades stays on its side of zero and so leaves the other one free.
+                // A velocity that is braked stays on its side of zero and so leaves the other one free.
                 Order::Velocity if against => b - c,
                 Order::Velocity => b,
                 Order::Acceleration if against => (0.5 * (b - c)).min((1.0 - RESERVE) * b),
@@ -290,7 +290,7 @@ impl<const N: usize> Room<N> for [AxisLimits; N] {
         share
     }
 
-    fn fading(
+    fn brake_limits(
         &self,
         line: &SVector<f64, N>,
         _: &SVector<f64, N>,
@@ -304,8 +304,8 @@ impl<const N: usize> Room<N> for [AxisLimits; N] {
         })
     }
 
-    fn rooms(&self, u: &SVector<f64, N>, ranges: &[Ranges; N]) -> Rooms {
-        let room = |bound: fn(&AxisLimits) -> f64, range: fn(&Ranges) -> (f64, f64)| {
+    fn scalar_bounds(&self, u: &SVector<f64, N>, ranges: &[Ranges; N]) -> ScalarBounds {
+        let left = |bound: fn(&AxisLimits) -> f64, range: fn(&Ranges) -> (f64, f64)| {
             let (mut lower, mut upper) = (-WIDEST, WIDEST);
             for k in 0..N {
                 let (low, high) = range(&ranges[k]);
@@ -322,10 +322,10 @@ impl<const N: usize> Room<N> for [AxisLimits; N] {
             }
             (lower, upper)
         };
-        Rooms {
-            v: room(AxisLimits::v_max, |r| r.v),
-            a: room(AxisLimits::a_max, |r| r.a),
-            j: room(AxisLimits::j_max, |r| r.j),
+        ScalarBounds {
+            v: left(AxisLimits::v_max, |r| r.v),
+            a: left(AxisLimits::a_max, |r| r.a),
+            j: left(AxisLimits::j_max, |r| r.j),
         }
     }
 }

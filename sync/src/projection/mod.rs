@@ -1,15 +1,15 @@
 //! Synchronising by projection on the error: a target that may change in any cycle.
 
-mod balls;
-mod fade;
+mod feasible_set;
 mod joints;
 mod line;
+mod norm_limits;
 mod pose;
 mod recover;
-mod room;
+mod transverse_brake;
 
-pub use balls::PoseLimits;
 pub use joints::{ProjectionStep, ProjectionSync};
+pub use norm_limits::PoseLimits;
 pub use pose::{PoseProjectionSync, PoseState, PoseStep};
 
 /// What the motion is doing.
@@ -17,7 +17,7 @@ pub use pose::{PoseProjectionSync, PoseState, PoseStep};
 pub enum ProjectionStatus {
     /// The state is being brought inside the limits, acceleration to zero.
     Recovering,
-    /// Velocity across the line to the target is fading.
+    /// The velocity across the line to the target is being taken off.
     Turning,
     /// On the straight line to the target.
     Straight,

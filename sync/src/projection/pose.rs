@@ -4,9 +4,9 @@ use arcfeed_feedrate::{AxisLimits, MotionLaw, SpeedChange};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3, Vector6};
 
 use super::ProjectionStatus;
-use super::balls::PoseLimits;
+use super::feasible_set::FLOOR;
 use super::line::{LinePlan, Start};
-use super::room::FLOOR;
+use super::norm_limits::PoseLimits;
 use crate::error::SyncError;
 use crate::so3;
 
@@ -43,7 +43,7 @@ pub struct PoseStep {
 /// Position and orientation share one scalar and arrive together. **Guarantees**: the norms of linear and angular velocity, acceleration and
 /// jerk stay inside their limits at all times, to 1e-9 of them; a start outside (or too close to a limit to divide its motion) is
 /// brought inside first, with the largest jerk: accelerations are taken off, then speed above its limit. The target is reached exactly,
-/// at rest. Once the motion across the line has faded (at once from rest), the tool point moves on a straight line and the
+/// at rest. Once the motion across the line has come to rest (at once from rest), the tool point moves on a straight line and the
 /// tool turns about one fixed axis, by at most pi. Nothing allocates.
 ///
 /// Reach, singularities and joint limits of an arm are not known here.
@@ -186,7 +186,7 @@ impl PoseProjectionSync {
                     false => ProjectionStatus::Turning,
                 }
             }
-            Motion::Planned(plan) if self.t >= plan.faded => ProjectionStatus::Straight,
+            Motion::Planned(plan) if self.t >= plan.brake_end => ProjectionStatus::Straight,
             _ => ProjectionStatus::Turning,
         };
         Ok(PoseStep { state: self.state(), status })

@@ -205,7 +205,7 @@ fn check(i: u64, case: &Input, name: &str, rng: &mut Rng) -> Result<(), String> 
     let t = motion.duration();
     let longer = t * (1.0 + rng.log(1e-9, 10.0));
     let possible = problem.durations().contains(longer);
-    match problem.lasting(longer) {
+    match problem.with_duration(longer) {
         Ok(m) if possible => judge(case, &m).map_err(|e| format!("in {longer} s: {e}"))?,
         // From outside the limits more may be possible than is promised.
         Ok(m) if !l.contain(&case.start) => judge(case, &m).map_err(|e| format!("in {longer} s: {e}"))?,

@@ -45,7 +45,7 @@ pub(super) struct InnerRow {
 
 /// A stretch between two stops (or ends at a speed), ready to be iterated on.
 #[derive(Debug, Clone)]
-pub(super) struct Stretch {
+pub(super) struct BarrierProblem {
     /// Grid point of the first knot.
     pub from: usize,
     pub knots: Knots,
@@ -89,7 +89,7 @@ impl PointRow {
     }
 }
 
-impl Stretch {
+impl BarrierProblem {
     /// The stretch from grid point `from` to grid point `to`, at rest at an end unless a speed is given for it.
     ///
     /// `fastest` are squared speeds at all grid points that the solution is not expected to exceed by much.
@@ -98,7 +98,7 @@ impl Stretch {
         let ends = [end(speeds[0], problem.h(from)), end(speeds[1], problem.h(to - 1))];
         let (a, b) = (from + ends[0].rest_intervals(), to - ends[1].rest_intervals());
         let knots = Knots::new((a..b).map(|k| problem.h(k)).collect());
-        let mut stretch = Self {
+        let mut barrier_problem = Self {
             from: a,
             knots,
             ends,
@@ -114,38 +114,40 @@ impl Stretch {
             most: 1.0,
             rest: [0.0; 2],
         };
-        stretch.first.push(0);
+        barrier_problem.first.push(0);
         for i in a..=b {
             // Speed and acceleration at a moving end are given: the planner has checked them, nothing is left to decide.
             let given = matches!((&ends, i), ([End::Moving { .. }, _], i) if i == a)
                 || matches!((&ends, i), ([_, End::Moving { .. }], i) if i == b);
             if !given {
-                stretch.points.extend(problem.rows(i).iter().filter(|row| !is_nothing(row)).map(|row| {
+                barrier_problem.points.extend(problem.rows(i).iter().filter(|row| !is_nothing(row)).map(|row| {
                     let (lo, hi) = (row.lo - row.d, row.hi - row.d);
                     PointRow { a: row.a, b: row.b, c: row.c, lo, hi, wider: [0.0; 2] }
                 }));
             }
-            stretch.first.push(stretch.points.len());
-            stretch.caps.push([if given { f64::INFINITY } else { problem.x_max(i) }, 0.0]);
+            barrier_problem.first.push(barrier_problem.points.len());
+            barrier_problem.caps.push([if given { f64::INFINITY } else { problem.x_max(i) }, 0.0]);
         }
         for k in a..b {
             for within in [Within::Start, Within::End] {
-                stretch.inner.extend(problem.inner_rows(k, within).filter(|row| !row.is_nothing()).map(|row| {
-                    let crate::problem::InnerRow { alpha, beta, gamma, lo, hi, .. } = row;
-                    InnerRow { alpha, beta, gamma, lo, hi, wider: [0.0; 2] }
-                }));
+                barrier_problem.inner.extend(problem.inner_rows(k, within).filter(|row| !row.is_nothing()).map(
+                    |row| {
+                        let crate::problem::InnerRow { alpha, beta, gamma, lo, hi, .. } = row;
+                        InnerRow { alpha, beta, gamma, lo, hi, wider: [0.0; 2] }
+                    },
+                ));
                 if within == Within::Start {
-                    stretch.push_speed(problem, k, fastest);
+                    barrier_problem.push_speed(problem, k, fastest);
                 }
-                stretch.inner_first.push(stretch.inner.len());
-                stretch.thirds.extend(problem.jerk_rows(k, within).iter().zip(0..).map(|(row, id)| ThirdRow {
+                barrier_problem.inner_first.push(barrier_problem.inner.len());
+                barrier_problem.thirds.extend(problem.jerk_rows(k, within).iter().zip(0..).map(|(row, id)| ThirdRow {
                     alpha: row.alpha / row.limit,
                     beta: row.beta / row.limit,
                     gamma: row.gamma / row.limit,
                     part: 1.0,
                     id,
                 }));
-                stretch.thirds_first.push(stretch.thirds.len());
+                barrier_problem.thirds_first.push(barrier_problem.thirds.len());
             }
         }
         for (i, k) in [(0, from), (1, to - 1)] {
@@ -162,9 +164,10 @@ impl Stretch {
                 // sqrt(x) grows with s^(2/3), u with s^(1/3).
                 worst(rest, row, u * 0.5, 0.25)
             });
-            stretch.rest[i] = problem.jerk_rows(k, at_knot).iter().fold(rest, |rest, row| worst(rest, row, u, 1.0));
+            barrier_problem.rest[i] =
+                problem.jerk_rows(k, at_knot).iter().fold(rest, |rest, row| worst(rest, row, u, 1.0));
         }
-        stretch
+        barrier_problem
     }
 
     /// Speed inside interval `k`, by the values at its start.

@@ -1,4 +1,4 @@
-//! One coordinate of the part of the motion that fades away: a brake to rest, wherever that is.
+//! One coordinate of the motion across the line: a brake to rest, wherever that is.
 
 use arcfeed_feedrate::{AxisLimits, MotionLaw, MotionState, SpeedChange};
 
@@ -28,13 +28,13 @@ pub(super) struct BrakeLimits {
 
 /// A brake from velocity and acceleration to rest.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Fade {
+pub(super) struct TransverseBrake {
     brake: Option<SpeedChange>,
     /// Bound of the displacement; see [`Ranges::p`].
     reach: f64,
 }
 
-impl Fade {
+impl TransverseBrake {
     /// `None` if the limits leave nothing to brake with, or if the numbers leave the range of `f64`.
     pub fn new(v: f64, a: f64, limits: BrakeLimits) -> Option<Self> {
         if v == 0.0 && a == 0.0 {

@@ -57,7 +57,7 @@ pub(super) struct Peaks {
 
 /// Displacement error over the signed peak acceleration `s`.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Family {
+pub(super) struct DisplacementFunction {
     pub(super) k: f64,
     pub(super) m: f64,
     pub(super) q: f64,
@@ -74,7 +74,7 @@ pub(super) struct Family {
     pub(super) lead_time: f64,
 }
 
-impl Family {
+impl DisplacementFunction {
     pub fn new(p: &Problem) -> Self {
         let (b0, bf) = Self::bases(p);
         Self::with_small(p, b0, bf, bf >= b0)
@@ -286,7 +286,7 @@ struct OneHeld {
 }
 
 impl OneHeld {
-    fn new(f: &Family, base: f64, held_base: f64, cap: f64) -> Self {
+    fn new(f: &DisplacementFunction, base: f64, held_base: f64, cap: f64) -> Self {
         let fixed = cap * (2.0 * f.k * held_base + f.m * cap * cap);
         Self {
             k: f.k,

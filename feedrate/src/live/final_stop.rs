@@ -11,7 +11,7 @@ const PARTS: usize = 24;
 
 /// An exact plan to a standstill at a known place.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Landing {
+pub(super) struct FinalStop {
     scheduler: FeedScheduler,
     /// Where it started, and `1` or `-1` for the way forward or back.
     pub origin: f64,
@@ -23,7 +23,7 @@ pub(super) struct Landing {
     asked: f64,
 }
 
-impl Landing {
+impl FinalStop {
     /// The plan from position, speed and acceleration to rest at `place`, at the speed `asked` for, if there is one under the
     /// curve.
     pub fn plan(
