@@ -46,7 +46,7 @@ pub struct Bounded {
     /// varying acceleration inside the intervals is worth: of first order in their length, 0.3 % at N = 100 and a few 0.01 %
     /// at N = 1000. How far a jerk-limited plan is from its own optimum it does not tell.
     pub lower_bound: f64,
-    /// Whether the solver reached its full accuracy, in every program.
+    /// True if the solver reached its full accuracy, in every program.
     pub accurate: bool,
 }
 

@@ -19,7 +19,7 @@ impl Interval {
     /// No number at all.
     pub const EMPTY: Self = Self { lo: f64::INFINITY, hi: f64::NEG_INFINITY };
 
-    /// Whether nothing is admissible.
+    /// Returns true if nothing is admissible.
     pub fn is_empty(&self) -> bool {
         self.lo > self.hi || self.lo.is_nan() || self.hi.is_nan()
     }

@@ -1,13 +1,13 @@
-//! What can be wrong with a request, with the numbers that say why.
+//! Errors of a request, with the numbers that explain them.
 
 use crate::row::LimitId;
 
 /// An end of a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PathEnd {
-    /// Where it begins.
+    /// The start.
     Start,
-    /// Where it ends.
+    /// The end.
     End,
 }
 
@@ -121,7 +121,7 @@ pub enum FeedError {
     /// A list that must hold something is empty.
     #[error("the list of {what} is empty; give at least one")]
     Empty {
-        /// What the list holds.
+        /// Name of the entries of the list.
         what: &'static str,
     },
     /// Two lists that belong together differ in length.
@@ -164,11 +164,11 @@ pub enum FeedError {
     /// A problem too large for the memory it would take.
     #[error("{got} {what}, more than {most}; use a coarser grid, or plan the path in parts")]
     TooMany {
-        /// What there is too much of.
+        /// Name of the quantity that is too large.
         what: &'static str,
-        /// How many.
+        /// The number given.
         got: usize,
-        /// How many are taken.
+        /// Largest number allowed.
         most: usize,
     },
     /// The grid of a path does not increase.
@@ -224,7 +224,7 @@ pub enum FeedError {
         row: LimitId,
         /// The limit that stands against it.
         against: LimitId,
-        /// By how much the first is broken at the least while the other is kept, in its own unit.
+        /// Least excess over the first limit while the other is kept, in its own unit.
         excess: f64,
         /// The limit.
         limit: f64,
@@ -274,7 +274,7 @@ pub enum FeedError {
         highest: f64,
         /// The limit that is met first.
         row: LimitId,
-        /// Where (m).
+        /// Position (m).
         s: f64,
     },
     /// The solver did not arrive at its tolerance.
@@ -284,7 +284,7 @@ pub enum FeedError {
         what: &'static str,
         /// Iterations made.
         iterations: usize,
-        /// What is left of its measure of optimality or feasibility (relative).
+        /// Remaining violation of optimality or feasibility (relative).
         residual: f64,
     },
     /// A scan with a look-ahead window does not know the end of the path in time to reach a speed there.
@@ -365,7 +365,7 @@ pub enum FeedError {
     LeavesPositions {
         /// The farthest position (m).
         position: f64,
-        /// When it is there (s).
+        /// Time of that position (s).
         time: f64,
         /// The limit it breaks (m).
         limit: f64,

@@ -17,7 +17,7 @@
 //! ([`plan_windowed`]), and [`plan_continuous`], which keeps the acceleration continuous across segments and so does not pay
 //! for their number.
 //!
-//! Where the limits are not one number per segment but belong to joints, motors and tool, each is a [`Row`] in `sdot^2` and
+//! If the limits are not one number per segment but belong to joints, motors and tool, each is a [`Row`] in `sdot^2` and
 //! `sddot` ([`constraint`], [`FeedProblem`]), and a [`FeedPlanner`] finds the law: [`ForwardBackwardScan`], [`Reachability`],
 //! [`InterpolatedReachability`] and, with jerk, [`JerkLimited`]. All read the same rows and yield a [`SpeedLaw`].
 //!
@@ -44,7 +44,7 @@
 //! X. Liu et al., "A High-Precision Planar NURBS Interpolation System Based on Segmentation Method for Industrial Robot",
 //! Appl. Sci. 2023, 13, 13210, cited as Liu et al. 2023; online trajectory generation in robot task and joint spaces, Actuators
 //! 2024, 13, 108, cited as Liu et al. 2024; "Quaternion-Based Velocity Scheduling for Robotic Systems", Electronics 2025, 14, 3869.
-//! Where a formula departs from print its docs say how and why.
+//! A formula that departs from print says so in its docs, with the reason.
 #![forbid(unsafe_code)]
 // `!(x > 0.0)` is how NaN is taken to the safe side.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]

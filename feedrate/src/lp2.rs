@@ -19,7 +19,7 @@ pub(crate) struct Gap {
     pub width: f64,
     /// Slope of the gap by `x`.
     pub slope: f64,
-    /// Where the two bands meet: Newton's next iterate, without the cancellation of a difference.
+    /// The value at which the two bands meet: Newton's next iterate, without the cancellation of a difference.
     pub meet: f64,
     /// Magnitude of the terms of which the gap is the difference, for judging round-off.
     pub scale: f64,
@@ -68,7 +68,7 @@ pub(crate) enum NoOptimum {
 /// Gap that counts as none: differences of this size are round-off.
 const TOLERANCE: f64 = 1e-13;
 
-/// Where `x` is greatest.
+/// The point with the greatest `x`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Greatest {
     pub x: f64,
@@ -105,7 +105,7 @@ pub(crate) fn greatest_x(bands: &[Band], least: f64, most: f64) -> Result<Greate
     Ok(Greatest { x, meeting })
 }
 
-/// Where the flattest upper bound and the steepest lower bound meet: no feasible `x` is beyond.
+/// The value at which the flattest upper bound and the steepest lower bound meet: no feasible `x` is beyond.
 fn outermost(bands: &[Band]) -> Result<f64, NoOptimum> {
     let by_slope = |a: &&Band, b: &&Band| a.p.total_cmp(&b.p);
     let upper = bands.iter().filter(|b| b.hi < f64::INFINITY).min_by(by_slope).ok_or(NoOptimum::Unbounded)?;

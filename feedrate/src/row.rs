@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// What a limit is on.
+/// The quantity that is limited.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Quantity {
@@ -38,7 +38,7 @@ pub enum Quantity {
     Continuity,
     /// State at the start and at the end, in units of what counts as zero.
     Ends,
-    /// What a setpoint says of the tool against what its joints do, in units of what counts as zero.
+    /// Difference between the tool of a setpoint and the tool of its joints, in units of what counts as zero.
     SetpointAgreement,
     /// A corner or a jump of curvature that a limit on acceleration or jerk cannot pass in motion.
     Corner,
@@ -104,7 +104,7 @@ impl fmt::Display for Quantity {
     }
 }
 
-/// Which limit a row stems from: the quantity, and the joint where there is one.
+/// The limit that a row stems from: the quantity, and the joint if there is one.
 ///
 /// Prints as a person would say it; joints are counted from 1 there, from 0 in the field.
 ///
@@ -115,9 +115,9 @@ impl fmt::Display for Quantity {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct LimitId {
-    /// What is limited.
+    /// The limited quantity.
     pub quantity: Quantity,
-    /// Which joint, from 0.
+    /// Index of the joint, from 0.
     pub joint: Option<u16>,
 }
 
@@ -155,13 +155,13 @@ pub struct Row {
     pub b: f64,
     /// Factor of `sqrt(x)`.
     pub c: f64,
-    /// What remains at rest.
+    /// Value at rest.
     pub d: f64,
     /// Least value allowed; may be `-inf`.
     pub lo: f64,
     /// Greatest value allowed; may be `inf`.
     pub hi: f64,
-    /// Where the row comes from.
+    /// The limit that the row states.
     pub source: LimitId,
 }
 
@@ -177,7 +177,7 @@ impl Row {
         self.a * u + self.b * x + friction + self.d
     }
 
-    /// By how much the value at `(u, x)` is outside its bounds; 0 inside.
+    /// Excess of the value at `(u, x)` over its bounds; 0 inside.
     pub fn excess(&self, u: f64, x: f64) -> f64 {
         let value = self.value(u, x);
         (value - self.hi).max(self.lo - value).max(0.0)
@@ -203,7 +203,7 @@ pub struct JerkRow {
     pub gamma: f64,
     /// Greatest magnitude allowed, above 0; may be `inf`.
     pub limit: f64,
-    /// Where the row comes from.
+    /// The limit that the row states.
     pub source: LimitId,
 }
 
@@ -222,7 +222,7 @@ pub enum IntervalBound {
     Speed {
         /// Greatest speed.
         most: f64,
-        /// Where the bound comes from.
+        /// The limit that the bound states.
         source: LimitId,
     },
     /// `a |u| + b v^2 + c v + rest <= limit`.
@@ -233,11 +233,11 @@ pub enum IntervalBound {
         b: f64,
         /// Factor of the speed.
         c: f64,
-        /// What remains at rest.
+        /// Value at rest.
         rest: f64,
         /// Greatest value, above 0.
         limit: f64,
-        /// Where the bound comes from.
+        /// The limit that the bound states.
         source: LimitId,
     },
     /// `alpha |j| + beta v |u| + gamma v^3 + step v^2 <= limit`.
@@ -252,7 +252,7 @@ pub enum IntervalBound {
         step: f64,
         /// Greatest value, above 0.
         limit: f64,
-        /// Where the bound comes from.
+        /// The limit that the bound states.
         source: LimitId,
     },
 }

@@ -18,7 +18,7 @@ pub struct MotionState {
 
 /// A motion of one scalar over time.
 pub trait MotionLaw {
-    /// How long the motion takes (s).
+    /// Duration of the motion (s).
     fn duration(&self) -> f64;
 
     /// The state at time `t` (s), with `t` clamped to `[0, duration]` (NaN counts as 0).

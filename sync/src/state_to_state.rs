@@ -96,7 +96,7 @@ impl<const N: usize> Trajectory<N> {
         Self::straight(&at_rest(start), &at_rest(goal), limits, &options)
     }
 
-    /// Of motions that belong to no line.
+    /// Combines motions that belong to no line.
     pub(crate) fn of(axes: [StateToState; N]) -> Self {
         let duration = axes.iter().fold(0.0, |t: f64, a| t.max(a.duration()));
         Self { axes, duration, straight: false }
@@ -210,7 +210,7 @@ impl<const N: usize> Trajectory<N> {
         self.duration
     }
 
-    /// Whether all axes move in proportion, on a straight line.
+    /// Returns true if all axes move in proportion, on a straight line.
     pub const fn is_straight(&self) -> bool {
         self.straight
     }
@@ -245,12 +245,12 @@ fn with_least_duration(problem: &AxisProblem, options: &MotionOptions) -> Result
     Err(FeedError::OutOfRange { what: "duration of the motion" })
 }
 
-/// Whether a motion stays within the limits from `now` on.
+/// Returns true if a motion stays within the limits from `now` on.
 pub(crate) fn keeps(motion: &StateToState, now: f64, l: &AxisLimits) -> bool {
     motion.duration() >= now && keeps_all_of(motion, now, l, |s| l.contain_now(s))
 }
 
-/// Whether a motion keeps the limits that `start` is inside of and can stay inside of.
+/// Returns true if a motion keeps the limits that `start` is inside of and can stay inside of.
 fn keeps_what_holds(motion: &StateToState, start: &AxisState, l: &AxisLimits) -> bool {
     let velocity = |v: f64| l.contain_now(&AxisState::new(0.0, v, 0.0));
     let acceleration = |a: f64| l.contain_now(&AxisState::new(0.0, 0.0, a));
@@ -259,7 +259,7 @@ fn keeps_what_holds(motion: &StateToState, start: &AxisState, l: &AxisLimits) ->
     keeps_all_of(motion, 0.0, l, |s| (!slow || velocity(s.v)) && (!soft || acceleration(s.a)))
 }
 
-/// Whether a motion keeps its jerk limit from `now` on and `inside` holds where velocity or acceleration is extremal.
+/// Returns true if a motion keeps its jerk limit from `now` on and `inside` holds where velocity or acceleration is extremal.
 fn keeps_all_of(motion: &StateToState, now: f64, l: &AxisLimits, inside: impl Fn(&AxisState) -> bool) -> bool {
     motion.phases().filter(|(phase, dt)| phase.t + dt > now).all(|(phase, dt)| {
         let from = (now - phase.t).max(0.0);

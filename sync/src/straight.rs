@@ -30,7 +30,7 @@ impl<const N: usize> Part<N> {
         (0..N).fold(0, |m, k| if self.values[k].abs() > self.values[m].abs() { k } else { m })
     }
 
-    /// How many times its round-off the vector is long.
+    /// Length of the vector in units of its round-off.
     fn certainty(&self) -> f64 {
         if N == 0 {
             return 0.0;

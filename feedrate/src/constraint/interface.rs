@@ -55,7 +55,7 @@ pub trait PathConstraint {
 #[derive(Debug)]
 pub struct RowSink<'a> {
     pub(crate) rows: &'a mut Vec<Row>,
-    /// Whether all rows are finite, with bounds that leave something.
+    /// True if all rows are finite, with bounds that leave something.
     pub(crate) sound: bool,
     pub(crate) x_max: f64,
     pub(crate) source: LimitId,

@@ -5,7 +5,7 @@ use crate::error::FeedError;
 /// Derivatives by `s` of one or more axes (joints, or tool coordinates) at every grid point, row-major:
 /// entry `i * axes + j` belongs to axis `j` at grid point `i`.
 ///
-/// Where a derivative jumps at a grid point, as the third one of a cubic spline does at its knots, the main arrays hold the
+/// At a grid point where a derivative jumps, as the third one of a cubic spline does at its knots, the main arrays hold the
 /// value just after the point and [`PathDerivatives::with_values_before`] the one just before it. A jump of the *first*
 /// derivative is a corner, at which the motion has to stop.
 #[derive(Debug, Clone, Copy)]
@@ -170,12 +170,12 @@ impl<'a> PathDerivatives<'a> {
         self.points
     }
 
-    /// Whether third derivatives are known.
+    /// Returns true if third derivatives are known.
     pub fn has_third(&self) -> bool {
         !self.after[2].is_empty()
     }
 
-    /// Whether first and second derivatives just after the points are small enough for sums of two of them.
+    /// Returns true if first and second derivatives just after the points are small enough for sums of two of them.
     pub(super) fn is_finite(&self) -> bool {
         // All that overflow or NaN could hide in is one sum, eight numbers at a time.
         let small = |values: &[f64]| {

@@ -15,7 +15,7 @@ pub(super) struct PointRow {
     pub c: f64,
     pub lo: f64,
     pub hi: f64,
-    /// By how much the lower and the upper bound are widened; taken back as the iterations go.
+    /// Widening of the lower and the upper bound; taken back as the iterations go.
     pub wider: Sides,
 }
 
@@ -27,7 +27,7 @@ pub(super) struct ThirdRow {
     pub gamma: f64,
     /// That part, at most 1; the rest is a margin for what happens between the knots.
     pub part: f64,
-    /// Which jerk row of the problem it is.
+    /// Index of the jerk row in the problem.
     pub id: u32,
 }
 
@@ -39,7 +39,7 @@ pub(super) struct InnerRow {
     pub gamma: f64,
     pub lo: f64,
     pub hi: f64,
-    /// By how much the lower and the upper bound are widened; taken back as the iterations go.
+    /// Widening of the lower and the upper bound; taken back as the iterations go.
     pub wider: Sides,
 }
 
@@ -77,7 +77,7 @@ pub(super) type Sides = [f64; 2];
 /// A row is dropped where its value is closer to the middle between its bounds than to either, by this measure.
 const DISTANT: f64 = 0.6;
 
-/// Whether a row holds whatever the motion: that of a joint that stands still. It has no inside where its limit is 0.
+/// Returns true if a row holds whatever the motion: that of a joint that stands still. It has no inside where its limit is 0.
 fn is_nothing(row: &Row) -> bool {
     row.a == 0.0 && row.b == 0.0 && row.c == 0.0 && row.lo <= row.d && row.d <= row.hi
 }
@@ -260,7 +260,7 @@ impl BarrierProblem {
         self.rest = self.rest.map(|rest| up * rest);
     }
 
-    /// Whether the values are strictly inside all bounds as they are widened at present.
+    /// Returns true if the values are strictly inside all bounds as they are widened at present.
     pub fn is_inside(&self, values: &Values) -> bool {
         let mut inside = values.x.iter().chain(&values.middle).all(|&x| x > 0.0);
         self.each_slack(values, |_, slacks| inside &= slacks[0] > 0.0 && slacks[1] > 0.0);
@@ -359,7 +359,7 @@ impl BarrierProblem {
         (0..2).for_each(|_| keep(true));
     }
 
-    /// By how much every side is widened.
+    /// Visits the widening of every side.
     pub fn each_widening(&self, mut visit: impl FnMut(usize, Sides)) {
         let [caps, inner, thirds, rest] = self.offsets();
         self.points.iter().enumerate().for_each(|(i, row)| visit(i, row.wider));
@@ -374,7 +374,7 @@ impl BarrierProblem {
         }
     }
 
-    /// Which limit a row is, and where it holds, as long as no row has been dropped.
+    /// The limit and the position of a row, as long as no row has been dropped.
     pub fn limit(&self, problem: &FeedProblem, i: usize) -> Option<(LimitId, f64)> {
         let [caps, inner, thirds, rest] = self.offsets();
         // The last of the places that begin at an index or before.
@@ -458,7 +458,7 @@ impl BarrierProblem {
         }
     }
 
-    /// How the slack of every side changes with the values, to first order, while all relaxation is taken back.
+    /// Visits the change of the slack of every side with the values, to first order, while all relaxation is taken back.
     pub fn each_change(&self, values: &Values, delta: &Values, mut visit: impl FnMut(usize, Sides)) {
         let (Values { x, .. }, Values { x: dx, u: du, w: dw, .. }) = (values, delta);
         let [caps, inner, thirds, rest] = self.offsets();

@@ -1,4 +1,4 @@
-//! What happens between the knots: margins while iterating, and the check of the result.
+//! The motion between the knots: margins while iterating, and the check of the result.
 //!
 //! The coefficients of a row vary between two grid points; they are interpolated through both ends and the middle, which is
 //! exact where the path is piecewise cubic. A row then is a cubic in `s`, whose extremes are found in closed form.
@@ -13,7 +13,7 @@ use crate::row::Row;
 use crate::speed_law::SpeedLaw;
 use crate::state::MotionState;
 
-/// By how much the parabola through three equidistant values leaves the range of both ends, below and above.
+/// The excess of the parabola through three equidistant values over the range of both ends, below and above.
 fn parabola_overshoot(start: f64, middle: f64, end: f64) -> [f64; 2] {
     let slope = 4.0 * middle - 3.0 * start - end;
     let bend = start - 2.0 * middle + end;
@@ -76,7 +76,7 @@ fn along([p, m, q]: [&Row; 3], [near, far]: [Edge; 2], h: f64) -> ([f64; 2], [f6
     ([start, end], [slope, end_slope])
 }
 
-/// How much of its slack a row keeps at least when a new margin is set, so that the iterate stays strictly inside.
+/// Least part of its slack that a row keeps when a new margin is set, so that the iterate stays strictly inside.
 const KEPT: f64 = 0.3;
 
 /// The least part of a limit that margins leave.
@@ -128,7 +128,7 @@ impl BarrierProblem {
 /// Parts of an interval at whose ends what is no polynomial is sampled.
 const SAMPLES: usize = 8;
 
-/// Where the parabola through three equidistant values turns, in steps from the middle one, and its value there; nothing where
+/// The place at which the parabola through three equidistant values turns, in steps from the middle one, and its value there; nothing where
 /// it does not turn between them.
 fn turning([start, middle, end]: [f64; 3]) -> Option<(f64, f64)> {
     let (slope, bend) = (0.5 * (end - start), start - 2.0 * middle + end);
@@ -199,7 +199,7 @@ struct Inside<'a> {
     h: f64,
     /// Start, middle and end.
     edges: [Edge; 3],
-    /// Whether it is next to rest, where `x(s)` is no polynomial; at a stop round-off may leave a trace of speed.
+    /// True if it is next to rest, where `x(s)` is no polynomial; at a stop round-off may leave a trace of speed.
     rests: bool,
 }
 

@@ -24,7 +24,7 @@ impl Side {
         self.multiplier * self.inverse
     }
 
-    /// What the barrier pulls with at `mu`: `mu / slack`, the second-order term, and what narrowing the bound adds.
+    /// The barrier's force at `mu`: `mu / slack`, the second-order term, and what narrowing the bound adds.
     fn force(&self, mu: f64, wider: f64) -> f64 {
         mu * self.inverse + self.multiplier * (self.change + self.inverse * wider)
     }
@@ -53,15 +53,15 @@ impl Products {
     }
 }
 
-/// How the iterations ended.
+/// The outcome of the iterations.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Outcome {
     pub iterations: usize,
-    /// What is still to be gained, relative to the duration: by the multipliers, and by what the last step would have gained
+    /// Possible gain, relative to the duration: by the multipliers, and by what the last step would have gained
     /// in full.
     pub gap: f64,
     pub ahead: f64,
-    /// What bounds are still widened by (relative); 0 when all are kept.
+    /// Relative widening of the bounds; 0 when all are kept.
     pub wider: f64,
 }
 
@@ -69,7 +69,7 @@ pub(super) struct Outcome {
 const CLOSE: f64 = 0.02;
 
 impl Outcome {
-    /// Whether the solution is close to the optimum.
+    /// Returns true if the solution is close to the optimum.
     pub fn is_close(&self) -> bool {
         self.gap.max(self.ahead) < CLOSE
     }
@@ -100,7 +100,7 @@ struct Sums {
     least: f64,
 }
 
-/// How much of the way to the boundary a step may go.
+/// Part of the way to the boundary that a step may go.
 const STEP_FRACTION: f64 = 0.95;
 
 /// Relative gap the multipliers start with.
@@ -117,7 +117,7 @@ fn lesser(x: f64, y: f64) -> f64 {
     if x < y { x } else { y }
 }
 
-/// What the last step may have gained in full, in units of the tolerance: the next one gains a small part of that.
+/// Gain of the last step at which the iterations end, in units of the tolerance: the next one gains a small part of that.
 const AHEAD: f64 = 10.0;
 
 /// Many times what is needed.
@@ -431,7 +431,7 @@ impl Solver {
         }
     }
 
-    /// How far slacks and multipliers could go towards `mu = 0`; leaves the second-order terms of that step.
+    /// The longest step of slacks and multipliers towards `mu = 0`; leaves the second-order terms of that step.
     fn predict(&mut self, barrier_problem: &BarrierProblem) -> Sides {
         // Relative changes of slacks; multipliers change by the opposite less 1.
         let (mut least, mut most) = (0.0, 0.0);

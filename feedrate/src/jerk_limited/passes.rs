@@ -14,10 +14,10 @@ use crate::speed_law::SpeedLaw;
 /// intervals, whose rows all are distant at one time or another, and dropping them means solving twice.
 const DROP_UP_TO: usize = 2500;
 
-/// Where more than this has to be taken off the speed at the end, something was left out.
+/// If more than this has to be taken off the speed at the end, something was left out.
 const TAKEN_OFF: f64 = 1e-3;
 
-/// What has to be taken off the speed by round-off.
+/// Reduction of the speed that round-off alone can require.
 const ROUND_OFF: f64 = 1e-12;
 
 /// Times that something too fast between the grid points is dealt with, and how many of them by slowing down.
@@ -27,16 +27,16 @@ const SLOWED: usize = 4;
 /// Slowing down at last: with friction each time takes off half of what is too much.
 const SLOWED_AT_LAST: usize = 60;
 
-/// What a motion that cannot be slowed down may exceed its limits by, between the grid points.
+/// Largest excess over a limit between the grid points of a motion that cannot be slowed down.
 const EXCEEDED: f64 = 1e-7;
 
-/// How a stretch is solved.
+/// Settings for solving one part.
 #[derive(Debug, Clone, Copy)]
 struct Attempt<'a> {
     drop_distant: bool,
     /// By which all bounds are lowered.
     factor: f64,
-    /// What came out too fast between the grid points: margins follow it from the start.
+    /// A solution that is too fast between the grid points: margins follow it from the start.
     before: Option<&'a Solution>,
 }
 

@@ -32,7 +32,7 @@ pub(super) fn refined(problem: &FeedProblem) -> FeedProblem {
     if cuts.is_empty() { problem.clone() } else { problem.split(&cuts) }
 }
 
-/// Where to split interval `k`, in parts of its length from the end at rest.
+/// Places at which to split interval `k`, in parts of its length from the end at rest.
 fn from_rest(problem: &FeedProblem, k: usize, [rest, next]: [usize; 2], at: Within) -> Vec<f64> {
     let u = greatest_u(problem.rows(rest)).min(greatest_u(problem.rows(next)));
     let one = |row: &JerkRow| row.limit / row.alpha.abs();

@@ -12,7 +12,7 @@ use crate::speed_law::{Builder, SpeedLaw};
 pub struct JerkLimitedPlan {
     /// The law. It keeps all limits whether the iterations converged or not.
     pub law: SpeedLaw,
-    /// Whether the law is within 2 % of the optimum of its problem; where not, another grid or planner may find a faster one.
+    /// True if the law is within 2 % of the optimum of its problem; where not, another grid or planner may find a faster one.
     pub converged: bool,
 }
 
@@ -42,7 +42,7 @@ impl From<FeedError> for NotSolved {
 pub(super) struct Solution {
     pub barrier_problem: BarrierProblem,
     pub c: Vec<f64>,
-    /// Whether the iterations came close to the optimum.
+    /// True if the iterations came close to the optimum.
     pub converged: bool,
 }
 

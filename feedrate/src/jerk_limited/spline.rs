@@ -2,7 +2,7 @@
 
 use super::band::Pentadiagonal;
 
-/// How a stretch begins or ends.
+/// The beginning or the end of a part.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum End {
     /// At rest, beyond one interval of length `h` with constant jerk.
@@ -44,7 +44,7 @@ pub(super) struct Knots {
     pub weights: Vec<[f64; 3]>,
 }
 
-/// What the spline is at the knots (`x`, `u`) and on the intervals (`w`, the value in the middle).
+/// Values of the spline at the knots (`x`, `u`) and on the intervals (`w`, the value in the middle).
 #[derive(Debug, Clone, Default)]
 pub(super) struct Values {
     pub x: Vec<f64>,

@@ -1,4 +1,4 @@
-//! Where the iterations start: a smooth `x(s)` below the second-order solution.
+//! The start of the iterations: a smooth `x(s)` below the second-order solution.
 
 use std::collections::VecDeque;
 

@@ -40,7 +40,7 @@ pub struct VelocityLimitCurve {
     grid: Vec<f64>,
     /// `lowest[k][i]` is the least cap of the intervals `i .. i + 2^k`.
     lowest: Vec<Vec<f64>>,
-    /// Where the motion has to stand, the end of the path last.
+    /// Positions at which the motion has to stand, the end of the path last.
     stops: Vec<f64>,
     acceleration: f64,
     jerk: f64,
@@ -74,17 +74,17 @@ impl VelocityLimitCurve {
         Ok(Self { grid: grid.to_vec(), lowest: lowest(caps), stops: places, acceleration, jerk, law })
     }
 
-    /// Where the path begins (m).
+    /// Start of the path (m).
     pub fn start(&self) -> f64 {
         self.grid[0]
     }
 
-    /// Where it ends (m).
+    /// Position of the end (m).
     pub fn end(&self) -> f64 {
         self.grid[self.grid.len() - 1]
     }
 
-    /// Where the motion has to stand on its way, the end of the path last (m).
+    /// Positions at which the motion has to stand, the end of the path last (m).
     pub fn stops(&self) -> &[f64] {
         &self.stops
     }
@@ -114,7 +114,7 @@ impl VelocityLimitCurve {
         AxisLimits::symmetric_unchecked(f64::INFINITY, self.acceleration, self.jerk)
     }
 
-    /// How long the whole path takes at full speed (s).
+    /// Duration of the whole path at full speed (s).
     pub fn duration(&self) -> f64 {
         self.law.duration()
     }

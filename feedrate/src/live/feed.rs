@@ -6,7 +6,7 @@ use super::sections::{Feeds, LiveSection};
 use crate::error::{FeedError, finite, not_negative, positive};
 use crate::state::MotionState;
 
-/// What the operator wants.
+/// The request of the operator.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Intent {
     Run,
@@ -14,7 +14,7 @@ pub(super) enum Intent {
     Back(f64),
 }
 
-/// What the motion is doing.
+/// Status of the motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LiveStatus {
     /// On the way forward, or braking.
@@ -32,7 +32,7 @@ pub enum LiveStatus {
 pub struct LiveStep {
     /// Position, speed (negative on the way back), acceleration, and the mean jerk of the cycle.
     pub state: MotionState,
-    /// What the motion is doing.
+    /// Status of the motion.
     pub status: LiveStatus,
 }
 
@@ -192,12 +192,12 @@ impl<'a> FeedOverride<'a> {
         self.curve
     }
 
-    /// Where it is (m).
+    /// Present position (m).
     pub fn position(&self) -> f64 {
         self.s
     }
 
-    /// Whether it stands.
+    /// Returns true if it stands.
     pub fn is_at_rest(&self) -> bool {
         self.v == 0.0 && self.a == 0.0
     }

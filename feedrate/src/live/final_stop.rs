@@ -13,7 +13,7 @@ const PARTS: usize = 24;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct FinalStop {
     scheduler: FeedScheduler,
-    /// Where it started, and `1` or `-1` for the way forward or back.
+    /// Position of the start, and `1` or `-1` for the way forward or back.
     pub origin: f64,
     pub direction: f64,
     pub place: f64,
@@ -62,7 +62,7 @@ fn limits(curve: &VelocityLimitCurve, v: f64) -> Result<AxisLimits, FeedError> {
     AxisLimits::forward(v, limits.a, limits.j)
 }
 
-/// Whether a plan from `s` keeps the caps, between its samples too.
+/// Returns true if a plan from `s` keeps the caps, between its samples too.
 fn keeps_caps(curve: &VelocityLimitCurve, s: f64, mut plan: FeedScheduler) -> bool {
     let dt = plan.remaining() / PARTS as f64;
     // By so much at most the speed is above the straight line between two samples.

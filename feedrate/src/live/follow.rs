@@ -11,14 +11,14 @@ const SAMPLES: usize = 12;
 const CLOSEST: usize = 5;
 /// Parts of a cycle that are looked at where the curve is near.
 const WITHIN: usize = 4;
-/// How often less is tried where what is asked for is too much.
+/// Number of smaller steps tried if the request is too large.
 const HALVINGS: usize = 5;
-/// How often the jerk is halved until the first cycle from a standstill fits under the curve.
+/// Number of times the jerk is halved until the first cycle from a standstill fits under the curve.
 const STARTS: usize = 14;
 /// Part of the jerk with which the fastest law is approached, and the cycles over which the rest of the way to it is spread.
 const APPROACH: (f64, f64) = (0.4, 5.0);
 
-/// How to go on for a cycle.
+/// The motion over one cycle.
 #[derive(Debug, Clone, Copy)]
 // A few per cycle, none is stored.
 #[allow(clippy::large_enum_variant)]
@@ -150,7 +150,7 @@ impl FeedOverride<'_> {
         ((a - self.a) / t).max(-j_max).min(j_max)
     }
 
-    /// Whether a cycle stays under the curve, and from where it ends braking gets under the fastest law for good.
+    /// Returns true if a cycle stays under the curve, and from where it ends braking gets under the fastest law for good.
     fn is_safe(&self, way: &Way) -> bool {
         let (a_max, j_max) = (self.curve.acceleration(), self.curve.jerk());
         let Some(&stop) = self.curve.stops().get(self.next) else { return false };

@@ -8,9 +8,9 @@ pub const MAX_SECTIONS: usize = 16;
 /// A stretch of a path on which another feed is asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LiveSection {
-    /// Where it begins (m).
+    /// Position of the start (m).
     pub from: f64,
-    /// Where it ends (m).
+    /// Position of the end (m).
     pub to: f64,
     /// Highest speed on it (m/s).
     pub feed: f64,

@@ -25,7 +25,7 @@ pub(super) struct Plan {
 impl Plan {
     /// The shortest forward motion from `start` to `end`, or to a halt if `v_max` is 0.
     ///
-    /// Where the end takes more speed than `v_max` (its own speed is higher), the last change of speed exceeds `v_max` by that.
+    /// If the end takes more speed than `v_max` (its own speed is higher), the last change of speed exceeds `v_max` by that.
     ///
     /// It may run backwards only if braking could not be taken off in time with the jerk `release` either.
     pub fn new(start: &AxisState, end: &AxisState, limits: &AxisLimits, release: f64) -> Result<Self, FeedError> {

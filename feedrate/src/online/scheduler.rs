@@ -5,7 +5,7 @@ use crate::error::{FeedError, finite, not_negative};
 use crate::limits::AxisLimits;
 use crate::state::{AxisState, MotionState};
 
-/// How far new limits could be followed.
+/// The extent to which new limits could be followed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Adoption {
     /// From here on, or from where the state has been brought inside, everything keeps the new limits. A
@@ -18,7 +18,7 @@ pub enum Adoption {
     Nothing,
 }
 
-/// What the motion is doing.
+/// Status of the motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FeedStatus {
     /// On the way, or braking for a hold.
@@ -37,7 +37,7 @@ pub enum FeedStatus {
 pub struct FeedStep {
     /// Position, speed, acceleration, and the jerk that acts from here on.
     pub state: MotionState,
-    /// What the motion is doing.
+    /// Status of the motion.
     pub status: FeedStatus,
 }
 

@@ -1,4 +1,4 @@
-//! What holds inside an interval, by Bernstein coefficients and by interpolation of the rows at its ends and in its middle.
+//! Conditions inside an interval, by Bernstein coefficients and by interpolation of the rows at its ends and in its middle.
 
 use super::bound_table::BoundTable;
 use super::{FeedProblem, RowTable};
@@ -17,13 +17,13 @@ pub(crate) struct InnerRow {
 }
 
 impl InnerRow {
-    /// Whether it holds whatever the motion.
+    /// Returns true if it holds whatever the motion.
     pub fn is_nothing(&self) -> bool {
         self.alpha == 0.0 && self.beta == 0.0 && self.gamma == 0.0 && self.lo <= 0.0 && 0.0 <= self.hi
     }
 }
 
-/// What holds inside an interval, by its Bernstein coefficients.
+/// Conditions inside an interval, by its Bernstein coefficients.
 impl FeedProblem {
     /// Next to one end of interval `k` the inner Bernstein coefficient of every row that is a cubic there: its value at that end and
     /// a third of its slope. Coefficients of rows are interpolated through both ends and the middle, exactly so on a
@@ -81,7 +81,7 @@ pub(crate) fn inner_row([p, m, q]: [&Row; 3], h: f64, within: Within) -> InnerRo
 }
 
 impl FeedProblem {
-    /// Whether a cap of another origin than axis speeds, and known at places alone, is the least in the middle of interval `k`.
+    /// Returns true if a cap of another origin than axis speeds, and known at places alone, is the least in the middle of interval `k`.
     pub(crate) fn is_capped_within(&self, k: usize) -> bool {
         let largest = self.speed_bounds[k].coefficients.iter().copied().fold(0.0, f64::max);
         self.middle_x_max(k) * largest < 0.999

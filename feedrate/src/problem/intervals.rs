@@ -1,19 +1,19 @@
-//! What bounds the motion on whole intervals: boxes for the scans with S-profiles, caps for motion that is changed while it runs.
+//! Bounds of the motion on whole intervals: boxes for the scans with S-profiles, caps for motion that is changed while it runs.
 
 use super::FeedProblem;
 use crate::error::FeedError;
 use crate::row::{IntervalBound, LimitId};
 use crate::scan::Segment;
 
-/// How limits that couple speed, acceleration and jerk are shared out between them, as fractions of each limit. What one of them
+/// The partition of limits that couple speed, acceleration and jerk, as fractions of each limit. What one of them
 /// leaves unused goes to the others.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LimitPartition {
-    /// Of a limit on acceleration, for the acceleration along the path.
+    /// Fraction of a limit on acceleration for the acceleration along the path.
     pub acceleration: f64,
-    /// Of a limit on jerk, for the jerk along the path.
+    /// Fraction of a limit on jerk for the jerk along the path.
     pub jerk: f64,
-    /// Of what is left of the limit on jerk then, for the speed alone.
+    /// Fraction of the rest of the limit on jerk for the speed alone.
     pub speed: f64,
 }
 
@@ -122,7 +122,7 @@ pub fn live_speed(bounds: &[IntervalBound], acceleration: f64, jerk: f64) -> f64
 }
 
 impl FeedProblem {
-    /// What bounds the motion on the whole of interval `k`; nothing unless built by [`FeedProblem::between_points`].
+    /// Bounds of the motion on the whole of interval `k`; nothing unless built by [`FeedProblem::between_points`].
     pub fn interval_bounds(&self, k: usize) -> &[IntervalBound] {
         self.bounds.of(k)
     }

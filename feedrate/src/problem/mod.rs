@@ -1,4 +1,4 @@
-//! What a speed planner is given: a grid on the path, rows at its points, caps on the speed, speeds at both ends.
+//! The input of a speed planner: a grid on the path, rows at its points, caps on the speed, speeds at both ends.
 
 mod bound_table;
 mod inside;
@@ -253,12 +253,12 @@ impl FeedProblem {
         &self.jerk_rows[place * self.jerk_rows_per_place..(place + 1) * self.jerk_rows_per_place]
     }
 
-    /// Whether limits between the points are known.
+    /// Returns true if limits between the points are known.
     pub fn is_between_points(&self) -> bool {
         !self.middles.is_empty()
     }
 
-    /// Whether any jerk is limited.
+    /// Returns true if any jerk is limited.
     pub fn has_jerk(&self) -> bool {
         self.jerk_rows_per_place > 0
     }

@@ -52,7 +52,7 @@ pub fn plan_continuous(segments: &[Segment], v_start: f64, v_end: f64) -> Result
 /// callers who have several lists of segments to choose from.
 ///
 /// # Errors
-/// When there is no segment, or a speed is negative, not finite or above the cap at its end of the path.
+/// If there is no segment, or a speed is negative, not finite or above the cap at its end of the path.
 pub fn plan_continuous_at_once(segments: &[Segment], v_start: f64, v_end: f64) -> Result<Option<SpeedLaw>, FeedError> {
     let caps = checked_caps(segments, v_start, v_end)?;
     if v_start > caps[0] {
@@ -67,7 +67,7 @@ pub fn plan_continuous_at_once(segments: &[Segment], v_start: f64, v_end: f64) -
     plan.finish(s[segments.len()], v_end).map(Some)
 }
 
-/// How far the lines of the ceiling may lie below the caps, relative in v^2; the first is the usual one.
+/// Distances by which the lines of the ceiling may lie below the caps, relative in v^2; the first is the usual one.
 const SLACKS: [f64; 3] = [0.01, 0.02, 0.005];
 
 /// Appends the joined motion over `segments`, which start at `s0`; `false`, and nothing appended, if no join is found.

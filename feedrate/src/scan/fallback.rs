@@ -57,7 +57,7 @@ pub struct ChosenLaw {
     pub law: SpeedLaw,
     /// Why it is not the jerk-limited planner's; `None` where it is.
     pub fallback: Option<Fallback>,
-    /// Whether the jerk-limited planner did its part: where it did not converge, another grid may give a faster law.
+    /// True if the jerk-limited planner did its part: where it did not converge, another grid may give a faster law.
     pub converged: bool,
 }
 

@@ -87,7 +87,7 @@ fn first_crossing(p: f64, c: f64, r: f64, from: f64) -> f64 {
         .fold(f64::INFINITY, |least, w| least.min(w * w))
 }
 
-/// Where `p x + c sqrt(x)` leaves `[lo, hi]` when `x` grows from `from`, at which it is inside.
+/// The value at which `p x + c sqrt(x)` leaves `[lo, hi]` when `x` grows from `from`, at which it is inside.
 #[inline(always)]
 fn leaves(p: f64, c: f64, lo: f64, hi: f64, from: f64) -> f64 {
     if c == 0.0 {
@@ -98,7 +98,7 @@ fn leaves(p: f64, c: f64, lo: f64, hi: f64, from: f64) -> f64 {
     first_crossing(p, c, hi, from).min(first_crossing(p, c, lo, from))
 }
 
-/// How far of `from..to` the row `p x + c sqrt(x)` holds. Most rows hold all the way, which takes no division.
+/// The end of the part of `from..to` on which the row `p x + c sqrt(x)` holds. Most rows hold all the way, which takes no division.
 #[inline(always)]
 fn held(p: f64, c: f64, lo: f64, hi: f64, from: f64, to: f64) -> f64 {
     let value = p * to;
@@ -130,10 +130,17 @@ fn static_limits(problem: &FeedProblem) -> Result<Vec<f64>, FeedError> {
     Ok(limits)
 }
 
-/// The greatest `y` next to a point with squared speed `x < limit`, at distance `h` in the direction of the pass.
-///
-/// `near` are the rows at the point, `far` those at its neighbour; backwards `u` has the other sign, which `sign` carries.
-fn step(x: f64, limit: f64, h: f64, sign: f64, near: &[Row], far: &[Row], both_ends: bool) -> f64 {
+/// An interval in the direction of a pass: its length, the sign of `u`, and the rows at the point and at its neighbour.
+struct Interval<'a> {
+    h: f64,
+    sign: f64,
+    near: &'a [Row],
+    far: &'a [Row],
+}
+
+/// The greatest `y` at the far end of an interval for squared speed `x < limit` at its near end.
+fn step(x: f64, limit: f64, interval: &Interval<'_>, both_ends: bool) -> f64 {
+    let Interval { h, sign, near, far } = *interval;
     let per_u = sign * 0.5 / h;
     let mut y = limit;
     if both_ends {
@@ -180,7 +187,8 @@ fn scan(problem: &FeedProblem, limit: &[f64], both_ends: bool) -> Result<Vec<f64
         x = if x >= cap {
             cap
         } else {
-            step(x, cap, problem.h(k), 1.0, problem.rows(k), problem.rows(k + 1), both_ends)
+            let (near, far) = (problem.rows(k), problem.rows(k + 1));
+            step(x, cap, &Interval { h: problem.h(k), sign: 1.0, near, far }, both_ends)
         };
         if x == f64::INFINITY {
             return Err(FeedError::Unbounded { index: k + 1, s: problem.grid()[k + 1] });
@@ -197,7 +205,8 @@ fn scan(problem: &FeedProblem, limit: &[f64], both_ends: bool) -> Result<Vec<f64
         x = if x >= cap {
             cap
         } else {
-            step(x, cap, problem.h(k), -1.0, problem.rows(k + 1), problem.rows(k), both_ends)
+            let (near, far) = (problem.rows(k + 1), problem.rows(k));
+            step(x, cap, &Interval { h: problem.h(k), sign: -1.0, near, far }, both_ends)
         };
         forward[k] = forward[k].min(x);
     }

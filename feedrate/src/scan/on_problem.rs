@@ -10,7 +10,7 @@ use crate::speed_law::SpeedLaw;
 /// The scan with continuous acceleration ([`plan_continuous`]) over the boxes of a problem, each limit shared out between speed,
 /// acceleration and jerk by fixed parts: a tenth of the computing time of [`JerkLimited`](crate::JerkLimited), a longer motion.
 ///
-/// Of several partitions of the limits the fastest law is kept. Needs [`FeedProblem::between_points`] with limits on acceleration and
+/// Plans with several partitions of the limits and keeps the fastest law. Needs [`FeedProblem::between_points`] with limits on acceleration and
 /// jerk along the path. It stops at grid points whose cap is 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct ContinuousAccelerationScan;

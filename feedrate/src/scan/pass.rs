@@ -122,7 +122,7 @@ pub(super) fn advance(piece: &Piece, here: &mut Here, s_stop: f64, steps: &mut V
     }
 }
 
-/// Where leaving at `(s, v, a)` with jerk `-j` meets slope `g`: time, position and speed.
+/// Time, position and speed at which a motion from `(s, v, a)` with jerk `-j` meets slope `g`.
 #[inline]
 fn ease(s: f64, v: f64, a: f64, g: f64, j: f64) -> (f64, f64, f64) {
     let tau = ((a - g) / j).max(0.0);
@@ -316,25 +316,9 @@ impl Braking {
             let step = steps[n - 1];
             let e = step.phase.after(found);
             let Some(Place { gap, k, u }) = meet(&run, curve, j, &e) else {
-                // The acceleration is gone below the speed at which the run ends: cruise to there.
                 steps.truncate(n);
                 steps[n - 1].dt = found;
-                let (tau, s, v) = ease(e.p, e.v, e.a, 0.0, j);
-                if e.a < 0.0 || s > run.s1 {
-                    return None;
-                }
-                let mut piece = step.piece;
-                let mut lay = |phase: Phase, dt: f64| {
-                    while piece + 1 < pieces.len() && pieces[piece].s1 <= phase.s {
-                        piece += 1;
-                    }
-                    if dt > 0.0 {
-                        steps.push(Step { phase, dt, piece });
-                    }
-                };
-                lay(Phase { t: 0.0, s: e.p, v: e.v, a: e.a, j: -j }, tau);
-                lay(Phase { t: 0.0, s, v, a: 0.0, j: 0.0 }, (run.s1 - s) / v);
-                return Some(Here { s: run.s1, v, a: 0.0, piece, hold: false });
+                return cruise_to_end(pieces, &run, (&e, j), steps);
             };
             let b = curve[k].phase.after(u);
             let landing = pieces.partition_point(|piece| piece.s1 < b.p);
@@ -348,23 +332,8 @@ impl Braking {
             } else {
                 steps.pop();
             }
-            // Ease off to the peak, cruise over what is missing, go on easing into the curve.
-            let (tau, s, v) = ease(e.p, e.v, e.a, 0.0, j);
-            if e.a > 0.0 {
-                let phase = Phase { t: 0.0, s: e.p, v: e.v, a: e.a, j: -j };
-                steps.push(Step { phase, dt: tau, piece: step.piece });
-            }
-            let (a, missing) = (e.a.min(0.0), -gap);
-            if a < b.a || a < 0.0 && missing > ROUND * run.s1 {
+            if !ease_into((&e, &b), j, -gap, ROUND * run.s1, step.piece, steps) {
                 return None;
-            }
-            if missing > 0.0 {
-                steps.push(Step { phase: Phase { t: 0.0, s, v, a, j: 0.0 }, dt: missing / v, piece: step.piece });
-            }
-            let tau = (a - b.a) / j;
-            if tau > 0.0 {
-                let phase = Phase { t: 0.0, s: s + missing, v, a, j: -j };
-                steps.push(Step { phase, dt: tau, piece: step.piece });
             }
             let mut piece = landing;
             let first = Phase { t: 0.0, s: b.p, v: b.v, a: b.a, j: b.j };
@@ -382,6 +351,54 @@ impl Braking {
     }
 }
 
+/// Takes off the acceleration of state `e` with jerk `-j` and cruises to the end of the run, above whose end speed the
+/// motion is not.
+fn cruise_to_end(pieces: &[Piece], run: &Run, (e, j): (&MotionState, f64), steps: &mut Vec<Step>) -> Option<Here> {
+    let mut piece = steps.last()?.piece;
+    let (tau, s, v) = ease(e.p, e.v, e.a, 0.0, j);
+    if e.a < 0.0 || s > run.s1 {
+        return None;
+    }
+    let cruise = Phase { t: 0.0, s, v, a: 0.0, j: 0.0 };
+    for (phase, dt) in [(Phase { t: 0.0, s: e.p, v: e.v, a: e.a, j: -j }, tau), (cruise, (run.s1 - s) / v)] {
+        while piece + 1 < pieces.len() && pieces[piece].s1 <= phase.s {
+            piece += 1;
+        }
+        if dt > 0.0 {
+            steps.push(Step { phase, dt, piece });
+        }
+    }
+    Some(Here { s: run.s1, v, a: 0.0, piece, hold: false })
+}
+
+/// Eases off from state `e` to the peak speed, cruises over the distance that is `missing`, and goes on easing to the
+/// acceleration of `b` on the braking curve. False if the two states do not meet so, but for a distance of round-off.
+fn ease_into(
+    (e, b): (&MotionState, &MotionState),
+    j: f64,
+    missing: f64,
+    round_off: f64,
+    piece: usize,
+    steps: &mut Vec<Step>,
+) -> bool {
+    let (tau, s, v) = ease(e.p, e.v, e.a, 0.0, j);
+    if e.a > 0.0 {
+        steps.push(Step { phase: Phase { t: 0.0, s: e.p, v: e.v, a: e.a, j: -j }, dt: tau, piece });
+    }
+    let a = e.a.min(0.0);
+    if a < b.a || a < 0.0 && missing > round_off {
+        return false;
+    }
+    if missing > 0.0 {
+        steps.push(Step { phase: Phase { t: 0.0, s, v, a, j: 0.0 }, dt: missing / v, piece });
+    }
+    let tau = (a - b.a) / j;
+    if tau > 0.0 {
+        steps.push(Step { phase: Phase { t: 0.0, s: s + missing, v, a, j: -j }, dt: tau, piece });
+    }
+    true
+}
+
 /// A place on the braking curve: step, time in it, and how far beyond it (m) the motion is when it has the speed and
 /// acceleration the curve has there.
 struct Place {
@@ -390,7 +407,7 @@ struct Place {
     u: f64,
 }
 
-/// Where easing off from state `e` with jerk `-j` has speed and acceleration of the braking curve. `None` if the
+/// The place at which easing off from state `e` with jerk `-j` has speed and acceleration of the braking curve. `None` if the
 /// acceleration is gone below the whole run; a gap without bound if it is above the whole run.
 ///
 /// Along jerk `-j` the level `v + a^2 / (2 j)` stays, so the place is where the curve falls through that level. If it

@@ -196,7 +196,7 @@ impl<'a> Solver<'a> {
         &self.vertices[if i > 0 { self.ends[i - 1] } else { 0 }..self.ends[i]]
     }
 
-    /// Whether standing still at point `i` keeps all rows.
+    /// Returns true if standing still at point `i` keeps all rows.
     fn rests(&self, i: usize) -> bool {
         self.problem.rows(i).iter().fold(true, |rests, row| rests & (row.lo <= row.d) & (row.d <= row.hi))
     }
@@ -226,7 +226,7 @@ impl<'a> Solver<'a> {
         (proves && self.holds(k, h2, p * x + hi, x, meeting)).then_some(x)
     }
 
-    /// Whether the lines of interval `k`, but for two, hold at `(u, x)`.
+    /// Returns true if the lines of interval `k`, but for two, hold at `(u, x)`.
     fn holds(&self, k: usize, h2: f64, u: f64, x: f64, except: [usize; 2]) -> bool {
         let (near, far) = (self.problem.rows(k), self.problem.rows(k + 1));
         let next = x + h2 * u;
@@ -321,7 +321,7 @@ impl<'a> Solver<'a> {
         self.lines.push(Line { a: h2, b: 1.0, lo, hi, source: LimitId::path(Quantity::Ahead) });
     }
 
-    /// What holds between the ends of interval `k`, where `u` is `u_mean + w (s - s_mid)`.
+    /// The conditions between the ends of interval `k`, where `u` is `u_mean + w (s - s_mid)`.
     fn collect_between(&mut self, k: usize, w: f64) {
         let problem = self.problem;
         let h = problem.h(k);

@@ -34,7 +34,7 @@ pub struct SpeedChange {
     phases: Phases<4>,
     /// Speed and acceleration at the start.
     start: (f64, f64),
-    /// When the peak acceleration is reached (s).
+    /// Time at which the peak acceleration is reached (s).
     pub(crate) peak_time: f64,
 }
 

@@ -86,7 +86,7 @@ impl<const CAP: usize> Phases<CAP> {
         phase.after((t - phase.t).min(self.durations[i]))
     }
 
-    /// What is left of the phases after time `t` (s).
+    /// The remainder of the phases after time `t` (s).
     pub fn remaining(&self, t: f64) -> impl Iterator<Item = (Phase, f64)> + '_ {
         self.iter().filter_map(move |(phase, dt)| {
             let gone = t - phase.t;

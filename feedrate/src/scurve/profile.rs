@@ -7,7 +7,7 @@ use crate::error::{FeedError, not_negative, positive};
 use crate::limits::AxisLimits;
 use crate::state::{MotionLaw, MotionState};
 
-/// Which of the two speeds may be moved when the displacement is too short to get from one to the other.
+/// The speed that may be moved when the displacement is too short to get from one to the other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Adjust {
     /// Keep the start speed, move the end speed towards it.
@@ -16,7 +16,7 @@ pub enum Adjust {
     Start,
 }
 
-/// What an adaptive profile had to change.
+/// The change that an adaptive profile had to make.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Adjusted {
     /// Both speeds are the ones asked for.
@@ -154,7 +154,7 @@ impl SProfile {
         Self { phases, v_start: v0, v_peak: v, adjusted }
     }
 
-    /// What was changed to make the displacement suffice.
+    /// The change that made the displacement suffice.
     pub const fn adjusted(&self) -> Adjusted {
         self.adjusted
     }

@@ -38,7 +38,7 @@ pub(crate) fn distance(v0: f64, v1: f64, a_max: f64, j_max: f64) -> f64 {
     (0.5 * v0 + 0.5 * v1) * Leg::new((v1 - v0).abs(), a_max, j_max).duration()
 }
 
-/// Whether `length` suffices for a change of speed, up to the round-off that the two speeds carry themselves.
+/// Returns true if `length` suffices for a change of speed, up to the round-off that the two speeds carry themselves.
 #[inline]
 pub(crate) fn fits(v0: f64, v1: f64, length: f64, a_max: f64, j_max: f64) -> bool {
     let dv = ((v1 - v0).abs() - 8.0 * f64::EPSILON * v0.max(v1)).max(0.0);

@@ -140,7 +140,7 @@ impl SpeedLaw {
         chained
     }
 
-    /// How long the motion takes (s).
+    /// Duration of the motion (s).
     pub const fn duration(&self) -> f64 {
         self.duration
     }

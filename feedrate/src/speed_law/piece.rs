@@ -3,7 +3,7 @@
 use crate::scurve::phase::Phase;
 use crate::state::MotionState;
 
-/// What stays constant on a piece.
+/// The quantity that is constant on a piece.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Shape {
     /// The jerk `j` (m/s³).

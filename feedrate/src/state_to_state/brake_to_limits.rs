@@ -70,7 +70,7 @@ pub(super) struct Brake {
     pub p1: f64,
     /// Distance at the end.
     pub p2: f64,
-    /// What is left from there, inside the limits.
+    /// The problem from there on, inside the limits.
     pub rest: Problem,
 }
 

@@ -79,7 +79,7 @@ impl DisplacementFunction {
         all
     }
 
-    /// Where the displacement passes the one wanted between `a` and `b`, at whose ends it lies on different sides of it.
+    /// The value at which the displacement passes the required one between `a` and `b`, at whose ends it lies on different sides of it.
     pub fn crossing(&self, a: f64, b: f64) -> f64 {
         let rises = self.eval(b).0 >= 0.0;
         let (mut lo, mut hi) = (a, b);

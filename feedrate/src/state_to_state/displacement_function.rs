@@ -62,7 +62,7 @@ pub(super) struct DisplacementFunction {
     pub(super) m: f64,
     pub(super) q: f64,
     pub(super) offset: f64,
-    /// Whether `s` belongs to the fall (at the end) and not to the rise.
+    /// True if `s` belongs to the fall (at the end) and not to the rise.
     pub(super) small_is_fall: bool,
     pub(super) base_small: f64,
     pub(super) base_large: f64,
@@ -70,7 +70,7 @@ pub(super) struct DisplacementFunction {
     pub(super) cap_large: f64,
     /// `a_large² - s²`.
     pub(super) gap: f64,
-    /// What the duration is longer by than that of the two ramps from and to zero acceleration.
+    /// Excess of the duration over that of the two ramps from and to zero acceleration.
     pub(super) lead_time: f64,
 }
 

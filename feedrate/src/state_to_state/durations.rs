@@ -26,7 +26,7 @@ impl Durations {
         &self.blocked[..self.count]
     }
 
-    /// Whether the target can be reached in exactly `duration` (s).
+    /// Returns true if the target can be reached in exactly `duration` (s).
     pub fn contains(&self, duration: f64) -> bool {
         duration >= self.shortest && !self.blocked().iter().any(|&(a, b)| a < duration && duration < b)
     }
@@ -57,7 +57,7 @@ impl Gaps {
         Self { after, ranges: [(0.0, 0.0); CAPACITY], count: 0 }
     }
 
-    /// Whether `t` is later than the possible duration by more than round-off.
+    /// Returns true if `t` is later than the possible duration by more than round-off.
     pub fn is_after(&self, t: f64) -> bool {
         t > self.after * (1.0 + ROUND_OFF)
     }

@@ -26,11 +26,11 @@ enum Beyond {
     Settled { shape: Shape, duration: f64, excess: f64 },
 }
 
-/// How far the round-off of a duration may put it outside the range of an extremal.
+/// Largest distance of a duration from the range of an extremal that counts as round-off.
 const SLACK: f64 = 1e-12;
 
 impl Extremals {
-    /// Of the frame of `p`; the direct change starts with a rise in it or not.
+    /// The extremals of the frame of `p`; the direct change starts with a rise in it or not.
     pub fn new(p: &Problem, direct_rises: bool) -> Self {
         let beyond = if starts_too_fast(p) {
             let (shape, duration, excess) = brake_to_limits::settled(p);

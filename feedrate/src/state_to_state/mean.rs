@@ -26,7 +26,7 @@ pub(super) struct Mean {
 }
 
 impl Mean {
-    /// Of the farthest and the least far motion of duration `t`, each with how much it goes beyond `to` or falls short
+    /// The mean of the farthest and the least far motion of duration `t`, each with how much it goes beyond `to` or falls short
     /// of it. `None` if round-off leaves no such motions.
     pub fn new(
         p: &Problem,

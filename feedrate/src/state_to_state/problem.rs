@@ -32,7 +32,7 @@ pub struct AxisProblem {
     /// The target in the caller's units, and the jerk limits.
     target: AxisState,
     jerk: (f64, f64),
-    /// How long the shortest motion takes, in the caller's units.
+    /// Duration of the shortest motion, in the caller's units.
     duration: f64,
     shortest: Shortest,
 }
@@ -93,7 +93,7 @@ impl AxisProblem {
         motion
     }
 
-    /// How long the shortest motion takes (s).
+    /// Duration of the shortest motion (s).
     pub const fn shortest_duration(&self) -> f64 {
         self.duration
     }

@@ -12,11 +12,11 @@ pub(super) struct Shape {
     pub cruise: f64,
     /// Velocity between the two halves, where the acceleration is zero.
     pub v_peak: f64,
-    /// Whether the two halves are joined by one phase from peak to peak, without stopping at zero acceleration.
+    /// True if the two halves are joined by one phase from peak to peak, without stopping at zero acceleration.
     pub joined: bool,
     /// Jerk directions of the two halves: `true` is up, hold, down.
     pub up: (bool, bool),
-    /// Whether a start outside the velocity limits left too little way to settle at the limit: braking harder at first may
+    /// True if a start outside the velocity limits left too little way to settle at the limit: braking harder at first may
     /// then be shorter.
     pub squeezed: bool,
 }
@@ -28,7 +28,7 @@ impl Shape {
     }
 }
 
-/// How long the phases of a shape last, each of them 0 or more.
+/// Durations of the phases of a shape, each of them 0 or more.
 #[inline]
 pub(super) fn times(p: &Problem, shape: &Shape) -> [f64; 7] {
     let Shape { first, second, cruise, joined, up, .. } = *shape;

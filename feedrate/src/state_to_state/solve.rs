@@ -1,4 +1,4 @@
-//! Which extremal is the shortest: direct change of velocity, direction, gap in the durations.
+//! The choice of the shortest extremal: direct change of velocity, direction, gap in the durations.
 //!
 //! Let `D0` be the displacement of the shortest change from `(v0, a0)` to `(vf, af)` wherever it ends. At a fixed duration
 //! the displacements that can be reached form an interval (the constraints are convex), whose upper end is the
@@ -49,7 +49,7 @@ pub(super) fn solve(p: &Problem, noise: f64) -> (Shape, bool) {
     (shape, flipped == up)
 }
 
-/// Whether the velocity will still be above its limit when the acceleration has been brought to zero.
+/// Returns true if the velocity will still be above its limit when the acceleration has been brought to zero.
 pub(super) fn starts_too_fast(p: &Problem) -> bool {
     let inv = if p.a0 > 0.0 { p.j.inv_down } else { p.j.inv_up };
     p.v0 + 0.5 * p.a0 * p.a0.abs() * inv > p.v_max + SLACK * p.v_max.max(-p.v_min)
@@ -61,7 +61,7 @@ pub(super) struct OneSided {
     /// First and last value of `s`.
     pub from: f64,
     pub to: f64,
-    /// Whether durations beyond the last one do not exist until the acceleration passes through zero.
+    /// True if durations beyond the last one do not exist until the acceleration passes through zero.
     pub gap_follows: bool,
 }
 

@@ -81,7 +81,7 @@ impl StateToState {
         Ok(best)
     }
 
-    /// Whether the motion stays within `positions` (m), lower and upper bound.
+    /// Returns true if the motion stays within `positions` (m), lower and upper bound.
     ///
     /// # Errors
     /// [`FeedError::LeavesPositions`] with the farthest position and when it is there.

@@ -1,8 +1,8 @@
-//! How an axis goes on without a target: at constant velocity, and to a stop before its range ends.
+//! The motion of an axis without a target: at constant velocity, and to a stop before its range ends.
 
 use arcfeed_feedrate::{AxisLimits, AxisState, FeedError, MotionLaw, StateToState};
 
-/// What differs by less, relative to the size of the numbers, differs by round-off.
+/// Relative difference that counts as round-off.
 const ROUND_OFF: f64 = 64.0 * f64::EPSILON;
 
 /// The positions an axis may take.
@@ -19,7 +19,7 @@ impl Range {
         self.lower <= position && position <= self.upper
     }
 
-    /// Whether a motion stays inside but for round-off, and otherwise the farthest position, its time and the end passed.
+    /// Returns true if a motion stays inside but for round-off, and otherwise the farthest position, its time and the end passed.
     pub fn check(&self, motion: &StateToState) -> Result<(), (f64, f64, f64)> {
         let way = motion.position_range();
         let size = [self.lower, self.upper].into_iter().filter(|x| x.is_finite()).fold(0.0, |m: f64, x| m.max(x.abs()));
@@ -43,7 +43,7 @@ impl Range {
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Coast {
     pub motion: StateToState,
-    /// When it begins to brake because its range ends (s).
+    /// Time at which it begins to brake because its range ends (s).
     pub brakes_from: f64,
 }
 
@@ -66,7 +66,7 @@ impl Coast {
         Ok(Self { motion, brakes_from })
     }
 
-    /// Whether the range makes the axis brake at some time between `from` and `to` (s).
+    /// Returns true if the range makes the axis brake at some time between `from` and `to` (s).
     pub fn brakes_between(&self, from: f64, to: f64) -> bool {
         self.brakes_from < to && from < self.motion.duration()
     }

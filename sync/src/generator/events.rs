@@ -1,17 +1,17 @@
-//! What a cycle brings.
+//! The events of a cycle.
 
 use crate::joint_state::JointState;
 
-/// What one cycle brought.
+/// The result of one cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step<const N: usize> {
     /// The state to command at the end of this cycle.
     pub state: JointState<N>,
-    /// What happened.
+    /// The events.
     pub events: Events<N>,
 }
 
-/// What happened in a cycle.
+/// The events of a cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Events<const N: usize> {
     /// The last axis that was under way arrived in this cycle: every axis has been in its target. With

@@ -291,12 +291,12 @@ impl<const N: usize> OnlineGenerator<N> {
         &self.limits
     }
 
-    /// Whether an axis has still to reach its target.
+    /// Returns true if an axis has still to reach its target.
     pub fn is_underway(&self) -> bool {
         self.following.axes.iter().any(|a| a.underway)
     }
 
-    /// How long it will take until the last axis has reached its target (s).
+    /// Time until the last axis has reached its target (s).
     pub fn time_left(&self) -> f64 {
         (0..N).fold(0.0, |t: f64, k| t.max(self.time_left_of(k)))
     }
@@ -322,7 +322,7 @@ impl<const N: usize> OnlineGenerator<N> {
         Ok(())
     }
 
-    /// Whether `new` is the target set already, up to round-off in the caller's arithmetic.
+    /// Returns true if `new` is the target set already, up to round-off in the caller's arithmetic.
     fn is_target(&self, k: usize, new: &AxisState) -> bool {
         let (old, s, l) = (&self.target[k], &self.state[k], &self.limits[k]);
         let same = |x: f64, y: f64, size: f64| x == y || (x - y).abs() <= ROUND_OFF * size;
@@ -331,13 +331,13 @@ impl<const N: usize> OnlineGenerator<N> {
             && same(old.a, new.a, l.a_max() - l.a_min())
     }
 
-    /// Whether what is left of the plan of an axis stays within `limits`.
+    /// Returns true if what is left of the plan of an axis stays within `limits`.
     fn plan_keeps(&self, k: usize, limits: &AxisLimits) -> bool {
         keeps(&self.following.plan.axes()[k], self.following.axes[k].steps * self.cycle, limits)
     }
 }
 
-/// What is set.
+/// The target that is set.
 struct Order<'a, const N: usize> {
     target: &'a [AxisState; N],
     limits: &'a [AxisLimits; N],
@@ -347,5 +347,5 @@ fn is_outside<const N: usize>(state: &[AxisState; N], limits: &[AxisLimits; N]) 
     state.iter().zip(limits).any(|(s, l)| !l.contain(s))
 }
 
-/// What differs by less, relative to the size of the numbers, differs by round-off in the caller's arithmetic.
+/// Relative difference that counts as round-off in the caller's arithmetic.
 const ROUND_OFF: f64 = 16.0 * f64::EPSILON;

@@ -4,7 +4,7 @@ use nalgebra::{SMatrix, SVector};
 
 use super::transverse_brake::{BrakeLimits, Ranges};
 
-/// Which derivative of the position.
+/// A derivative of the position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Order {
     Velocity,
@@ -45,7 +45,7 @@ pub(super) trait FeasibleSet<const M: usize> {
         share: f64,
     ) -> [BrakeLimits; M];
 
-    /// What is left to `x` while `w` runs through `ranges`. It must not grow narrower while these shrink. Without zero if `w` alone
+    /// The bounds of `x` while `w` runs through `ranges`. It must not grow narrower while these shrink. Without zero if `w` alone
     /// breaks a limit.
     fn scalar_bounds(&self, u: &SVector<f64, M>, ranges: &[Ranges; M]) -> ScalarBounds;
 }

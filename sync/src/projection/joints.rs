@@ -17,7 +17,7 @@ use crate::limits::check_symmetric;
 pub struct ProjectionStep<const N: usize> {
     /// Position of all joints and its derivatives.
     pub state: JointState<N>,
-    /// What the motion is doing.
+    /// Status of the motion.
     pub status: ProjectionStatus,
 }
 
@@ -71,7 +71,7 @@ pub struct ProjectionStep<const N: usize> {
 pub struct ProjectionSync<const N: usize> {
     limits: [AxisLimits; N],
     target: SVector<f64, N>,
-    /// Where the motion in force began.
+    /// State at the start of the present motion.
     from: JointState<N>,
     motion: Motion<N>,
     /// Time since then (s).

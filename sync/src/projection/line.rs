@@ -23,7 +23,7 @@ use nalgebra::{SMatrix, SVector};
 use super::feasible_set::{FLOOR, FeasibleSet, Order, SLACK, ScalarBounds};
 use super::transverse_brake::{Ranges, TransverseBrake};
 
-/// How often the line takes up what the transverse part has freed.
+/// Number of times the line takes up what the transverse part has freed.
 pub(super) const STAGES: usize = 4;
 
 /// Parts of the limits that the transverse motion may take; the best is kept.
@@ -42,7 +42,7 @@ pub(super) struct LinePlan<const M: usize> {
     /// Axes of `w`, as columns.
     pub frame: SMatrix<f64, M, M>,
     brakes: [TransverseBrake; M],
-    /// When `w` has come to rest (s).
+    /// Time at which `w` has come to rest (s).
     pub brake_end: f64,
     stages: [(f64, StateToState); STAGES + 1],
     count: usize,
@@ -113,7 +113,7 @@ impl<const M: usize> Parts<M> {
         std::array::from_fn(|k| self.brakes[k].ranges_after(t))
     }
 
-    /// Whether the start of the line is inside what the transverse part leaves, now and when its acceleration has been taken off.
+    /// Returns true if the start of the line is inside what the transverse part leaves, now and when its acceleration has been taken off.
     fn fit(&self, bounds: &ScalarBounds) -> bool {
         let inside = |x: f64, (lower, upper): (f64, f64)| {
             x >= lower - SLACK * (upper - lower) && x <= upper + SLACK * (upper - lower)

@@ -12,7 +12,7 @@ pub use joints::{ProjectionStep, ProjectionSync};
 pub use norm_limits::PoseLimits;
 pub use pose::{PoseProjectionSync, PoseState, PoseStep};
 
-/// What the motion is doing.
+/// Status of the motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ProjectionStatus {
     /// The state is being brought inside the limits, acceleration to zero.

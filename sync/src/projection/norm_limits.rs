@@ -137,7 +137,7 @@ impl Transverse {
         transverse
     }
 
-    /// What it leaves along the line inside a ball.
+    /// The range that it leaves along the line inside a ball.
     fn left(&self, i: usize, bound: f64, aside: f64) -> (f64, f64) {
         let across = self.across[i] + aside;
         let (low, high) = self.along[i];
@@ -151,7 +151,7 @@ impl Transverse {
     }
 }
 
-/// How much the angular rates of `exp(w)` may differ from the derivatives of `w`.
+/// Bounds of the difference between the angular rates of `exp(w)` and the derivatives of `w`.
 ///
 /// `omega_w` is the integral of `exp(s w) w'` over `s` in `[0, 1]`, and `exp(s w)` itself turns at most at `s |w'|`. With bounds
 /// `p, v, a, j` of `w` and its derivatives that gives `p v/2`; `p a/2 + v²/2 min(1, p)`; `p j/2 + 3/2 v a + v³/2`.

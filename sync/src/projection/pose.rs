@@ -33,7 +33,7 @@ impl PoseState {
 pub struct PoseStep {
     /// Pose and its derivatives.
     pub state: PoseState,
-    /// What the motion is doing.
+    /// Status of the motion.
     pub status: ProjectionStatus,
 }
 
@@ -71,7 +71,7 @@ pub struct PoseProjectionSync {
     target: Isometry3<f64>,
     /// Target of the motion in force: another one while that must go on for a moment.
     toward: Isometry3<f64>,
-    /// Where the motion in force began.
+    /// State at the start of the present motion.
     from: PoseState,
     motion: Motion,
     /// Time since then (s).
@@ -305,7 +305,7 @@ impl Recovery {
         release.is_finite().then_some(Self { v, a, release, direction, change })
     }
 
-    /// Whether taking the acceleration off leads out of the velocity limit.
+    /// Returns true if taking the acceleration off leads out of the velocity limit.
     fn leaves(&self) -> bool {
         self.change.duration() > 0.0
     }

@@ -22,7 +22,7 @@ fn widen(range: &mut (f64, f64), x: f64) {
 pub(super) struct BrakeLimits {
     pub a: f64,
     pub j: f64,
-    /// Whether the coordinates that belong together all brake in proportion, so that their direction stays.
+    /// True if the coordinates that belong together all brake in proportion, so that their direction stays.
     pub in_proportion: bool,
 }
 
@@ -65,7 +65,7 @@ impl TransverseBrake {
         self.brake.as_ref().map_or(MotionState::default(), |brake| brake.at(t))
     }
 
-    /// What velocity, acceleration and jerk still run through after time `t`.
+    /// The ranges of velocity, acceleration and jerk after time `t`.
     pub fn ranges_after(&self, t: f64) -> Ranges {
         let mut ranges = Ranges { p: self.reach, ..Ranges::default() };
         let Some(brake) = &self.brake else { return ranges };
