@@ -1,25 +1,28 @@
 //! Jerk-limited motion on one scalar: S-curves, and speed along a path.
 //!
 //! # The problem
-//! A tool moves along a path of length `L`; `s(t)` is the arc length covered. The planners minimise the time `T` subject to
+//! A tool moves along a path of length `L`; `s(t)` is the arc length covered. The planners minimise
+//! the time `T` subject to
 //!
 //! ```text
 //! s(0) = 0,  s(T) = L,  s'(0) = v_start,  s'(T) = v_end,  s''(0) = s''(T) = 0,
 //! 0 <= s'(t) <= v_max(s),   |s''(t)| <= a_max(s),   |s'''(t)| <= j_max(s)     for all t,
 //! ```
 //!
-//! where the bounds follow from the feed, the shape of the path and the joints of the machine ([`caps`]). Everything here is
-//! on that one scalar: no robot and no curve is known to this crate, and a single axis is as good a path as any.
+//! where the bounds follow from the feed, the shape of the path and the joints of the machine
+//! ([`caps`]). Everything here is on that one scalar: no robot and no curve is known to this crate,
+//! and a single axis is as good a path as any.
 //!
-//! With constant bounds the answer is the seven-phase S-profile ([`SProfile`]), and from any state of motion a
-//! [`SpeedChange`]. With bounds given segment by segment two planners share one input and one output:
-//! [`plan_per_segment`] with one S-profile per segment (Liu et al. 2023, section 4), also with a look-ahead window
-//! ([`plan_windowed`]), and [`plan_continuous`], which keeps the acceleration continuous across segments and so does not pay
-//! for their number.
+//! With constant bounds the answer is the seven-phase S-profile ([`SProfile`]), and from any state
+//! of motion a [`SpeedChange`]. With bounds given segment by segment two planners share one input
+//! and one output: [`plan_per_segment`] with one S-profile per segment (Liu et al. 2023, section
+//! 4), also with a look-ahead window ([`plan_windowed`]), and [`plan_continuous`], which keeps the
+//! acceleration continuous across segments and so does not pay for their number.
 //!
-//! If the limits are not one number per segment but belong to joints, motors and tool, each is a [`Row`] in `sdot^2` and
-//! `sddot` ([`constraint`], [`FeedProblem`]), and a [`FeedPlanner`] finds the law: [`ForwardBackwardScan`], [`Reachability`],
-//! [`InterpolatedReachability`] and, with jerk, [`JerkLimited`]. All read the same rows and yield a [`SpeedLaw`].
+//! If the limits are not one number per segment but belong to joints, motors and tool, each is a
+//! [`Row`] in `sdot^2` and `sddot` ([`constraint`], [`FeedProblem`]), and a [`FeedPlanner`] finds
+//! the law: [`ForwardBackwardScan`], [`Reachability`], [`InterpolatedReachability`] and, with jerk,
+//! [`JerkLimited`]. All read the same rows and yield a [`SpeedLaw`].
 //!
 //! # Overview
 //! | task | items |
@@ -38,13 +41,15 @@
 //! | an operator's override, hold and step back | [`FeedOverride`] under a [`VelocityLimitCurve`] |
 //!
 //! # Units
-//! Metres and seconds in the docs, but nothing depends on them: no tolerance in this crate is absolute.
+//! Metres and seconds in the docs, but nothing depends on them: no tolerance in this crate is
+//! absolute.
 //!
 //! # Sources
-//! X. Liu et al., "A High-Precision Planar NURBS Interpolation System Based on Segmentation Method for Industrial Robot",
-//! Appl. Sci. 2023, 13, 13210, cited as Liu et al. 2023; online trajectory generation in robot task and joint spaces, Actuators
-//! 2024, 13, 108, cited as Liu et al. 2024; "Quaternion-Based Velocity Scheduling for Robotic Systems", Electronics 2025, 14, 3869.
-//! A formula that departs from print says so in its docs, with the reason.
+//! X. Liu et al., "A High-Precision Planar NURBS Interpolation System Based on Segmentation Method
+//! for Industrial Robot", Appl. Sci. 2023, 13, 13210, cited as Liu et al. 2023; online trajectory
+//! generation in robot task and joint spaces, Actuators 2024, 13, 108, cited as Liu et al. 2024;
+//! "Quaternion-Based Velocity Scheduling for Robotic Systems", Electronics 2025, 14, 3869. A
+//! formula that departs from print says so in its docs, with the reason.
 #![forbid(unsafe_code)]
 // `!(x > 0.0)` is how NaN is taken to the safe side.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
@@ -83,8 +88,8 @@ pub use scan::fallback::{ChosenLaw, Fallback, JerkLimitedOrScan};
 pub use scan::forward_backward::{ForwardBackwardScan, PublishedScan};
 pub use scan::interpolated::InterpolatedReachability;
 pub use scan::on_problem::{ContinuousAccelerationScan, PerSegmentScan};
+pub use scan::per_segment::{boundary_speeds, plan_per_segment, plan_windowed};
 pub use scan::reachability::Reachability;
-pub use scan::segment::{boundary_speeds, plan_per_segment, plan_windowed};
 pub use scan::{Segment, boundaries};
 pub use scurve::change::SpeedChange;
 pub use scurve::phase::Phase;

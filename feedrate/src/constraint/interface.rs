@@ -16,7 +16,8 @@ pub enum Place {
     },
 }
 
-/// A place in an interval at which jerk rows are asked for; the middle is the one of [`Place::Middle`].
+/// A place in an interval at which jerk rows are asked for; the middle is the one of
+/// [`Place::Middle`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Within {
     /// Just after its first point.
@@ -35,19 +36,22 @@ pub trait PathConstraint {
     /// Appends its rows and caps at one place.
     fn rows(&self, place: Place, out: &mut RowSink<'_>);
 
-    /// Appends its jerk rows at one place of interval `k` of length `h`, always the same number and in the same order.
+    /// Appends its jerk rows at one place of interval `k` of length `h`, always the same number and
+    /// in the same order.
     fn jerk_rows(&self, _k: usize, _h: f64, _within: Within, _out: &mut Vec<JerkRow>) {}
 
-    /// Appends what bounds the motion on the whole of interval `k` of length `h`: what the scans with S-profiles and motion that is
-    /// changed while it runs are planned by.
+    /// Appends what bounds the motion on the whole of interval `k` of length `h`: what the scans
+    /// with S-profiles and motion that is changed while it runs are planned by.
     ///
-    /// Without an answer of its own a constraint gives the hulls of its rows through both ends and the middle of the interval.
+    /// Without an answer of its own a constraint gives the hulls of its rows through both ends and
+    /// the middle of the interval.
     fn interval_bounds(&self, k: usize, h: f64, out: &mut Vec<IntervalBound>) {
         hulls_of_rows(self, k, h, out);
     }
 
-    /// Speeds of axes by `s`, as Bernstein coefficients of a quadratic over interval `k` of length `h` that holds where
-    /// the path is piecewise cubic; each with the limit (> 0) on the magnitude of the axis speed.
+    /// Speeds of axes by `s`, as Bernstein coefficients of a quadratic over interval `k` of length
+    /// `h` that holds where the path is piecewise cubic; each with the limit (> 0) on the magnitude
+    /// of the axis speed.
     fn axis_speeds(&self, _k: usize, _h: f64, _out: &mut dyn FnMut([f64; 3], f64, LimitId)) {}
 }
 
@@ -87,7 +91,8 @@ impl RowSink<'_> {
 
 // Bounds over a whole interval from the rows at three places of it.
 
-/// Least and greatest Bernstein coefficient of the quadratic through values at both ends and in the middle, which enclose it.
+/// Least and greatest Bernstein coefficient of the quadratic through values at both ends and in the
+/// middle, which enclose it.
 fn hull([p, m, q]: [f64; 3]) -> [f64; 2] {
     let inner = 2.0 * m - 0.5 * (p + q);
     [p.min(q).min(inner), p.max(q).max(inner)]
@@ -98,7 +103,8 @@ fn magnitude(values: [f64; 3]) -> f64 {
     most.max(-least)
 }
 
-/// Appends the bounds of a constraint on interval `k` of length `h`: of its caps the least, of the coefficients of its rows the hulls.
+/// Appends the bounds of a constraint on interval `k` of length `h`: of its caps the least, of the
+/// coefficients of its rows the hulls.
 fn hulls_of_rows<C: PathConstraint + ?Sized>(constraint: &C, k: usize, h: f64, out: &mut Vec<IntervalBound>) {
     let [near, middle, far] = [Place::Point(k), Place::Middle { k, h }, Place::Point(k + 1)].map(|place| {
         let mut rows = Vec::new();

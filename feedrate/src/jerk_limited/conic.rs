@@ -1,7 +1,8 @@
-//! The same problem as a sequence of conic programs, solved by a general solver: a yardstick for the method of this module.
+//! The same problem as a sequence of conic programs, solved by a general solver: a yardstick for
+//! the method of this module.
 //!
-//! Knots, rows and the rest intervals are those of [`BarrierProblem`]; the time is summed over half intervals, on which
-//! `2 h / (sqrt(x_0) + sqrt(x_1))` stands for the integral.
+//! Knots, rows and the rest intervals are those of [`BarrierProblem`]; the time is summed over half
+//! intervals, on which `2 h / (sqrt(x_0) + sqrt(x_1))` stands for the integral.
 
 use super::barrier_problem::BarrierProblem;
 use super::parts::{Part, Prepared, prepare};
@@ -96,8 +97,8 @@ fn terms(knots: &Knots, k: usize, within: Within, [alpha, beta, gamma]: [f64; 3]
     std::array::from_fn(|i| (k + i, alpha * w[i] + beta * u[i] + gamma * x[i]))
 }
 
-/// Columns of the program: coefficients, roots at the knots and in the middles in turn, inverses on the half intervals
-/// and in both rest intervals.
+/// Columns of the program: coefficients, roots at the knots and in the middles in turn, inverses on
+/// the half intervals and in both rest intervals.
 #[derive(Clone, Copy)]
 struct Columns {
     coefficients: usize,
@@ -194,7 +195,8 @@ fn demand_rows(
     }
 }
 
-/// Demands speed and acceleration at both ends, and adds the time of the rest intervals to the cost.
+/// Demands speed and acceleration at both ends, and adds the time of the rest intervals to the
+/// cost.
 fn demand_ends(program: &mut Program, barrier_problem: &BarrierProblem, columns: Columns, units: Units) {
     let (knots, m) = (&barrier_problem.knots, columns.intervals);
     let ratios = barrier_problem.ratios();

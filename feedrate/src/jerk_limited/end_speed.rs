@@ -13,7 +13,8 @@ const LEAST_TRIALS: usize = 4;
 /// Intervals that all trials together may plan on.
 const INTERVALS: usize = 100_000;
 
-/// The error of the passes, or, where a speed at an end is the cause, the largest speed that is possible there.
+/// The error of the passes, or, where a speed at an end is the cause, the largest speed that is
+/// possible there.
 pub(super) fn explain(passes: &Passes, problem: &FeedProblem, why: NotSolved) -> FeedError {
     let to_blame = matches!(why.error, FeedError::NotConverged { .. } | FeedError::SpeedOutOfReach { .. });
     let asked = [problem.v_start(), problem.v_end()];
@@ -55,8 +56,8 @@ impl Search<'_> {
         self.passes.plan(&problem).map(|_| ())
     }
 
-    /// The largest speed below `asked` with which there is a motion, and what stands against more; nothing where even rest is
-    /// too much.
+    /// The largest speed below `asked` with which there is a motion, and what stands against more;
+    /// nothing where even rest is too much.
     fn largest(&self, asked: f64, speeds: impl Fn(f64) -> [f64; 2]) -> Option<(f64, Option<Binding>)> {
         self.is_possible(speeds(0.0)).ok()?;
         let (mut possible, mut too_much, mut binding) = (0.0, asked, None);

@@ -1,7 +1,8 @@
 //! Primal-dual interior-point iterations for the fastest `x(s)` on a stretch of path.
 //!
-//! Every row is a barrier with a multiplier; the Newton matrix by spline coefficients has two diagonals beside the main one,
-//! so an iteration costs two passes over the rows and one over the coefficients.
+//! Every row is a barrier with a multiplier; the Newton matrix by spline coefficients has two
+//! diagonals beside the main one, so an iteration costs two passes over the rows and one over the
+//! coefficients.
 
 use super::band::Pentadiagonal;
 use super::barrier_problem::{BarrierProblem, Sides};
@@ -10,11 +11,13 @@ use super::spline::{
 };
 use crate::problem::FeedProblem;
 
-/// One side of a row: a multiplier, its change, and the inverse of the slack (0 for a bound at infinity).
+/// One side of a row: a multiplier, its change, and the inverse of the slack (0 for a bound at
+/// infinity).
 #[derive(Debug, Clone, Copy, Default)]
 struct Side {
     multiplier: f64,
-    /// While a direction is sought, the predictor's second-order term in units of the multiplier; then the change to take.
+    /// While a direction is sought, the predictor's second-order term in units of the multiplier;
+    /// then the change to take.
     change: f64,
     inverse: f64,
 }
@@ -24,7 +27,8 @@ impl Side {
         self.multiplier * self.inverse
     }
 
-    /// The barrier's force at `mu`: `mu / slack`, the second-order term, and what narrowing the bound adds.
+    /// The barrier's force at `mu`: `mu / slack`, the second-order term, and what narrowing the
+    /// bound adds.
     fn force(&self, mu: f64, wider: f64) -> f64 {
         mu * self.inverse + self.multiplier * (self.change + self.inverse * wider)
     }
@@ -57,8 +61,8 @@ impl Products {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Outcome {
     pub iterations: usize,
-    /// Possible gain, relative to the duration: by the multipliers, and by what the last step would have gained
-    /// in full.
+    /// Possible gain, relative to the duration: by the multipliers, and by what the last step would
+    /// have gained in full.
     pub gap: f64,
     pub ahead: f64,
     /// Relative widening of the bounds; 0 when all are kept.
@@ -117,15 +121,17 @@ fn lesser(x: f64, y: f64) -> f64 {
     if x < y { x } else { y }
 }
 
-/// Gain of the last step at which the iterations end, in units of the tolerance: the next one gains a small part of that.
+/// Gain of the last step at which the iterations end, in units of the tolerance: the next one gains
+/// a small part of that.
 const AHEAD: f64 = 10.0;
 
 /// Many times what is needed.
 const MOST_ITERATIONS: usize = 100;
 
 impl Solver {
-    /// Minimises the duration from coefficients `c` that keep the ends and are strictly inside all bounds as they are
-    /// widened at present. With `drop_distant`, rows far from their bounds are left out once the shape shows.
+    /// Minimises the duration from coefficients `c` that keep the ends and are strictly inside all
+    /// bounds as they are widened at present. With `drop_distant`, rows far from their bounds are
+    /// left out once the shape shows.
     pub fn minimise(
         &mut self,
         problem: &FeedProblem,
@@ -144,7 +150,8 @@ impl Solver {
         let mut to_drop = drop_distant;
         while outcome.iterations < MOST_ITERATIONS {
             barrier_problem.knots.evaluate(&self.c, &mut self.values);
-            // Once the shape shows, and not so late that every change would have to be caught up with.
+            // Once the shape shows, and not so late that every change would have to be caught up
+            // with.
             if outcome.gap < MARGINS_FROM && outcome.gap > 4.0 * tolerance {
                 barrier_problem.set_margins(problem, &self.values);
             }
@@ -172,7 +179,8 @@ impl Solver {
                 self.centre(sums.complementarity / sums.count);
             }
             outcome.gap = sums.complementarity / duration;
-            // The multipliers alone tell nothing while steps are short: then they do not fit the iterate yet.
+            // The multipliers alone tell nothing while steps are short: then they do not fit the
+            // iterate yet.
             outcome.ahead = if centred { f64::INFINITY } else { (before / duration - 1.0).abs() / steps[0] };
             before = duration;
             if outcome.gap < tolerance && outcome.ahead < AHEAD * tolerance && outcome.wider < tolerance {
@@ -258,7 +266,8 @@ impl Solver {
         self.barrier.iter_mut().flatten().for_each(|side| side.multiplier = mu * side.inverse);
     }
 
-    /// Mehrotra's predictor and corrector, into `self.step`; how far to go along it for coefficients and multipliers.
+    /// Mehrotra's predictor and corrector, into `self.step`; how far to go along it for
+    /// coefficients and multipliers.
     fn direction(&mut self, barrier_problem: &BarrierProblem, mu: f64, wider: bool, centred: bool) -> Sides {
         self.assemble(barrier_problem);
         to_coefficients(&barrier_problem.knots, &self.at, &self.on, &mut self.matrix);
@@ -431,7 +440,8 @@ impl Solver {
         }
     }
 
-    /// The longest step of slacks and multipliers towards `mu = 0`; leaves the second-order terms of that step.
+    /// The longest step of slacks and multipliers towards `mu = 0`; leaves the second-order terms
+    /// of that step.
     fn predict(&mut self, barrier_problem: &BarrierProblem) -> Sides {
         // Relative changes of slacks; multipliers change by the opposite less 1.
         let (mut least, mut most) = (0.0, 0.0);

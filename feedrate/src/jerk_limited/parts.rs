@@ -18,7 +18,8 @@ pub(super) struct Part {
 }
 
 impl Part {
-    /// Returns true if the motion can be slowed down as a whole: it starts and ends at rest, and every row holds at rest.
+    /// Returns true if the motion can be slowed down as a whole: it starts and ends at rest, and
+    /// every row holds at rest.
     pub fn slows(&self, problem: &FeedProblem) -> bool {
         self.speeds == [0.0; 2] && self.grid.clone().all(|i| stands(problem, i).is_ok())
     }

@@ -1,4 +1,5 @@
-//! The passes of the planner: solve every part, check between the grid points, and solve again with less.
+//! The passes of the planner: solve every part, check between the grid points, and solve again with
+//! less.
 
 use super::barrier_problem::BarrierProblem;
 use super::between::largest_scale;
@@ -10,8 +11,9 @@ use crate::error::FeedError;
 use crate::problem::FeedProblem;
 use crate::speed_law::SpeedLaw;
 
-/// Rows far from their bounds are dropped on stretches of as many intervals. On finer ones acceleration builds up over many
-/// intervals, whose rows all are distant at one time or another, and dropping them means solving twice.
+/// Rows far from their bounds are dropped on stretches of as many intervals. On finer ones
+/// acceleration builds up over many intervals, whose rows all are distant at one time or another,
+/// and dropping them means solving twice.
 const DROP_UP_TO: usize = 2500;
 
 /// If more than this has to be taken off the speed at the end, something was left out.
@@ -20,7 +22,8 @@ const TAKEN_OFF: f64 = 1e-3;
 /// Reduction of the speed that round-off alone can require.
 const ROUND_OFF: f64 = 1e-12;
 
-/// Times that something too fast between the grid points is dealt with, and how many of them by slowing down.
+/// Times that something too fast between the grid points is dealt with, and how many of them by
+/// slowing down.
 const ATTEMPTS: usize = 8;
 const SLOWED: usize = 4;
 
@@ -76,7 +79,8 @@ impl Passes {
             return Ok(Solution { barrier_problem, c: solver.c.clone(), converged: outcome.is_close() });
         }
         if part.slows(problem) {
-            // The bounds were widened for the start and could not be taken back: from a start that is inside.
+            // The bounds were widened for the start and could not be taken back: from a start that
+            // is inside.
             let mut barrier_problem = fresh();
             if let Some(start) = start::inside(problem, &barrier_problem, fastest) {
                 let outcome = solver.minimise(problem, &mut barrier_problem, start, self.tolerance, false);
@@ -101,7 +105,8 @@ impl Passes {
         })
     }
 
-    /// The plan. Rows far from their bounds are dropped on stretches of up to `drop_up_to` intervals.
+    /// The plan. Rows far from their bounds are dropped on stretches of up to `drop_up_to`
+    /// intervals.
     fn plan_with(&self, problem: &FeedProblem, drop_up_to: usize) -> Result<JerkLimitedPlan, NotSolved> {
         let prepared = &prepare(problem)?;
         let Prepared { problem, parts, .. } = prepared;
@@ -127,7 +132,8 @@ impl Passes {
                 } else if part.slows(problem) && attempt < SLOWED {
                     solution.scale(scale);
                 } else {
-                    // With less for all rows: friction gains on the rest where the motion is slowed down.
+                    // With less for all rows: friction gains on the rest where the motion is slowed
+                    // down.
                     *factor *= 1.0 - 2.0 * (1.0 - scale);
                     let lower = Attempt { drop_distant: false, factor: *factor, before: None };
                     *solution = self.solve(prepared, &mut solver, part, lower)?;

@@ -7,16 +7,17 @@ use crate::error::{FeedError, positive};
 use crate::problem::{FeedPlanner, FeedProblem};
 use crate::speed_law::SpeedLaw;
 
-/// The jerk-limited planner: velocity, acceleration, torque and jerk, kept between the grid points too, in the least time
-/// that a quadratic spline on the grid allows.
+/// The jerk-limited planner: velocity, acceleration, torque and jerk, kept between the grid points
+/// too, in the least time that a quadratic spline on the grid allows.
 ///
-/// Needs [`FeedProblem::between_points`] with at least one jerk row, and four intervals between two stops. Where the
-/// path starts or ends in motion the acceleration there is 0. It stops at grid points whose cap is 0. Put the knots of a spline
-/// path on the grid.
+/// Needs [`FeedProblem::between_points`] with at least one jerk row, and four intervals between two
+/// stops. Where the path starts or ends in motion the acceleration there is 0. It stops at grid
+/// points whose cap is 0. Put the knots of a spline path on the grid.
 ///
-/// Time and memory grow with the number of rows, the iterations slowly with the number of intervals (about 12 for 1000, 20 for
-/// 10 000, 25 to 45 for 100 000). More than 200 000 intervals or five million rows (some 160 000 intervals of a six-axis arm) are
-/// refused: such a path is better planned on a coarser grid, which keeps the limits between its points as well.
+/// Time and memory grow with the number of rows, the iterations slowly with the number of intervals
+/// (about 12 for 1000, 20 for 10 000, 25 to 45 for 100 000). More than 200 000 intervals or five
+/// million rows (some 160 000 intervals of a six-axis arm) are refused: such a path is better
+/// planned on a coarser grid, which keeps the limits between its points as well.
 ///
 /// ```
 /// use arcfeed_feedrate::constraint::{Feed, TangentialAcceleration, TangentialJerk};
@@ -44,7 +45,8 @@ impl Default for JerkLimited {
 }
 
 impl JerkLimited {
-    /// Stops once the duration is within this fraction of the optimum of its problem; 1e-8 at the least is used.
+    /// Stops once the duration is within this fraction of the optimum of its problem; 1e-8 at the
+    /// least is used.
     ///
     /// # Errors
     /// [`FeedError::NotFinite`], [`FeedError::NotPositive`].

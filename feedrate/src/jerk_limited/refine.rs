@@ -8,8 +8,8 @@ use crate::row::JerkRow;
 /// Ratio of successive distances from rest.
 const GROWTH: f64 = 3.0;
 
-/// The problem with its intervals next to rest split where the acceleration has built up, and coarser beyond: rows in
-/// between are interpolated, exactly so on a piecewise cubic path.
+/// The problem with its intervals next to rest split where the acceleration has built up, and
+/// coarser beyond: rows in between are interpolated, exactly so on a piecewise cubic path.
 pub(super) fn refined(problem: &FeedProblem) -> FeedProblem {
     let n = problem.intervals();
     let mut cuts = Vec::new();

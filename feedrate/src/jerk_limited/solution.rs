@@ -12,7 +12,8 @@ use crate::speed_law::{Builder, SpeedLaw};
 pub struct JerkLimitedPlan {
     /// The law. It keeps all limits whether the iterations converged or not.
     pub law: SpeedLaw,
-    /// True if the law is within 2 % of the optimum of its problem; where not, another grid or planner may find a faster one.
+    /// True if the law is within 2 % of the optimum of its problem; where not, another grid or
+    /// planner may find a faster one.
     pub converged: bool,
 }
 

@@ -13,11 +13,13 @@ const INSIDE: f64 = 0.9;
 /// Intervals for which the windows are chosen; more of them make the windows wider.
 const POINTS: usize = 1000;
 
-/// Coefficients to start from; where need be the bounds of the stretch are widened so that these are strictly inside.
+/// Coefficients to start from; where need be the bounds of the stretch are widened so that these
+/// are strictly inside.
 ///
-/// The squared speeds `limit` of a second-order planner are lowered to the least and then the mean over a window, and kept
-/// below a jerk-limited departure from and approach to rest. Of several windows the one is taken that has to be slowed down
-/// least as a whole. Where a speed is given at an end, slowing down is no option; there the limits are widened instead.
+/// The squared speeds `limit` of a second-order planner are lowered to the least and then the mean
+/// over a window, and kept below a jerk-limited departure from and approach to rest. Of several
+/// windows the one is taken that has to be slowed down least as a whole. Where a speed is given at
+/// an end, slowing down is no option; there the limits are widened instead.
 pub(super) fn start(problem: &FeedProblem, barrier_problem: &mut BarrierProblem, limit: &[f64]) -> Vec<f64> {
     let slowing =
         barrier_problem.ends.iter().all(|end| matches!(end, End::Rest { .. })) && at_rest_inside(barrier_problem);
@@ -30,7 +32,8 @@ pub(super) fn start(problem: &FeedProblem, barrier_problem: &mut BarrierProblem,
     c
 }
 
-/// Coefficients from rest to rest that are strictly inside all bounds, slow as they may be; none where standing still is not.
+/// Coefficients from rest to rest that are strictly inside all bounds, slow as they may be; none
+/// where standing still is not.
 pub(super) fn inside(problem: &FeedProblem, barrier_problem: &BarrierProblem, limit: &[f64]) -> Option<Vec<f64>> {
     /// Friction falls with the root of the squared speed.
     const HALVINGS: usize = 200;
@@ -45,7 +48,8 @@ pub(super) fn inside(problem: &FeedProblem, barrier_problem: &BarrierProblem, li
     None
 }
 
-/// Coefficients of a smooth law of motion; with `slowing`, friction aside, inside all bounds that hold at rest.
+/// Coefficients of a smooth law of motion; with `slowing`, friction aside, inside all bounds that
+/// hold at rest.
 fn shape(problem: &FeedProblem, barrier_problem: &BarrierProblem, limit: &[f64], slowing: bool) -> Vec<f64> {
     let (m, a) = (barrier_problem.knots.intervals(), barrier_problem.from);
     let grid = problem.grid();
@@ -66,11 +70,13 @@ fn shape(problem: &FeedProblem, barrier_problem: &BarrierProblem, limit: &[f64],
     let mut values = Values::default();
     let mut best = (f64::NEG_INFINITY, Vec::new());
     let (mut low, mut x) = (Vec::with_capacity(m + 1), Vec::with_capacity(m + 1));
-    // Windows are parts of the path, not numbers of points, or a fine grid would be followed too closely.
+    // Windows are parts of the path, not numbers of points, or a fine grid would be followed too
+    // closely.
     for width in [1, 4, 16, 64].map(|width| width * ((m + POINTS / 2) / POINTS).max(1)) {
         let reach = |k: usize| width.min((k + 1) / 4).min((m - k + 1) / 4);
         least_within(&limit[a..=a + m], reach, &mut low);
-        // The mean of steps has kinks, where the acceleration would jump; the mean of that has none.
+        // The mean of steps has kinks, where the acceleration would jump; the mean of that has
+        // none.
         mean_within(&low, |k| reach(k).div_ceil(2), &mut x);
         mean_within(&x, |k| reach(k) / 2, &mut low);
         std::mem::swap(&mut low, &mut x);
@@ -99,7 +105,8 @@ fn shape(problem: &FeedProblem, barrier_problem: &BarrierProblem, limit: &[f64],
 /// The least value within `reach(k)` of every `k`, with ends that never go back.
 fn least_within(values: &[f64], reach: impl Fn(usize) -> usize, out: &mut Vec<f64>) {
     out.clear();
-    // Indices whose values increase: the first is the least of the window, the others may become so.
+    // Indices whose values increase: the first is the least of the window, the others may become
+    // so.
     let mut rising = VecDeque::new();
     let mut next = 0;
     for k in 0..values.len() {
@@ -120,7 +127,8 @@ fn least_within(values: &[f64], reach: impl Fn(usize) -> usize, out: &mut Vec<f6
 /// The mean of the values within `reach(k)` of every `k`.
 fn mean_within(values: &[f64], reach: impl Fn(usize) -> usize, out: &mut Vec<f64>) {
     out.clear();
-    // Sums of blocks, so that neither many small windows nor few large ones cost much, and nothing cancels.
+    // Sums of blocks, so that neither many small windows nor few large ones cost much, and nothing
+    // cancels.
     let block = (values.len() as f64).sqrt() as usize + 1;
     let sums: Vec<f64> = values.chunks(block).map(|block| block.iter().sum()).collect();
     for k in 0..values.len() {
@@ -185,7 +193,8 @@ struct Departure {
 }
 
 impl Departure {
-    /// The jerk is such that `|rest x| <= 1 / sqrt(x)` at distance `h`, and that `u` is not reached before.
+    /// The jerk is such that `|rest x| <= 1 / sqrt(x)` at distance `h`, and that `u` is not reached
+    /// before.
     fn new(rest: f64, h: f64, u: f64) -> Self {
         // x = (4.5 jerk h^2)^(2/3) there.
         let jerk = 1.0 / (4.5 * h * h * rest);

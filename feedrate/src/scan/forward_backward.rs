@@ -1,36 +1,42 @@
 //! The bidirectional scan that keeps every row at both ends of every interval.
 //!
 //! # Why it holds
-//! Let `X_i` be the greatest `x` up to which every row at grid point `i` holds at `u = 0` (the "initial velocity limit",
-//! Electronics 2025, 14, 3869, eq. 16), and `R_k` the set of pairs `(x_k, x_k+1)` below `X` that satisfy the rows at both
-//! ends of interval `k` with `u = (x_k+1 - x_k) / 2h`. `R_k` contains the diagonal. The forward pass takes the greatest
-//! `x_k+1` up to which `R_k` contains the whole segment from the diagonal, so the backward pass `x_k`. Let `F` and `B` be
-//! the passes and `m = min(F, B)`.
-//! * `m = F` at `k` and `m = B` at `k+1`: if `F_k <= B_k+1`, the pair lies between the diagonal and `(F_k, F_k+1)`;
-//!   otherwise between the diagonal and `(B_k, B_k+1)`, since `F_k <= B_k`. The mirrored case likewise.
-//! * `m = F` at both: an ascending `F` is such a pair itself. A descending one has `F_k+1 = X_k+1`, hence
-//!   `B_k+1 = X_k+1 < F_k <= B_k`, and the pair lies between the diagonal and `(B_k, B_k+1)`. The same for `B`.
+//! Let `X_i` be the greatest `x` up to which every row at grid point `i` holds at `u = 0` (the
+//! "initial velocity limit", Electronics 2025, 14, 3869, eq. 16), and `R_k` the set of pairs
+//! `(x_k, x_k+1)` below `X` that satisfy the rows at both ends of interval `k` with
+//! `u = (x_k+1 - x_k) / 2h`. `R_k` contains the diagonal. The forward pass takes the greatest
+//! `x_k+1` up to which `R_k` contains the whole segment from the diagonal, so the backward pass
+//! `x_k`. Let `F` and `B` be the passes and `m = min(F, B)`.
+//! * `m = F` at `k` and `m = B` at `k+1`: if `F_k <= B_k+1`, the pair lies between the diagonal and
+//!   `(F_k, F_k+1)`; otherwise between the diagonal and `(B_k, B_k+1)`, since `F_k <= B_k`. The
+//!   mirrored case likewise.
+//! * `m = F` at both: an ascending `F` is such a pair itself. A descending one has `F_k+1 = X_k+1`,
+//!   hence `B_k+1 = X_k+1 < F_k <= B_k`, and the pair lies between the diagonal and `(B_k, B_k+1)`.
+//!   The same for `B`.
 //!
-//! So `m` is in every `R_k`. This needs no convexity, only segments along the axes: it holds for viscous friction too.
+//! So `m` is in every `R_k`. This needs no convexity, only segments along the axes: it holds for
+//! viscous friction too.
 
 use crate::error::{FeedError, PathEnd};
 use crate::problem::{FeedPlanner, FeedProblem};
 use crate::row::{LimitId, Quantity, Row};
 use crate::speed_law::SpeedLaw;
 
-/// The bidirectional scan of Electronics 2025, 14, 3869 with every row tested at both ends of an interval.
+/// The bidirectional scan of Electronics 2025, 14, 3869 with every row tested at both ends of an
+/// interval.
 ///
-/// O(N), two tests per row and pass and a division where one fails; about 0.1 % to 1 % slower motion than the optimum at
-/// N = 1000. It needs every grid point to be statically feasible. Rows hold at the grid points; in between they may be exceeded
-/// by what they vary there.
+/// O(N), two tests per row and pass and a division where one fails; about 0.1 % to 1 % slower
+/// motion than the optimum at N = 1000. It needs every grid point to be statically feasible. Rows
+/// hold at the grid points; in between they may be exceeded by what they vary there.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct ForwardBackwardScan;
 
-/// The bidirectional scan as published (Electronics 2025, 14, 3869, eqs. 16 to 19 and appendix A; backward pass with the
-/// sign of the acceleration corrected), for reproduction only: **it breaks the limits it is given.**
+/// The bidirectional scan as published (Electronics 2025, 14, 3869, eqs. 16 to 19 and appendix A;
+/// backward pass with the sign of the acceleration corrected), for reproduction only: **it breaks
+/// the limits it is given.**
 ///
-/// Forward it tests the right end of an accelerating interval alone, backward the left end of a decelerating one; the other
-/// ends exceed their acceleration by 4 % to 60 % in ordinary cases.
+/// Forward it tests the right end of an accelerating interval alone, backward the left end of a
+/// decelerating one; the other ends exceed their acceleration by 4 % to 60 % in ordinary cases.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct PublishedScan;
 
@@ -58,7 +64,8 @@ pub(crate) fn squared_speeds(problem: &FeedProblem) -> Result<Vec<f64>, FeedErro
     scan(problem, &static_limits(problem)?, true)
 }
 
-/// Smallest root above `from` (0 if not positive) of `p w^2 + c w = r` in `w = sqrt(x)`, squared; infinite if there is none.
+/// Smallest root above `from` (0 if not positive) of `p w^2 + c w = r` in `w = sqrt(x)`, squared;
+/// infinite if there is none.
 fn first_crossing(p: f64, c: f64, r: f64, from: f64) -> f64 {
     if r.is_infinite() {
         return f64::INFINITY;
@@ -87,18 +94,21 @@ fn first_crossing(p: f64, c: f64, r: f64, from: f64) -> f64 {
         .fold(f64::INFINITY, |least, w| least.min(w * w))
 }
 
-/// The value at which `p x + c sqrt(x)` leaves `[lo, hi]` when `x` grows from `from`, at which it is inside.
+/// The value at which `p x + c sqrt(x)` leaves `[lo, hi]` when `x` grows from `from`, at which it
+/// is inside.
 #[inline(always)]
 fn leaves(p: f64, c: f64, lo: f64, hi: f64, from: f64) -> f64 {
     if c == 0.0 {
-        // The common case, with a single division and no branch; p = 0 gives infinity, or NaN that no comparison takes.
+        // The common case, with a single division and no branch; p = 0 gives infinity, or NaN that
+        // no comparison takes.
         let left = if p > 0.0 { hi } else { -lo };
         return left / p.abs();
     }
     first_crossing(p, c, hi, from).min(first_crossing(p, c, lo, from))
 }
 
-/// The end of the part of `from..to` on which the row `p x + c sqrt(x)` holds. Most rows hold all the way, which takes no division.
+/// The end of the part of `from..to` on which the row `p x + c sqrt(x)` holds. Most rows hold all
+/// the way, which takes no division.
 #[inline(always)]
 fn held(p: f64, c: f64, lo: f64, hi: f64, from: f64, to: f64) -> f64 {
     let value = p * to;
@@ -130,7 +140,8 @@ fn static_limits(problem: &FeedProblem) -> Result<Vec<f64>, FeedError> {
     Ok(limits)
 }
 
-/// An interval in the direction of a pass: its length, the sign of `u`, and the rows at the point and at its neighbour.
+/// An interval in the direction of a pass: its length, the sign of `u`, and the rows at the point
+/// and at its neighbour.
 struct Interval<'a> {
     h: f64,
     sign: f64,
@@ -144,7 +155,8 @@ fn step(x: f64, limit: f64, interval: &Interval<'_>, both_ends: bool) -> f64 {
     let per_u = sign * 0.5 / h;
     let mut y = limit;
     if both_ends {
-        // What the limit asks for; most rows allow it, or what another row has left of it, without a division.
+        // What the limit asks for; most rows allow it, or what another row has left of it, without
+        // a division.
         let most = per_u * (limit - x);
         let mut u = most;
         for row in near {

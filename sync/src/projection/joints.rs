@@ -3,10 +3,10 @@
 use arcfeed_feedrate::AxisLimits;
 use nalgebra::{SMatrix, SVector};
 
-use super::ProjectionStatus;
 use super::feasible_set::{FLOOR, FeasibleSet, NONE, Order, RESERVE, SLACK, ScalarBounds, WIDEST};
 use super::line::{LinePlan, Start};
 use super::recover::Recovery;
+use super::status::ProjectionStatus;
 use super::transverse_brake::{BrakeLimits, Ranges};
 use crate::error::SyncError;
 use crate::joint_state::JointState;
@@ -21,35 +21,39 @@ pub struct ProjectionStep<const N: usize> {
     pub status: ProjectionStatus,
 }
 
-/// Joints on a straight line to a target that may change in any cycle (Liu et al. 2024, section 4.2, corrected).
+/// Joints on a straight line to a target that may change in any cycle (Liu et al. 2024, section
+/// 4.2, corrected).
 ///
-/// When the target changes, velocity and acceleration are divided once into their projection on the error and the rest.
-/// The rest brakes to a halt joint by joint. What that leaves of every joint's limits bounds the one scalar along the
-/// line to the target (eq. 17, corrected), which is planned time-optimally. Both are kept until the target changes again,
-/// so that nothing is singular at the end. If a state cannot be divided within the limits, accelerations are taken off
-/// first.
+/// When the target changes, velocity and acceleration are divided once into their projection on the
+/// error and the rest. The rest brakes to a halt joint by joint. What that leaves of every joint's
+/// limits bounds the one scalar along the line to the target (eq. 17, corrected), which is planned
+/// time-optimally. Both are kept until the target changes again, so that nothing is singular at the
+/// end. If a state cannot be divided within the limits, accelerations are taken off first.
 ///
-/// **Guarantees**: every joint keeps its velocity, acceleration and jerk limit at all times to 1e-9 of the limit; a start outside
-/// them, or bound to get outside, is brought inside first, with the largest jerk, and the limits hold from the first
-/// moment at which that is possible (jerk always). The target is reached exactly, at rest. From the moment the
-/// transverse motion has come to rest, the joints move on a straight line; from a start at rest, or moving along the
-/// error, on a straight line throughout. Nothing allocates.
+/// **Guarantees**: every joint keeps its velocity, acceleration and jerk limit at all times to 1e-9
+/// of the limit; a start outside them, or bound to get outside, is brought inside first, with the
+/// largest jerk, and the limits hold from the first moment at which that is possible (jerk always).
+/// The target is reached exactly, at rest. From the moment the transverse motion has come to rest,
+/// the joints move on a straight line; from a start at rest, or moving along the error, on a
+/// straight line throughout. Nothing allocates.
 ///
 /// # When to prefer it
-/// Against the time-optimal motion of the slowest joint alone, over 4000 random problems of six joints: from rest 1.000
-/// (median) to 1.17 (worst) times as long, from random states of motion 1.05 to 1.39, from random states close to the
-/// target 1.09 to 1.67. The time-optimal synchronised motion ([`Trajectory`](crate::Trajectory),
-/// [`OnlineGenerator`](crate::OnlineGenerator)) is on that bound more often, but runs through joint space on curves that
-/// depend on the limits. Prefer the projection where the path matters (a straight line in joint space, or of the tool)
-/// and where the target moves all the time: a new target costs some 10 microseconds (a pose some 40) and keeps the part
-/// of the motion that already points there.
+/// Against the time-optimal motion of the slowest joint alone, over 4000 random problems of six
+/// joints: from rest 1.000 (median) to 1.17 (worst) times as long, from random states of motion
+/// 1.05 to 1.39, from random states close to the target 1.09 to 1.67. The time-optimal synchronised
+/// motion ([`Trajectory`](crate::Trajectory), [`OnlineGenerator`](crate::OnlineGenerator)) is on
+/// that bound more often, but runs through joint space on curves that depend on the limits. Prefer
+/// the projection where the path matters (a straight line in joint space, or of the tool) and where
+/// the target moves all the time: a new target costs some 10 microseconds (a pose some 40) and
+/// keeps the part of the motion that already points there.
 ///
 /// # Departures from print
-/// The paper lays a frame on the present error (its first axis along it, the others by Gram-Schmidt), plans each axis of
-/// that frame on its own with projected limits (eq. 17), and turns the result back (eq. 18), every cycle anew. As printed
-/// it does not move, or blows up. Corrected, it breaks the joint limits it is meant to keep (100 of 100 random starts,
-/// acceleration up to 3.2 times its limit): boxes on the rotated axes do not fit into the box of the joints, and the
-/// frame is singular where the error vanishes.
+/// The paper lays a frame on the present error (its first axis along it, the others by
+/// Gram-Schmidt), plans each axis of that frame on its own with projected limits (eq. 17), and
+/// turns the result back (eq. 18), every cycle anew. As printed it does not move, or blows up.
+/// Corrected, it breaks the joint limits it is meant to keep (100 of 100 random starts,
+/// acceleration up to 3.2 times its limit): boxes on the rotated axes do not fit into the box of
+/// the joints, and the frame is singular where the error vanishes.
 ///
 /// ```
 /// use arcfeed_sync::{JointState, ProjectionStatus, ProjectionSync, symmetric_limits};
@@ -90,8 +94,9 @@ impl<const N: usize> ProjectionSync<N> {
     /// From `start`, in any state of motion (its jerk does not matter), to rest at `target` (rad).
     ///
     /// # Errors
-    /// [`SyncError::Axis`] naming the joint and what is not finite; [`SyncError::State`] naming the joint whose limits
-    /// differ in the two directions; [`SyncError::OutOfRange`] if the numbers leave the range of `f64`.
+    /// [`SyncError::Axis`] naming the joint and what is not finite; [`SyncError::State`] naming the
+    /// joint whose limits differ in the two directions; [`SyncError::OutOfRange`] if the numbers
+    /// leave the range of `f64`.
     pub fn new(start: &JointState<N>, target: SVector<f64, N>, limits: &[AxisLimits; N]) -> Result<Self, SyncError> {
         let parts = [("start position", &start.q), ("start velocity", &start.qd), ("start acceleration", &start.qdd)];
         for (what, values) in parts {
@@ -137,7 +142,8 @@ impl<const N: usize> ProjectionSync<N> {
     /// Advances by `period` (s).
     ///
     /// # Errors
-    /// [`SyncError::Duration`] if the period is negative or not finite; the motion then stays where it is.
+    /// [`SyncError::Duration`] if the period is negative or not finite; the motion then stays where
+    /// it is.
     #[inline]
     pub fn step(&mut self, period: f64) -> Result<ProjectionStep<N>, SyncError> {
         if !(period.is_finite() && period >= 0.0) {
@@ -193,7 +199,8 @@ impl<const N: usize> ProjectionSync<N> {
         }
     }
 
-    /// Time to the target if nothing changes (s); `None` while the state is brought inside the limits.
+    /// Time to the target if nothing changes (s); `None` while the state is brought inside the
+    /// limits.
     pub fn remaining(&self) -> Option<f64> {
         match &self.motion {
             Motion::Recovering { .. } => None,
@@ -277,7 +284,8 @@ impl<const N: usize> FeasibleSet<N> for [AxisLimits; N] {
             let (p, c, b) = (part[k].abs(), whole[k].abs(), order.bound(limits));
             let against = part[k] * whole[k] < 0.0;
             let most = match order {
-                // A velocity that is braked stays on its side of zero and so leaves the other one free.
+                // A velocity that is braked stays on its side of zero and so leaves the other one
+                // free.
                 Order::Velocity if against => b - c,
                 Order::Velocity => b,
                 Order::Acceleration if against => (0.5 * (b - c)).min((1.0 - RESERVE) * b),

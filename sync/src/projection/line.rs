@@ -1,4 +1,5 @@
-//! The plan: the part of the motion along the line, the part that brakes across it, and both over time.
+//! The plan: the part of the motion along the line, the part that brakes across it, and both over
+//! time.
 //!
 //! The motion from `(q0, v, a)` to rest at `g` is composed as
 //!
@@ -8,14 +9,17 @@
 //!                                u = g - q0 - D,
 //! ```
 //!
-//! so that both parts end at rest in `g`, and from the moment `w` rests the error is parallel to `u`: a straight line.
-//! `alpha u` and `beta u` are the projections of velocity and acceleration on the error.
+//! so that both parts end at rest in `g`, and from the moment `w` rests the error is parallel to
+//! `u`: a straight line. `alpha u` and `beta u` are the projections of velocity and acceleration on
+//! the error.
 //!
-//! **Why the limits hold.** The transverse part is planned first. Over the time that is left of it, its derivatives run
-//! through known ranges; what these leave of every limit, divided by the component of `u`, bounds the derivatives of `x`
-//! (the least over the coordinates: Liu et al. 2024, eq. 17, corrected). `x` is time-optimal within these bounds, so the
-//! sum is inside the limits whatever the phases of the two. While `w` brakes the ranges shrink and the bounds widen; `x` is planned
-//! again at [`STAGES`] moments from where it is then, which is inside the wider bounds too.
+//! **Why the limits hold.** The transverse part is planned first. Over the time that is left of it,
+//! its derivatives run through known ranges; what these leave of every limit, divided by the
+//! component of `u`, bounds the derivatives of `x` (the least over the coordinates: Liu et al.
+//! 2024, eq. 17, corrected). `x` is time-optimal within these bounds, so the sum is inside the
+//! limits whatever the phases of the two. While `w` brakes the ranges shrink and the bounds widen;
+//! `x` is planned again at [`STAGES`] moments from where it is then, which is inside the wider
+//! bounds too.
 
 use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, MotionState, StateToState};
 use nalgebra::{SMatrix, SVector};
@@ -65,7 +69,8 @@ struct Parts<const M: usize> {
 }
 
 impl<const M: usize> Parts<M> {
-    /// `aim` gives the way left after a displacement `D`. `None` if the line would have to turn too much.
+    /// `aim` gives the way left after a displacement `D`. `None` if the line would have to turn too
+    /// much.
     fn new(
         start: &Start<M>,
         set: &impl FeasibleSet<M>,
@@ -113,7 +118,8 @@ impl<const M: usize> Parts<M> {
         std::array::from_fn(|k| self.brakes[k].ranges_after(t))
     }
 
-    /// Returns true if the start of the line is inside what the transverse part leaves, now and when its acceleration has been taken off.
+    /// Returns true if the start of the line is inside what the transverse part leaves, now and
+    /// when its acceleration has been taken off.
     fn fit(&self, bounds: &ScalarBounds) -> bool {
         let inside = |x: f64, (lower, upper): (f64, f64)| {
             x >= lower - SLACK * (upper - lower) && x <= upper + SLACK * (upper - lower)
@@ -132,7 +138,8 @@ impl<const M: usize> Parts<M> {
 }
 
 impl<const M: usize> LinePlan<M> {
-    /// The best of a few ways to divide the motion, or `None` if none keeps the limits from this start.
+    /// The best of a few ways to divide the motion, or `None` if none keeps the limits from this
+    /// start.
     pub fn new(
         start: &Start<M>,
         set: &impl FeasibleSet<M>,

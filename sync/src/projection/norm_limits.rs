@@ -1,12 +1,13 @@
 //! Limits of a tool: a ball for the linear and one for the angular part of every derivative.
 //!
-//! Both parts of the motion are planned in a frame whose first axis is the error (by Gram-Schmidt, as in Liu et al. 2024, section 4.2;
-//! the second follows the velocity). Within a ball of radius `B` the line has along the first axis what the
-//! transverse part leaves: from `-sqrt(B² - m²) - low` to `sqrt(B² - m²) - high`, where `m` bounds it across the line and
-//! `low`, `high` along it.
+//! Both parts of the motion are planned in a frame whose first axis is the error (by Gram-Schmidt,
+//! as in Liu et al. 2024, section 4.2; the second follows the velocity). Within a ball of radius
+//! `B` the line has along the first axis what the transverse part leaves: from
+//! `-sqrt(B² - m²) - low` to `sqrt(B² - m²) - high`, where `m` bounds it across the line and `low`,
+//! `high` along it.
 //!
-//! **Rotations** are composed, `R(t) = exp(u x(t)) exp(w(t)) R0`, so that the line is a turn about one axis throughout. Then, with
-//! `E = exp(u x)` and `omega_w` the angular velocity of `exp(w)`,
+//! **Rotations** are composed, `R(t) = exp(u x(t)) exp(w(t)) R0`, so that the line is a turn about
+//! one axis throughout. Then, with `E = exp(u x)` and `omega_w` the angular velocity of `exp(w)`,
 //!
 //! ```text
 //! omega   = u x'   + E omega_w
@@ -14,9 +15,11 @@
 //! omega'' = u x''' + E omega_w'' + u x'' × E omega_w + 2 u x' × E omega_w' + u x' × (u x' × E omega_w)
 //! ```
 //!
-//! `E` turns about the first axis and so leaves `m`, `low` and `high` as they are, and every product is across the line: it adds to
-//! `m`. A part of what is left is set aside for the products ([`ASIDE`]), and `x'` and `x''` are bounded so that it suffices. Where `w`
-//! keeps to one axis, its derivatives are those of `omega_w`; otherwise they differ by no more than what [`turning`] says.
+//! `E` turns about the first axis and so leaves `m`, `low` and `high` as they are, and every
+//! product is across the line: it adds to `m`. A part of what is left is set aside for the products
+//! ([`ASIDE`]), and `x'` and `x''` are bounded so that it suffices. Where `w` keeps to one axis,
+//! its derivatives are those of `omega_w`; otherwise they differ by no more than what [`turning`]
+//! says.
 
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
@@ -76,8 +79,8 @@ fn block(x: &Vector6<f64>, first: usize) -> Vector3<f64> {
     x.fixed_rows::<3>(first).into_owned()
 }
 
-/// Gram-Schmidt over the given directions and the base axes; what is nearly dependent is left out. Right-handed, as
-/// products of angular rates are formed in these axes.
+/// Gram-Schmidt over the given directions and the base axes; what is nearly dependent is left out.
+/// Right-handed, as products of angular rates are formed in these axes.
 fn axes(directions: [Vector3<f64>; 3]) -> Matrix3<f64> {
     let mut frame = Matrix3::zeros();
     let mut count = 0;
@@ -108,7 +111,8 @@ fn axes(directions: [Vector3<f64>; 3]) -> Matrix3<f64> {
 /// Part of what the transverse motion leaves that is set aside for each product of angular rates.
 const ASIDE: f64 = 0.2;
 
-/// Velocity, acceleration, jerk of the transverse part of a block: range along the line and bound across it.
+/// Velocity, acceleration, jerk of the transverse part of a block: range along the line and bound
+/// across it.
 struct Transverse {
     along: [(f64, f64); 3],
     across: [f64; 3],
@@ -145,7 +149,8 @@ impl Transverse {
         if most > bound * (1.0 + SLACK) || most.is_nan() {
             return NONE;
         }
-        // Alone it fits, so that nought is left at least: the root is sensitive to round-off where it vanishes.
+        // Alone it fits, so that nought is left at least: the root is sensitive to round-off where
+        // it vanishes.
         let half = ((bound - across) * (bound + across)).max(0.0).sqrt();
         ((-half - low).min(0.0), (half - high).max(0.0))
     }
@@ -153,8 +158,9 @@ impl Transverse {
 
 /// Bounds of the difference between the angular rates of `exp(w)` and the derivatives of `w`.
 ///
-/// `omega_w` is the integral of `exp(s w) w'` over `s` in `[0, 1]`, and `exp(s w)` itself turns at most at `s |w'|`. With bounds
-/// `p, v, a, j` of `w` and its derivatives that gives `p v/2`; `p a/2 + v²/2 min(1, p)`; `p j/2 + 3/2 v a + v³/2`.
+/// `omega_w` is the integral of `exp(s w) w'` over `s` in `[0, 1]`, and `exp(s w)` itself turns at
+/// most at `s |w'|`. With bounds `p, v, a, j` of `w` and its derivatives that gives `p v/2`;
+/// `p a/2 + v²/2 min(1, p)`; `p j/2 + 3/2 v a + v³/2`.
 fn turning(ranges: &[Ranges]) -> [f64; 3] {
     let active = ranges.iter().filter(|r| r.p > 0.0).count();
     let norm = |f: fn(&Ranges) -> f64| ranges.iter().map(|r| f(r) * f(r)).sum::<f64>().sqrt();
@@ -232,7 +238,8 @@ impl FeasibleSet<6> for PoseLimits {
                 }
                 continue;
             }
-            // Across the line: each at least its own acceleration, both together inside the ball with the line.
+            // Across the line: each at least its own acceleration, both together inside the ball
+            // with the line.
             let free = square(a) - square(line + own[0].abs()) - square(own[1]) - square(own[2]);
             // All three at once make little more than the share.
             let jerk = 0.6 * share * j;

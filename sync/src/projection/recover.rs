@@ -11,10 +11,12 @@ pub(super) struct Recovery {
 }
 
 impl Recovery {
-    /// From velocity `v` and acceleration `a` within `limits`, which are the same in both directions.
+    /// From velocity `v` and acceleration `a` within `limits`, which are the same in both
+    /// directions.
     ///
-    /// Inside, the acceleration is just taken off. A velocity outside, or bound to get there, is braked as hard as possible until it
-    /// is at its limit, the earliest moment from which every limit can be kept.
+    /// Inside, the acceleration is just taken off. A velocity outside, or bound to get there, is
+    /// braked as hard as possible until it is at its limit, the earliest moment from which every
+    /// limit can be kept.
     pub fn new(v: f64, a: f64, limits: &AxisLimits) -> Self {
         let (v_max, a_max, j_max) = (limits.v_max(), limits.a_max(), limits.j_max());
         let released = v + 0.5 * a * (a.abs() / j_max);

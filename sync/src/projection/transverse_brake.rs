@@ -2,11 +2,12 @@
 
 use arcfeed_feedrate::{AxisLimits, MotionLaw, MotionState, SpeedChange};
 
-/// Ranges of velocity, acceleration and jerk over some time, zero included, and a bound of the displacement.
+/// Ranges of velocity, acceleration and jerk over some time, zero included, and a bound of the
+/// displacement.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Ranges {
-    /// Zero also where all coordinates that belong together keep to one direction. It does not shrink: what has been covered
-    /// remains.
+    /// Zero also where all coordinates that belong together keep to one direction. It does not
+    /// shrink: what has been covered remains.
     pub p: f64,
     pub v: (f64, f64),
     pub a: (f64, f64),
@@ -22,7 +23,8 @@ fn widen(range: &mut (f64, f64), x: f64) {
 pub(super) struct BrakeLimits {
     pub a: f64,
     pub j: f64,
-    /// True if the coordinates that belong together all brake in proportion, so that their direction stays.
+    /// True if the coordinates that belong together all brake in proportion, so that their
+    /// direction stays.
     pub in_proportion: bool,
 }
 
@@ -35,7 +37,8 @@ pub(super) struct TransverseBrake {
 }
 
 impl TransverseBrake {
-    /// `None` if the limits leave nothing to brake with, or if the numbers leave the range of `f64`.
+    /// `None` if the limits leave nothing to brake with, or if the numbers leave the range of
+    /// `f64`.
     pub fn new(v: f64, a: f64, limits: BrakeLimits) -> Option<Self> {
         if v == 0.0 && a == 0.0 {
             return Some(Self::default());
