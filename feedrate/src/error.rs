@@ -22,8 +22,8 @@ impl std::fmt::Display for PathEnd {
 
 /// Why a profile or a plan was refused.
 ///
-/// Every variant carries the quantity, its value and the bound it broke, so that a caller can add the place and print
-/// one line that says what to change.
+/// Every variant carries the quantity, its value and the bound it broke, so that a caller can add
+/// the place and print one line that says what to change.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FeedError {
@@ -152,7 +152,8 @@ pub enum FeedError {
     StartTooFast {
         /// Start speed given (m/s).
         speed: f64,
-        /// Index of the segment at whose start the limit cannot be met (the number of segments: the end of the path).
+        /// Index of the segment at whose start the limit cannot be met (the number of segments: the
+        /// end of the path).
         segment: usize,
         /// Speed that would be needed there (m/s).
         allowed: f64,
@@ -239,7 +240,8 @@ pub enum FeedError {
         /// The limit that holds it.
         row: LimitId,
     },
-    /// Two neighbouring knots of a speed law are both at rest: the motion does not get from one to the other.
+    /// Two neighbouring knots of a speed law are both at rest: the motion does not get from one to
+    /// the other.
     #[error(
         "knot {index} at s = {s} and the next at s = {next} are both at rest; give one of them a speed, or drop one"
     )]
@@ -287,7 +289,8 @@ pub enum FeedError {
         /// Remaining violation of optimality or feasibility (relative).
         residual: f64,
     },
-    /// A scan with a look-ahead window does not know the end of the path in time to reach a speed there.
+    /// A scan with a look-ahead window does not know the end of the path in time to reach a speed
+    /// there.
     #[error(
         "end speed {speed} is asked for, but a scan with a look-ahead window always plans to rest; remove the window or the end speed"
     )]

@@ -3,10 +3,12 @@
 use crate::error::{FeedError, below_zero, not_negative, positive};
 use crate::state::AxisState;
 
-/// Bounds `v_min <= v <= v_max`, `a_min <= a <= a_max`, `j_min <= j <= j_max` of a motion on one scalar.
+/// Bounds `v_min <= v <= v_max`, `a_min <= a <= a_max`, `j_min <= j <= j_max` of a motion on one
+/// scalar.
 ///
-/// Every lower bound is below and every upper bound above zero. Limits made by [`AxisLimits::forward`] are the
-/// exception: their velocity is within `[0, v_max]`, and `v_max = 0` holds the motion.
+/// Every lower bound is below and every upper bound above zero. Limits made by
+/// [`AxisLimits::forward`] are the exception: their velocity is within `[0, v_max]`, and
+/// `v_max = 0` holds the motion.
 ///
 /// ```
 /// use arcfeed_feedrate::AxisLimits;
@@ -26,7 +28,8 @@ impl AxisLimits {
     /// Bounds as `(lower, upper)` on velocity (1/s), acceleration (1/s²) and jerk (1/s³).
     ///
     /// # Errors
-    /// [`FeedError::NotFinite`], [`FeedError::NotPositive`] or [`FeedError::NotBelowZero`] naming the bound.
+    /// [`FeedError::NotFinite`], [`FeedError::NotPositive`] or [`FeedError::NotBelowZero`] naming
+    /// the bound.
     pub fn new(v: (f64, f64), a: (f64, f64), j: (f64, f64)) -> Result<Self, FeedError> {
         Ok(Self {
             v: (below_zero("v_min", v.0)?, positive("v_max", v.1)?),
@@ -51,14 +54,15 @@ impl AxisLimits {
         Ok(Self::symmetric_unchecked(positive("v_max", v_max)?, positive("a_max", a_max)?, positive("j_max", j_max)?))
     }
 
-    /// Bounds of a motion that runs forward only: `0 <= v <= v_max`, with `(lower, upper)` bounds on acceleration and
-    /// jerk.
+    /// Bounds of a motion that runs forward only: `0 <= v <= v_max`, with `(lower, upper)` bounds
+    /// on acceleration and jerk.
     ///
-    /// `v_max = 0` holds the motion of a [`FeedScheduler`](crate::FeedScheduler): it stops as soon as possible and waits.
+    /// `v_max = 0` holds the motion of a [`FeedScheduler`](crate::FeedScheduler): it stops as soon
+    /// as possible and waits.
     ///
     /// # Errors
-    /// [`FeedError::NotFinite`], [`FeedError::Negative`], [`FeedError::NotPositive`] or [`FeedError::NotBelowZero`]
-    /// naming the bound.
+    /// [`FeedError::NotFinite`], [`FeedError::Negative`], [`FeedError::NotPositive`] or
+    /// [`FeedError::NotBelowZero`] naming the bound.
     ///
     /// ```
     /// use arcfeed_feedrate::AxisLimits;
@@ -81,7 +85,8 @@ impl AxisLimits {
         Self { v: (-v_max, v_max), a: (-a_max, a_max), j: (-j_max, j_max) }
     }
 
-    /// The same limits with another highest velocity (1/s), which may be 0 for a forward motion only.
+    /// The same limits with another highest velocity (1/s), which may be 0 for a forward motion
+    /// only.
     ///
     /// # Errors
     /// [`FeedError::NotFinite`], [`FeedError::Negative`] or [`FeedError::NotPositive`].
@@ -112,14 +117,14 @@ impl AxisLimits {
         positive("v_max", self.v.1).map(|_| ())
     }
 
-    /// Returns true if velocity and acceleration of a state are inside, but for round-off, and can stay inside: the
-    /// velocity, too, with which the acceleration can be zero at the soonest.
+    /// Returns true if velocity and acceleration of a state are inside, but for round-off, and can
+    /// stay inside: the velocity, too, with which the acceleration can be zero at the soonest.
     pub fn contain(&self, s: &AxisState) -> bool {
         self.contain_now(s) && inside(self.velocity_after(s), self.v)
     }
 
-    /// Returns an error if a motion that has arrived in `target` cannot go on within its velocity limits: at the
-    /// soonest the acceleration is zero at another velocity.
+    /// Returns an error if a motion that has arrived in `target` cannot go on within its velocity
+    /// limits: at the soonest the acceleration is zero at another velocity.
     ///
     /// # Errors
     /// [`FeedError::TargetOvershoots`] with that velocity.
@@ -187,5 +192,6 @@ fn inside(x: f64, (lower, upper): (f64, f64)) -> bool {
     x >= lower - slack && x <= upper + slack
 }
 
-/// Excess over a limit, relative to the larger of the two, that counts as round-off in the caller's arithmetic.
+/// Excess over a limit, relative to the larger of the two, that counts as round-off in the caller's
+/// arithmetic.
 pub(crate) const SLACK: f64 = 1e-13;

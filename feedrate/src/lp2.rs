@@ -1,10 +1,13 @@
-//! Linear programs in two variables, exactly: the least or greatest `x` for which some `u` keeps all bands.
+//! Linear programs in two variables, exactly: the least or greatest `x` for which some `u` keeps
+//! all bands.
 //!
-//! A band `lo + p x <= u <= hi + p x` is a row divided by its factor of `u`. Over `x`, the least upper bound `U(x)` on `u` is
-//! concave and the greatest lower bound `L(x)` convex, so `U - L` is concave and piecewise linear, and Newton's method from
-//! outside reaches its root in finitely many steps, in practice two to four of one pass over the bands each.
+//! A band `lo + p x <= u <= hi + p x` is a row divided by its factor of `u`. Over `x`, the least
+//! upper bound `U(x)` on `u` is concave and the greatest lower bound `L(x)` convex, so `U - L` is
+//! concave and piecewise linear, and Newton's method from outside reaches its root in finitely many
+//! steps, in practice two to four of one pass over the bands each.
 
-/// `lo + p x <= u <= hi + p x`; either bound may be infinite. `id` tells the caller which row it is.
+/// `lo + p x <= u <= hi + p x`; either bound may be infinite. `id` tells the caller which row it
+/// is.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Band {
     pub p: f64,
@@ -19,7 +22,8 @@ pub(crate) struct Gap {
     pub width: f64,
     /// Slope of the gap by `x`.
     pub slope: f64,
-    /// The value at which the two bands meet: Newton's next iterate, without the cancellation of a difference.
+    /// The value at which the two bands meet: Newton's next iterate, without the cancellation of a
+    /// difference.
     pub meet: f64,
     /// Magnitude of the terms of which the gap is the difference, for judging round-off.
     pub scale: f64,
@@ -59,7 +63,8 @@ pub(crate) fn gap(bands: &[Band], x: f64) -> Gap {
 /// Why there is no solution.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum NoOptimum {
-    /// The bands at this `x` exclude each other, and there is no `x` at which they exclude each other less.
+    /// The bands at this `x` exclude each other, and there is no `x` at which they exclude each
+    /// other less.
     Infeasible(f64),
     /// `x` has no bound in the direction asked for.
     Unbounded,
@@ -72,7 +77,8 @@ const TOLERANCE: f64 = 1e-13;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Greatest {
     pub x: f64,
-    /// The upper and the lower band that meet there; `None` where `most` was taken, or `least` by round-off.
+    /// The upper and the lower band that meet there; `None` where `most` was taken, or `least` by
+    /// round-off.
     pub meeting: Option<[usize; 2]>,
 }
 
@@ -105,7 +111,8 @@ pub(crate) fn greatest_x(bands: &[Band], least: f64, most: f64) -> Result<Greate
     Ok(Greatest { x, meeting })
 }
 
-/// The value at which the flattest upper bound and the steepest lower bound meet: no feasible `x` is beyond.
+/// The value at which the flattest upper bound and the steepest lower bound meet: no feasible `x`
+/// is beyond.
 fn outermost(bands: &[Band]) -> Result<f64, NoOptimum> {
     let by_slope = |a: &&Band, b: &&Band| a.p.total_cmp(&b.p);
     let upper = bands.iter().filter(|b| b.hi < f64::INFINITY).min_by(by_slope).ok_or(NoOptimum::Unbounded)?;

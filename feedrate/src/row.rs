@@ -34,11 +34,13 @@ pub enum Quantity {
     PathDeviation,
     /// Angle between the tool and the orientation of its path.
     OrientationDeviation,
-    /// Misfit of position, velocity and acceleration from one sample to the next, against what the limits allow.
+    /// Misfit of position, velocity and acceleration from one sample to the next, against what the
+    /// limits allow.
     Continuity,
     /// State at the start and at the end, in units of what counts as zero.
     Ends,
-    /// Difference between the tool of a setpoint and the tool of its joints, in units of what counts as zero.
+    /// Difference between the tool of a setpoint and the tool of its joints, in units of what
+    /// counts as zero.
     SetpointAgreement,
     /// A corner or a jump of curvature that a limit on acceleration or jerk cannot pass in motion.
     Corner,
@@ -143,10 +145,12 @@ impl fmt::Display for LimitId {
     }
 }
 
-/// `lo <= a u + b x + c sqrt(x) + d <= hi` at one place of the path, with `x = (ds/dt)^2` and `u = d2s/dt2`.
+/// `lo <= a u + b x + c sqrt(x) + d <= hi` at one place of the path, with `x = (ds/dt)^2` and
+/// `u = d2s/dt2`.
 ///
-/// Joint acceleration has `a = q'`, `b = q''`; torque adds viscous friction as `c` and gravity with Coulomb friction as
-/// `d` (Electronics 2025, 14, 3869, eqs. 5 and 8). The unit is that of the limited quantity.
+/// Joint acceleration has `a = q'`, `b = q''`; torque adds viscous friction as `c` and gravity with
+/// Coulomb friction as `d` (Electronics 2025, 14, 3869, eqs. 5 and 8). The unit is that of the
+/// limited quantity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Row {
     /// Factor of `u`.
@@ -184,15 +188,18 @@ impl Row {
     }
 
     pub(crate) fn is_sound(&self) -> bool {
-        // Two tests without a branch between them, since this runs over every row. The difference of the bounds is negative
-        // where they exclude each other and NaN where both are the same infinity.
+        // Two tests without a branch between them, since this runs over every row. The difference
+        // of the bounds is negative where they exclude each other and NaN where both are the same
+        // infinity.
         ((self.a + self.b + self.c + self.d).abs() < f64::INFINITY) & (self.hi - self.lo >= 0.0)
     }
 }
 
-/// `|(alpha w + beta u + gamma x) sqrt(x)| <= limit` with `w = du/ds`: a limit on the third derivative in time.
+/// `|(alpha w + beta u + gamma x) sqrt(x)| <= limit` with `w = du/ds`: a limit on the third
+/// derivative in time.
 ///
-/// Joint jerk has `alpha = q'`, `beta = 3 q''`, `gamma = q'''`; tangential jerk `alpha = 1` and nothing else.
+/// Joint jerk has `alpha = q'`, `beta = 3 q''`, `gamma = q'''`; tangential jerk `alpha = 1` and
+/// nothing else.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JerkRow {
     /// Factor of `w`.
@@ -214,8 +221,8 @@ impl JerkRow {
     }
 }
 
-/// One limit over a whole interval of the grid, by magnitudes that its terms do not exceed anywhere on it. `v`, `u` and `j` are
-/// speed, acceleration and jerk along the path.
+/// One limit over a whole interval of the grid, by magnitudes that its terms do not exceed anywhere
+/// on it. `v`, `u` and `j` are speed, acceleration and jerk along the path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum IntervalBound {
     /// `v <= most`.
@@ -248,7 +255,8 @@ pub enum IntervalBound {
         beta: f64,
         /// Factor of the cubed speed.
         gamma: f64,
-        /// Jump of the acceleration at an end of the interval by the squared speed, over the time it is spread over.
+        /// Jump of the acceleration at an end of the interval by the squared speed, over the time
+        /// it is spread over.
         step: f64,
         /// Greatest value, above 0.
         limit: f64,

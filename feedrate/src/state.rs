@@ -2,8 +2,8 @@
 
 /// Position, speed, acceleration and jerk at one moment.
 ///
-/// The scalar may be an arc length (m) or any other path coordinate; the units of the other fields follow from it and
-/// from seconds.
+/// The scalar may be an arc length (m) or any other path coordinate; the units of the other fields
+/// follow from it and from seconds.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct MotionState {
     /// Position (m).
@@ -23,8 +23,8 @@ pub trait MotionLaw {
 
     /// The state at time `t` (s), with `t` clamped to `[0, duration]` (NaN counts as 0).
     ///
-    /// At both ends position, speed and acceleration are exactly the ones planned. Jerk is the one that acts from `t`
-    /// on; at the end it is 0.
+    /// At both ends position, speed and acceleration are exactly the ones planned. Jerk is the one
+    /// that acts from `t` on; at the end it is 0.
     fn at(&self, t: f64) -> MotionState;
 }
 

@@ -117,7 +117,8 @@ pub enum SyncError {
         /// The end of the range it passes.
         limit: f64,
     },
-    /// An axis that goes on after its target, or where it is now, cannot stop before its range ends.
+    /// An axis that goes on after its target, or where it is now, cannot stop before its range
+    /// ends.
     #[error(
         "axis {} goes on from its {what} and cannot stop before {limit}, the end of its range: it would be at \
          {position}; lower the velocity of its {what} or move that away from the end",

@@ -1,15 +1,18 @@
 //! Several axes moving together.
 //!
-//! [`Trajectory::rest_to_rest`] moves `N` axes from rest to rest on an exactly straight line in joint space, as fast
-//! as the limits of each axis on velocity, acceleration and jerk allow. All axes start and stop together.
+//! [`Trajectory::rest_to_rest`] moves `N` axes from rest to rest on an exactly straight line in
+//! joint space, as fast as the limits of each axis on velocity, acceleration and jerk allow. All
+//! axes start and stop together.
 //!
-//! [`ProjectionSync`] takes them, and [`PoseProjectionSync`] a tool, from any state of motion to rest at a target that may change in any
-//! cycle, on a straight line as soon as the state permits.
+//! [`ProjectionSync`] takes them, and [`PoseProjectionSync`] a tool, from any state of motion to
+//! rest at a target that may change in any cycle, on a straight line as soon as the state permits.
 //!
-//! [`Trajectory`] moves them from any state of motion to any other: together in the shortest common time, each on its
-//! own, or on a straight line ([`Synchronisation`]). [`OnlineGenerator`] does so cycle by cycle, while targets and limits change.
+//! [`Trajectory`] moves them from any state of motion to any other: together in the shortest common
+//! time, each on its own, or on a straight line ([`Synchronisation`]). [`OnlineGenerator`] does so
+//! cycle by cycle, while targets and limits change.
 //!
-//! Positions are in radians and times in seconds; prismatic axes in metres work just as well, axis by axis.
+//! Positions are in radians and times in seconds; prismatic axes in metres work just as well, axis
+//! by axis.
 #![forbid(unsafe_code)]
 
 mod error;

@@ -5,8 +5,8 @@ use nalgebra::SVector;
 
 use crate::error::SyncError;
 
-/// Limits of each axis, the same in both directions, from vectors of velocity (rad/s), acceleration (rad/s²) and jerk
-/// (rad/s³).
+/// Limits of each axis, the same in both directions, from vectors of velocity (rad/s), acceleration
+/// (rad/s²) and jerk (rad/s³).
 ///
 /// # Errors
 /// [`SyncError::Axis`] naming the axis and the limit that is not finite or not above 0.

@@ -11,8 +11,8 @@ pub enum Synchronisation {
     /// The end: all axes arrive at the same time, the earliest that is possible.
     #[default]
     Time,
-    /// The line, wherever both states lie on one: all axes move in proportion, exactly straight, as fast as that allows. Otherwise
-    /// as [`Synchronisation::Time`].
+    /// The line, wherever both states lie on one: all axes move in proportion, exactly straight, as
+    /// fast as that allows. Otherwise as [`Synchronisation::Time`].
     StraightLine,
     /// The line or nothing: a motion that cannot be straight is refused.
     ForcedStraight,

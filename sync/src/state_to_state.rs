@@ -11,10 +11,11 @@ use crate::straight::Line;
 
 /// The shortest common motion of `N` axes, each from a state to a state within its own limits.
 ///
-/// With [`Synchronisation::Time`] the duration is the smallest one that every axis can meet. Between moving states that may be more
-/// than the slowest axis needs: a faster axis may be unable to take just a little longer (see
-/// [`Durations`](arcfeed_feedrate::Durations)). All other axes stretch their motion to it with one cruise velocity
-/// (Liu et al. 2024, section 4.1, corrected: see [`AxisProblem::with_duration`]).
+/// With [`Synchronisation::Time`] the duration is the smallest one that every axis can meet.
+/// Between moving states that may be more than the slowest axis needs: a faster axis may be unable
+/// to take just a little longer (see [`Durations`](arcfeed_feedrate::Durations)). All other axes
+/// stretch their motion to it with one cruise velocity (Liu et al. 2024, section 4.1, corrected:
+/// see [`AxisProblem::with_duration`]).
 ///
 /// ```
 /// use arcfeed_sync::feedrate::{AxisLimits, AxisState};
@@ -40,8 +41,9 @@ impl<const N: usize> Trajectory<N> {
     /// The shortest motion from `start` to `target` within `limits`, as told by `options`.
     ///
     /// # Errors
-    /// [`SyncError::State`] naming the axis; with [`Synchronisation::None`] also if an axis that arrives before the others
-    /// cannot go on within its velocity limits; with [`Synchronisation::ForcedStraight`] [`SyncError::NotStraight`] and
+    /// [`SyncError::State`] naming the axis; with [`Synchronisation::None`] also if an axis that
+    /// arrives before the others cannot go on within its velocity limits; with
+    /// [`Synchronisation::ForcedStraight`] [`SyncError::NotStraight`] and
     /// [`SyncError::LineExceeds`].
     pub fn new(
         start: &[AxisState; N],
@@ -58,11 +60,11 @@ impl<const N: usize> Trajectory<N> {
         }
     }
 
-    /// The fastest motion from rest to rest on the straight line between two positions (rad), lasting at least
-    /// `least_duration` (s). Between equal positions the duration is 0.
+    /// The fastest motion from rest to rest on the straight line between two positions (rad),
+    /// lasting at least `least_duration` (s). Between equal positions the duration is 0.
     ///
-    /// On the line every limit of an axis is a limit of the axis that moves farthest, so that its shortest motion
-    /// within the tightest of them is time-optimal among all motions on that line.
+    /// On the line every limit of an axis is a limit of the axis that moves farthest, so that its
+    /// shortest motion within the tightest of them is time-optimal among all motions on that line.
     ///
     /// ```
     /// use arcfeed_sync::{Trajectory, symmetric_limits};
@@ -75,8 +77,8 @@ impl<const N: usize> Trajectory<N> {
     /// ```
     ///
     /// # Errors
-    /// [`SyncError::Axis`] if a position is not finite; [`SyncError::Duration`] if `least_duration` is negative or not
-    /// finite; [`SyncError::State`] if the numbers leave the range of `f64`.
+    /// [`SyncError::Axis`] if a position is not finite; [`SyncError::Duration`] if `least_duration`
+    /// is negative or not finite; [`SyncError::State`] if the numbers leave the range of `f64`.
     pub fn rest_to_rest(
         start: SVector<f64, N>,
         goal: SVector<f64, N>,
@@ -197,7 +199,8 @@ impl<const N: usize> Trajectory<N> {
             Err(e) => return Self::each(start, target, limits, &MotionOptions::default()).and(Err(e)),
         };
         let axes = std::array::from_fn(|k| motion.in_proportion(line.ratios[k], &start[k], &target[k]));
-        // All axes share the least of their jerk limits: an axis that alone would stay inside can overshoot with it.
+        // All axes share the least of their jerk limits: an axis that alone would stay inside can
+        // overshoot with it.
         let exceeds = |k: &usize| !keeps_what_holds(&axes[*k], &start[*k], &limits[*k]);
         match (0..N).find(exceeds) {
             Some(axis) => Err(SyncError::LineExceeds { axis }),
@@ -220,9 +223,10 @@ impl<const N: usize> Trajectory<N> {
         &self.axes
     }
 
-    /// The state at time `t` (s). Before 0 it is the start; an axis that has arrived goes on with the velocity of its
-    /// target, once the acceleration of the target is brought to zero with the largest jerk
-    /// ([`StateToState::at_or_after`]). Allocates nothing. For samples in the order of time see [`Trajectory::sampler`].
+    /// The state at time `t` (s). Before 0 it is the start; an axis that has arrived goes on with
+    /// the velocity of its target, once the acceleration of the target is brought to zero with the
+    /// largest jerk ([`StateToState::at_or_after`]). Allocates nothing. For samples in the order of
+    /// time see [`Trajectory::sampler`].
     pub fn at(&self, t: f64) -> JointState<N> {
         let mut state = JointState::default();
         for (k, axis) in self.axes.iter().enumerate() {
@@ -259,7 +263,8 @@ fn keeps_what_holds(motion: &StateToState, start: &AxisState, l: &AxisLimits) ->
     keeps_all_of(motion, 0.0, l, |s| (!slow || velocity(s.v)) && (!soft || acceleration(s.a)))
 }
 
-/// Returns true if a motion keeps its jerk limit from `now` on and `inside` holds where velocity or acceleration is extremal.
+/// Returns true if a motion keeps its jerk limit from `now` on and `inside` holds where velocity or
+/// acceleration is extremal.
 fn keeps_all_of(motion: &StateToState, now: f64, l: &AxisLimits, inside: impl Fn(&AxisState) -> bool) -> bool {
     motion.phases().filter(|(phase, dt)| phase.t + dt > now).all(|(phase, dt)| {
         let from = (now - phase.t).max(0.0);

@@ -1,4 +1,5 @@
-//! The limit curve of a path for motion that is changed while it runs, and the fastest law under it.
+//! The limit curve of a path for motion that is changed while it runs, and the fastest law under
+//! it.
 
 use crate::constraint::{Feed, PathConstraint, Stop, TangentialAcceleration, TangentialJerk};
 use crate::error::{FeedError, positive};
@@ -10,21 +11,25 @@ use crate::scan::continuous_acceleration::plan_continuous;
 use crate::speed_law::SpeedLaw;
 use crate::state::MotionState;
 
-/// Part of speed, and of acceleration and jerk, that the fastest law uses: the rest is the margin in which it is followed.
+/// Part of speed, and of acceleration and jerk, that the fastest law uses: the rest is the margin
+/// in which it is followed.
 const USED: (f64, f64) = (0.997, 0.99);
-/// The law may be exceeded by this factor in speed: run so much faster it still keeps speed, acceleration and jerk.
+/// The law may be exceeded by this factor in speed: run so much faster it still keeps speed,
+/// acceleration and jerk.
 pub(super) const TOLERATED: f64 = 1.002;
 
-/// The limit curve `V(s)`: the highest speed at which every limit holds whatever the motion does within `|a| <= A`,
-/// `|j| <= J`.
+/// The limit curve `V(s)`: the highest speed at which every limit holds whatever the motion does
+/// within `|a| <= A`, `|j| <= J`.
 ///
-/// The builder of the curve puts the worst case of both into `V`. From it the fastest law `n(s)` is planned once. Then,
-/// from any state with `v <= n(s)` and `a <= n'(s)`, braking as hard as `A` and `J` allow stays under `n` until it stands.
+/// The builder of the curve puts the worst case of both into `V`. From it the fastest law `n(s)` is
+/// planned once. Then, from any state with `v <= n(s)` and `a <= n'(s)`, braking as hard as `A` and
+/// `J` allow stays under `n` until it stands.
 ///
 /// *Proof.* With `y = v^2 / 2`: `dy/ds = a` and `da/ds = j / v`. While braking builds up,
-/// `da/ds = -J / v <= -J / v_n <= da_n/ds`, as `v <= v_n`; so `a <= a_n` stays true, and with it `v <= v_n`. At
-/// `a = -A <= a_n` the same. While it is released, `v = a^2 / (2 J)`; if `n` came down to that state with less
-/// acceleration it could not stand still without running backwards, which it does not. ∎
+/// `da/ds = -J / v <= -J / v_n <= da_n/ds`, as `v <= v_n`; so `a <= a_n` stays true, and with it
+/// `v <= v_n`. At `a = -A <= a_n` the same. While it is released, `v = a^2 / (2 J)`; if `n` came
+/// down to that state with less acceleration it could not stand still without running backwards,
+/// which it does not. ∎
 ///
 /// ```
 /// use arcfeed_feedrate::VelocityLimitCurve;
@@ -48,12 +53,14 @@ pub struct VelocityLimitCurve {
 }
 
 impl VelocityLimitCurve {
-    /// Highest speeds `caps` (m/s) on the intervals of `grid` (m), standstills at the inner grid points `stops`, and the tangential
-    /// `acceleration` (m/s²) and `jerk` (m/s³) for which the caps were made.
+    /// Highest speeds `caps` (m/s) on the intervals of `grid` (m), standstills at the inner grid
+    /// points `stops`, and the tangential `acceleration` (m/s²) and `jerk` (m/s³) for which the
+    /// caps were made.
     ///
     /// # Errors
-    /// [`FeedError::Empty`], [`FeedError::LengthMismatch`], [`FeedError::NotFinite`], [`FeedError::BadGrid`], [`FeedError::BadSegment`] for a
-    /// cap, [`FeedError::NotPositive`], [`FeedError::OutOfRange`] for a stop that is not an inner grid point.
+    /// [`FeedError::Empty`], [`FeedError::LengthMismatch`], [`FeedError::NotFinite`],
+    /// [`FeedError::BadGrid`], [`FeedError::BadSegment`] for a cap, [`FeedError::NotPositive`],
+    /// [`FeedError::OutOfRange`] for a stop that is not an inner grid point.
     pub fn new(grid: &[f64], caps: &[f64], stops: &[usize], acceleration: f64, jerk: f64) -> Result<Self, FeedError> {
         positive("tangential acceleration", acceleration)?;
         positive("tangential jerk", jerk)?;
@@ -109,7 +116,8 @@ impl VelocityLimitCurve {
         self.jerk
     }
 
-    /// Tangential acceleration and jerk as limits of a forward motion; the speed is limited by the curve alone.
+    /// Tangential acceleration and jerk as limits of a forward motion; the speed is limited by the
+    /// curve alone.
     pub(super) fn limits(&self) -> AxisLimits {
         AxisLimits::symmetric_unchecked(f64::INFINITY, self.acceleration, self.jerk)
     }
@@ -168,7 +176,8 @@ fn fastest(grid: &[f64], caps: &[f64], stops: &[usize], acceleration: f64, jerk:
     let stops: Vec<Stop> = stops.iter().map(|&at| Stop { at }).collect();
     let mut constraints: Vec<&dyn PathConstraint> = vec![&feed, &tangential, &change];
     constraints.extend(stops.iter().map(|stop| stop as &dyn PathConstraint));
-    // It may not do (a stretch too short for its grid, a method that does not converge): the scan always does.
+    // It may not do (a stretch too short for its grid, a method that does not converge): the scan
+    // always does.
     match FeedProblem::between_points(grid, &constraints).and_then(|problem| JerkLimited::default().plan(&problem)) {
         Ok(plan) if plan.duration() < joined.duration() => Ok(plan),
         _ => Ok(joined),

@@ -1,4 +1,5 @@
-//! One cycle of the motion: along the curve, on the last part of the way to a standstill, or at rest.
+//! One cycle of the motion: along the curve, on the last part of the way to a standstill, or at
+//! rest.
 
 use super::feed::{FeedOverride, Intent, LiveStatus, LiveStep};
 use super::final_stop::FinalStop;
@@ -45,7 +46,8 @@ impl FeedOverride<'_> {
         }
     }
 
-    /// Prepares an exact plan from the present state to rest at `place`, if there is one under the curve.
+    /// Prepares an exact plan from the present state to rest at `place`, if there is one under the
+    /// curve.
     fn plan_final_stop(&mut self, place: f64, direction: f64) {
         let asked = if direction > 0.0 { self.asked() } else { self.feeds.base() * self.factor };
         let now = (self.s, self.v, self.a);
@@ -93,7 +95,8 @@ impl FeedOverride<'_> {
         }
     }
 
-    /// Leaves the last part of the way to the next stop to an exact plan, from shortly before the last place to brake.
+    /// Leaves the last part of the way to the next stop to an exact plan, from shortly before the
+    /// last place to brake.
     fn begin_final_stop(&mut self) {
         let Some(&stop) = self.curve.stops().get(self.next) else { return };
         let braking = SpeedChange::between((self.v, self.a), (0.0, 0.0), &self.curve.limits()).length();

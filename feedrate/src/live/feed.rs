@@ -38,12 +38,15 @@ pub struct LiveStep {
 
 /// A motion along a [`VelocityLimitCurve`] whose feed may change in any cycle.
 ///
-/// A cycle does what the operator asks if, from the state that it leads to, braking gets under the fastest law; else it
-/// does a little less. Braking itself is always possible. Nothing is planned anew while the motion runs.
+/// A cycle does what the operator asks if, from the state that it leads to, braking gets under the
+/// fastest law; else it does a little less. Braking itself is always possible. Nothing is planned
+/// anew while the motion runs.
 ///
-/// **Guarantees**, whatever is asked for and whenever: `|a| <= A`, `|j| <= J`, the speed is under the curve, and every end (corner, end of
-/// path, place to step back to) is reached exactly and at rest. A lower feed is met as soon as `A` and `J` allow, that of a section
-/// ahead before it begins, if it was asked for in time. No call allocates; a cycle takes a bounded number of operations.
+/// **Guarantees**, whatever is asked for and whenever: `|a| <= A`, `|j| <= J`, the speed is under
+/// the curve, and every end (corner, end of path, place to step back to) is reached exactly and at
+/// rest. A lower feed is met as soon as `A` and `J` allow, that of a section ahead before it
+/// begins, if it was asked for in time. No call allocates; a cycle takes a bounded number of
+/// operations.
 ///
 /// ```
 /// use arcfeed_feedrate::{VelocityLimitCurve, FeedOverride, LiveStatus};
@@ -114,10 +117,12 @@ impl<'a> FeedOverride<'a> {
         self.feeds.set_base(feed)
     }
 
-    /// Sets the feeds of up to [`MAX_SECTIONS`](crate::MAX_SECTIONS) stretches; where they overlap the lowest counts.
+    /// Sets the feeds of up to [`MAX_SECTIONS`](crate::MAX_SECTIONS) stretches; where they overlap
+    /// the lowest counts.
     ///
     /// # Errors
-    /// [`FeedError::AboveLimit`] for too many, [`FeedError::NotFinite`], [`FeedError::NotPositive`], [`FeedError::BelowLimit`].
+    /// [`FeedError::AboveLimit`] for too many, [`FeedError::NotFinite`],
+    /// [`FeedError::NotPositive`], [`FeedError::BelowLimit`].
     pub fn set_sections(&mut self, sections: &[LiveSection]) -> Result<(), FeedError> {
         self.braking_for = None;
         self.feeds.set_sections(sections)
@@ -145,8 +150,8 @@ impl<'a> FeedOverride<'a> {
     /// Brakes, runs back to `place` (m), and holds there.
     ///
     /// # Errors
-    /// [`FeedError::NotFinite`]; [`FeedError::AboveLimit`] or [`FeedError::BelowLimit`] for a place that does not lie between the start of the
-    /// path and the present place.
+    /// [`FeedError::NotFinite`]; [`FeedError::AboveLimit`] or [`FeedError::BelowLimit`] for a place
+    /// that does not lie between the start of the path and the present place.
     pub fn step_back(&mut self, place: f64) -> Result<(), FeedError> {
         finite("place to step back to", place)?;
         if place > self.s {
@@ -160,7 +165,8 @@ impl<'a> FeedOverride<'a> {
         Ok(())
     }
 
-    /// Takes the motion as standing where it is: something else has taken it over, and brings it back here.
+    /// Takes the motion as standing where it is: something else has taken it over, and brings it
+    /// back here.
     pub fn stand(&mut self) {
         (self.v, self.a) = (0.0, 0.0);
         (self.final_stop, self.braking_for) = (None, None);

@@ -24,8 +24,8 @@ pub(super) struct FinalStop {
 }
 
 impl FinalStop {
-    /// The plan from position, speed and acceleration to rest at `place`, at the speed `asked` for, if there is one under the
-    /// curve.
+    /// The plan from position, speed and acceleration to rest at `place`, at the speed `asked` for,
+    /// if there is one under the curve.
     pub fn plan(
         curve: &VelocityLimitCurve,
         (s, v, a): (f64, f64, f64),

@@ -15,7 +15,8 @@ const WITHIN: usize = 4;
 const HALVINGS: usize = 5;
 /// Number of times the jerk is halved until the first cycle from a standstill fits under the curve.
 const STARTS: usize = 14;
-/// Part of the jerk with which the fastest law is approached, and the cycles over which the rest of the way to it is spread.
+/// Part of the jerk with which the fastest law is approached, and the cycles over which the rest of
+/// the way to it is spread.
 const APPROACH: (f64, f64) = (0.4, 5.0);
 
 /// The motion over one cycle.
@@ -114,7 +115,8 @@ impl FeedOverride<'_> {
         best
     }
 
-    /// The feed of a section ahead for which the motion has to brake now, if after `next` it would be too late.
+    /// The feed of a section ahead for which the motion has to brake now, if after `next` it would
+    /// be too late.
     fn for_sections(&mut self, next: &(f64, f64, f64)) -> Option<f64> {
         if let Some((from, feed)) = self.braking_for {
             if self.s < from {
@@ -134,7 +136,8 @@ impl FeedOverride<'_> {
         self.braking_for.map(|(_, feed)| feed)
     }
 
-    /// The jerk that leads to the fastest law: onto it from below with a part of what is allowed, and along it.
+    /// The jerk that leads to the fastest law: onto it from below with a part of what is allowed,
+    /// and along it.
     fn approach(&self) -> f64 {
         let t = self.period;
         let (a_max, j_max) = (self.curve.acceleration(), self.curve.jerk());
@@ -150,13 +153,14 @@ impl FeedOverride<'_> {
         ((a - self.a) / t).max(-j_max).min(j_max)
     }
 
-    /// Returns true if a cycle stays under the curve, and from where it ends braking gets under the fastest law for good.
+    /// Returns true if a cycle stays under the curve, and from where it ends braking gets under the
+    /// fastest law for good.
     fn is_safe(&self, way: &Way) -> bool {
         let (a_max, j_max) = (self.curve.acceleration(), self.curve.jerk());
         let Some(&stop) = self.curve.stops().get(self.next) else { return false };
         let (s, v, a) = self.after(way, self.period);
-        // Speed and acceleration of the law that braking has to get under: the fastest one, or the same run slower so that it has
-        // the speed `v`.
+        // Speed and acceleration of the law that braking has to get under: the fastest one, or the
+        // same run slower so that it has the speed `v`.
         let law = |s: f64, v: f64| {
             let law = if s < stop { self.curve.fastest(s) } else { MotionState::default() };
             let (v_law, a_law) = (TOLERATED * law.v, TOLERATED * TOLERATED * law.a);
@@ -192,7 +196,8 @@ impl FeedOverride<'_> {
             let (v_law, a_law) = law(s + at.p, at.v);
             (v_law - at.v, a_law - at.a)
         };
-        // First while the braking builds up; if it is released before it is as hard as the law's, to its end.
+        // First while the braking builds up; if it is released before it is as hard as the law's,
+        // to its end.
         for (from, to) in [(0.0, hardest), (hardest, brake.duration())] {
             let mut before = from;
             for i in 1..=SAMPLES {

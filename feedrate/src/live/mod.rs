@@ -1,4 +1,5 @@
-//! Speed along a path that an operator may change in any cycle: feed, override, hold, resume, a step back.
+//! Speed along a path that an operator may change in any cycle: feed, override, hold, resume, a
+//! step back.
 
 mod curve;
 mod cycle;

@@ -68,7 +68,8 @@ impl Feeds {
         self.list().iter().filter(move |section| section.from > s).map(|section| (section.from, section.feed))
     }
 
-    /// Ends of sections ahead of `s`, where the base feed may be lower than theirs, with the feed behind them.
+    /// Ends of sections ahead of `s`, where the base feed may be lower than theirs, with the feed
+    /// behind them.
     pub fn ends_ahead(&self, s: f64) -> impl Iterator<Item = (f64, f64)> + '_ {
         self.list().iter().filter(move |section| section.to > s).map(|section| (section.to, self.at(section.to)))
     }

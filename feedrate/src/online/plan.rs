@@ -25,14 +25,17 @@ pub(super) struct Plan {
 impl Plan {
     /// The shortest forward motion from `start` to `end`, or to a halt if `v_max` is 0.
     ///
-    /// If the end takes more speed than `v_max` (its own speed is higher), the last change of speed exceeds `v_max` by that.
+    /// If the end takes more speed than `v_max` (its own speed is higher), the last change of speed
+    /// exceeds `v_max` by that.
     ///
-    /// It may run backwards only if braking could not be taken off in time with the jerk `release` either.
+    /// It may run backwards only if braking could not be taken off in time with the jerk `release`
+    /// either.
     pub fn new(start: &AxisState, end: &AxisState, limits: &AxisLimits, release: f64) -> Result<Self, FeedError> {
         if limits.v_max() == 0.0 || limits.v_max() < entry_speed(limits, end) {
             return Self::below_end_speed(start, end, limits, release);
         }
-        // The solver needs a lower bound of the velocity; a motion that reaches it is refused afterwards.
+        // The solver needs a lower bound of the velocity; a motion that reaches it is refused
+        // afterwards.
         let axis = AxisLimits { v: (-limits.v_max(), limits.v_max()), ..*limits };
         let motion = StateToState::new(start, end, &axis).map_err(|e| refused(e, start, end, limits))?;
         let mut plan = Self::empty(end);
@@ -127,7 +130,8 @@ fn too_close(start: &AxisState, end: &AxisState, limits: &AxisLimits) -> FeedErr
     FeedError::EndTooClose { remaining: end.p - start.p, needed, v: end.v, a: end.a }
 }
 
-/// The solver's refusals as the scheduler reports them. All but numbers out of range have been checked before.
+/// The solver's refusals as the scheduler reports them. All but numbers out of range have been
+/// checked before.
 fn refused(e: FeedError, start: &AxisState, end: &AxisState, limits: &AxisLimits) -> FeedError {
     match e {
         FeedError::NotFinite { .. } => e,

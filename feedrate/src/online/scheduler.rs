@@ -8,11 +8,13 @@ use crate::state::{AxisState, MotionState};
 /// The extent to which new limits could be followed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Adoption {
-    /// From here on, or from where the state has been brought inside, everything keeps the new limits. A
-    /// speed limit below the speed asked for at the end is exceeded by the last change of speed alone.
+    /// From here on, or from where the state has been brought inside, everything keeps the new
+    /// limits. A speed limit below the speed asked for at the end is exceeded by the last change of
+    /// speed alone.
     Full,
-    /// The end is too close for all of them. In force are [`FeedScheduler::limits`]: the new speed limit (raised
-    /// to what the end takes if it cannot be met before), and the wider of old and new in acceleration and jerk.
+    /// The end is too close for all of them. In force are [`FeedScheduler::limits`]: the new speed
+    /// limit (raised to what the end takes if it cannot be met before), and the wider of old and
+    /// new in acceleration and jerk.
     Partial,
     /// The end is too close for any change: the motion goes on as before.
     Nothing,
@@ -41,32 +43,34 @@ pub struct FeedStep {
     pub status: FeedStatus,
 }
 
-/// Motion of one scalar to the end of a path under limits that may change in any cycle (Liu et al. 2024, section 3,
-/// corrected).
+/// Motion of one scalar to the end of a path under limits that may change in any cycle (Liu et al.
+/// 2024, section 3, corrected).
 ///
-/// Once a cycle [`FeedScheduler::step`] yields the state. Between two cycles every limit may change, including an
-/// override of the speed or a hold (`v_max = 0` in [`AxisLimits::forward`]). The lower limit on the speed is not used:
-/// the motion runs forward only.
+/// Once a cycle [`FeedScheduler::step`] yields the state. Between two cycles every limit may
+/// change, including an override of the speed or a hold (`v_max = 0` in [`AxisLimits::forward`]).
+/// The lower limit on the speed is not used: the motion runs forward only.
 ///
-/// **Guarantees**: the end state is exact. Jerk is inside the bounds in force in every cycle. Speed and acceleration are
-/// inside theirs, or on the shortest way back. The motion never runs backwards, unless the start state forces it to (already
-/// running back, or braking too hard to stop braking in time; round-off where the end lies exactly at the braking distance is
-/// below 1e-9 of the highest speed). Stepping allocates nothing, and takes the same few operations in every cycle; a changed
-/// limit costs at most three exact plans.
+/// **Guarantees**: the end state is exact. Jerk is inside the bounds in force in every cycle. Speed
+/// and acceleration are inside theirs, or on the shortest way back. The motion never runs
+/// backwards, unless the start state forces it to (already running back, or braking too hard to
+/// stop braking in time; round-off where the end lies exactly at the braking distance is below 1e-9
+/// of the highest speed). Stepping allocates nothing, and takes the same few operations in every
+/// cycle; a changed limit costs at most three exact plans.
 ///
 /// # Departures from print
-/// The paper chooses the jerk of every cycle by tests on the current state (eqs. 3 to 13), sums it up (eq. 2) and takes
-/// off the error of the sum at the end. As printed this runs away; with eqs. 3 to 16 corrected it ends up to 0.040 mm
-/// beside the end at a cycle of 1 ms, and the correction at the end is a jump. Here the same motion (largest jerk to the
-/// speed limit, cruise, and the braking or accelerating polynomial to the end, eqs. 6 to 16) is one exact plan, kept for
-/// as long as it is valid and sampled once a cycle. So
+/// The paper chooses the jerk of every cycle by tests on the current state (eqs. 3 to 13), sums it
+/// up (eq. 2) and takes off the error of the sum at the end. As printed this runs away; with eqs. 3
+/// to 16 corrected it ends up to 0.040 mm beside the end at a cycle of 1 ms, and the correction at
+/// the end is a jump. Here the same motion (largest jerk to the speed limit, cruise, and the
+/// braking or accelerating polynomial to the end, eqs. 6 to 16) is one exact plan, kept for as long
+/// as it is valid and sampled once a cycle. So
 ///
 /// * `s`, `v` and `a` at the end are exactly the ones asked for, whatever the cycle;
 /// * jerk never leaves its bounds, not in the cycle in which a limit changes and not at the end;
-/// * a limit lowered under the current state is returned to with bounded jerk, without passing the limit and coming
-///   back;
-/// * the choice between braking and accelerating at the end (in print by `max(Sdec, Sacc)`, which can be imaginary)
-///   follows from the sign of the change of speed.
+/// * a limit lowered under the current state is returned to with bounded jerk, without passing the
+///   limit and coming back;
+/// * the choice between braking and accelerating at the end (in print by `max(Sdec, Sacc)`, which
+///   can be imaginary) follows from the sign of the change of speed.
 ///
 /// ```
 /// use arcfeed_feedrate::{AxisLimits, AxisState, FeedScheduler, FeedStatus};
@@ -106,9 +110,10 @@ impl FeedScheduler {
     /// The start may be outside the limits; its speed may even be negative.
     ///
     /// # Errors
-    /// [`FeedError::NotFinite`] or [`FeedError::Negative`] naming the field (`end.v` must not be negative);
-    /// [`FeedError::AboveLimit`] or [`FeedError::BelowLimit`] if the end's acceleration is outside the limits, or such
-    /// that its speed would have been negative just before; [`FeedError::EndTooClose`] if no motion arrives without running backwards.
+    /// [`FeedError::NotFinite`] or [`FeedError::Negative`] naming the field (`end.v` must not be
+    /// negative); [`FeedError::AboveLimit`] or [`FeedError::BelowLimit`] if the end's acceleration
+    /// is outside the limits, or such that its speed would have been negative just before;
+    /// [`FeedError::EndTooClose`] if no motion arrives without running backwards.
     pub fn new(start: &AxisState, end: &AxisState, limits: &AxisLimits) -> Result<Self, FeedError> {
         finite("start.p", start.p)?;
         finite("start.v", start.v)?;
@@ -121,7 +126,8 @@ impl FeedScheduler {
     /// Advances by `period` (s).
     ///
     /// # Errors
-    /// [`FeedError::NotFinite`] or [`FeedError::Negative`] for the period; the motion then stays where it is.
+    /// [`FeedError::NotFinite`] or [`FeedError::Negative`] for the period; the motion then stays
+    /// where it is.
     #[inline]
     pub fn step(&mut self, period: f64) -> Result<FeedStep, FeedError> {
         let period = not_negative("period", finite("period", period)?)?;
@@ -137,11 +143,12 @@ impl FeedScheduler {
 
     /// Follows new limits from here on, as far as the end allows.
     ///
-    /// The plan is kept if it keeps the new limits and no other arrives sooner; asking again for the limits in force costs nothing.
+    /// The plan is kept if it keeps the new limits and no other arrives sooner; asking again for
+    /// the limits in force costs nothing.
     ///
     /// # Errors
-    /// [`FeedError::AboveLimit`] or [`FeedError::BelowLimit`] if the end's acceleration is outside; the motion
-    /// then goes on as before.
+    /// [`FeedError::AboveLimit`] or [`FeedError::BelowLimit`] if the end's acceleration is outside;
+    /// the motion then goes on as before.
     pub fn set_limits(&mut self, limits: &AxisLimits) -> Result<Adoption, FeedError> {
         if *limits == self.in_force {
             self.wanted = *limits;
@@ -180,7 +187,8 @@ impl FeedScheduler {
         Ok(Adoption::Nothing)
     }
 
-    /// Moves the end, or asks for another speed or acceleration there, under the limits last asked for.
+    /// Moves the end, or asks for another speed or acceleration there, under the limits last asked
+    /// for.
     ///
     /// # Errors
     /// As [`FeedScheduler::new`]; the motion then goes on to the old end.
@@ -242,8 +250,8 @@ fn check_target(end: &AxisState, limits: &AxisLimits) -> Result<(), FeedError> {
     check_end(end, limits)
 }
 
-/// Returns an error unless the end speed and acceleration are possible: inside the acceleration limits, and neither
-/// entered nor left from below zero.
+/// Returns an error unless the end speed and acceleration are possible: inside the acceleration
+/// limits, and neither entered nor left from below zero.
 fn check_end(end: &AxisState, limits: &AxisLimits) -> Result<(), FeedError> {
     not_negative("end.v", end.v)?;
     if end.a > limits.a_max() {

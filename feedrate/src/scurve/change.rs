@@ -1,4 +1,5 @@
-//! Change of speed and braking from any state, by the shortest jerk-limited way (Liu et al. 2023, section 3.2).
+//! Change of speed and braking from any state, by the shortest jerk-limited way (Liu et al. 2023,
+//! section 3.2).
 
 use super::closed_form::{Change, Jerks};
 use super::phase::Phase;
@@ -7,18 +8,20 @@ use crate::error::{FeedError, finite, not_negative};
 use crate::limits::AxisLimits;
 use crate::state::{MotionLaw, MotionState};
 
-/// The fastest jerk-limited motion from speed and acceleration `(v, a)` to a speed with zero acceleration.
+/// The fastest jerk-limited motion from speed and acceleration `(v, a)` to a speed with zero
+/// acceleration.
 ///
-/// Liu et al. 2023, eqs. 14 to 18, first bring the acceleration to zero and then change the speed. That is the
-/// shortest way only if the speed then has to be changed in the other direction; when the acceleration already points
-/// the right way it throws it away. Here the one extremal of the problem is taken: with
-/// `v_free = v + a |a| / (2 j_max)`, the speed left after bringing the acceleration straight to zero, the motion
-/// goes to a peak acceleration on the side of `target - v_free`, holds it if it is `a_max`, and returns to zero. (In
-/// print eq. 15 adds `J t^2 / 2` for either sign of the acceleration; the jerk acts against it.)
+/// Liu et al. 2023, eqs. 14 to 18, first bring the acceleration to zero and then change the speed.
+/// That is the shortest way only if the speed then has to be changed in the other direction; when
+/// the acceleration already points the right way it throws it away. Here the one extremal of the
+/// problem is taken: with `v_free = v + a |a| / (2 j_max)`, the speed left after bringing the
+/// acceleration straight to zero, the motion goes to a peak acceleration on the side of
+/// `target - v_free`, holds it if it is `a_max`, and returns to zero. (In print eq. 15 adds
+/// `J t^2 / 2` for either sign of the acceleration; the jerk acts against it.)
 ///
-/// An acceleration outside its limits is brought back inside with the largest jerk, not cut off. A start above `v_max`
-/// brakes. The speed leaves the range between start and target only where no jerk-limited motion can avoid it; see
-/// [`SpeedChange::lowest_speed`].
+/// An acceleration outside its limits is brought back inside with the largest jerk, not cut off. A
+/// start above `v_max` brakes. The speed leaves the range between start and target only where no
+/// jerk-limited motion can avoid it; see [`SpeedChange::lowest_speed`].
 ///
 /// ```
 /// use arcfeed_feedrate::{AxisLimits, MotionLaw, SpeedChange};
@@ -39,11 +42,12 @@ pub struct SpeedChange {
 }
 
 impl SpeedChange {
-    /// From speed `v` (m/s, any sign) and acceleration `a` (m/s²) to speed `target` (m/s) and acceleration 0.
+    /// From speed `v` (m/s, any sign) and acceleration `a` (m/s²) to speed `target` (m/s) and
+    /// acceleration 0.
     ///
     /// # Errors
-    /// [`FeedError::AboveLimit`] if `target` is above `v_max`; [`FeedError::Negative`] if it is negative;
-    /// [`FeedError::NotFinite`] for NaN or infinity.
+    /// [`FeedError::AboveLimit`] if `target` is above `v_max`; [`FeedError::Negative`] if it is
+    /// negative; [`FeedError::NotFinite`] for NaN or infinity.
     pub fn new(v: f64, a: f64, target: f64, limits: &AxisLimits) -> Result<Self, FeedError> {
         finite("v", v)?;
         finite("a", a)?;
@@ -102,13 +106,14 @@ impl SpeedChange {
         self.phases.iter()
     }
 
-    /// Lowest speed on the way (m/s). Below 0 only if the start state forces it: the speed is negative to begin with, or so
-    /// strong a braking acts that it cannot be taken off in time.
+    /// Lowest speed on the way (m/s). Below 0 only if the start state forces it: the speed is
+    /// negative to begin with, or so strong a braking acts that it cannot be taken off in time.
     pub fn lowest_speed(&self) -> f64 {
         self.speeds().fold(self.start.0.min(self.phases.end.v), f64::min)
     }
 
-    /// Highest speed on the way (m/s). Above start and target only if the start acceleration forces it.
+    /// Highest speed on the way (m/s). Above start and target only if the start acceleration forces
+    /// it.
     pub fn highest_speed(&self) -> f64 {
         self.speeds().fold(self.start.0.max(self.phases.end.v), f64::max)
     }
@@ -131,7 +136,8 @@ impl MotionLaw for SpeedChange {
 
     fn at(&self, t: f64) -> MotionState {
         let state = self.phases.at(t);
-        // Later phases are computed from the end: at the start itself their round-off does not count.
+        // Later phases are computed from the end: at the start itself their round-off does not
+        // count.
         let (v, a) = self.start;
         if t > 0.0 || self.phases.duration <= 0.0 { state } else { MotionState { p: 0.0, v, a, j: state.j } }
     }

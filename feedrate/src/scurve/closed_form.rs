@@ -1,16 +1,16 @@
 //! The shortest change of velocity and acceleration in closed form.
 //!
-//! Largest jerk to a peak acceleration, which is held if it is at its bound, and largest jerk to the final
-//! acceleration. With `u`, `d` the inverse jerk limits up and down and `k = (u + d) / 2`, a change that rises from
-//! `(v0, a0)` to `(vf, af)` has
+//! Largest jerk to a peak acceleration, which is held if it is at its bound, and largest jerk to
+//! the final acceleration. With `u`, `d` the inverse jerk limits up and down and `k = (u + d) / 2`,
+//! a change that rises from `(v0, a0)` to `(vf, af)` has
 //!
 //! ```text
 //! k peak² = vf - v0 + u a0² / 2 + d af² / 2        without a bound on the acceleration,
 //! hold    = k (peak² - bound²) / bound             with peak = bound where that is lower.
 //! ```
 //!
-//! (Liu et al. 2023, eqs. 14 to 18, and Liu et al. 2024, eqs. 6, 7, 10 and 11, corrected, for any signs.) A change that
-//! falls is the mirror image.
+//! (Liu et al. 2023, eqs. 14 to 18, and Liu et al. 2024, eqs. 6, 7, 10 and 11, corrected, for any
+//! signs.) A change that falls is the mirror image.
 
 /// Jerk limits of a frame, as positive numbers, and what follows from them.
 #[derive(Debug, Clone, Copy)]
@@ -48,7 +48,8 @@ impl Jerks {
     }
 }
 
-/// Peak acceleration and time at it, of a ramp over `x = k peak_free²` with acceleration limit `cap`.
+/// Peak acceleration and time at it, of a ramp over `x = k peak_free²` with acceleration limit
+/// `cap`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Peak {
     pub a: f64,
@@ -81,7 +82,8 @@ pub(crate) struct Change {
     pub t3: f64,
     /// Velocity at the start of the last phase.
     pub v2: f64,
-    /// Displacement from the start of the hold to the start of the last phase, and over the last phase.
+    /// Displacement from the start of the hold to the start of the last phase, and over the last
+    /// phase.
     pub d2: f64,
     pub d3: f64,
 }
@@ -93,7 +95,8 @@ impl Change {
         let (u, d) = (j.inv_up, j.inv_down);
         let (s0, sf, dv) = (0.5 * a0 * a0, 0.5 * af * af, vf - v0);
         let single = (sf - s0) * if af >= a0 { u } else { -d };
-        // A change by one phase is both; the peak of the right one has the sign of the accelerations.
+        // A change by one phase is both; the peak of the right one has the sign of the
+        // accelerations.
         let up = if dv == single { a0 + af >= 0.0 } else { dv > single };
         let (square, cap, sign) =
             if up { (dv + s0 * u + sf * d, rise, 1.0) } else { (-dv + s0 * d + sf * u, fall, -1.0) };

@@ -1,4 +1,5 @@
-//! Jerk-limited motion under constant limits: the seven-phase S-profile and the change of speed from any state.
+//! Jerk-limited motion under constant limits: the seven-phase S-profile and the change of speed
+//! from any state.
 
 pub(crate) mod change;
 pub(crate) mod closed_form;

@@ -32,7 +32,8 @@ impl Phase {
         }
     }
 
-    /// Time after the start, inside a phase of duration `dt`, at which the acceleration is zero and the velocity extremal.
+    /// Time after the start, inside a phase of duration `dt`, at which the acceleration is zero and
+    /// the velocity extremal.
     #[inline]
     pub fn turn(&self, dt: f64) -> Option<f64> {
         let t = -self.a / self.j;
@@ -45,8 +46,8 @@ impl Phase {
         dt * (self.v + dt * (0.5 * self.a + dt * self.j * SIXTH))
     }
 
-    /// Time after the start at which `ds` has been covered, for a phase of the given duration in which the speed does
-    /// not go below 0. Newton's method, kept inside a shrinking bracket.
+    /// Time after the start at which `ds` has been covered, for a phase of the given duration in
+    /// which the speed does not go below 0. Newton's method, kept inside a shrinking bracket.
     pub(crate) fn time_to_cover(&self, ds: f64, duration: f64) -> f64 {
         let (mut lo, mut hi) = (0.0, duration);
         if ds <= 0.0 {

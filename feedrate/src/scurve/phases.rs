@@ -7,7 +7,8 @@ use crate::state::MotionState;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Phases<const CAP: usize> {
     phases: [Phase; CAP],
-    /// Durations of the phases. The difference of two start times would carry the round-off of the whole duration.
+    /// Durations of the phases. The difference of two start times would carry the round-off of the
+    /// whole duration.
     durations: [f64; CAP],
     count: usize,
     pub duration: f64,
@@ -21,8 +22,8 @@ impl<const CAP: usize> Phases<CAP> {
         Self { phases: [none; CAP], durations: [0.0; CAP], count: 0, duration: 0.0, end }
     }
 
-    /// Appends a phase that lasts `dt`; its start time is the end of the phase before. A phase without duration is
-    /// dropped, and so is one beyond `CAP`.
+    /// Appends a phase that lasts `dt`; its start time is the end of the phase before. A phase
+    /// without duration is dropped, and so is one beyond `CAP`.
     #[inline]
     pub fn push(&mut self, phase: Phase, dt: f64) {
         if dt > 0.0 && self.count < CAP {
@@ -68,7 +69,8 @@ impl<const CAP: usize> Phases<CAP> {
         }
     }
 
-    /// Index of the phase that acts at time `t` (s) within the duration; of two phases that meet at `t` the later one.
+    /// Index of the phase that acts at time `t` (s) within the duration; of two phases that meet at
+    /// `t` the later one.
     #[inline]
     pub fn index_at(&self, t: f64) -> usize {
         (1..self.count).take_while(|&i| self.phases[i].t <= t).count()

@@ -21,7 +21,8 @@ pub enum Adjust {
 pub enum Adjusted {
     /// Both speeds are the ones asked for.
     No,
-    /// The end speed is `reached` instead of `asked` (lower if the motion accelerates, higher if it brakes).
+    /// The end speed is `reached` instead of `asked` (lower if the motion accelerates, higher if it
+    /// brakes).
     End {
         /// End speed asked for (m/s).
         asked: f64,
@@ -37,13 +38,15 @@ pub enum Adjusted {
     },
 }
 
-/// A time-optimal motion over a displacement, from speed to speed, with zero acceleration at both ends.
+/// A time-optimal motion over a displacement, from speed to speed, with zero acceleration at both
+/// ends.
 ///
-/// Seven phases (Liu et al. 2023, eqs. 11 to 13): jerk up, constant acceleration, jerk down, cruise, jerk down, constant
-/// braking, jerk up; any of them may have zero duration. The printed equations measure the last phases from a start that
-/// accumulates; here the braking leg is built from the end state backwards and the cruise takes what displacement is
-/// left, so the end is exact. Where print looks for the cruise speed when `v_max` is not reached, the
-/// displacement equation is solved directly (closed form when both legs reach `a_max`).
+/// Seven phases (Liu et al. 2023, eqs. 11 to 13): jerk up, constant acceleration, jerk down,
+/// cruise, jerk down, constant braking, jerk up; any of them may have zero duration. The printed
+/// equations measure the last phases from a start that accumulates; here the braking leg is built
+/// from the end state backwards and the cruise takes what displacement is left, so the end is
+/// exact. Where print looks for the cruise speed when `v_max` is not reached, the displacement
+/// equation is solved directly (closed form when both legs reach `a_max`).
 ///
 /// ```
 /// use arcfeed_feedrate::{MotionLaw, AxisLimits, SProfile};
@@ -66,7 +69,8 @@ impl SProfile {
     ///
     /// # Errors
     /// [`FeedError::TooShort`] if `length` does not suffice to get from one speed to the other;
-    /// [`FeedError::AboveLimit`] if a speed is above `v_max`; [`FeedError::Negative`] or [`FeedError::NotFinite`] for invalid numbers.
+    /// [`FeedError::AboveLimit`] if a speed is above `v_max`; [`FeedError::Negative`] or
+    /// [`FeedError::NotFinite`] for invalid numbers.
     pub fn new(length: f64, v_start: f64, v_end: f64, limits: &AxisLimits) -> Result<Self, FeedError> {
         check(length, v_start, v_end, limits)?;
         let required = distance(v_start, v_end, limits.a_max(), limits.j_max());
@@ -76,8 +80,8 @@ impl SProfile {
         finish(Self::build(length, v_start, v_end, limits, Adjusted::No))
     }
 
-    /// Like [`SProfile::new`], but when `length` is too short one speed is moved towards the other, as little as
-    /// possible, and [`SProfile::adjusted`] says so.
+    /// Like [`SProfile::new`], but when `length` is too short one speed is moved towards the other,
+    /// as little as possible, and [`SProfile::adjusted`] says so.
     ///
     /// A length of 0 moves the adjustable speed all the way onto the other one.
     ///
@@ -121,7 +125,8 @@ impl SProfile {
         let mut down = Leg::new(v - v1, a_max, j_max);
         let legs = (0.5 * v0 + 0.5 * v) * up.duration() + (0.5 * v + 0.5 * v1) * down.duration();
         if legs > length {
-            // Round-off in the speeds; where they differ by a few units in the last place it matters for the times.
+            // Round-off in the speeds; where they differ by a few units in the last place it
+            // matters for the times.
             let k = length / legs;
             up = Leg { ramp: up.ramp * k, hold: up.hold * k };
             down = Leg { ramp: down.ramp * k, hold: down.hold * k };

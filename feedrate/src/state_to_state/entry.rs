@@ -1,4 +1,5 @@
-//! A problem entered: its start acceleration brought inside the limits, and everything that is solved from there on.
+//! A problem entered: its start acceleration brought inside the limits, and everything that is
+//! solved from there on.
 
 use super::brake_to_limits::Brake;
 use super::cruise;
@@ -21,7 +22,8 @@ pub(super) struct Shortest {
     shape: Shape,
     /// True if it is an extremal of the mirrored frame.
     pub mirrored: bool,
-    /// It begins with braking as hard as possible to the velocity limit; the shape goes on from there, mirrored or not.
+    /// It begins with braking as hard as possible to the velocity limit; the shape goes on from
+    /// there, mirrored or not.
     after_braking: Option<bool>,
     /// In working units.
     pub duration: f64,
@@ -215,7 +217,8 @@ fn between(p: &Problem, t: f64, noise: f64, ends: (f64, f64), writer: &mut Write
 
 const ROUND_OFF: f64 = 1e-13;
 
-/// Returns true if the target can be entered at all: its acceleration cannot have come from nowhere.
+/// Returns true if the target can be entered at all: its acceleration cannot have come from
+/// nowhere.
 fn check_entry(t: &AxisState, l: &AxisLimits, j: &Jerks) -> Result<(), FeedError> {
     let slack = SLACK * l.v.1.max(-l.v.0);
     let change = 0.5 * t.a * t.a;

@@ -1,9 +1,10 @@
-//! The extremals of one direction over the duration: the farthest displacement at each, and the durations at which it is
-//! not far enough.
+//! The extremals of one direction over the duration: the farthest displacement at each, and the
+//! durations at which it is not far enough.
 //!
-//! At a fixed duration `T` the displacements that can be reached form an interval, because the motions that keep
-//! the limits form a convex set. [`Extremals`] of the frame going up give its upper end, those of the mirrored frame its lower
-//! end. `T` is possible exactly if the displacement wanted lies in between.
+//! At a fixed duration `T` the displacements that can be reached form an interval, because the
+//! motions that keep the limits form a convex set. [`Extremals`] of the frame going up give its
+//! upper end, those of the mirrored frame its lower end. `T` is possible exactly if the
+//! displacement wanted lies in between.
 
 use super::brake_to_limits;
 use super::displacement_function::{DisplacementFunction, Problem};
@@ -20,7 +21,8 @@ pub(super) struct Extremals {
 
 /// The extremals after those on one side of zero.
 enum Beyond {
-    /// With a peak velocity: from `start`, to `top` at which it is the limit, from where on the motion cruises.
+    /// With a peak velocity: from `start`, to `top` at which it is the limit, from where on the
+    /// motion cruises.
     Peaked { function: DisplacementFunction, start: f64, top: f64 },
     /// The start is above the velocity limit: brought down to it, cruise, change to the target.
     Settled { shape: Shape, duration: f64, excess: f64 },
@@ -43,7 +45,8 @@ impl Extremals {
         Self { one_sided: OneSided::new(p, direct_rises), beyond, v_max: p.v_max }
     }
 
-    /// The extremal that lasts `t`, and how much farther than wanted it goes; `None` where there is none.
+    /// The extremal that lasts `t`, and how much farther than wanted it goes; `None` where there is
+    /// none.
     pub fn at(&self, t: f64) -> Option<(f64, Shape)> {
         let (late, early) = (t * (1.0 + SLACK), t * (1.0 - SLACK));
         if let Some(OneSided { function, from, to, .. }) = &self.one_sided
@@ -77,8 +80,8 @@ impl Extremals {
         }
     }
 
-    /// Adds the durations later than `gaps.after` at which the farthest motion is too short. `solved` says that the one lasting
-    /// `gaps.after` is an extremal of this frame.
+    /// Adds the durations later than `gaps.after` at which the farthest motion is too short.
+    /// `solved` says that the one lasting `gaps.after` is an extremal of this frame.
     pub fn blocked(&self, solved: bool, gaps: &mut Gaps) {
         let mut t_end = None;
         if let Some(OneSided { function, from, to, gap_follows }) = &self.one_sided {
@@ -110,8 +113,8 @@ impl Extremals {
             return;
         }
         let (mut s, (mut f, slope)) = (from, function.eval(from));
-        // Only a displacement that turns can fall short again: over the duration it bends up where the acceleration passes
-        // through zero.
+        // Only a displacement that turns can fall short again: over the duration it bends up where
+        // the acceleration passes through zero.
         if from >= 0.0 && slope >= 0.0 && f >= 0.0 {
             return;
         }

@@ -1,7 +1,7 @@
 //! The mean of the farthest and the least far motion of one duration.
 //!
-//! Both keep the limits, and so does every mean of them because the motions that keep the limits form a convex set.
-//! The mean whose weights are as the excesses of the two goes as far as wanted.
+//! Both keep the limits, and so does every mean of them because the motions that keep the limits
+//! form a convex set. The mean whose weights are as the excesses of the two goes as far as wanted.
 
 use super::displacement_function::Problem;
 use super::phase_writer::Writer;
@@ -10,8 +10,8 @@ use super::shape::Shape;
 use crate::scurve::phase::Phase;
 use crate::scurve::phases::Phases;
 
-/// Largest difference between the time that the phases take and the duration they were made for, relative. More means
-/// numbers too far apart to work with.
+/// Largest difference between the time that the phases take and the duration they were made for,
+/// relative. More means numbers too far apart to work with.
 const ROUND_OFF: f64 = 1e-6;
 
 /// Two phases that should end together may do so this far apart, relative to the duration.
@@ -26,8 +26,8 @@ pub(super) struct Mean {
 }
 
 impl Mean {
-    /// The mean of the farthest and the least far motion of duration `t`, each with how much it goes beyond `to` or falls short
-    /// of it. `None` if round-off leaves no such motions.
+    /// The mean of the farthest and the least far motion of duration `t`, each with how much it
+    /// goes beyond `to` or falls short of it. `None` if round-off leaves no such motions.
     pub fn new(
         p: &Problem,
         t: f64,
@@ -44,8 +44,8 @@ impl Mean {
         (takes_t(&far) && takes_t(&near)).then_some(Self { far, near, weight, duration: t })
     }
 
-    /// Writes the phases forward from the start and backward from the end: round-off meets in the longest phase of the
-    /// least jerk.
+    /// Writes the phases forward from the start and backward from the end: round-off meets in the
+    /// longest phase of the least jerk.
     pub fn write(&self, out: &mut Writer<'_>) {
         let pivot = self.pivot();
         let mut merge = Merge::default();
@@ -117,7 +117,8 @@ impl Mean {
 #[derive(Default)]
 struct Merge {
     backwards: bool,
-    /// Numbers of the present phases in the order of the walk, and how much of them has been passed.
+    /// Numbers of the present phases in the order of the walk, and how much of them has been
+    /// passed.
     i: usize,
     k: usize,
     since_i: f64,

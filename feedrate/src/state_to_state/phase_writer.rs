@@ -40,8 +40,8 @@ impl<'a> Writer<'a> {
         self.out.duration = duration;
     }
 
-    /// Writes the phases of `brake`, which belongs to the frame of the problem or to the mirrored one, and returns where they
-    /// end. What follows is written in the frame of `brake`.
+    /// Writes the phases of `brake`, which belongs to the frame of the problem or to the mirrored
+    /// one, and returns where they end. What follows is written in the frame of `brake`.
     pub fn brake(&mut self, brake: &Brake, mirrored: bool, from: f64) -> f64 {
         let from = if mirrored {
             self.side = -self.side;
@@ -69,7 +69,8 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// The first half forward from the start, the second backward from the target: round-off meets in the middle.
+    /// The first half forward from the start, the second backward from the target: round-off meets
+    /// in the middle.
     fn write_halves(&mut self, p: &Problem, shape: &Shape, from: f64, to: f64) {
         let Shape { first, second, v_peak, joined, up, .. } = *shape;
         let [t1, t2, t3, t4, t5, t6, t7] = times(p, shape);

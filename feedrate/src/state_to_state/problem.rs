@@ -1,4 +1,5 @@
-//! One problem and its answers: the shortest motion, the durations that are possible, the motion of a given duration.
+//! One problem and its answers: the shortest motion, the durations that are possible, the motion of
+//! a given duration.
 
 use super::durations::Durations;
 use super::entry::{Entry, Shortest};
@@ -10,7 +11,8 @@ use crate::state::AxisState;
 
 /// A motion of one axis from state to state whose duration is not decided yet.
 ///
-/// Holds the shortest motion and answers which other durations are possible and how to move in one of them.
+/// Holds the shortest motion and answers which other durations are possible and how to move in one
+/// of them.
 ///
 /// ```
 /// use arcfeed_feedrate::{AxisLimits, AxisProblem, AxisState, MotionLaw};
@@ -108,9 +110,10 @@ impl AxisProblem {
 
     /// The durations that are possible.
     ///
-    /// From a start outside the limits every duration counts as possible in which either of two ways back is: settling at the
-    /// velocity limit without undershooting it, or braking as hard as possible until inside. [`AxisProblem::with_duration`] may find
-    /// more then; from inside the limits these are all.
+    /// From a start outside the limits every duration counts as possible in which either of two
+    /// ways back is: settling at the velocity limit without undershooting it, or braking as hard as
+    /// possible until inside. [`AxisProblem::with_duration`] may find more then; from inside the
+    /// limits these are all.
     pub fn durations(&self) -> Durations {
         let lead = self.entry.lead_time;
         let gaps = self.entry.gaps(self.shortest.duration - lead, self.shortest.mirrored);
@@ -122,8 +125,8 @@ impl AxisProblem {
 
     /// A motion that takes exactly `duration` (s).
     ///
-    /// With one cruise velocity wherever there is such a motion; otherwise the mean of the two that go farthest and least far in
-    /// that time, which keeps the limits as those do.
+    /// With one cruise velocity wherever there is such a motion; otherwise the mean of the two that
+    /// go farthest and least far in that time, which keeps the limits as those do.
     ///
     /// # Errors
     /// [`FeedError::DurationImpossible`] with the nearest possible ones, [`FeedError::NotFinite`].
@@ -132,7 +135,8 @@ impl AxisProblem {
         self.with_duration_into(duration, &mut motion).map(|()| motion)
     }
 
-    /// As [`AxisProblem::with_duration`], into a motion that is there already; an error leaves it undefined.
+    /// As [`AxisProblem::with_duration`], into a motion that is there already; an error leaves it
+    /// undefined.
     ///
     /// # Errors
     /// As [`AxisProblem::with_duration`].
@@ -167,9 +171,9 @@ impl AxisProblem {
 impl StateToState {
     /// The shortest motion from `start` to `target` within `limits`.
     ///
-    /// A start may be outside the limits. An acceleration beyond its bound is first taken back with the largest
-    /// jerk; a velocity beyond its bound (or bound to get there) is brought to the bound, or further
-    /// inside, without undershooting it.
+    /// A start may be outside the limits. An acceleration beyond its bound is first taken back with
+    /// the largest jerk; a velocity beyond its bound (or bound to get there) is brought to the
+    /// bound, or further inside, without undershooting it.
     ///
     /// # Errors
     /// [`FeedError::NotFinite`] naming the field; [`FeedError::TargetOutside`] and
@@ -179,7 +183,8 @@ impl StateToState {
         Ok(AxisProblem::new(start, target, limits)?.shortest())
     }
 
-    /// As [`StateToState::new`], in place: saves moving the result. An error leaves the motion as it was.
+    /// As [`StateToState::new`], in place: saves moving the result. An error leaves the motion as
+    /// it was.
     ///
     /// # Errors
     /// As [`StateToState::new`].

@@ -7,23 +7,27 @@ use crate::scurve::phases::Phases;
 use crate::state::AxisState;
 use crate::state::{MotionLaw, MotionState};
 
-/// At most three phases to bring acceleration and velocity inside their limits, and thirteen of the mean of two motions with
-/// seven each.
+/// At most three phases to bring acceleration and velocity inside their limits, and thirteen of the
+/// mean of two motions with seven each.
 pub(super) const PHASES: usize = 16;
 
-/// A motion of one axis between two states, the shortest one or one of a given duration. The default one stands still at 0.
+/// A motion of one axis between two states, the shortest one or one of a given duration. The
+/// default one stands still at 0.
 ///
-/// The shortest motion minimises `T` subject to `p''' = j`, the states at both ends, and the limits on velocity,
-/// acceleration and jerk (Liu et al. 2024, section 4.1, corrected). The solution is exact: a closed form where both halves
-/// reach their acceleration limits or the motion cruises, otherwise the root of one smooth function of one variable. No
-/// tolerance is absolute, so that the result scales exactly with powers of two in the units of length and time.
+/// The shortest motion minimises `T` subject to `p''' = j`, the states at both ends, and the limits
+/// on velocity, acceleration and jerk (Liu et al. 2024, section 4.1, corrected). The solution is
+/// exact: a closed form where both halves reach their acceleration limits or the motion cruises,
+/// otherwise the root of one smooth function of one variable. No tolerance is absolute, so that the
+/// result scales exactly with powers of two in the units of length and time.
 ///
-/// * A start outside the limits is brought back with bounded jerk. An acceleration beyond its limit is taken back with the
-///   largest jerk first. A velocity beyond its limit, or bound to get there, is either settled at a velocity inside without
-///   undershooting it, or braked as hard as possible until it is at the limit and continued in the shortest way from there;
-///   the shorter of the two is taken. That no third way is shorter is not proven.
+/// * A start outside the limits is brought back with bounded jerk. An acceleration beyond its limit
+///   is taken back with the largest jerk first. A velocity beyond its limit, or bound to get there,
+///   is either settled at a velocity inside without undershooting it, or braked as hard as possible
+///   until it is at the limit and continued in the shortest way from there; the shorter of the two
+///   is taken. That no third way is shorter is not proven.
 /// * A target outside the limits, or one that cannot be entered without leaving them, is an error.
-/// * Positions are not limited while planning; [`StateToState::check_within`] says where a motion leaves a range.
+/// * Positions are not limited while planning; [`StateToState::check_within`] says where a motion
+///   leaves a range.
 ///
 /// ```
 /// use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, StateToState};
@@ -78,7 +82,8 @@ impl StateToState {
         self.release_jerk = if t.a > 0.0 { jerk.0 } else { jerk.1 };
     }
 
-    /// The phase after the end, which brings the acceleration of the target to zero, and its duration.
+    /// The phase after the end, which brings the acceleration of the target to zero, and its
+    /// duration.
     fn release(&self) -> (Phase, f64) {
         let MotionState { p, v, a, .. } = self.phases.end;
         let duration = if a == 0.0 || self.release_jerk == 0.0 { 0.0 } else { (-a / self.release_jerk).max(0.0) };
@@ -95,10 +100,10 @@ impl StateToState {
         self.phases.iter()
     }
 
-    /// As [`MotionLaw::at`], but beyond the end the motion goes on: the acceleration of the target is brought to zero with the
-    /// largest jerk, and the velocity stays what it is then.
-    /// [`AxisLimits::check_leaving`](crate::AxisLimits::check_leaving) says whether that velocity is within
-    /// its limits.
+    /// As [`MotionLaw::at`], but beyond the end the motion goes on: the acceleration of the target
+    /// is brought to zero with the largest jerk, and the velocity stays what it is then.
+    /// [`AxisLimits::check_leaving`](crate::AxisLimits::check_leaving) says whether that velocity
+    /// is within its limits.
     pub fn at_or_after(&self, t: f64) -> MotionState {
         if t <= self.phases.duration || t.is_nan() {
             return self.at(t);
@@ -109,8 +114,9 @@ impl StateToState {
         phase.after((t - phase.t).min(dt))
     }
 
-    /// The phase that acts at time `t` (s), its duration, and the time at which the next one begins, infinite for the last one:
-    /// between the phase's start and that time [`Phase::after`] gives the state of [`StateToState::at_or_after`].
+    /// The phase that acts at time `t` (s), its duration, and the time at which the next one
+    /// begins, infinite for the last one: between the phase's start and that time [`Phase::after`]
+    /// gives the state of [`StateToState::at_or_after`].
     pub fn phase_at(&self, t: f64) -> (Phase, f64, f64) {
         let (phases, duration) = (&self.phases, self.phases.duration);
         if t >= duration || phases.len() == 0 {
@@ -131,8 +137,8 @@ impl StateToState {
         (phase, dt, next.min(duration))
     }
 
-    /// The same motion of another axis that moves `ratio` times as far, from `start` to `target`, which must be in that proportion
-    /// to the states of this one but for round-off.
+    /// The same motion of another axis that moves `ratio` times as far, from `start` to `target`,
+    /// which must be in that proportion to the states of this one but for round-off.
     pub fn in_proportion(&self, ratio: f64, start: &AxisState, target: &AxisState) -> Self {
         let from = self.phases.iter().next().map_or(self.phases.end.p, |(phase, _)| phase.s);
         let mut other = *self;

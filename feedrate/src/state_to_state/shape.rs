@@ -12,12 +12,13 @@ pub(super) struct Shape {
     pub cruise: f64,
     /// Velocity between the two halves, where the acceleration is zero.
     pub v_peak: f64,
-    /// True if the two halves are joined by one phase from peak to peak, without stopping at zero acceleration.
+    /// True if the two halves are joined by one phase from peak to peak, without stopping at zero
+    /// acceleration.
     pub joined: bool,
     /// Jerk directions of the two halves: `true` is up, hold, down.
     pub up: (bool, bool),
-    /// True if a start outside the velocity limits left too little way to settle at the limit: braking harder at first may
-    /// then be shorter.
+    /// True if a start outside the velocity limits left too little way to settle at the limit:
+    /// braking harder at first may then be shorter.
     pub squeezed: bool,
 }
 
@@ -44,8 +45,8 @@ pub(super) fn times(p: &Problem, shape: &Shape) -> [f64; 7] {
     [t1, first.hold.max(0.0), t3, t4, t5, second.hold.max(0.0), t7]
 }
 
-/// The duration of a shape given in the frame of the problem, or in the mirrored one, that begins at `t`: the same sum as of the
-/// phases written.
+/// The duration of a shape given in the frame of the problem, or in the mirrored one, that begins
+/// at `t`: the same sum as of the phases written.
 pub(super) fn end_of(p: &Problem, shape: &Shape, mirrored: bool, t: f64) -> f64 {
     let times = if mirrored { times(&p.mirrored(), shape) } else { times(p, shape) };
     times.into_iter().fold(t, |sum, dt| sum + dt)

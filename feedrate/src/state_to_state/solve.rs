@@ -1,14 +1,16 @@
 //! The choice of the shortest extremal: direct change of velocity, direction, gap in the durations.
 //!
-//! Let `D0` be the displacement of the shortest change from `(v0, a0)` to `(vf, af)` wherever it ends. At a fixed duration
-//! the displacements that can be reached form an interval (the constraints are convex), whose upper end is the
-//! extremal going up and whose lower end the one going down; both start at `D0`. So the sign of `D - D0` gives the
-//! direction, and the first duration at which that extremal covers `D` is the shortest: when the upper end of the interval
+//! Let `D0` be the displacement of the shortest change from `(v0, a0)` to `(vf, af)` wherever it
+//! ends. At a fixed duration the displacements that can be reached form an interval (the
+//! constraints are convex), whose upper end is the extremal going up and whose lower end the one
+//! going down; both start at `D0`. So the sign of `D - D0` gives the direction, and the first
+//! duration at which that extremal covers `D` is the shortest: when the upper end of the interval
 //! has come up to `D`, the lower one is still below. Nothing else has to be tried.
 //!
-//! One complication: where both accelerations have the same sign and the change of velocity is small, durations between
-//! the direct change and one that brings the acceleration through zero do not exist. The
-//! durations then fall into a short first range, between two direct changes, and a second one without end.
+//! One complication: where both accelerations have the same sign and the change of velocity is
+//! small, durations between the direct change and one that brings the acceleration through zero do
+//! not exist. The durations then fall into a short first range, between two direct changes, and a
+//! second one without end.
 
 use super::brake_to_limits;
 use super::displacement_function::{DisplacementFunction, Peaks, Problem};
@@ -36,7 +38,8 @@ impl Direct {
     }
 }
 
-/// The shortest motion, and whether it is given in the mirrored frame. `noise` is the round-off in `p.d`.
+/// The shortest motion, and whether it is given in the mirrored frame. `noise` is the round-off in
+/// `p.d`.
 pub(super) fn solve(p: &Problem, noise: f64) -> (Shape, bool) {
     let direct = Direct::new(p);
     // On the direct change itself round-off must not decide: right beside it the duration may jump.
@@ -49,7 +52,8 @@ pub(super) fn solve(p: &Problem, noise: f64) -> (Shape, bool) {
     (shape, flipped == up)
 }
 
-/// Returns true if the velocity will still be above its limit when the acceleration has been brought to zero.
+/// Returns true if the velocity will still be above its limit when the acceleration has been
+/// brought to zero.
 pub(super) fn starts_too_fast(p: &Problem) -> bool {
     let inv = if p.a0 > 0.0 { p.j.inv_down } else { p.j.inv_up };
     p.v0 + 0.5 * p.a0 * p.a0.abs() * inv > p.v_max + SLACK * p.v_max.max(-p.v_min)
@@ -61,7 +65,8 @@ pub(super) struct OneSided {
     /// First and last value of `s`.
     pub from: f64,
     pub to: f64,
-    /// True if durations beyond the last one do not exist until the acceleration passes through zero.
+    /// True if durations beyond the last one do not exist until the acceleration passes through
+    /// zero.
     pub gap_follows: bool,
 }
 
@@ -84,7 +89,8 @@ impl OneSided {
     }
 }
 
-/// As [`solve`] for a displacement above that of the direct change, which starts with a rise or not.
+/// As [`solve`] for a displacement above that of the direct change, which starts with a rise or
+/// not.
 fn solve_up(p: &Problem, direct_rises: bool) -> (Shape, bool) {
     let mut gap_in_durations = false;
     if let Some(OneSided { function, from, to, gap_follows }) = OneSided::new(p, direct_rises) {
@@ -105,7 +111,8 @@ fn solve_up(p: &Problem, direct_rises: bool) -> (Shape, bool) {
     (solve_peaked(p, &function, start, f_start), false)
 }
 
-/// First root between `from` and `to <= 0`. The displacement may rise, fall and rise again in between.
+/// First root between `from` and `to <= 0`. The displacement may rise, fall and rise again in
+/// between.
 fn root_one_sided(function: &DisplacementFunction, from: f64, to: f64) -> Option<Peaks> {
     if from >= to {
         return None;

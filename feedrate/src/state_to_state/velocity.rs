@@ -1,4 +1,5 @@
-//! Targets without a position: a velocity as soon as possible, a stop, a stop that stays inside a range of positions.
+//! Targets without a position: a velocity as soon as possible, a stop, a stop that stays inside a
+//! range of positions.
 
 use super::problem::{AxisProblem, check_target};
 use super::profile::StateToState;
@@ -43,14 +44,15 @@ impl StateToState {
         Self::to_velocity(start, 0.0, 0.0, limits)
     }
 
-    /// A stop that stays within `positions` (m), lower and upper bound, either of them infinite for none.
+    /// A stop that stays within `positions` (m), lower and upper bound, either of them infinite for
+    /// none.
     ///
-    /// The shortest stop, if that one stays inside. Otherwise it brakes harder, turns at the bound and comes back a little.
-    /// That one is searched for: up to 128 calculations.
+    /// The shortest stop, if that one stays inside. Otherwise it brakes harder, turns at the bound
+    /// and comes back a little. That one is searched for: up to 128 calculations.
     ///
     /// # Errors
-    /// As [`StateToState::stop`]; [`FeedError::LeavesPositions`] if the hardest braking does not stay inside
-    /// either, with the place and time that the shortest stop gets to.
+    /// As [`StateToState::stop`]; [`FeedError::LeavesPositions`] if the hardest braking does not
+    /// stay inside either, with the place and time that the shortest stop gets to.
     pub fn stop_within(start: &AxisState, limits: &AxisLimits, positions: (f64, f64)) -> Result<Self, FeedError> {
         let shortest = Self::stop(start, limits)?;
         let Err(error) = shortest.check_within(positions) else {

@@ -1,4 +1,5 @@
-//! The motion of an axis without a target: at constant velocity, and to a stop before its range ends.
+//! The motion of an axis without a target: at constant velocity, and to a stop before its range
+//! ends.
 
 use arcfeed_feedrate::{AxisLimits, AxisState, FeedError, MotionLaw, StateToState};
 
@@ -19,7 +20,8 @@ impl Range {
         self.lower <= position && position <= self.upper
     }
 
-    /// Returns true if a motion stays inside but for round-off, and otherwise the farthest position, its time and the end passed.
+    /// Returns true if a motion stays inside but for round-off, and otherwise the farthest
+    /// position, its time and the end passed.
     pub fn check(&self, motion: &StateToState) -> Result<(), (f64, f64, f64)> {
         let way = motion.position_range();
         let size = [self.lower, self.upper].into_iter().filter(|x| x.is_finite()).fold(0.0, |m: f64, x| m.max(x.abs()));
@@ -48,8 +50,8 @@ pub(super) struct Coast {
 }
 
 impl Coast {
-    /// From `s` the acceleration is brought to zero, and the velocity inside its limits; then it stays what it is. Where the range
-    /// ends ahead, the axis brakes so that it stands at that end.
+    /// From `s` the acceleration is brought to zero, and the velocity inside its limits; then it
+    /// stays what it is. Where the range ends ahead, the axis brakes so that it stands at that end.
     pub fn new(s: &AxisState, l: &AxisLimits, range: &Range) -> Result<Self, FeedError> {
         let v = l.velocity_after(s).clamp(l.v_min(), l.v_max());
         let end = if v > 0.0 { range.upper } else { range.lower };
