@@ -49,7 +49,7 @@ pub enum Quantity {
     /// The speed asked for at the end.
     EndSpeed,
     /// The speed that the rest of the path allows.
-    Ahead,
+    ControllableSet,
     /// A row of the caller's own.
     Other,
 }
@@ -78,7 +78,7 @@ impl Quantity {
             Self::Corner => "corner",
             Self::StartSpeed => "start speed",
             Self::EndSpeed => "end speed",
-            Self::Ahead => "the rest of the path",
+            Self::ControllableSet => "the rest of the path",
             Self::Other => "custom row",
         }
     }
@@ -91,7 +91,7 @@ impl Quantity {
             Self::JointAcceleration => "rad/s^2",
             Self::JointJerk => "rad/s^3",
             Self::JointTorque => "N m",
-            Self::Feed | Self::Corner | Self::StartSpeed | Self::EndSpeed | Self::Ahead => "m/s",
+            Self::Feed | Self::Corner | Self::StartSpeed | Self::EndSpeed | Self::ControllableSet => "m/s",
             Self::TangentialAcceleration | Self::NormalAcceleration => "m/s^2",
             Self::TangentialJerk | Self::NormalJerk => "m/s^3",
             Self::ChordError | Self::PathDeviation => "m",

@@ -270,7 +270,7 @@ fn keeps_all_of(motion: &StateToState, now: f64, l: &AxisLimits, inside: impl Fn
         let from = (now - phase.t).max(0.0);
         let top = -phase.a / phase.j;
         let top = if top > from && top < dt { top } else { from };
-        let jerk = phase.j >= l.j_min() * ROUNDED && phase.j <= l.j_max() * ROUNDED;
+        let jerk = phase.j >= l.j_min() * ROUND_OFF_FACTOR && phase.j <= l.j_max() * ROUND_OFF_FACTOR;
         jerk && [from, top, dt].into_iter().all(|t| {
             let s = phase.after(t);
             inside(&AxisState::new(s.p, s.v, s.a))
@@ -279,7 +279,7 @@ fn keeps_all_of(motion: &StateToState, now: f64, l: &AxisLimits, inside: impl Fn
 }
 
 /// Limits are kept up to this factor of round-off.
-const ROUNDED: f64 = 1.0 + 16.0 * f64::EPSILON;
+const ROUND_OFF_FACTOR: f64 = 1.0 + 16.0 * f64::EPSILON;
 
 /// More blocked intervals than an axis has.
 const ROUNDS: usize = 8;

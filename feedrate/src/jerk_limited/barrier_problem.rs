@@ -80,7 +80,7 @@ pub(super) type Sides = [f64; 2];
 
 /// A row is dropped where its value is closer to the middle between its bounds than to either, by
 /// this measure.
-const DISTANT: f64 = 0.6;
+const DISTANT_FROM_BOUND: f64 = 0.6;
 
 /// Returns true if a row holds whatever the motion: that of a joint that stands still. It has no
 /// inside where its limit is 0.
@@ -315,7 +315,7 @@ impl BarrierProblem {
         let near = |value: f64, lo: f64, hi: f64| {
             let size = if (hi - lo).is_finite() { 0.5 * (hi - lo) } else { hi.abs().min(lo.abs()) };
             // A bound of 0 alone has no size: such a row always stays.
-            size == 0.0 || (value - lo).min(hi - value) < DISTANT * size
+            size == 0.0 || (value - lo).min(hi - value) < DISTANT_FROM_BOUND * size
         };
         let mut write = 0;
         let mut start = 0;

@@ -81,7 +81,7 @@ fn along([p, m, q]: [&Row; 3], [near, far]: [Edge; 2], h: f64) -> ([f64; 2], [f6
 
 /// Least part of its slack that a row keeps when a new margin is set, so that the iterate stays
 /// strictly inside.
-const KEPT: f64 = 0.3;
+const KEPT_SLACK: f64 = 0.3;
 
 /// The least part of a limit that margins leave.
 const LEAST_PART: f64 = 0.5;
@@ -93,7 +93,7 @@ impl BarrierProblem {
         // Not while the bounds are widened: the iterate is outside the true ones.
         let intervals = if self.jerk_wider == 0.0 { self.knots.intervals() } else { 0 };
         for k in 0..intervals {
-            self.set_jerk_parts(problem, k, values, |here, part| here + KEPT * (part - here));
+            self.set_jerk_parts(problem, k, values, |here, part| here + KEPT_SLACK * (part - here));
         }
     }
 

@@ -40,7 +40,7 @@ pub(super) fn explain(passes: &Passes, problem: &FeedProblem, why: NotSolved) ->
         search.largest(end, |v| [start, v]).map(|found| (PathEnd::End, end, problem.grid()[problem.intervals()], found))
     };
     let Some((end, speed, place, (highest, binding))) = found else { return why.error };
-    let (row, s) = binding.or(why.binding).unwrap_or((LimitId::path(Quantity::Ahead), place));
+    let (row, s) = binding.or(why.binding).unwrap_or((LimitId::path(Quantity::ControllableSet), place));
     FeedError::SpeedOutOfReach { end, speed, lowest: 0.0, highest, row, s }
 }
 

@@ -70,12 +70,12 @@ pub(super) struct Outcome {
 }
 
 /// A law that may be this far from its optimum has not converged.
-const CLOSE: f64 = 0.02;
+const CONVERGED_WITHIN: f64 = 0.02;
 
 impl Outcome {
     /// Returns true if the solution is close to the optimum.
     pub fn is_close(&self) -> bool {
-        self.gap.max(self.ahead) < CLOSE
+        self.gap.max(self.ahead) < CONVERGED_WITHIN
     }
 }
 
@@ -123,7 +123,7 @@ fn lesser(x: f64, y: f64) -> f64 {
 
 /// Gain of the last step at which the iterations end, in units of the tolerance: the next one gains
 /// a small part of that.
-const AHEAD: f64 = 10.0;
+const LAST_STEP_GAIN: f64 = 10.0;
 
 /// Many times what is needed.
 const MOST_ITERATIONS: usize = 100;
@@ -183,7 +183,7 @@ impl Solver {
             // iterate yet.
             outcome.ahead = if centred { f64::INFINITY } else { (before / duration - 1.0).abs() / steps[0] };
             before = duration;
-            if outcome.gap < tolerance && outcome.ahead < AHEAD * tolerance && outcome.wider < tolerance {
+            if outcome.gap < tolerance && outcome.ahead < LAST_STEP_GAIN * tolerance && outcome.wider < tolerance {
                 break;
             }
             steps = self.direction(barrier_problem, sums.complementarity / sums.count, outcome.wider > 0.0, centred);

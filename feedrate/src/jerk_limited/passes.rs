@@ -17,7 +17,7 @@ use crate::speed_law::SpeedLaw;
 const DROP_UP_TO: usize = 2500;
 
 /// If more than this has to be taken off the speed at the end, something was left out.
-const TAKEN_OFF: f64 = 1e-3;
+const LARGE_REDUCTION: f64 = 1e-3;
 
 /// Reduction of the speed that round-off alone can require.
 const ROUND_OFF: f64 = 1e-12;
@@ -25,13 +25,13 @@ const ROUND_OFF: f64 = 1e-12;
 /// Times that something too fast between the grid points is dealt with, and how many of them by
 /// slowing down.
 const ATTEMPTS: usize = 8;
-const SLOWED: usize = 4;
+const SLOWED_ATTEMPTS: usize = 4;
 
 /// Slowing down at last: with friction each time takes off half of what is too much.
-const SLOWED_AT_LAST: usize = 60;
+const LAST_SLOWED_ATTEMPTS: usize = 60;
 
 /// Largest excess over a limit between the grid points of a motion that cannot be slowed down.
-const EXCEEDED: f64 = 1e-7;
+const LARGEST_EXCESS: f64 = 1e-7;
 
 /// Settings for solving one part.
 #[derive(Debug, Clone, Copy)]
@@ -126,10 +126,10 @@ impl Passes {
                     continue;
                 }
                 changed = true;
-                if scale < 1.0 - TAKEN_OFF && attempt == 0 {
+                if scale < 1.0 - LARGE_REDUCTION && attempt == 0 {
                     let careful = Attempt { drop_distant: false, factor: 1.0, before: Some(solution) };
                     *solution = self.solve(prepared, &mut solver, part, careful)?;
-                } else if part.slows(problem) && attempt < SLOWED {
+                } else if part.slows(problem) && attempt < SLOWED_ATTEMPTS {
                     solution.scale(scale);
                 } else {
                     // With less for all rows: friction gains on the rest where the motion is slowed
@@ -155,7 +155,7 @@ impl Passes {
         mut plan: SpeedLaw,
     ) -> Result<JerkLimitedPlan, NotSolved> {
         let Prepared { problem, parts, .. } = prepared;
-        for _ in 0..SLOWED_AT_LAST {
+        for _ in 0..LAST_SLOWED_ATTEMPTS {
             let mut changed = false;
             for (part, solution) in parts.iter().zip(&mut solutions) {
                 let scale = largest_scale(problem, &plan, part.grid.clone());
@@ -170,7 +170,7 @@ impl Passes {
             plan = assemble(problem, &solutions)?;
         }
         let left = 1.0 - largest_scale(problem, &plan, 0..problem.intervals());
-        if left <= EXCEEDED {
+        if left <= LARGEST_EXCESS {
             return Ok(JerkLimitedPlan::of(plan, &solutions));
         }
         Err(FeedError::NotConverged {

@@ -7,7 +7,8 @@ use crate::problem::FeedProblem;
 use crate::row::LimitId;
 use crate::speed_law::{Builder, SpeedLaw};
 
-/// A law of [`JerkLimited`], and whether its iterations came close to the optimum.
+/// A law of [`JerkLimited`](crate::JerkLimited), and whether its iterations came close to the
+/// optimum.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JerkLimitedPlan {
     /// The law. It keeps all limits whether the iterations converged or not.

@@ -8,10 +8,10 @@ use crate::problem::FeedProblem;
 use crate::row::Row;
 
 /// The part of the way to the nearest limit that the start takes.
-const INSIDE: f64 = 0.9;
+const START_FRACTION: f64 = 0.9;
 
 /// Intervals for which the windows are chosen; more of them make the windows wider.
-const POINTS: usize = 1000;
+const SHAPE_POINTS: usize = 1000;
 
 /// Coefficients to start from; where need be the bounds of the stretch are widened so that these
 /// are strictly inside.
@@ -72,7 +72,7 @@ fn shape(problem: &FeedProblem, barrier_problem: &BarrierProblem, limit: &[f64],
     let (mut low, mut x) = (Vec::with_capacity(m + 1), Vec::with_capacity(m + 1));
     // Windows are parts of the path, not numbers of points, or a fine grid would be followed too
     // closely.
-    for width in [1, 4, 16, 64].map(|width| width * ((m + POINTS / 2) / POINTS).max(1)) {
+    for width in [1, 4, 16, 64].map(|width| width * ((m + SHAPE_POINTS / 2) / SHAPE_POINTS).max(1)) {
         let reach = |k: usize| width.min((k + 1) / 4).min((m - k + 1) / 4);
         least_within(&limit[a..=a + m], reach, &mut low);
         // The mean of steps has kinks, where the acceleration would jump; the mean of that has
@@ -91,7 +91,7 @@ fn shape(problem: &FeedProblem, barrier_problem: &BarrierProblem, limit: &[f64],
         }
         barrier_problem.knots.evaluate(&c, &mut values);
         let [scale, jerk_scale] = barrier_problem.largest_scales(&values);
-        let factor = INSIDE * scale.min(jerk_scale).min(1.0);
+        let factor = START_FRACTION * scale.min(jerk_scale).min(1.0);
         if factor > best.0 || best.1.is_empty() {
             if slowing {
                 c.iter_mut().for_each(|c| *c *= factor);

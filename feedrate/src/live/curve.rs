@@ -13,10 +13,10 @@ use crate::state::MotionState;
 
 /// Part of speed, and of acceleration and jerk, that the fastest law uses: the rest is the margin
 /// in which it is followed.
-const USED: (f64, f64) = (0.997, 0.99);
+const LAW_FRACTIONS: (f64, f64) = (0.997, 0.99);
 /// The law may be exceeded by this factor in speed: run so much faster it still keeps speed,
 /// acceleration and jerk.
-pub(super) const TOLERATED: f64 = 1.002;
+pub(super) const SPEED_TOLERANCE: f64 = 1.002;
 
 /// The limit curve `V(s)`: the highest speed at which every limit holds whatever the motion does
 /// within `|a| <= A`, `|j| <= J`.
@@ -76,7 +76,7 @@ impl VelocityLimitCurve {
         if stops.iter().any(|&i| i == 0 || i >= caps.len()) || stops.windows(2).any(|pair| pair[0] >= pair[1]) {
             return Err(FeedError::OutOfRange { what: "a stop: it must be an inner grid point, in increasing order" });
         }
-        let law = fastest(grid, caps, stops, USED.1 * acceleration, USED.1 * jerk)?;
+        let law = fastest(grid, caps, stops, LAW_FRACTIONS.1 * acceleration, LAW_FRACTIONS.1 * jerk)?;
         let places = stops.iter().map(|&i| grid[i]).chain(grid.last().copied()).collect();
         Ok(Self { grid: grid.to_vec(), lowest: lowest(caps), stops: places, acceleration, jerk, law })
     }
@@ -159,7 +159,7 @@ fn lowest(caps: &[f64]) -> Vec<Vec<f64>> {
 
 /// The faster of what the jerk-limited planner and the joined scan find.
 fn fastest(grid: &[f64], caps: &[f64], stops: &[usize], acceleration: f64, jerk: f64) -> Result<SpeedLaw, FeedError> {
-    let caps: Vec<f64> = caps.iter().map(|v| USED.0 * v).collect();
+    let caps: Vec<f64> = caps.iter().map(|v| LAW_FRACTIONS.0 * v).collect();
     let segments = grid
         .windows(2)
         .zip(&caps)

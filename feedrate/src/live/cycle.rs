@@ -8,7 +8,7 @@ use crate::scurve::change::SpeedChange;
 use crate::state::MotionState;
 
 /// The way to an end is left to one exact plan from so many cycles before the last place to brake.
-const EARLY: f64 = 4.0;
+const STOP_LEAD_CYCLES: f64 = 4.0;
 
 impl FeedOverride<'_> {
     /// Moves on by one cycle.
@@ -100,7 +100,10 @@ impl FeedOverride<'_> {
     fn begin_final_stop(&mut self) {
         let Some(&stop) = self.curve.stops().get(self.next) else { return };
         let braking = SpeedChange::between((self.v, self.a), (0.0, 0.0), &self.curve.limits()).length();
-        if self.intent == Intent::Run && self.v > 0.0 && stop - self.s - braking < EARLY * self.v * self.period {
+        if self.intent == Intent::Run
+            && self.v > 0.0
+            && stop - self.s - braking < STOP_LEAD_CYCLES * self.v * self.period
+        {
             self.plan_final_stop(stop, 1.0);
         }
     }

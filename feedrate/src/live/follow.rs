@@ -1,6 +1,6 @@
 //! One cycle under the limit curve: as far towards what is asked for as is safe.
 
-use super::curve::TOLERATED;
+use super::curve::SPEED_TOLERANCE;
 use super::feed::FeedOverride;
 use crate::scurve::change::SpeedChange;
 use crate::state::{MotionLaw, MotionState};
@@ -8,13 +8,13 @@ use crate::state::{MotionLaw, MotionState};
 /// Samples of a braking that is looked at ahead of time.
 const SAMPLES: usize = 12;
 /// Halvings with which the place is found where such a braking comes closest to the law.
-const CLOSEST: usize = 5;
+const CLOSEST_HALVINGS: usize = 5;
 /// Parts of a cycle that are looked at where the curve is near.
-const WITHIN: usize = 4;
+const SUBSTEPS: usize = 4;
 /// Number of smaller steps tried if the request is too large.
 const HALVINGS: usize = 5;
 /// Number of times the jerk is halved until the first cycle from a standstill fits under the curve.
-const STARTS: usize = 14;
+const START_HALVINGS: usize = 14;
 /// Part of the jerk with which the fastest law is approached, and the cycles over which the rest of
 /// the way to it is spread.
 const APPROACH: (f64, f64) = (0.4, 5.0);
@@ -73,7 +73,7 @@ impl FeedOverride<'_> {
             return full;
         }
         let mut j = self.curve.jerk();
-        for _ in 0..STARTS {
+        for _ in 0..START_HALVINGS {
             j *= 0.5;
             let way = Way::Push(j);
             if self.after(&way, self.period).1 <= feed && self.is_safe(&way) {
@@ -163,7 +163,7 @@ impl FeedOverride<'_> {
         // same run slower so that it has the speed `v`.
         let law = |s: f64, v: f64| {
             let law = if s < stop { self.curve.fastest(s) } else { MotionState::default() };
-            let (v_law, a_law) = (TOLERATED * law.v, TOLERATED * TOLERATED * law.a);
+            let (v_law, a_law) = (SPEED_TOLERANCE * law.v, SPEED_TOLERANCE * SPEED_TOLERANCE * law.a);
             let slower = (v / v_law).min(1.0);
             (v_law, if a_law < 0.0 && slower > 0.0 { a_law * slower * slower } else { a_law })
         };
@@ -178,8 +178,8 @@ impl FeedOverride<'_> {
         // A dip of the curve that the cycle would jump over.
         let bow = j_max * self.period * self.period / 8.0;
         if self.v.max(v) + bow > self.curve.lowest_cap(self.s, s) {
-            for i in 1..WITHIN {
-                let (s, v, _) = self.after(way, self.period * i as f64 / WITHIN as f64);
+            for i in 1..SUBSTEPS {
+                let (s, v, _) = self.after(way, self.period * i as f64 / SUBSTEPS as f64);
                 if v > law(s, v).0 {
                     return false;
                 }
@@ -209,7 +209,7 @@ impl FeedOverride<'_> {
                 if acceleration >= 0.0 {
                     // It came closest to the law where both accelerations were the same.
                     let (mut above, mut below) = (before, t);
-                    for _ in 0..CLOSEST {
+                    for _ in 0..CLOSEST_HALVINGS {
                         let middle = 0.5 * (above + below);
                         let (speed, acceleration) = under(middle);
                         if speed < 0.0 {

@@ -13,7 +13,7 @@ const PHASES: usize = 9;
 
 /// Excess over a limit that counts as round-off, and backward speed that does, relative.
 const SLACK: f64 = 1e-12;
-const BACKWARD: f64 = 1e-9;
+const BACKWARD_ROUND_OFF: f64 = 1e-9;
 
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Plan {
@@ -93,7 +93,11 @@ impl Plan {
         let brake = start.a.min(0.0);
         let forced = (start.v - 0.5 * brake * (brake / release)).min(start.v).min(0.0);
         let (lowest, highest) = self.extremes(0.0, speeds);
-        if lowest < forced - BACKWARD * highest.max(-forced) { Err(too_close(start, end, limits)) } else { Ok(self) }
+        if lowest < forced - BACKWARD_ROUND_OFF * highest.max(-forced) {
+            Err(too_close(start, end, limits))
+        } else {
+            Ok(self)
+        }
     }
 
     /// Lowest and highest of some values over what is left of every phase after time `t`.

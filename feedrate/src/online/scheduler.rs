@@ -167,7 +167,10 @@ impl FeedScheduler {
         if let Ok(plan) = Plan::new(&from, &self.target, limits, release) {
             self.in_force = *limits;
             // Halfway through braking for the end, round-off must not replace the plan by a detour.
-            if !(kept && plan.arrives && plan.phases.duration >= (self.plan.phases.duration - self.t) * (1.0 - KEEP)) {
+            if !(kept
+                && plan.arrives
+                && plan.phases.duration >= (self.plan.phases.duration - self.t) * (1.0 - SHORTER_BY))
+            {
                 self.adopt(plan);
             }
             return Ok(Adoption::Full);
@@ -241,7 +244,7 @@ impl FeedScheduler {
 }
 
 /// A new plan must be shorter by this much, relative, to replace one that is still valid.
-const KEEP: f64 = 1e-12;
+const SHORTER_BY: f64 = 1e-12;
 
 fn check_target(end: &AxisState, limits: &AxisLimits) -> Result<(), FeedError> {
     finite("end.p", end.p)?;

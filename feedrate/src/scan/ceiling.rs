@@ -8,9 +8,9 @@ use super::segment::Segment;
 
 /// A cap that rises by more than this factor (of squared speed) from one segment to the next is a
 /// jump, not a slope.
-const JUMP: f64 = 1.6;
+const JUMP_FACTOR: f64 = 1.6;
 /// Segments whose acceleration or jerk bounds differ by more than this factor are not merged.
-const ALIKE: f64 = 1.03;
+const MERGED_WITHIN: f64 = 1.03;
 
 /// A stretch of ceiling: squared speed `x0 + 2 g (s - s0)` with `g >= 0`, and the least bounds of
 /// the segments below it.
@@ -57,7 +57,7 @@ pub(super) fn ceiling<'a>(
             let piece = line.close();
             out.push(piece);
             let end = piece.x(piece.s1);
-            let x0 = if end <= cap && cap <= JUMP * end { end } else { cap };
+            let x0 = if end <= cap && cap <= JUMP_FACTOR * end { end } else { cap };
             open = Some(Open::new(s0, s1, x0, cap, slack, segment));
         } else {
             open = Some(Open::new(s0, s1, cap, cap, slack, segment));
@@ -103,7 +103,7 @@ impl Open {
     fn take(&mut self, s1: f64, cap: f64, segment: &Segment) -> bool {
         let widen = |(lo, hi): (f64, f64), x: f64| (lo.min(x), hi.max(x));
         let (a, j) = (widen(self.a, segment.a_max), widen(self.j, segment.j_max));
-        if a.1 > ALIKE * a.0 || j.1 > ALIKE * j.0 {
+        if a.1 > MERGED_WITHIN * a.0 || j.1 > MERGED_WITHIN * j.0 {
             return false;
         }
         let run = 2.0 * (s1 - self.s0);

@@ -38,7 +38,7 @@ use crate::speed_law::{Builder, SpeedLaw};
 /// ```
 ///
 /// # Errors
-/// As [`super::segment::plan_per_segment`].
+/// As [`plan_per_segment`](crate::plan_per_segment).
 pub fn plan_continuous(segments: &[Segment], v_start: f64, v_end: f64) -> Result<SpeedLaw, FeedError> {
     let caps = checked_caps(segments, v_start, v_end)?;
     let s = boundaries(segments);

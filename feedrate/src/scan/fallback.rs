@@ -11,7 +11,7 @@ use crate::speed_law::SpeedLaw;
 /// On grids of no more intervals than this the scan is run beside the jerk-limited planner: the
 /// quadratic spline of [`JerkLimited`] may lose to a profile of seven phases there, and the scan
 /// takes a millisecond or two.
-const COARSE: usize = 500;
+const COARSE_INTERVALS: usize = 500;
 
 /// [`JerkLimited`]; [`ContinuousAccelerationScan`] where that finds no law, or where the grid is
 /// coarse and the scan's law is shorter.
@@ -79,7 +79,7 @@ impl JerkLimitedOrScan {
         }
         match self.jerk_limited.plan_noting_convergence(problem) {
             Ok(JerkLimitedPlan { law, converged }) => {
-                let scanned = if problem.intervals() > COARSE && converged { None } else { scan().ok() };
+                let scanned = if problem.intervals() > COARSE_INTERVALS && converged { None } else { scan().ok() };
                 Ok(match scanned {
                     Some(scanned) if law.duration() >= scanned.duration() => {
                         let fallback = Some(Fallback::Slower { duration: law.duration() });

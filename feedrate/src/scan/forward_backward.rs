@@ -232,7 +232,7 @@ fn scan(problem: &FeedProblem, limit: &[f64], both_ends: bool) -> Result<Vec<f64
 fn out_of_reach(problem: &FeedProblem, end: PathEnd, i: usize, highest: f64) -> FeedError {
     let speed = if i == 0 { problem.v_start() } else { problem.v_end() };
     let (cap, source) = problem.cap(i);
-    let row = if highest >= cap { source } else { LimitId::path(Quantity::Ahead) };
+    let row = if highest >= cap { source } else { LimitId::path(Quantity::ControllableSet) };
     FeedError::SpeedOutOfReach { end, speed, lowest: 0.0, highest: highest.sqrt(), row, s: problem.grid()[i] }
 }
 

@@ -49,7 +49,7 @@ fn has_friction(problem: &FeedProblem) -> bool {
 
 /// Part of the greatest squared speed that is kept at least between two stops, where a motion at
 /// rest came out.
-const FLOOR: f64 = 0.1;
+const LEAST_PART_BETWEEN_STOPS: f64 = 0.1;
 
 /// Squared speeds of a motion that rests nowhere over a whole interval.
 ///
@@ -58,7 +58,7 @@ const FLOOR: f64 = 0.1;
 pub(super) fn solve_moving(problem: &FeedProblem, between: bool) -> Result<Vec<f64>, FeedError> {
     let x = solve(problem, between)?;
     let Err(rests) = moves(problem, &x) else { return Ok(x) };
-    let again = Solver { floor: FLOOR, ..Solver::new(problem, between, &x, &[]) }.solve();
+    let again = Solver { floor: LEAST_PART_BETWEEN_STOPS, ..Solver::new(problem, between, &x, &[]) }.solve();
     again.ok().filter(|x| moves(problem, x).is_ok()).ok_or(rests)
 }
 
@@ -260,7 +260,7 @@ impl<'a> Solver<'a> {
             return Some(Line { a: a + h2 * b, b, lo: lo - d, hi: hi - d, source });
         }
         let [lo, hi] = self.sets[k + 1];
-        let ahead = Line { a: h2, b: 1.0, lo, hi, source: LimitId::path(Quantity::Ahead) };
+        let ahead = Line { a: h2, b: 1.0, lo, hi, source: LimitId::path(Quantity::ControllableSet) };
         (id == near.len() + far.len()).then_some(ahead)
     }
 
@@ -327,7 +327,7 @@ impl<'a> Solver<'a> {
             self.collect_between(k, w);
         }
         let [lo, hi] = self.sets[k + 1];
-        self.lines.push(Line { a: h2, b: 1.0, lo, hi, source: LimitId::path(Quantity::Ahead) });
+        self.lines.push(Line { a: h2, b: 1.0, lo, hi, source: LimitId::path(Quantity::ControllableSet) });
     }
 
     /// The conditions between the ends of interval `k`, where `u` is `u_mean + w (s - s_mid)`.
@@ -368,7 +368,7 @@ impl<'a> Solver<'a> {
         }
         if w != 0.0 {
             // x stays positive inside.
-            let source = LimitId::path(Quantity::Ahead);
+            let source = LimitId::path(Quantity::ControllableSet);
             lines.push(Line { a: h, b: 1.0, lo: h * half, hi: f64::INFINITY, source });
         }
     }
@@ -405,14 +405,14 @@ impl<'a> Solver<'a> {
                 index: k,
                 s,
                 row: self.problem.cap(k).1,
-                against: LimitId::path(Quantity::Ahead),
+                against: LimitId::path(Quantity::ControllableSet),
                 excess: 0.0,
                 limit: self.problem.x_max(k).sqrt(),
             };
         };
         // Name the limit, not what follows it.
         let mut upper = true;
-        if first.source.quantity == Quantity::Ahead {
+        if first.source.quantity == Quantity::ControllableSet {
             std::mem::swap(&mut first, &mut second);
             upper = false;
         }
@@ -425,7 +425,7 @@ impl<'a> Solver<'a> {
         let problem = self.problem;
         let speed = if i == 0 { problem.v_start() } else { problem.v_end() };
         let (cap, source) = problem.cap(i);
-        let row = if highest >= cap { source } else { LimitId::path(Quantity::Ahead) };
+        let row = if highest >= cap { source } else { LimitId::path(Quantity::ControllableSet) };
         let (lowest, highest, s) = (lowest.sqrt(), highest.sqrt(), problem.grid()[i]);
         FeedError::SpeedOutOfReach { end, speed, lowest, highest, row, s }
     }

@@ -8,8 +8,9 @@
 use crate::error::{FeedError, not_negative};
 use crate::limits::AxisLimits;
 
-/// The two times of one acceleration leg: `ramp` for each jerk phase, `hold` at constant
-/// acceleration.
+/// [`Change`](super::closed_form::Change) between two zero accelerations under symmetric limits,
+/// which the scans solve most. The two times of one acceleration leg: `ramp` for each jerk phase,
+/// `hold` at constant acceleration.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Leg {
     pub ramp: f64,

@@ -15,7 +15,7 @@ use crate::scurve::phases::Phases;
 const ROUND_OFF: f64 = 1e-6;
 
 /// Two phases that should end together may do so this far apart, relative to the duration.
-const SHORT: f64 = 1e-9;
+const SHORT_PHASE: f64 = 1e-9;
 
 /// Two motions of the same duration and the weight of the first.
 pub(super) struct Mean {
@@ -104,7 +104,7 @@ impl Mean {
         while let Some((dt, i, k)) = merge.next(&self.far, &self.near) {
             let j = self.mean(self.far.get(i).0.j, self.near.get(k).0.j).abs();
             let score = if j == 0.0 { (true, dt) } else { (false, dt / j) };
-            if score > best && dt > SHORT * t {
+            if score > best && dt > SHORT_PHASE * t {
                 (pivot, best) = (now + 0.5 * dt, score);
             }
             now += dt;

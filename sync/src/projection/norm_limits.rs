@@ -17,9 +17,9 @@
 //!
 //! `E` turns about the first axis and so leaves `m`, `low` and `high` as they are, and every
 //! product is across the line: it adds to `m`. A part of what is left is set aside for the products
-//! ([`ASIDE`]), and `x'` and `x''` are bounded so that it suffices. Where `w` keeps to one axis,
-//! its derivatives are those of `omega_w`; otherwise they differ by no more than what [`turning`]
-//! says.
+//! ([`RESERVED_SHARE`]), and `x'` and `x''` are bounded so that it suffices. Where `w` keeps to one
+//! axis, its derivatives are those of `omega_w`; otherwise they differ by no more than what
+//! [`turning`] says.
 
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
@@ -109,7 +109,7 @@ fn axes(directions: [Vector3<f64>; 3]) -> Matrix3<f64> {
 }
 
 /// Part of what the transverse motion leaves that is set aside for each product of angular rates.
-const ASIDE: f64 = 0.2;
+const RESERVED_SHARE: f64 = 0.2;
 
 /// Velocity, acceleration, jerk of the transverse part of a block: range along the line and bound
 /// across it.
@@ -275,10 +275,10 @@ impl FeasibleSet<6> for PoseLimits {
         let [slow, second, third] = angular.across;
         let (left_a, left_j) = ((a - second).max(0.0), (j - third).max(0.0));
         // Products: at most what full velocity and acceleration would make of them.
-        let one = (2.0 * ASIDE * left_a).min(v * slow);
-        let two = (ASIDE * left_j).min(a * slow);
-        let three = (ASIDE * left_j).min(2.0 * v * second);
-        let four = (ASIDE * left_j).min(v * v * slow);
+        let one = (2.0 * RESERVED_SHARE * left_a).min(v * slow);
+        let two = (RESERVED_SHARE * left_j).min(a * slow);
+        let three = (RESERVED_SHARE * left_j).min(2.0 * v * second);
+        let four = (RESERVED_SHARE * left_j).min(v * v * slow);
         let ratio = |x: f64, y: f64| if y > 0.0 { x / y } else { f64::INFINITY };
         let most_v = v.min(ratio(one, slow)).min(ratio(three, 2.0 * second)).min(ratio(four, slow).sqrt());
         let most_a = a.min(ratio(two, slow));
