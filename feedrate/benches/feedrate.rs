@@ -15,7 +15,7 @@
 use std::hint::black_box;
 
 use arcfeed_feedrate::{
-    Adjust, MotionLaw, MotionLimits, SProfile, Segment, SpeedChange, plan_continuous, plan_per_segment, plan_windowed,
+    Adjust, AxisLimits, MotionLaw, SProfile, Segment, SpeedChange, plan_continuous, plan_per_segment, plan_windowed,
 };
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 
@@ -25,10 +25,10 @@ use common::{Rng, curve_like};
 
 fn profiles(c: &mut Criterion) {
     let mut rng = Rng(1);
-    let cases: Vec<(f64, f64, f64, MotionLimits)> = (0..1024)
+    let cases: Vec<(f64, f64, f64, AxisLimits)> = (0..1024)
         .filter_map(|_| {
             let v = rng.log(0.01, 1.0);
-            let limits = MotionLimits::new(v, rng.log(0.1, 10.0), rng.log(1.0, 1000.0)).ok()?;
+            let limits = AxisLimits::symmetric(v, rng.log(0.1, 10.0), rng.log(1.0, 1000.0)).ok()?;
             Some((rng.log(1e-5, 1.0), v * rng.unit(), v * rng.unit(), limits))
         })
         .collect();

@@ -4,11 +4,11 @@
 #![allow(missing_docs, clippy::unwrap_used)]
 use std::hint::black_box;
 
-use arcfeed_feedrate::{AxisState, FeedLimits, FeedScheduler, FeedStatus};
+use arcfeed_feedrate::{AxisLimits, AxisState, FeedScheduler, FeedStatus};
 use criterion::{Criterion, criterion_group, criterion_main};
 
 fn cycle(c: &mut Criterion) {
-    let limits = FeedLimits::new(0.2, (-2.0, 1.0), (-50.0, 40.0)).unwrap();
+    let limits = AxisLimits::forward(0.2, (-2.0, 1.0), (-50.0, 40.0)).unwrap();
     let begin = FeedScheduler::new(&AxisState::rest(0.0), &AxisState::new(1.0, 0.05, 0.0), &limits).unwrap();
     let mut feed = begin;
     c.bench_function("online cycle, same limits", |b| {

@@ -1,11 +1,11 @@
 //! One S-profile: speed, acceleration and jerk over time, and what an adaptive one says when the way is too short.
-use arcfeed_feedrate::{Adjust, MotionLaw, MotionLimits, SProfile};
+use arcfeed_feedrate::{Adjust, AxisLimits, MotionLaw, SProfile};
 
 mod common;
 use common::{Curve, Panel};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let limits = MotionLimits::new(0.10, 0.8, 12.0)?;
+    let limits = AxisLimits::symmetric(0.10, 0.8, 12.0)?;
     let profile = SProfile::new(0.04, 0.02, 0.0, &limits)?;
     println!("{:.4} m in {:.4} s, cruising at {:.4} m/s", profile.length(), profile.duration(), profile.v_peak());
 

@@ -1,11 +1,11 @@
 //! Braking and changing the speed from a moving, accelerating state, without a jump in acceleration.
-use arcfeed_feedrate::{MotionLaw, MotionLimits, SpeedChange};
+use arcfeed_feedrate::{AxisLimits, MotionLaw, SpeedChange};
 
 mod common;
 use common::{Curve, Panel};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let limits = MotionLimits::new(0.20, 0.8, 12.0)?;
+    let limits = AxisLimits::symmetric(0.20, 0.8, 12.0)?;
     let (v, a) = (0.08, 0.6);
     let cases = [
         ("to rest", "#c0392b", SpeedChange::brake(v, a, &limits)?),

@@ -1,5 +1,5 @@
 //! One axis between two moving states in several durations, and the durations in which it cannot be done.
-use arcfeed_feedrate::{AxisLimits, AxisProblem, AxisState, MotionLaw, MotionState, StateToState, StateToStateError};
+use arcfeed_feedrate::{AxisLimits, AxisProblem, AxisState, FeedError, MotionLaw, MotionState, StateToState};
 
 mod common;
 use common::{Curve, Panel};
@@ -17,13 +17,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         return Err("this problem has a blocked interval".into());
     };
     // In between it says what would be possible instead.
-    match problem.lasting(0.5 * (last_before + first_after)) {
-        Err(e @ StateToStateError::DurationImpossible { .. }) => println!("{e}"),
+    match problem.with_duration(0.5 * (last_before + first_after)) {
+        Err(e @ FeedError::DurationImpossible { .. }) => println!("{e}"),
         other => return Err(format!("{other:?}").into()),
     }
     let shortest = problem.shortest();
-    let slow = problem.lasting(last_before)?;
-    let turning = problem.lasting(first_after)?;
+    let slow = problem.with_duration(last_before)?;
+    let turning = problem.with_duration(first_after)?;
     let end = turning.duration();
     let curve = |name, colour, motion: &StateToState, f: fn(&MotionState) -> f64| Curve {
         name,

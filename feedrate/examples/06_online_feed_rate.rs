@@ -1,5 +1,5 @@
 //! Speed along a path under limits that change while it runs: table 3 and figure 5 of Liu et al. 2024, and a live override.
-use arcfeed_feedrate::{AxisState, FeedError, FeedLimits, FeedScheduler, FeedStatus, MotionState};
+use arcfeed_feedrate::{AxisLimits, AxisState, FeedError, FeedScheduler, FeedStatus, MotionState};
 
 mod common;
 mod liu_2024;
@@ -10,7 +10,7 @@ type Run = Vec<(f64, MotionState)>;
 
 fn table_3() -> Result<Run, FeedError> {
     let (start, end) = (liu_2024::TABLE_3_START, liu_2024::TABLE_3_END);
-    let rows = liu_2024::TABLE_3.map(|r| FeedLimits::new(r.v.1, r.a, r.j).map(|limits| (r.from, limits)));
+    let rows = liu_2024::TABLE_3.map(|r| AxisLimits::forward(r.v.1, r.a, r.j).map(|limits| (r.from, limits)));
     let mut feed: Option<FeedScheduler> = None;
     let mut run: Run = Vec::new();
     let (mut t, period) = (0.0, liu_2024::PERIOD);
@@ -39,7 +39,7 @@ fn table_3() -> Result<Run, FeedError> {
 /// The same way with an operator at the knob: slower, hold, on.
 fn live_override() -> Result<Run, FeedError> {
     let row = &liu_2024::TABLE_3[2];
-    let full = FeedLimits::new(row.v.1, row.a, row.j)?;
+    let full = AxisLimits::forward(row.v.1, row.a, row.j)?;
     let mut feed = FeedScheduler::new(&AxisState::rest(0.0), &liu_2024::TABLE_3_END, &full)?;
     let mut run: Run = Vec::new();
     for cycle in 0..20_000 {

@@ -1,21 +1,24 @@
-//! The convex optimum of the same rows, by a general conic solver: the yardstick for every other planner.
+//! The convex optimum of the same rows, by a general conic solver: the yardstick for every other
+//! planner.
 //!
-//! Second-order cone program of D. Verscheure et al., "Time-optimal path tracking for robots: a convex optimization approach",
-//! IEEE Trans. Autom. Control 2009, 54, 2318, with the rows at both ends of every interval, as the scans have them:
+//! Second-order cone program of D. Verscheure et al., "Time-optimal path tracking for robots: a
+//! convex optimization approach", IEEE Trans. Autom. Control 2009, 54, 2318, with the rows at both
+//! ends of every interval, as the scans have them:
 //!
 //! ```text
 //! minimise  sum of 2 h_k d_k    over x, c, d
 //! with      (2 c_i, x_i - 1, x_i + 1)  and  (2, c_k + c_k+1 - d_k, c_k + c_k+1 + d_k)   in the second-order cone
 //! ```
 //!
-//! so that `c_i <= sqrt(x_i)` and `d_k >= 1 / (c_k + c_k+1)`. Whatever feasible dual point the solver ends at bounds the duration of
-//! every plan of these rows from below.
+//! so that `c_i <= sqrt(x_i)` and `d_k >= 1 / (c_k + c_k+1)`. Whatever feasible dual point the
+//! solver ends at bounds the duration of every plan of these rows from below.
 //!
-//! With limits on jerk the problem is not convex. Divided by `sqrt(x)` a jerk row has the convex right side `J x^(-1/2)`, whose
-//! tangent at any `x` is below it; with the tangents at one motion in its place the program is convex, and its optimum keeps the
-//! true rows. Solved again with the tangents there, a few times, it ends at a motion that no such program betters. Unknown
-//! is the same quadratic B-spline `x(s)` as in [`crate::jerk_limited`], with the same rows at the same places, jerk in the middle
-//! of the intervals besides.
+//! With limits on jerk the problem is not convex. Divided by `sqrt(x)` a jerk row has the convex
+//! right side `J x^(-1/2)`, whose tangent at any `x` is below it; with the tangents at one motion
+//! in its place the program is convex, and its optimum keeps the true rows. Solved again with the
+//! tangents there, a few times, it ends at a motion that no such program betters. Unknown is the
+//! same quadratic B-spline `x(s)` as in [`crate::jerk_limited`], with the same rows at the same
+//! places, jerk in the middle of the intervals besides.
 
 use crate::conic_program::{Program, straight};
 use crate::error::FeedError;
@@ -26,9 +29,10 @@ use crate::speed_law::SpeedLaw;
 
 /// The optimum by clarabel; hundreds of milliseconds to seconds, needed for comparison only.
 ///
-/// A problem without limits on jerk is solved as it is. One with them needs what [`crate::JerkLimited`] needs
-/// ([`FeedProblem::between_points`] besides) and is solved by a sequence of programs: its plan keeps the jerk at both ends and in
-/// the middle of every interval, to the solver's tolerance, not between these.
+/// A problem without limits on jerk is solved as it is. One with them needs what
+/// [`crate::JerkLimited`] needs ([`FeedProblem::between_points`] besides) and is solved by a
+/// sequence of programs: its plan keeps the jerk at both ends and in the middle of every interval,
+/// to the solver's tolerance, not between these.
 ///
 /// Rows with a term in `sqrt(x)` are not convex and are refused.
 #[derive(Debug, Clone, Copy, Default)]
@@ -39,14 +43,15 @@ pub struct ClarabelBaseline;
 pub struct Bounded {
     /// The plan: with limits on jerk the best of the sequence, a local optimum.
     pub plan: SpeedLaw,
-    /// No plan with constant acceleration on every interval that keeps the rows at both ends of each takes less than this
-    /// (s), to the solver's tolerance.
+    /// No plan with constant acceleration on every interval that keeps the rows at both ends of
+    /// each takes less than this (s), to the solver's tolerance.
     ///
-    /// With limits on jerk this is the bound without them. Such a plan has to keep more, so it bounds those too, but for what
-    /// varying acceleration inside the intervals is worth: of first order in their length, 0.3 % at N = 100 and a few 0.01 %
-    /// at N = 1000. How far a jerk-limited plan is from its own optimum it does not tell.
+    /// With limits on jerk this is the bound without them. Such a plan has to keep more, so it
+    /// bounds those too, but for what varying acceleration inside the intervals is worth: of first
+    /// order in their length, 0.3 % at N = 100 and a few 0.01 % at N = 1000. How far a jerk-limited
+    /// plan is from its own optimum it does not tell.
     pub lower_bound: f64,
-    /// Whether the solver reached its full accuracy, in every program.
+    /// True if the solver reached its full accuracy, in every program.
     pub accurate: bool,
 }
 
@@ -64,8 +69,9 @@ impl ClarabelBaseline {
     /// The optimum together with the bound of the dual problem.
     ///
     /// # Errors
-    /// [`FeedError::NotConverged`] if the solver fails, [`FeedError::BadRow`] for a row with friction, and those of the
-    /// scan, which supplies the scale; with limits on jerk those of [`crate::JerkLimited`] too.
+    /// [`FeedError::NotConverged`] if the solver fails, [`FeedError::BadRow`] for a row with
+    /// friction, and those of the scan, which supplies the scale; with limits on jerk those of
+    /// [`crate::JerkLimited`] too.
     pub fn solve(&self, problem: &FeedProblem) -> Result<Bounded, FeedError> {
         let bounded = second_order(problem)?;
         if !problem.has_jerk() {

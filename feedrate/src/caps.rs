@@ -1,8 +1,10 @@
-//! Bounds on speed, acceleration and jerk along a path that follow from its shape and from the joints.
+//! Bounds on speed, acceleration and jerk along a path that follow from its shape and from the
+//! joints.
 //!
-//! The terms of Liu et al. 2023, algorithm 2, step 2.2, and eqs. 23 and 24, each as a pure function. A bound that does not apply
-//! is `f64::INFINITY`, so the least of several is taken with `min`. Invalid input (NaN, a negative limit) gives 0 or an
-//! empty interval, never NaN: what cannot be judged must not move.
+//! The terms of Liu et al. 2023, algorithm 2, step 2.2, and eqs. 23 and 24, each as a pure
+//! function. A bound that does not apply is `f64::INFINITY`, so the least of several is taken with
+//! `min`. Invalid input (NaN, a negative limit) gives 0 or an empty interval, never NaN: what
+//! cannot be judged must not move.
 
 /// An interval of admissible values; empty if `lo > hi`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,7 +21,7 @@ impl Interval {
     /// No number at all.
     pub const EMPTY: Self = Self { lo: f64::INFINITY, hi: f64::NEG_INFINITY };
 
-    /// Whether nothing is admissible.
+    /// Returns true if nothing is admissible.
     pub fn is_empty(&self) -> bool {
         self.lo > self.hi || self.lo.is_nan() || self.hi.is_nan()
     }
@@ -40,12 +42,13 @@ fn sound(bound: f64) -> f64 {
     if bound >= 0.0 { bound } else { 0.0 }
 }
 
-/// Highest speed (m/s) at which the chord between two samples `period` (s) apart deviates by at most `tolerance` (m) from
-/// a circle of the given `curvature` (1/m).
+/// Highest speed (m/s) at which the chord between two samples `period` (s) apart deviates by at
+/// most `tolerance` (m) from a circle of the given `curvature` (1/m).
 ///
-/// `(2/T) sqrt(2 delta / kappa - delta^2)` (Liu et al. 2023, algorithm 2), which is exact on a circle. For `kappa delta >= 1`
-/// the chord may be the diameter and no longer one exists: the bound is `2 / (kappa T)`, where print yields values that fall
-/// again and, above 2, are not a number. Infinite on a straight line.
+/// `(2/T) sqrt(2 delta / kappa - delta^2)` (Liu et al. 2023, algorithm 2), which is exact on a
+/// circle. For `kappa delta >= 1` the chord may be the diameter and no longer one exists: the bound
+/// is `2 / (kappa T)`, where print yields values that fall again and, above 2, are not a number.
+/// Infinite on a straight line.
 pub fn chord_error_speed(curvature: f64, tolerance: f64, period: f64) -> f64 {
     let kappa = curvature.abs();
     if !(tolerance >= 0.0 && period > 0.0) || kappa.is_nan() {
@@ -55,7 +58,8 @@ pub fn chord_error_speed(curvature: f64, tolerance: f64, period: f64) -> f64 {
         return f64::INFINITY;
     }
     let kd = kappa * tolerance;
-    // In units of the radius, so that neither the square nor the quotient overflows before the result does.
+    // In units of the radius, so that neither the square nor the quotient overflows before the
+    // result does.
     let half_chord = if kd >= 1.0 { 1.0 } else { (kd * (2.0 - kd)).sqrt() };
     sound(2.0 * half_chord / kappa / period)
 }
@@ -71,8 +75,9 @@ pub fn normal_acceleration_speed(curvature: f64, a_normal: f64) -> f64 {
 
 /// Highest speed (m/s) at which the normal jerk `kappa^2 v^3` stays within `j_normal` (m/s³).
 ///
-/// On a circle run at constant speed the third derivative of the position has the magnitude `v^3 / r^2`, hence a cube root:
-/// `(J / kappa^2)^(1/3)`. Liu et al. 2023, algorithm 2, print a square root, whose value is not a speed.
+/// On a circle run at constant speed the third derivative of the position has the magnitude
+/// `v^3 / r^2`, hence a cube root: `(J / kappa^2)^(1/3)`. Liu et al. 2023, algorithm 2, print a
+/// square root, whose value is not a speed.
 pub fn normal_jerk_speed(curvature: f64, j_normal: f64) -> f64 {
     let kappa = curvature.abs();
     if invalid(j_normal) || kappa.is_nan() {
@@ -81,10 +86,12 @@ pub fn normal_jerk_speed(curvature: f64, j_normal: f64) -> f64 {
     if kappa == 0.0 { f64::INFINITY } else { sound((j_normal / kappa / kappa).cbrt()) }
 }
 
-/// Highest speed along the path at which every joint keeps its velocity limit: the least of `qd_max_k / |q'_k|`.
+/// Highest speed along the path at which every joint keeps its velocity limit: the least of
+/// `qd_max_k / |q'_k|`.
 ///
-/// Liu et al. 2023, eq. 23, divide a vector by a vector; each joint has its own bound. `dq` is the derivative of the joint
-/// vector by the path coordinate (rad/m), `qd_max` the limits (rad/s). Joints without an entry in both slices are not bounded.
+/// Liu et al. 2023, eq. 23, divide a vector by a vector; each joint has its own bound. `dq` is the
+/// derivative of the joint vector by the path coordinate (rad/m), `qd_max` the limits (rad/s).
+/// Joints without an entry in both slices are not bounded.
 pub fn joint_velocity_speed(dq: &[f64], qd_max: &[f64]) -> f64 {
     dq.iter().zip(qd_max).fold(f64::INFINITY, |least, (&d, &limit)| {
         let bound = if d == 0.0 && limit >= 0.0 { f64::INFINITY } else { sound(limit / d.abs()) };
@@ -95,8 +102,8 @@ pub fn joint_velocity_speed(dq: &[f64], qd_max: &[f64]) -> f64 {
 /// Tangential accelerations at which every joint keeps its acceleration limit at speed `v`:
 /// `|q'_k a + q''_k v^2| <= qdd_max_k` for all joints.
 ///
-/// Liu et al. 2023, eq. 24, corrected: one bound per joint, and both signs (print gives one side of the interval). Empty if
-/// `v` alone already breaks a limit.
+/// Liu et al. 2023, eq. 24, corrected: one bound per joint, and both signs (print gives one side of
+/// the interval). Empty if `v` alone already breaks a limit.
 pub fn joint_acceleration_interval(dq: &[f64], ddq: &[f64], qdd_max: &[f64], v: f64) -> Interval {
     dq.iter()
         .zip(ddq)
@@ -104,8 +111,8 @@ pub fn joint_acceleration_interval(dq: &[f64], ddq: &[f64], qdd_max: &[f64], v: 
         .fold(Interval::ALL, |interval, ((&d, &dd), &limit)| intersect_row(interval, d, dd * v * v, limit))
 }
 
-/// Tangential jerks at which every joint keeps its jerk limit at speed `v` and tangential acceleration `a`:
-/// `|q'_k j + 3 q''_k v a + q'''_k v^3| <= qddd_max_k` for all joints.
+/// Tangential jerks at which every joint keeps its jerk limit at speed `v` and tangential
+/// acceleration `a`: `|q'_k j + 3 q''_k v a + q'''_k v^3| <= qddd_max_k` for all joints.
 pub fn joint_jerk_interval(dq: &[f64], ddq: &[f64], dddq: &[f64], qddd_max: &[f64], v: f64, a: f64) -> Interval {
     dq.iter().zip(ddq).zip(dddq).zip(qddd_max).fold(Interval::ALL, |interval, (((&d, &dd), &ddd), &limit)| {
         intersect_row(interval, d, 3.0 * dd * v * a + ddd * v * v * v, limit)

@@ -43,13 +43,13 @@ pub(crate) struct Program {
     cones: Rows,
 }
 
-/// What the solver ended with.
+/// The result of the solver.
 #[derive(Debug)]
 pub(crate) struct Optimum {
     pub variables: Vec<f64>,
     /// Objective of the dual program, which bounds the cost from below.
     pub dual: f64,
-    /// Whether the solver reached its full accuracy.
+    /// True if the solver reached its full accuracy.
     pub accurate: bool,
 }
 

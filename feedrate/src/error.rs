@@ -1,13 +1,13 @@
-//! What can be wrong with a request, with the numbers that say why.
+//! Errors of a request, with the numbers that explain them.
 
 use crate::row::LimitId;
 
 /// An end of a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PathEnd {
-    /// Where it begins.
+    /// The start.
     Start,
-    /// Where it ends.
+    /// The end.
     End,
 }
 
@@ -22,8 +22,8 @@ impl std::fmt::Display for PathEnd {
 
 /// Why a profile or a plan was refused.
 ///
-/// Every variant carries the quantity, its value and the bound it broke, so that a caller can add the place and print
-/// one line that says what to change.
+/// Every variant carries the quantity, its value and the bound it broke, so that a caller can add
+/// the place and print one line that says what to change.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FeedError {
@@ -121,7 +121,7 @@ pub enum FeedError {
     /// A list that must hold something is empty.
     #[error("the list of {what} is empty; give at least one")]
     Empty {
-        /// What the list holds.
+        /// Name of the entries of the list.
         what: &'static str,
     },
     /// Two lists that belong together differ in length.
@@ -152,7 +152,8 @@ pub enum FeedError {
     StartTooFast {
         /// Start speed given (m/s).
         speed: f64,
-        /// Index of the segment at whose start the limit cannot be met (the number of segments: the end of the path).
+        /// Index of the segment at whose start the limit cannot be met (the number of segments: the
+        /// end of the path).
         segment: usize,
         /// Speed that would be needed there (m/s).
         allowed: f64,
@@ -164,11 +165,11 @@ pub enum FeedError {
     /// A problem too large for the memory it would take.
     #[error("{got} {what}, more than {most}; use a coarser grid, or plan the path in parts")]
     TooMany {
-        /// What there is too much of.
+        /// Name of the quantity that is too large.
         what: &'static str,
-        /// How many.
+        /// The number given.
         got: usize,
-        /// How many are taken.
+        /// Largest number allowed.
         most: usize,
     },
     /// The grid of a path does not increase.
@@ -224,7 +225,7 @@ pub enum FeedError {
         row: LimitId,
         /// The limit that stands against it.
         against: LimitId,
-        /// By how much the first is broken at the least while the other is kept, in its own unit.
+        /// Least excess over the first limit while the other is kept, in its own unit.
         excess: f64,
         /// The limit.
         limit: f64,
@@ -239,7 +240,8 @@ pub enum FeedError {
         /// The limit that holds it.
         row: LimitId,
     },
-    /// Two neighbouring knots of a speed law are both at rest: the motion does not get from one to the other.
+    /// Two neighbouring knots of a speed law are both at rest: the motion does not get from one to
+    /// the other.
     #[error(
         "knot {index} at s = {s} and the next at s = {next} are both at rest; give one of them a speed, or drop one"
     )]
@@ -274,7 +276,7 @@ pub enum FeedError {
         highest: f64,
         /// The limit that is met first.
         row: LimitId,
-        /// Where (m).
+        /// Position (m).
         s: f64,
     },
     /// The solver did not arrive at its tolerance.
@@ -284,16 +286,92 @@ pub enum FeedError {
         what: &'static str,
         /// Iterations made.
         iterations: usize,
-        /// What is left of its measure of optimality or feasibility (relative).
+        /// Remaining violation of optimality or feasibility (relative).
         residual: f64,
     },
-    /// A scan with a look-ahead window does not know the end of the path in time to reach a speed there.
+    /// A scan with a look-ahead window does not know the end of the path in time to reach a speed
+    /// there.
     #[error(
         "end speed {speed} is asked for, but a scan with a look-ahead window always plans to rest; remove the window or the end speed"
     )]
     WindowEndSpeed {
         /// End speed asked for (m/s).
         speed: f64,
+    },
+    /// Limits that must be the same in both directions differ.
+    #[error(
+        "the limits {lower} and {upper} on {what} differ in size; this motion needs the same limit in both directions"
+    )]
+    NotSymmetric {
+        /// `"v"`, `"a"` or `"j"`.
+        what: &'static str,
+        /// The lower limit.
+        lower: f64,
+        /// The upper limit.
+        upper: f64,
+    },
+    /// The target lies outside a limit.
+    #[error("{what} of the target is {value}, outside the limit {limit}; move the target inside or widen the limit")]
+    TargetOutside {
+        /// `"v"` or `"a"`.
+        what: &'static str,
+        /// The value given.
+        value: f64,
+        /// The limit it breaks.
+        limit: f64,
+    },
+    /// Every motion that arrives in the target state breaks a velocity limit right before it.
+    #[error(
+        "to arrive at v = {v} with a = {a} the velocity must have been {before} just before, outside the limit {limit}; \
+         lower the target's acceleration or move its velocity away from that limit"
+    )]
+    TargetUnreachable {
+        /// Velocity of the target (m/s).
+        v: f64,
+        /// Acceleration of the target (m/s²).
+        a: f64,
+        /// Velocity no motion towards the target can avoid (m/s).
+        before: f64,
+        /// The limit it breaks (m/s).
+        limit: f64,
+    },
+    /// Every motion that has arrived in the target state breaks a velocity limit right after it.
+    #[error(
+        "after arriving at v = {v} with a = {a} the velocity goes on to {after}, outside the limit {limit}; \
+         lower the target's acceleration or move its velocity away from that limit"
+    )]
+    TargetOvershoots {
+        /// Velocity of the target (m/s).
+        v: f64,
+        /// Acceleration of the target (m/s²).
+        a: f64,
+        /// Velocity no motion on from the target can avoid (m/s).
+        after: f64,
+        /// The limit it breaks (m/s).
+        limit: f64,
+    },
+    /// No motion takes this long: too short, or inside a blocked interval.
+    #[error(
+        "no motion takes exactly {duration} s; {}{above} s is the next one that is possible",
+        below_text(.below)
+    )]
+    DurationImpossible {
+        /// The duration asked for (s).
+        duration: f64,
+        /// The longest possible duration below it (s), if there is one.
+        below: Option<f64>,
+        /// The shortest possible duration above it (s).
+        above: f64,
+    },
+    /// The motion leaves the range of positions.
+    #[error("at t = {time} s the position is {position}, beyond the limit {limit}; move the limit or slow down before")]
+    LeavesPositions {
+        /// The farthest position (m).
+        position: f64,
+        /// Time of that position (s).
+        time: f64,
+        /// The limit it breaks (m).
+        limit: f64,
     },
     /// The end speed cannot be reached.
     #[error("end speed {speed} is out of reach: the fastest motion arrives at {highest}; ask for that or less")]
@@ -303,6 +381,10 @@ pub enum FeedError {
         /// Speed at which the fastest motion arrives (m/s).
         highest: f64,
     },
+}
+
+fn below_text(below: &Option<f64>) -> String {
+    below.map_or_else(String::new, |t| format!("{t} s is the last one below, "))
 }
 
 pub(crate) fn finite(what: &'static str, value: f64) -> Result<f64, FeedError> {

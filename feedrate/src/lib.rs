@@ -1,84 +1,86 @@
 //! Jerk-limited motion on one scalar: S-curves, and speed along a path.
 //!
 //! # The problem
-//! A tool moves along a path of length `L`; `s(t)` is the arc length covered. Wanted is the shortest time `T` with
+//! A tool moves along a path of length `L`; `s(t)` is the arc length covered. The planners minimise
+//! the time `T` subject to
 //!
 //! ```text
 //! s(0) = 0,  s(T) = L,  s'(0) = v_start,  s'(T) = v_end,  s''(0) = s''(T) = 0,
 //! 0 <= s'(t) <= v_max(s),   |s''(t)| <= a_max(s),   |s'''(t)| <= j_max(s)     for all t,
 //! ```
 //!
-//! where the bounds follow from the feed, the shape of the path and the joints of the machine ([`caps`]). Everything here is
-//! on that one scalar: no robot and no curve is known to this crate, and a single axis is as good a path as any.
+//! where the bounds follow from the feed, the shape of the path and the joints of the machine
+//! ([`caps`]). Everything here is on that one scalar: no robot and no curve is known to this crate,
+//! and a single axis is as good a path as any.
 //!
-//! With constant bounds the answer is the seven-phase S-profile ([`SProfile`]), and from any state of motion a
-//! [`SpeedChange`]. With bounds given segment by segment two planners share one input and one output:
-//! [`plan_per_segment`] with one S-profile per segment (Liu et al. 2023, section 4), also with a look-ahead window
-//! ([`plan_windowed`]), and [`plan_continuous`], which keeps the acceleration continuous across segments and so does not pay
-//! for their number.
+//! With constant bounds the answer is the seven-phase S-profile ([`SProfile`]), and from any state
+//! of motion a [`SpeedChange`]. With bounds given segment by segment two planners share one input
+//! and one output: [`plan_per_segment`] with one S-profile per segment (Liu et al. 2023, section
+//! 4), also with a look-ahead window ([`plan_windowed`]), and [`plan_continuous`], which keeps the
+//! acceleration continuous across segments and so does not pay for their number.
 //!
-//! Where the limits are not one number per segment but belong to joints, motors and tool, each is a [`Row`] in `sdot^2` and
-//! `sddot` ([`constraint`], [`FeedProblem`]), and a [`FeedPlanner`] finds the law: [`ForwardBackwardScan`], [`Reachability`],
-//! [`InterpolatedReachability`] and, with jerk, [`JerkLimited`]. All read the same rows and yield a [`SpeedLaw`].
+//! If the limits are not one number per segment but belong to joints, motors and tool, each is a
+//! [`Row`] in `sdot^2` and `sddot` ([`constraint`], [`FeedProblem`]), and a [`FeedPlanner`] finds
+//! the law: [`ForwardBackwardScan`], [`Reachability`], [`InterpolatedReachability`] and, with jerk,
+//! [`JerkLimited`]. All read the same rows and yield a [`SpeedLaw`].
 //!
-//! # The rooms
-//! | module | holds |
+//! # Overview
+//! | task | items |
 //! |---|---|
-//! | [`state`], [`limits`] | [`MotionState`], [`MotionLaw`], [`MotionLimits`] |
-//! | [`scurve::solve`] | distance for a change of speed and its inverses |
-//! | [`scurve::profile`] | the seven-phase profile over a displacement |
-//! | [`scurve::change`] | change of speed and braking from any state |
-//! | [`caps`] | bounds from chord error, normal acceleration and jerk, joints |
-//! | [`scan`] | [`Segment`], the scans per segment and joined; the scans over rows and reachability |
-//! | [`row`], [`problem`], [`constraint`] | limits as rows on a grid, where each comes from |
-//! | [`jerk_limited`] | the third-order planner |
-//! | `baseline` (feature `clarabel`) | the conic optimum of the same rows and its bound; with jerk, programs in sequence |
-//! | [`online`] | [`FeedScheduler`]: speed towards the end of a path under limits that change while it runs |
-//! | [`live`] | [`FeedOverride`]: speed under a limit curve, changed by an operator while it runs |
-//! | [`StateToState`] | time-optimal motion from any position, speed and acceleration to any other, or to a speed, or to a stop |
-//! | [`AxisProblem`], [`Durations`] | the durations between two states that are possible, and a motion in each of them |
-//! | [`speed_law`] | [`SpeedLaw`]: what every planner returns, sampled by time or by position |
-//! | [`error`] | [`FeedError`] |
+//! | states, limits, errors | [`MotionState`], [`AxisState`], [`AxisLimits`], [`MotionLaw`], [`Phase`], [`FeedError`] |
+//! | change of speed in the least time | [`SpeedChange`], [`distance_for_change`] and its inverses |
+//! | motion over a displacement | [`SProfile`] |
+//! | motion from any state to any other | [`StateToState`]; in a given duration [`AxisProblem`], [`Durations`] |
+//! | speed limits from the path and the joints | [`caps`] |
+//! | limits as rows on a grid | [`constraint`], [`Row`], [`JerkRow`], [`IntervalBound`], [`FeedProblem`] |
+//! | planners for segments | [`Segment`], [`plan_per_segment`], [`plan_windowed`], [`plan_continuous`] |
+//! | planners for rows ([`FeedPlanner`]) | [`ForwardBackwardScan`], [`Reachability`], [`InterpolatedReachability`], [`JerkLimited`] |
+//! | reference optimum (feature `clarabel`) | `ClarabelBaseline` |
+//! | the result of every planner | [`SpeedLaw`], sampled by time or by position |
+//! | limits that change while the motion runs | [`FeedScheduler`] |
+//! | an operator's override, hold and step back | [`FeedOverride`] under a [`VelocityLimitCurve`] |
 //!
 //! # Units
-//! Metres and seconds in the docs, but nothing depends on them: no tolerance in this crate is absolute.
+//! Metres and seconds in the docs, but nothing depends on them: no tolerance in this crate is
+//! absolute.
 //!
 //! # Sources
-//! X. Liu et al., "A High-Precision Planar NURBS Interpolation System Based on Segmentation Method for Industrial Robot",
-//! Appl. Sci. 2023, 13, 13210, cited as Liu et al. 2023; online trajectory generation in robot task and joint spaces, Actuators
-//! 2024, 13, 108, cited as Liu et al. 2024; "Quaternion-Based Velocity Scheduling for Robotic Systems", Electronics 2025, 14, 3869.
-//! Where a formula departs from print its docs say how and why.
+//! X. Liu et al., "A High-Precision Planar NURBS Interpolation System Based on Segmentation Method
+//! for Industrial Robot", Appl. Sci. 2023, 13, 13210, cited as Liu et al. 2023; online trajectory
+//! generation in robot task and joint spaces, Actuators 2024, 13, 108, cited as Liu et al. 2024;
+//! "Quaternion-Based Velocity Scheduling for Robotic Systems", Electronics 2025, 14, 3869. A
+//! formula that departs from print says so in its docs, with the reason.
 #![forbid(unsafe_code)]
 // `!(x > 0.0)` is how NaN is taken to the safe side.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 #[cfg(feature = "clarabel")]
-pub mod baseline;
+mod baseline;
 pub mod caps;
 #[cfg(feature = "clarabel")]
 mod conic_program;
 pub mod constraint;
-pub mod error;
-pub mod jerk_limited;
-pub mod limits;
-pub mod live;
+mod error;
+mod jerk_limited;
+mod limits;
+mod live;
 mod lp2;
-pub mod online;
-pub mod problem;
-pub mod row;
-pub mod scan;
-pub mod scurve;
-pub mod speed_law;
-pub mod state;
-pub mod state_to_state;
+mod online;
+mod problem;
+mod row;
+mod scan;
+mod scurve;
+mod speed_law;
+mod state;
+mod state_to_state;
 
 #[cfg(feature = "clarabel")]
 pub use baseline::{Bounded, ClarabelBaseline};
 pub use error::{FeedError, PathEnd};
 pub use jerk_limited::{JerkLimited, JerkLimitedPlan};
-pub use limits::MotionLimits;
+pub use limits::AxisLimits;
 pub use live::{FeedOverride, LiveSection, LiveStatus, LiveStep, MAX_SECTIONS, VelocityLimitCurve};
-pub use online::{Adoption, FeedLimits, FeedScheduler, FeedStatus, FeedStep};
+pub use online::{Adoption, FeedScheduler, FeedStatus, FeedStep};
 pub use problem::{FeedPlanner, FeedProblem, LimitPartition, live_speed};
 pub use row::{IntervalBound, JerkRow, LimitId, Quantity, Row};
 pub use scan::continuous_acceleration::{plan_continuous, plan_continuous_at_once};
@@ -86,15 +88,13 @@ pub use scan::fallback::{ChosenLaw, Fallback, JerkLimitedOrScan};
 pub use scan::forward_backward::{ForwardBackwardScan, PublishedScan};
 pub use scan::interpolated::InterpolatedReachability;
 pub use scan::on_problem::{ContinuousAccelerationScan, PerSegmentScan};
+pub use scan::per_segment::{boundary_speeds, plan_per_segment, plan_windowed};
 pub use scan::reachability::Reachability;
-pub use scan::segment::{boundary_speeds, plan_per_segment, plan_windowed};
 pub use scan::{Segment, boundaries};
 pub use scurve::change::SpeedChange;
-pub use scurve::phases::Phase;
+pub use scurve::phase::Phase;
 pub use scurve::profile::{Adjust, Adjusted, SProfile};
 pub use scurve::solve::{distance_for_change, highest_speed_over, lowest_speed_over};
 pub use speed_law::{Cursor, SpeedLaw};
-pub use state::{MotionLaw, MotionState};
-pub use state_to_state::{
-    AxisLimits, AxisProblem, AxisState, Durations, PositionRange, StateToState, StateToStateError,
-};
+pub use state::{AxisState, MotionLaw, MotionState};
+pub use state_to_state::{AxisProblem, Durations, PositionRange, StateToState};

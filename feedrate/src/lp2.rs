@@ -1,10 +1,13 @@
-//! Linear programs in two variables, exactly: the least or greatest `x` for which some `u` keeps all bands.
+//! Linear programs in two variables, exactly: the least or greatest `x` for which some `u` keeps
+//! all bands.
 //!
-//! A band `lo + p x <= u <= hi + p x` is a row divided by its factor of `u`. Over `x`, the least upper bound `U(x)` on `u` is
-//! concave and the greatest lower bound `L(x)` convex, so `U - L` is concave and piecewise linear, and Newton's method from
-//! outside reaches its root in finitely many steps, in practice two to four of one pass over the bands each.
+//! A band `lo + p x <= u <= hi + p x` is a row divided by its factor of `u`. Over `x`, the least
+//! upper bound `U(x)` on `u` is concave and the greatest lower bound `L(x)` convex, so `U - L` is
+//! concave and piecewise linear, and Newton's method from outside reaches its root in finitely many
+//! steps, in practice two to four of one pass over the bands each.
 
-/// `lo + p x <= u <= hi + p x`; either bound may be infinite. `id` tells the caller which row it is.
+/// `lo + p x <= u <= hi + p x`; either bound may be infinite. `id` tells the caller which row it
+/// is.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Band {
     pub p: f64,
@@ -13,15 +16,16 @@ pub(crate) struct Band {
     pub id: usize,
 }
 
-/// The two bands that are tightest at one `x`, and the room between them (negative: none).
+/// The two bands that are tightest at one `x`, and the gap between them (negative: none).
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Gap {
-    pub room: f64,
-    /// Slope of the room by `x`.
+    pub width: f64,
+    /// Slope of the gap by `x`.
     pub slope: f64,
-    /// Where the two bands meet: Newton's next iterate, without the cancellation of a difference.
+    /// The value at which the two bands meet: Newton's next iterate, without the cancellation of a
+    /// difference.
     pub meet: f64,
-    /// Magnitude of what the room is the difference of, for judging round-off.
+    /// Magnitude of the terms of which the gap is the difference, for judging round-off.
     pub scale: f64,
     /// Band of the upper bound.
     pub upper: usize,
@@ -53,30 +57,32 @@ pub(crate) fn gap(bands: &[Band], x: f64) -> Gap {
         (Some(u), Some(l)) if hi.is_finite() && lo.is_finite() => of(u, u.hi).max(of(l, l.lo)),
         _ => 0.0,
     };
-    Gap { room: hi - lo, slope, meet, scale, upper, lower }
+    Gap { width: hi - lo, slope, meet, scale, upper, lower }
 }
 
 /// Why there is no solution.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum NoOptimum {
-    /// The bands at this `x` exclude each other, and there is no `x` at which they exclude each other less.
+    /// The bands at this `x` exclude each other, and there is no `x` at which they exclude each
+    /// other less.
     Infeasible(f64),
     /// `x` has no bound in the direction asked for.
     Unbounded,
 }
 
-/// Room that counts as none: differences of this size are round-off.
+/// Gap that counts as none: differences of this size are round-off.
 const TOLERANCE: f64 = 1e-13;
 
-/// Where `x` is greatest.
+/// The point with the greatest `x`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Greatest {
     pub x: f64,
-    /// The upper and the lower band that meet there; `None` where `most` was taken, or `least` by round-off.
+    /// The upper and the lower band that meet there; `None` where `most` was taken, or `least` by
+    /// round-off.
     pub meeting: Option<[usize; 2]>,
 }
 
-/// The greatest `x` in `[least, most]` at which the bands leave room for some `u`; `most` may be infinite.
+/// The greatest `x` in `[least, most]` at which the bands leave some `u`; `most` may be infinite.
 pub(crate) fn greatest_x(bands: &[Band], least: f64, most: f64) -> Result<Greatest, NoOptimum> {
     let mut x = if most < f64::INFINITY { most } else { outermost(bands)? };
     let mut meeting = None;
@@ -86,15 +92,15 @@ pub(crate) fn greatest_x(bands: &[Band], least: f64, most: f64) -> Result<Greate
     // Each step changes the active pair, so the bound is never met; it is there for round-off.
     for _ in 0..4 * bands.len() + 8 {
         let now = gap(bands, x);
-        if now.room >= -TOLERANCE * now.scale {
+        if now.width >= -TOLERANCE * now.scale {
             break;
         }
         let next = now.meet;
         if !(now.slope < 0.0) || !(next >= least) {
-            // Left of here the room only shrinks, or it opens too late.
+            // Left of here the gap only shrinks, or it opens too late.
             let worst = if now.slope < 0.0 { least } else { x };
             let last = gap(bands, worst);
-            let opens = last.room >= -TOLERANCE * last.scale;
+            let opens = last.width >= -TOLERANCE * last.scale;
             return if opens { Ok(Greatest { x: worst, meeting: None }) } else { Err(NoOptimum::Infeasible(worst)) };
         }
         if next >= x {
@@ -105,7 +111,8 @@ pub(crate) fn greatest_x(bands: &[Band], least: f64, most: f64) -> Result<Greate
     Ok(Greatest { x, meeting })
 }
 
-/// Where the flattest upper bound and the steepest lower bound meet: no feasible `x` is beyond.
+/// The value at which the flattest upper bound and the steepest lower bound meet: no feasible `x`
+/// is beyond.
 fn outermost(bands: &[Band]) -> Result<f64, NoOptimum> {
     let by_slope = |a: &&Band, b: &&Band| a.p.total_cmp(&b.p);
     let upper = bands.iter().filter(|b| b.hi < f64::INFINITY).min_by(by_slope).ok_or(NoOptimum::Unbounded)?;
@@ -157,7 +164,7 @@ mod tests {
                 (Err(_), None) => infeasible += 1,
                 // Decided by round-off only.
                 (got, expected) => {
-                    let best = (0..=4000).map(|i| gap(&bands, f64::from(i) / 2000.0).room).fold(f64::MIN, f64::max);
+                    let best = (0..=4000).map(|i| gap(&bands, f64::from(i) / 2000.0).width).fold(f64::MIN, f64::max);
                     assert!(best.abs() < 1e-3, "case {case}: {got:?} instead of {expected:?} for {bands:?}");
                 }
             }

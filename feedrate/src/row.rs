@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// What a limit is on.
+/// The quantity that is limited.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Quantity {
@@ -34,11 +34,13 @@ pub enum Quantity {
     PathDeviation,
     /// Angle between the tool and the orientation of its path.
     OrientationDeviation,
-    /// Misfit of position, velocity and acceleration from one sample to the next, against what the limits allow.
+    /// Misfit of position, velocity and acceleration from one sample to the next, against what the
+    /// limits allow.
     Continuity,
     /// State at the start and at the end, in units of what counts as zero.
     Ends,
-    /// What a setpoint says of the tool against what its joints do, in units of what counts as zero.
+    /// Difference between the tool of a setpoint and the tool of its joints, in units of what
+    /// counts as zero.
     SetpointAgreement,
     /// A corner or a jump of curvature that a limit on acceleration or jerk cannot pass in motion.
     Corner,
@@ -46,8 +48,8 @@ pub enum Quantity {
     StartSpeed,
     /// The speed asked for at the end.
     EndSpeed,
-    /// What the rest of the path leaves room for.
-    Ahead,
+    /// The speed that the rest of the path allows.
+    ControllableSet,
     /// A row of the caller's own.
     Other,
 }
@@ -76,7 +78,7 @@ impl Quantity {
             Self::Corner => "corner",
             Self::StartSpeed => "start speed",
             Self::EndSpeed => "end speed",
-            Self::Ahead => "the rest of the path",
+            Self::ControllableSet => "the rest of the path",
             Self::Other => "custom row",
         }
     }
@@ -89,7 +91,7 @@ impl Quantity {
             Self::JointAcceleration => "rad/s^2",
             Self::JointJerk => "rad/s^3",
             Self::JointTorque => "N m",
-            Self::Feed | Self::Corner | Self::StartSpeed | Self::EndSpeed | Self::Ahead => "m/s",
+            Self::Feed | Self::Corner | Self::StartSpeed | Self::EndSpeed | Self::ControllableSet => "m/s",
             Self::TangentialAcceleration | Self::NormalAcceleration => "m/s^2",
             Self::TangentialJerk | Self::NormalJerk => "m/s^3",
             Self::ChordError | Self::PathDeviation => "m",
@@ -104,7 +106,7 @@ impl fmt::Display for Quantity {
     }
 }
 
-/// Which limit a row stems from: the quantity, and the joint where there is one.
+/// The limit that a row stems from: the quantity, and the joint if there is one.
 ///
 /// Prints as a person would say it; joints are counted from 1 there, from 0 in the field.
 ///
@@ -115,9 +117,9 @@ impl fmt::Display for Quantity {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct LimitId {
-    /// What is limited.
+    /// The limited quantity.
     pub quantity: Quantity,
-    /// Which joint, from 0.
+    /// Index of the joint, from 0.
     pub joint: Option<u16>,
 }
 
@@ -143,10 +145,12 @@ impl fmt::Display for LimitId {
     }
 }
 
-/// `lo <= a u + b x + c sqrt(x) + d <= hi` at one place of the path, with `x = (ds/dt)^2` and `u = d2s/dt2`.
+/// `lo <= a u + b x + c sqrt(x) + d <= hi` at one place of the path, with `x = (ds/dt)^2` and
+/// `u = d2s/dt2`.
 ///
-/// Joint acceleration has `a = q'`, `b = q''`; torque adds viscous friction as `c` and gravity with Coulomb friction as
-/// `d` (Electronics 2025, 14, 3869, eqs. 5 and 8). The unit is that of the limited quantity.
+/// Joint acceleration has `a = q'`, `b = q''`; torque adds viscous friction as `c` and gravity with
+/// Coulomb friction as `d` (Electronics 2025, 14, 3869, eqs. 5 and 8). The unit is that of the
+/// limited quantity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Row {
     /// Factor of `u`.
@@ -155,13 +159,13 @@ pub struct Row {
     pub b: f64,
     /// Factor of `sqrt(x)`.
     pub c: f64,
-    /// What remains at rest.
+    /// Value at rest.
     pub d: f64,
     /// Least value allowed; may be `-inf`.
     pub lo: f64,
     /// Greatest value allowed; may be `inf`.
     pub hi: f64,
-    /// Where the row comes from.
+    /// The limit that the row states.
     pub source: LimitId,
 }
 
@@ -177,22 +181,25 @@ impl Row {
         self.a * u + self.b * x + friction + self.d
     }
 
-    /// By how much the value at `(u, x)` is outside its bounds; 0 inside.
+    /// Excess of the value at `(u, x)` over its bounds; 0 inside.
     pub fn excess(&self, u: f64, x: f64) -> f64 {
         let value = self.value(u, x);
         (value - self.hi).max(self.lo - value).max(0.0)
     }
 
     pub(crate) fn is_sound(&self) -> bool {
-        // Two tests without a branch between them, since this runs over every row. The difference of the bounds is negative
-        // where they exclude each other and NaN where both are the same infinity.
+        // Two tests without a branch between them, since this runs over every row. The difference
+        // of the bounds is negative where they exclude each other and NaN where both are the same
+        // infinity.
         ((self.a + self.b + self.c + self.d).abs() < f64::INFINITY) & (self.hi - self.lo >= 0.0)
     }
 }
 
-/// `|(alpha w + beta u + gamma x) sqrt(x)| <= limit` with `w = du/ds`: a limit on the third derivative in time.
+/// `|(alpha w + beta u + gamma x) sqrt(x)| <= limit` with `w = du/ds`: a limit on the third
+/// derivative in time.
 ///
-/// Joint jerk has `alpha = q'`, `beta = 3 q''`, `gamma = q'''`; tangential jerk `alpha = 1` and nothing else.
+/// Joint jerk has `alpha = q'`, `beta = 3 q''`, `gamma = q'''`; tangential jerk `alpha = 1` and
+/// nothing else.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JerkRow {
     /// Factor of `w`.
@@ -203,7 +210,7 @@ pub struct JerkRow {
     pub gamma: f64,
     /// Greatest magnitude allowed, above 0; may be `inf`.
     pub limit: f64,
-    /// Where the row comes from.
+    /// The limit that the row states.
     pub source: LimitId,
 }
 
@@ -214,15 +221,15 @@ impl JerkRow {
     }
 }
 
-/// One limit over a whole interval of the grid, by magnitudes that its terms do not exceed anywhere on it. `v`, `u` and `j` are
-/// speed, acceleration and jerk along the path.
+/// One limit over a whole interval of the grid, by magnitudes that its terms do not exceed anywhere
+/// on it. `v`, `u` and `j` are speed, acceleration and jerk along the path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum IntervalBound {
     /// `v <= most`.
     Speed {
         /// Greatest speed.
         most: f64,
-        /// Where the bound comes from.
+        /// The limit that the bound states.
         source: LimitId,
     },
     /// `a |u| + b v^2 + c v + rest <= limit`.
@@ -233,11 +240,11 @@ pub enum IntervalBound {
         b: f64,
         /// Factor of the speed.
         c: f64,
-        /// What remains at rest.
+        /// Value at rest.
         rest: f64,
         /// Greatest value, above 0.
         limit: f64,
-        /// Where the bound comes from.
+        /// The limit that the bound states.
         source: LimitId,
     },
     /// `alpha |j| + beta v |u| + gamma v^3 + step v^2 <= limit`.
@@ -248,11 +255,12 @@ pub enum IntervalBound {
         beta: f64,
         /// Factor of the cubed speed.
         gamma: f64,
-        /// Jump of the acceleration at an end of the interval by the squared speed, over the time it is spread over.
+        /// Jump of the acceleration at an end of the interval by the squared speed, over the time
+        /// it is spread over.
         step: f64,
         /// Greatest value, above 0.
         limit: f64,
-        /// Where the bound comes from.
+        /// The limit that the bound states.
         source: LimitId,
     },
 }

@@ -15,7 +15,7 @@
 use std::hint::black_box;
 use std::time::Duration;
 
-use arcfeed_feedrate::{FeedPlanner, MotionLimits, SProfile, SpeedLaw};
+use arcfeed_feedrate::{AxisLimits, FeedPlanner, SProfile, SpeedLaw};
 use arcfeed_geometry::{ArcLengthCurve, NurbsCurve, OrientationPath, PosePath};
 use arcfeed_interp::{Limits, Method, Planner, ToolLimits, ToolPath};
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
@@ -91,7 +91,7 @@ fn pipeline(c: &mut Criterion) {
         });
     });
 
-    let limits = MotionLimits::new(0.1, 1.0, 20.0).expect("above 0");
+    let limits = AxisLimits::symmetric(0.1, 1.0, 20.0).expect("above 0");
     c.bench_function("one S-profile", |b| {
         b.iter(|| SProfile::new(black_box(0.05), black_box(0.01), black_box(0.03), &limits));
     });

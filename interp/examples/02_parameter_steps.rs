@@ -2,7 +2,7 @@
 //!
 //! `cargo run -p arcfeed-interp --example 02_parameter_steps`
 
-use arcfeed_feedrate::{MotionLimits, SProfile};
+use arcfeed_feedrate::{AxisLimits, SProfile};
 use arcfeed_geometry::{ArcLengthCurve, NurbsCurve};
 use arcfeed_interp::parameter::{
     ArcLengthStep, CompensatedTaylor, FirstTaylor, ParameterStep, SecondTaylor, fluctuation,
@@ -21,7 +21,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let curve =
         NurbsCurve::new(3, points, vec![1.0, 2.0, 5.0, 2.0, 1.0], vec![0.0, 0.0, 0.0, 0.0, 0.5, 1.0, 1.0, 1.0, 1.0])?;
     let path = ArcLengthCurve::new(curve, 1e-15)?;
-    let law = SProfile::new(path.length(), 0.0, 0.0, &MotionLimits::new(0.05, 1.0, 50.0)?)?;
+    let law = SProfile::new(path.length(), 0.0, 0.0, &AxisLimits::symmetric(0.05, 1.0, 50.0)?)?;
     let mut steps: Vec<Box<dyn ParameterStep>> = vec![
         Box::new(FirstTaylor::new(path.curve())),
         Box::new(SecondTaylor::new(path.curve())),

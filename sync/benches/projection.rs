@@ -7,14 +7,14 @@ use std::hint::black_box;
 
 use arcfeed_sync::nalgebra::{Isometry3, SVector, Vector3};
 use arcfeed_sync::{
-    AxisLimits, JointState, PoseLimits, PoseProjectionSync, PoseState, ProjectionStatus, ProjectionSync,
+    JointState, PoseLimits, PoseProjectionSync, PoseState, ProjectionStatus, ProjectionSync, symmetric_limits,
 };
 use criterion::{Criterion, criterion_group, criterion_main};
 
 type V6 = SVector<f64, 6>;
 
 fn joints(c: &mut Criterion) {
-    let limits = AxisLimits::new(V6::repeat(3.0), V6::repeat(15.0), V6::repeat(300.0)).unwrap();
+    let limits = symmetric_limits(V6::repeat(3.0), V6::repeat(15.0), V6::repeat(300.0)).unwrap();
     let (near, far) = (V6::repeat(0.3), V6::from([1.5, -0.8, 0.7, -1.5, -1.57, 0.6]));
     let mut start = JointState::rest(V6::zeros());
     start.qd = V6::from([0.5, 0.2, -0.3, 1.0, -1.0, 0.1]);

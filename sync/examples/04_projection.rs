@@ -2,9 +2,11 @@
 use std::fmt::Write as _;
 use std::time::Instant;
 
+use arcfeed_sync::feedrate::AxisLimits;
 use arcfeed_sync::nalgebra::{Isometry3, Quaternion, SVector, UnitQuaternion};
 use arcfeed_sync::{
-    AxisLimits, JointState, PoseLimits, PoseProjectionSync, PoseState, ProjectionStatus, ProjectionSync, SyncError,
+    JointState, PoseLimits, PoseProjectionSync, PoseState, ProjectionStatus, ProjectionSync, SyncError,
+    symmetric_limits,
 };
 
 mod liu_2024;
@@ -13,12 +15,12 @@ use liu_2024 as paper;
 type V6 = SVector<f64, 6>;
 type Run = Vec<(f64, JointState<6>)>;
 
-fn limits() -> Result<AxisLimits<6>, SyncError> {
+fn limits() -> Result<[AxisLimits; 6], SyncError> {
     let a = V6::from(paper::TABLE_7_ACCELERATION);
-    AxisLimits::new(V6::from(paper::TABLE_7_VELOCITY), a, paper::JERK_PER_ACCELERATION * a)
+    symmetric_limits(V6::from(paper::TABLE_7_VELOCITY), a, paper::JERK_PER_ACCELERATION * a)
 }
 
-fn run(start: &JointState<6>, targets: &[(f64, [f64; 6])], limits: &AxisLimits<6>) -> Result<Run, SyncError> {
+fn run(start: &JointState<6>, targets: &[(f64, [f64; 6])], limits: &[AxisLimits; 6]) -> Result<Run, SyncError> {
     let mut sync = ProjectionSync::new(start, V6::from(targets[0].1), limits)?;
     let mut run = vec![(0.0, *start)];
     let (mut cycle, mut next) = (0u32, 1);
@@ -42,12 +44,17 @@ fn run(start: &JointState<6>, targets: &[(f64, [f64; 6])], limits: &AxisLimits<6
 }
 
 /// The largest use of the three limits, and the last time at which one was exceeded.
-fn use_of_limits(run: &Run, limits: &AxisLimits<6>) -> ([f64; 3], f64) {
+fn use_of_limits(run: &Run, limits: &[AxisLimits; 6]) -> ([f64; 3], f64) {
     let (mut used, mut last) = ([0.0f64; 3], 0.0);
     for (t, s) in run {
-        let orders = [(&s.qd, limits.velocity()), (&s.qdd, limits.acceleration()), (&s.qddd, limits.jerk())];
+        let bound = |of: fn(&AxisLimits) -> f64| V6::from_fn(|k, _| of(&limits[k]));
+        let orders = [
+            (&s.qd, bound(AxisLimits::v_max)),
+            (&s.qdd, bound(AxisLimits::a_max)),
+            (&s.qddd, bound(AxisLimits::j_max)),
+        ];
         for (used, (x, bound)) in used.iter_mut().zip(orders) {
-            let ratio = x.component_div(bound).amax();
+            let ratio = x.component_div(&bound).amax();
             *used = used.max(ratio);
             if ratio > 1.0 + 1e-9 {
                 last = *t;
@@ -57,7 +64,7 @@ fn use_of_limits(run: &Run, limits: &AxisLimits<6>) -> ([f64; 3], f64) {
     (used, last)
 }
 
-fn report(what: &str, run: &Run, limits: &AxisLimits<6>) {
+fn report(what: &str, run: &Run, limits: &[AxisLimits; 6]) {
     let ((t, end), (used, last)) = (run[run.len() - 1], use_of_limits(run, limits));
     println!("{what}: arrives at {t:.4} s, velocity {:.0e}, acceleration {:.0e}", end.qd.amax(), end.qdd.amax());
     println!("  most of velocity, acceleration, jerk limit: {:.3} {:.3} {:.3}", used[0], used[1], used[2]);
@@ -115,17 +122,17 @@ fn pose() -> Result<(), SyncError> {
 }
 
 /// Three panels, one colour a joint, each quantity as a part of its limit, so that one pair of lines bounds all.
-fn write(name: &str, title: &str, run: &Run, limits: &AxisLimits<6>) -> std::io::Result<()> {
+fn write(name: &str, title: &str, run: &Run, limits: &[AxisLimits; 6]) -> std::io::Result<()> {
     const COLOURS: [&str; 6] = ["#1f6fb2", "#d2691e", "#2e8b57", "#8e44ad", "#b8860b", "#c2185b"];
     let (width, height, left, top) = (960.0, 230.0, 80.0, 60.0);
     let (w, h) = (width - left - 30.0, height - 35.0);
     let end = run[run.len() - 1].0;
-    type Quantity = fn(&JointState<6>, &AxisLimits<6>, usize) -> f64;
+    type Quantity = fn(&JointState<6>, &[AxisLimits; 6], usize) -> f64;
     let panels: [(&str, Quantity, bool); 4] = [
         ("q rad", |s, _, k| s.q[k], false),
-        ("qd / limit", |s, l, k| s.qd[k] / l.velocity()[k], true),
-        ("qdd / limit", |s, l, k| s.qdd[k] / l.acceleration()[k], true),
-        ("qddd / limit", |s, l, k| s.qddd[k] / l.jerk()[k], true),
+        ("qd / limit", |s, l, k| s.qd[k] / l[k].v_max(), true),
+        ("qdd / limit", |s, l, k| s.qdd[k] / l[k].a_max(), true),
+        ("qddd / limit", |s, l, k| s.qddd[k] / l[k].j_max(), true),
     ];
     let total = top + height * panels.len() as f64 + 20.0;
     let mut svg = format!(

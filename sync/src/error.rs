@@ -1,4 +1,4 @@
-//! What can be wrong with a request, with the numbers that say why.
+//! Errors of a request, with the numbers that explain them.
 
 /// Why a synchronised motion was refused.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -13,7 +13,7 @@ pub enum SyncError {
         what: &'static str,
         /// The value given.
         value: f64,
-        /// What the value must be.
+        /// The rule that the value must keep.
         rule: &'static str,
     },
     /// A requested duration is NaN, infinite or negative.
@@ -29,7 +29,7 @@ pub enum SyncError {
         what: &'static str,
         /// The value given.
         value: f64,
-        /// What the value must be.
+        /// The rule that the value must keep.
         rule: &'static str,
     },
     /// A control cycle is NaN, infinite, zero or negative.
@@ -43,15 +43,15 @@ pub enum SyncError {
     State {
         /// Index of the axis, from 0.
         axis: usize,
-        /// What is wrong with it.
-        source: arcfeed_feedrate::StateToStateError,
+        /// The error of the axis.
+        source: arcfeed_feedrate::FeedError,
     },
     /// There is no axis with this index.
     #[error("there is no axis {}: there are {count}", axis + 1)]
     NoSuchAxis {
         /// The index given.
         axis: usize,
-        /// How many axes there are.
+        /// Number of axes.
         count: usize,
     },
     /// A motion that has to be straight cannot be.
@@ -112,12 +112,13 @@ pub enum SyncError {
         axis: usize,
         /// The farthest position (rad or m).
         position: f64,
-        /// When it is there, from now on (s).
+        /// Time of that position, from now on (s).
         time: f64,
         /// The end of the range it passes.
         limit: f64,
     },
-    /// An axis that goes on after its target, or where it is now, cannot stop before its range ends.
+    /// An axis that goes on after its target, or where it is now, cannot stop before its range
+    /// ends.
     #[error(
         "axis {} goes on from its {what} and cannot stop before {limit}, the end of its range: it would be at \
          {position}; lower the velocity of its {what} or move that away from the end",
@@ -144,9 +145,6 @@ pub enum SyncError {
         "the motion is not representable in finite numbers for these arguments; use units in which the numbers are closer to 1"
     )]
     OutOfRange,
-    /// The scalar motion along the line cannot be built.
-    #[error("along the line: {0}")]
-    Line(#[from] arcfeed_feedrate::FeedError),
 }
 
 impl SyncError {

@@ -1,33 +1,38 @@
 //! Several axes moving together.
 //!
-//! [`PointToPoint`] moves `N` axes from rest to rest on an exactly straight line in joint space, as fast as the
-//! bounds of each axis on velocity, acceleration and jerk allow. All axes share one scalar motion, so they start and stop together.
+//! [`Trajectory::rest_to_rest`] moves `N` axes from rest to rest on an exactly straight line in
+//! joint space, as fast as the limits of each axis on velocity, acceleration and jerk allow. All
+//! axes start and stop together.
 //!
-//! [`ProjectionSync`] takes them, and [`PoseProjectionSync`] a tool, from any state of motion to rest at a target that may change in any
-//! cycle, on a straight line as soon as the state permits.
+//! [`ProjectionSync`] takes them, and [`PoseProjectionSync`] a tool, from any state of motion to
+//! rest at a target that may change in any cycle, on a straight line as soon as the state permits.
 //!
-//! [`Trajectory`] moves them from any state of motion to any other: together in the shortest common time, each on its
-//! own, or on a straight line ([`Synchronisation`]). [`OnlineGenerator`] does so cycle by cycle, while targets and limits change.
+//! [`Trajectory`] moves them from any state of motion to any other: together in the shortest common
+//! time, each on its own, or on a straight line ([`Synchronisation`]). [`OnlineGenerator`] does so
+//! cycle by cycle, while targets and limits change.
 //!
-//! Positions are in radians and times in seconds; prismatic axes in metres work just as well, axis by axis.
+//! Positions are in radians and times in seconds; prismatic axes in metres work just as well, axis
+//! by axis.
 #![forbid(unsafe_code)]
 
-pub mod error;
-pub mod generator;
-pub mod mode;
-pub mod point_to_point;
-pub mod projection;
-pub mod sampler;
+mod error;
+mod generator;
+mod joint_state;
+mod limits;
+mod mode;
+mod projection;
+mod sampler;
 pub mod so3;
-pub mod state_to_state;
+mod state_to_state;
 mod straight;
 
 pub use arcfeed_feedrate as feedrate;
 pub use error::SyncError;
 pub use generator::{Events, OnlineGenerator, Step};
+pub use joint_state::JointState;
+pub use limits::symmetric_limits;
 pub use mode::{MotionOptions, Synchronisation};
 pub use nalgebra;
-pub use point_to_point::{AxisLimits, JointState, PointToPoint};
 pub use projection::{
     PoseLimits, PoseProjectionSync, PoseState, PoseStep, ProjectionStatus, ProjectionStep, ProjectionSync,
 };

@@ -1,8 +1,8 @@
-//! How the axes of one motion belong together.
+//! Synchronisation of the axes of one motion.
 
 use crate::error::SyncError;
 
-/// What the axes of a motion have in common.
+/// Synchronisation of the axes of a motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Synchronisation {
@@ -11,8 +11,8 @@ pub enum Synchronisation {
     /// The end: all axes arrive at the same time, the earliest that is possible.
     #[default]
     Time,
-    /// The line, wherever both states lie on one: all axes move in proportion, exactly straight, as fast as that allows. Otherwise
-    /// as [`Synchronisation::Time`].
+    /// The line, wherever both states lie on one: all axes move in proportion, exactly straight, as
+    /// fast as that allows. Otherwise as [`Synchronisation::Time`].
     StraightLine,
     /// The line or nothing: a motion that cannot be straight is refused.
     ForcedStraight,
@@ -54,7 +54,7 @@ impl MotionOptions {
         Ok(Self { cycle: Some(cycle), ..self })
     }
 
-    /// What the axes have in common.
+    /// The synchronisation of the axes.
     pub const fn synchronisation(&self) -> Synchronisation {
         self.synchronisation
     }

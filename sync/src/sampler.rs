@@ -2,7 +2,7 @@
 
 use arcfeed_feedrate::{MotionState, Phase, StateToState};
 
-use crate::point_to_point::JointState;
+use crate::joint_state::JointState;
 use crate::state_to_state::Trajectory;
 
 /// Samples of a [`Trajectory`]: any order of times is fine, neighbouring ones are fast.
@@ -36,7 +36,7 @@ impl<const N: usize> Trajectory<N> {
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Window {
     phase: Phase,
-    lasting: f64,
+    duration: f64,
     until: f64,
 }
 
@@ -45,12 +45,12 @@ impl Window {
     #[inline]
     pub fn sample(&mut self, motion: &StateToState, t: f64) -> MotionState {
         if !(self.phase.t <= t && t < self.until) {
-            (self.phase, self.lasting, self.until) = motion.phase_at(t);
+            (self.phase, self.duration, self.until) = motion.phase_at(t);
             if !(self.phase.t <= t && t < self.until) {
                 // The very end, before the start, or not a number.
                 return motion.at_or_after(t);
             }
         }
-        self.phase.after((t - self.phase.t).min(self.lasting))
+        self.phase.after((t - self.phase.t).min(self.duration))
     }
 }

@@ -1,7 +1,9 @@
-//! Rotations as vectors: exponential, logarithm, and what the derivatives of a rotation vector mean as angular rates.
+//! Rotations as vectors: exponential, logarithm, and what the derivatives of a rotation vector mean
+//! as angular rates.
 //!
-//! A rotation vector `phi` turns by `|phi|` about its own direction. All formulas are in base axes: with `R = exp(phi(t)) R0`
-//! the angular velocity is `omega = J(phi) phi'`, `J` the left Jacobian. Nothing is singular at zero.
+//! A rotation vector `phi` turns by `|phi|` about its own direction. All formulas are in base axes:
+//! with `R = exp(phi(t)) R0` the angular velocity is `omega = J(phi) phi'`, `J` the left Jacobian.
+//! Nothing is singular at zero.
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
@@ -19,8 +21,9 @@ pub fn exp(phi: &Vector3<f64>) -> UnitQuaternion<f64> {
     UnitQuaternion::new_unchecked(Quaternion::from_parts(half.cos(), phi * (0.5 * sinc)))
 }
 
-/// The rotation vector of `q`, on the shorter arc: at most pi long. (Liu et al. 2024, eq. 19: `2 Im log q`; `q` and `-q` are the same
-/// rotation, and the one with a non-negative real part is the shorter way.)
+/// The rotation vector of `q`, on the shorter arc: at most pi long. (Liu et al. 2024, eq. 19:
+/// `2 Im log q`; `q` and `-q` are the same rotation, and the one with a non-negative real part is
+/// the shorter way.)
 pub fn log(q: &UnitQuaternion<f64>) -> Vector3<f64> {
     let sign = if q.w < 0.0 { -1.0 } else { 1.0 };
     let (v, w) = (q.imag() * sign, q.w * sign);
@@ -67,7 +70,8 @@ pub fn left_jacobian(phi: &Vector3<f64>) -> Matrix3<f64> {
     Matrix3::identity() + cross * c1 + cross * cross * c2
 }
 
-/// Angular velocity and acceleration of `exp(phi(t)) R0` from the first two derivatives of `phi`, in base axes.
+/// Angular velocity and acceleration of `exp(phi(t)) R0` from the first two derivatives of `phi`,
+/// in base axes.
 pub fn angular_rates(phi: &Vector3<f64>, rate: &Vector3<f64>, second: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
     let [c1, c2, d1, d2] = coefficients(phi.norm_squared());
     let jacobian = |y: &Vector3<f64>| {
@@ -75,13 +79,15 @@ pub fn angular_rates(phi: &Vector3<f64>, rate: &Vector3<f64>, second: &Vector3<f
         y + once * c1 + phi.cross(&once) * c2
     };
     let (turn, grow) = (phi.cross(rate), phi.dot(rate));
-    // The derivative of J, applied to the rate: of its three cross products only those with phi x rate are not zero.
+    // The derivative of J, applied to the rate: of its three cross products only those with phi x
+    // rate are not zero.
     let change = turn * (d1 * grow) + phi.cross(&turn) * (d2 * grow) + rate.cross(&turn) * c2;
     (jacobian(rate), jacobian(second) + change)
 }
 
-/// The rotation after `h` seconds with the angular velocities `early` and `late` at the Gauss points `(1/2 -+ sqrt(3)/6) h`,
-/// exponentially and to fourth order (Liu et al. 2024, eq. 20, corrected: there a sum of quaternions).
+/// The rotation after `h` seconds with the angular velocities `early` and `late` at the Gauss
+/// points `(1/2 -+ sqrt(3)/6) h`, exponentially and to fourth order (Liu et al. 2024, eq. 20,
+/// corrected: there a sum of quaternions).
 pub fn step(from: &UnitQuaternion<f64>, early: &Vector3<f64>, late: &Vector3<f64>, h: f64) -> UnitQuaternion<f64> {
     let mean = (early + late) * (0.5 * h);
     let commutator = early.cross(late) * (h * h * 3f64.sqrt() / 12.0);

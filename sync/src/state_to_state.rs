@@ -1,18 +1,21 @@
 //! Several axes from state to state in a common time.
 
-use arcfeed_feedrate::{AxisLimits, AxisProblem, AxisState, MotionLaw, StateToState, StateToStateError};
+use arcfeed_feedrate::{AxisLimits, AxisProblem, AxisState, FeedError, MotionLaw, StateToState};
+
+use nalgebra::SVector;
 
 use crate::error::SyncError;
+use crate::joint_state::JointState;
 use crate::mode::{MotionOptions, Synchronisation};
-use crate::point_to_point::JointState;
 use crate::straight::Line;
 
 /// The shortest common motion of `N` axes, each from a state to a state within its own limits.
 ///
-/// With [`Synchronisation::Time`] the duration is the smallest one that every axis can meet. Between moving states that may be more
-/// than the slowest axis needs: a faster axis may be unable to take just a little longer (see
-/// [`Durations`](arcfeed_feedrate::Durations)). All other axes stretch their motion to it with one cruise velocity
-/// (Liu et al. 2024, section 4.1, corrected: see [`AxisProblem::lasting`]).
+/// With [`Synchronisation::Time`] the duration is the smallest one that every axis can meet.
+/// Between moving states that may be more than the slowest axis needs: a faster axis may be unable
+/// to take just a little longer (see [`Durations`](arcfeed_feedrate::Durations)). All other axes
+/// stretch their motion to it with one cruise velocity (Liu et al. 2024, section 4.1, corrected:
+/// see [`AxisProblem::with_duration`]).
 ///
 /// ```
 /// use arcfeed_sync::feedrate::{AxisLimits, AxisState};
@@ -38,8 +41,9 @@ impl<const N: usize> Trajectory<N> {
     /// The shortest motion from `start` to `target` within `limits`, as told by `options`.
     ///
     /// # Errors
-    /// [`SyncError::State`] naming the axis; with [`Synchronisation::None`] also if an axis that arrives before the others
-    /// cannot go on within its velocity limits; with [`Synchronisation::ForcedStraight`] [`SyncError::NotStraight`] and
+    /// [`SyncError::State`] naming the axis; with [`Synchronisation::None`] also if an axis that
+    /// arrives before the others cannot go on within its velocity limits; with
+    /// [`Synchronisation::ForcedStraight`] [`SyncError::NotStraight`] and
     /// [`SyncError::LineExceeds`].
     pub fn new(
         start: &[AxisState; N],
@@ -56,7 +60,45 @@ impl<const N: usize> Trajectory<N> {
         }
     }
 
-    /// Of motions that belong to no line.
+    /// The fastest motion from rest to rest on the straight line between two positions (rad),
+    /// lasting at least `least_duration` (s). Between equal positions the duration is 0.
+    ///
+    /// On the line every limit of an axis is a limit of the axis that moves farthest, so that its
+    /// shortest motion within the tightest of them is time-optimal among all motions on that line.
+    ///
+    /// ```
+    /// use arcfeed_sync::{Trajectory, symmetric_limits};
+    /// use nalgebra::Vector3;
+    /// let limits = symmetric_limits(Vector3::repeat(2.0), Vector3::repeat(10.0), Vector3::repeat(200.0))?;
+    /// let goal = Vector3::new(1.0, -0.5, 0.0);
+    /// let motion = Trajectory::rest_to_rest(Vector3::zeros(), goal, &limits, 0.0)?;
+    /// assert_eq!(motion.at(motion.duration()).q, goal);
+    /// # Ok::<(), arcfeed_sync::SyncError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`SyncError::Axis`] if a position is not finite; [`SyncError::Duration`] if `least_duration`
+    /// is negative or not finite; [`SyncError::State`] if the numbers leave the range of `f64`.
+    pub fn rest_to_rest(
+        start: SVector<f64, N>,
+        goal: SVector<f64, N>,
+        limits: &[AxisLimits; N],
+        least_duration: f64,
+    ) -> Result<Self, SyncError> {
+        let options = MotionOptions::new(Synchronisation::ForcedStraight).with_least_duration(least_duration)?;
+        for (what, vector) in [("start", start), ("goal", goal), ("distance", goal - start)] {
+            for (axis, &value) in vector.iter().enumerate() {
+                if !value.is_finite() {
+                    return Err(SyncError::Axis { axis, what, value, rule: "finite" });
+                }
+            }
+        }
+        let options = if start == goal { MotionOptions::new(Synchronisation::ForcedStraight) } else { options };
+        let at_rest = |q: SVector<f64, N>| std::array::from_fn(|k| AxisState::rest(q[k]));
+        Self::straight(&at_rest(start), &at_rest(goal), limits, &options)
+    }
+
+    /// Combines motions that belong to no line.
     pub(crate) fn of(axes: [StateToState; N]) -> Self {
         let duration = axes.iter().fold(0.0, |t: f64, a| t.max(a.duration()));
         Self { axes, duration, straight: false }
@@ -85,7 +127,7 @@ impl<const N: usize> Trajectory<N> {
         let mut axes = [StateToState::default(); N];
         for axis in 0..N {
             axes[axis] = AxisProblem::new(&start[axis], &target[axis], &limits[axis])
-                .and_then(|problem| lasting_at_least(&problem, options))
+                .and_then(|problem| with_least_duration(&problem, options))
                 // The others may arrive later.
                 .and_then(|motion| limits[axis].check_leaving(&target[axis]).map(|()| motion))
                 .map_err(|source| SyncError::State { axis, source })?;
@@ -113,7 +155,7 @@ impl<const N: usize> Trajectory<N> {
         for _ in 0..ROUNDS * (N + 1) {
             match all.fill(&problems) {
                 Ok(()) => return Ok(all),
-                Err(SyncError::State { source: StateToStateError::DurationImpossible { above, .. }, .. })
+                Err(SyncError::State { source: FeedError::DurationImpossible { above, .. }, .. })
                     if above > all.duration =>
                 {
                     all.duration = options.round_up(above);
@@ -121,14 +163,16 @@ impl<const N: usize> Trajectory<N> {
                 Err(e) => return Err(e),
             }
         }
-        Err(SyncError::State { axis: 0, source: StateToStateError::OutOfRange })
+        Err(SyncError::State { axis: 0, source: FeedError::OutOfRange { what: "duration of the motion" } })
     }
 
     /// Every axis in the common duration.
-    fn fill(&mut self, problems: &[Result<AxisProblem, StateToStateError>; N]) -> Result<(), SyncError> {
+    fn fill(&mut self, problems: &[Result<AxisProblem, FeedError>; N]) -> Result<(), SyncError> {
         for (axis, (motion, problem)) in self.axes.iter_mut().zip(problems).enumerate() {
             if let Ok(problem) = problem {
-                problem.lasting_into(self.duration, motion).map_err(|source| SyncError::State { axis, source })?;
+                problem
+                    .with_duration_into(self.duration, motion)
+                    .map_err(|source| SyncError::State { axis, source })?;
             }
         }
         Ok(())
@@ -142,10 +186,11 @@ impl<const N: usize> Trajectory<N> {
     ) -> Result<Self, SyncError> {
         let line = Line::new(start, target, limits).map_err(|axis| SyncError::NotStraight { axis })?;
         let m = line.reference;
-        let out_of_range = SyncError::State { axis: m, source: StateToStateError::OutOfRange };
+        let out_of_range =
+            SyncError::State { axis: m, source: FeedError::OutOfRange { what: "duration of the motion" } };
         let motion = line.limits(limits).ok_or(out_of_range).and_then(|shared| {
             AxisProblem::new(&start[m], &target[m], &shared)
-                .and_then(|problem| lasting_at_least(&problem, options))
+                .and_then(|problem| with_least_duration(&problem, options))
                 .map_err(|source| SyncError::State { axis: m, source })
         });
         let motion = match motion {
@@ -154,7 +199,8 @@ impl<const N: usize> Trajectory<N> {
             Err(e) => return Self::each(start, target, limits, &MotionOptions::default()).and(Err(e)),
         };
         let axes = std::array::from_fn(|k| motion.in_proportion(line.ratios[k], &start[k], &target[k]));
-        // All axes share the least of their jerk limits: an axis that alone would stay inside can overshoot with it.
+        // All axes share the least of their jerk limits: an axis that alone would stay inside can
+        // overshoot with it.
         let exceeds = |k: &usize| !keeps_what_holds(&axes[*k], &start[*k], &limits[*k]);
         match (0..N).find(exceeds) {
             Some(axis) => Err(SyncError::LineExceeds { axis }),
@@ -167,7 +213,7 @@ impl<const N: usize> Trajectory<N> {
         self.duration
     }
 
-    /// Whether all axes move in proportion, on a straight line.
+    /// Returns true if all axes move in proportion, on a straight line.
     pub const fn is_straight(&self) -> bool {
         self.straight
     }
@@ -177,9 +223,10 @@ impl<const N: usize> Trajectory<N> {
         &self.axes
     }
 
-    /// The state at time `t` (s). Before 0 it is the start; an axis that has arrived goes on with the velocity of its
-    /// target, once the acceleration of the target is brought to zero with the largest jerk
-    /// ([`StateToState::at_or_after`]). Allocates nothing. For samples in the order of time see [`Trajectory::sampler`].
+    /// The state at time `t` (s). Before 0 it is the start; an axis that has arrived goes on with
+    /// the velocity of its target, once the acceleration of the target is brought to zero with the
+    /// largest jerk ([`StateToState::at_or_after`]). Allocates nothing. For samples in the order of
+    /// time see [`Trajectory::sampler`].
     pub fn at(&self, t: f64) -> JointState<N> {
         let mut state = JointState::default();
         for (k, axis) in self.axes.iter().enumerate() {
@@ -191,23 +238,23 @@ impl<const N: usize> Trajectory<N> {
 }
 
 /// The shortest motion of one axis whose duration the options allow.
-fn lasting_at_least(problem: &AxisProblem, options: &MotionOptions) -> Result<StateToState, StateToStateError> {
+fn with_least_duration(problem: &AxisProblem, options: &MotionOptions) -> Result<StateToState, FeedError> {
     let mut t = options.round_up(problem.shortest_duration());
     for _ in 0..ROUNDS {
-        match problem.lasting(t) {
-            Err(StateToStateError::DurationImpossible { above, .. }) if above > t => t = options.round_up(above),
+        match problem.with_duration(t) {
+            Err(FeedError::DurationImpossible { above, .. }) if above > t => t = options.round_up(above),
             done => return done,
         }
     }
-    Err(StateToStateError::OutOfRange)
+    Err(FeedError::OutOfRange { what: "duration of the motion" })
 }
 
-/// Whether a motion stays within the limits from `now` on.
+/// Returns true if a motion stays within the limits from `now` on.
 pub(crate) fn keeps(motion: &StateToState, now: f64, l: &AxisLimits) -> bool {
     motion.duration() >= now && keeps_all_of(motion, now, l, |s| l.contain_now(s))
 }
 
-/// Whether a motion keeps the limits that `start` is inside of and can stay inside of.
+/// Returns true if a motion keeps the limits that `start` is inside of and can stay inside of.
 fn keeps_what_holds(motion: &StateToState, start: &AxisState, l: &AxisLimits) -> bool {
     let velocity = |v: f64| l.contain_now(&AxisState::new(0.0, v, 0.0));
     let acceleration = |a: f64| l.contain_now(&AxisState::new(0.0, 0.0, a));
@@ -216,13 +263,14 @@ fn keeps_what_holds(motion: &StateToState, start: &AxisState, l: &AxisLimits) ->
     keeps_all_of(motion, 0.0, l, |s| (!slow || velocity(s.v)) && (!soft || acceleration(s.a)))
 }
 
-/// Whether a motion keeps its jerk limit from `now` on and `inside` holds where velocity or acceleration is extremal.
+/// Returns true if a motion keeps its jerk limit from `now` on and `inside` holds where velocity or
+/// acceleration is extremal.
 fn keeps_all_of(motion: &StateToState, now: f64, l: &AxisLimits, inside: impl Fn(&AxisState) -> bool) -> bool {
     motion.phases().filter(|(phase, dt)| phase.t + dt > now).all(|(phase, dt)| {
         let from = (now - phase.t).max(0.0);
         let top = -phase.a / phase.j;
         let top = if top > from && top < dt { top } else { from };
-        let jerk = phase.j >= l.j_min() * ROUNDED && phase.j <= l.j_max() * ROUNDED;
+        let jerk = phase.j >= l.j_min() * ROUND_OFF_FACTOR && phase.j <= l.j_max() * ROUND_OFF_FACTOR;
         jerk && [from, top, dt].into_iter().all(|t| {
             let s = phase.after(t);
             inside(&AxisState::new(s.p, s.v, s.a))
@@ -231,7 +279,7 @@ fn keeps_all_of(motion: &StateToState, now: f64, l: &AxisLimits, inside: impl Fn
 }
 
 /// Limits are kept up to this factor of round-off.
-const ROUNDED: f64 = 1.0 + 16.0 * f64::EPSILON;
+const ROUND_OFF_FACTOR: f64 = 1.0 + 16.0 * f64::EPSILON;
 
 /// More blocked intervals than an axis has.
 const ROUNDS: usize = 8;

@@ -11,7 +11,8 @@ pub(crate) struct Line<const N: usize> {
     pub ratios: [f64; N],
 }
 
-/// A vector of both states that must point along the line, and the round-off in each of its components.
+/// A vector of both states that must point along the line, and the round-off in each of its
+/// components.
 struct Part<const N: usize> {
     values: [f64; N],
     round_off: [f64; N],
@@ -20,7 +21,8 @@ struct Part<const N: usize> {
 impl<const N: usize> Part<N> {
     fn new(values: impl Fn(usize) -> f64, sizes: impl Fn(usize) -> f64) -> Self {
         let values: [f64; N] = std::array::from_fn(values);
-        // A component can be what two large numbers leave: its round-off is that of the limit, not its own.
+        // A component can be what two large numbers leave: its round-off is that of the limit, not
+        // its own.
         let round_off = std::array::from_fn(|k| ROUND_OFF * sizes(k).max(values[k].abs()));
         Self { values, round_off }
     }
@@ -30,7 +32,7 @@ impl<const N: usize> Part<N> {
         (0..N).fold(0, |m, k| if self.values[k].abs() > self.values[m].abs() { k } else { m })
     }
 
-    /// How many times its round-off the vector is long.
+    /// Length of the vector in units of its round-off.
     fn certainty(&self) -> f64 {
         if N == 0 {
             return 0.0;
@@ -43,9 +45,9 @@ impl<const N: usize> Part<N> {
 impl<const N: usize> Line<N> {
     /// The line, or the first axis that is off it.
     ///
-    /// The direction is that of the vector (displacement, velocities, accelerations) that is the longest against its own
-    /// round-off: a displacement of round-off has no direction. Every other vector must be on that line up to the round-off of
-    /// its numbers.
+    /// The direction is that of the vector (displacement, velocities, accelerations) that is the
+    /// longest against its own round-off: a displacement of round-off has no direction. Every other
+    /// vector must be on that line up to the round-off of its numbers.
     pub fn new(start: &[AxisState; N], target: &[AxisState; N], limits: &[AxisLimits; N]) -> Result<Self, usize> {
         let (s, t) = (start, target);
         let velocity = |k: usize| limits[k].v_max().max(-limits[k].v_min());
@@ -81,8 +83,13 @@ impl<const N: usize> Line<N> {
         Ok(Self { reference, ratios })
     }
 
-    /// The limits of all axes as limits of the reference axis; `None` if they leave the range of numbers.
+    /// The limits of all axes as limits of the reference axis; `None` if they leave the range of
+    /// numbers.
     pub fn limits(&self, limits: &[AxisLimits; N]) -> Option<AxisLimits> {
+        if self.ratios.iter().all(|&r| r == 0.0) {
+            // Nothing moves.
+            return limits.get(self.reference).copied();
+        }
         let mut all = [(f64::NEG_INFINITY, f64::INFINITY); 3];
         for (l, &r) in limits.iter().zip(&self.ratios) {
             if r == 0.0 {

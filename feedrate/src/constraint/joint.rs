@@ -1,7 +1,7 @@
 //! Velocity, acceleration and jerk of joints.
 
+use super::interface::{PathConstraint, Place, RowSink, Within};
 use super::path::PathDerivatives;
-use super::{PathConstraint, Place, RowSink, Within};
 use crate::error::FeedError;
 use crate::row::{IntervalBound, JerkRow, LimitId, Quantity, Row};
 
@@ -101,8 +101,8 @@ impl PathConstraint for JointVelocity<'_> {
 pub struct JointAcceleration<'a> {
     path: PathDerivatives<'a>,
     limits: &'a [f64],
-    /// The row of every joint but for its factors, which are all that changes along the path; empty if any number of the path
-    /// or any limit is not finite.
+    /// The row of every joint but for its factors, which are all that changes along the path; empty
+    /// if any number of the path or any limit is not finite.
     rows: Vec<Row>,
 }
 
@@ -182,8 +182,8 @@ impl<'a> JointJerk<'a> {
     /// Limits per joint (rad/s³ or m/s³), above 0; infinity means none.
     ///
     /// # Errors
-    /// [`FeedError::LengthMismatch`], [`FeedError::Negative`], [`FeedError::NotPositive`]; [`FeedError::Empty`] if the path
-    /// has no third derivatives.
+    /// [`FeedError::LengthMismatch`], [`FeedError::Negative`], [`FeedError::NotPositive`];
+    /// [`FeedError::Empty`] if the path has no third derivatives.
     pub fn new(path: PathDerivatives<'a>, limits: &'a [f64]) -> Result<Self, FeedError> {
         per_axis("joint jerk limits", &path, limits)?;
         if limits.contains(&0.0) {
@@ -195,8 +195,8 @@ impl<'a> JointJerk<'a> {
         Ok(Self { path, limits, used: 1.0 })
     }
 
-    /// Keeps the part `margin` of each limit back in the rows, for what the three places of an interval do not tell of the rest of it.
-    /// Bounds over whole intervals need none.
+    /// Keeps the part `margin` of each limit back in the rows, for what the three places of an
+    /// interval do not tell of the rest of it. Bounds over whole intervals need none.
     ///
     /// # Errors
     /// [`FeedError::AboveLimit`] or [`FeedError::Negative`] for a margin that is not below 1.

@@ -2,12 +2,13 @@
 
 use crate::error::FeedError;
 
-/// Derivatives by `s` of one or more axes (joints, or tool coordinates) at every grid point, row-major:
-/// entry `i * axes + j` belongs to axis `j` at grid point `i`.
+/// Derivatives by `s` of one or more axes (joints, or tool coordinates) at every grid point,
+/// row-major: entry `i * axes + j` belongs to axis `j` at grid point `i`.
 ///
-/// Where a derivative jumps at a grid point, as the third one of a cubic spline does at its knots, the main arrays hold the
-/// value just after the point and [`PathDerivatives::with_values_before`] the one just before it. A jump of the *first*
-/// derivative is a corner, at which the motion has to stop.
+/// At a grid point where a derivative jumps, as the third one of a cubic spline does at its knots,
+/// the main arrays hold the value just after the point and [`PathDerivatives::with_values_before`]
+/// the one just before it. A jump of the *first* derivative is a corner, at which the motion has to
+/// stop.
 #[derive(Debug, Clone, Copy)]
 pub struct PathDerivatives<'a> {
     axes: usize,
@@ -27,8 +28,8 @@ impl<'a> PathDerivatives<'a> {
     /// First and second derivatives at every grid point.
     ///
     /// # Errors
-    /// [`FeedError::Empty`] without axes, [`FeedError::LengthMismatch`] if the arrays differ in length or do not hold a whole
-    /// number of points.
+    /// [`FeedError::Empty`] without axes, [`FeedError::LengthMismatch`] if the arrays differ in
+    /// length or do not hold a whole number of points.
     pub fn new(axes: usize, first: &'a [f64], second: &'a [f64]) -> Result<Self, FeedError> {
         if axes == 0 || first.is_empty() {
             return Err(FeedError::Empty { what: "path derivatives" });
@@ -52,8 +53,9 @@ impl<'a> PathDerivatives<'a> {
         Ok(self)
     }
 
-    /// Gives the values just before every grid point where they may differ from those after it: first, second and third
-    /// derivatives; an empty array means "the same". The entries of the first grid point are not used.
+    /// Gives the values just before every grid point where they may differ from those after it:
+    /// first, second and third derivatives; an empty array means "the same". The entries of the
+    /// first grid point are not used.
     ///
     /// # Errors
     /// [`FeedError::LengthMismatch`].
@@ -73,8 +75,9 @@ impl<'a> PathDerivatives<'a> {
         Ok(self)
     }
 
-    /// Gives first and second derivatives in the middle of every interval (one point less than the grid has). Without
-    /// them they are interpolated from both ends by Hermite's formula, which is exact on a cubic path.
+    /// Gives first and second derivatives in the middle of every interval (one point less than the
+    /// grid has). Without them they are interpolated from both ends by Hermite's formula, which is
+    /// exact on a cubic path.
     ///
     /// # Errors
     /// [`FeedError::LengthMismatch`].
@@ -87,8 +90,8 @@ impl<'a> PathDerivatives<'a> {
         Ok(self)
     }
 
-    /// Gives the third derivatives in the middle of every interval; without them the mean of both ends is taken, which is exact on a
-    /// quartic path.
+    /// Gives the third derivatives in the middle of every interval; without them the mean of both
+    /// ends is taken, which is exact on a quartic path.
     ///
     /// # Errors
     /// [`FeedError::LengthMismatch`].
@@ -98,8 +101,8 @@ impl<'a> PathDerivatives<'a> {
         Ok(self)
     }
 
-    /// Gives magnitudes that first, second and third derivatives do not exceed on every interval. Without them those of the
-    /// cubics through values and slopes at both ends are taken.
+    /// Gives magnitudes that first, second and third derivatives do not exceed on every interval.
+    /// Without them those of the cubics through values and slopes at both ends are taken.
     ///
     /// # Errors
     /// [`FeedError::LengthMismatch`].
@@ -112,8 +115,9 @@ impl<'a> PathDerivatives<'a> {
         Ok(self)
     }
 
-    /// Gives the magnitude by which the second derivatives jump at every grid point, over the time (s) that a controller spreads the
-    /// jump over. Only scans take such jumps while the path is in motion.
+    /// Gives the magnitude by which the second derivatives jump at every grid point, over the time
+    /// (s) that a controller spreads the jump over. Only scans take such jumps while the path is in
+    /// motion.
     ///
     /// # Errors
     /// [`FeedError::LengthMismatch`].
@@ -132,7 +136,8 @@ impl<'a> PathDerivatives<'a> {
         }
     }
 
-    /// Magnitudes that the three derivatives of axis `j` do not exceed on interval `k` of length `h`.
+    /// Magnitudes that the three derivatives of axis `j` do not exceed on interval `k` of length
+    /// `h`.
     pub(super) fn interval(&self, k: usize, h: f64, j: usize) -> Jet {
         if let Some(bounds) = self.bounds {
             return bounds.map(|values| values[k * self.axes + j]);
@@ -170,12 +175,13 @@ impl<'a> PathDerivatives<'a> {
         self.points
     }
 
-    /// Whether third derivatives are known.
+    /// Returns true if third derivatives are known.
     pub fn has_third(&self) -> bool {
         !self.after[2].is_empty()
     }
 
-    /// Whether first and second derivatives just after the points are small enough for sums of two of them.
+    /// Returns true if first and second derivatives just after the points are small enough for sums
+    /// of two of them.
     pub(super) fn is_finite(&self) -> bool {
         // All that overflow or NaN could hide in is one sum, eight numbers at a time.
         let small = |values: &[f64]| {

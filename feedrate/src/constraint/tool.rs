@@ -1,11 +1,12 @@
 //! Limits of the tool: feed, speed, acceleration and jerk along the path.
 
-use super::{PathConstraint, Place, RowSink, Within};
+use super::interface::{PathConstraint, Place, RowSink, Within};
 use crate::error::{FeedError, positive};
 use crate::row::{IntervalBound, JerkRow, LimitId, Quantity, Row};
 
-/// A cap on `ds/dt` at every grid point, from whatever source: see [`crate::caps`] for normal acceleration, normal jerk and
-/// chord error from the curvature, and divide a limit on angular speed by `|d angle / ds|`.
+/// A cap on `ds/dt` at every grid point, from whatever source: see [`crate::caps`] for normal
+/// acceleration, normal jerk and chord error from the curvature, and divide a limit on angular
+/// speed by `|d angle / ds|`.
 #[derive(Debug, Clone, Copy)]
 pub struct SpeedCap<'a> {
     speeds: &'a [f64],
@@ -28,8 +29,9 @@ impl<'a> SpeedCap<'a> {
         }
     }
 
-    /// Gives the greatest `ds/dt` on the whole of every interval (one less than there are points). Without it the lower of both ends is
-    /// taken, which holds where the cap does not sag between the points.
+    /// Gives the greatest `ds/dt` on the whole of every interval (one less than there are points).
+    /// Without it the lower of both ends is taken, which holds where the cap does not sag between
+    /// the points.
     ///
     /// # Errors
     /// [`FeedError::LengthMismatch`], [`FeedError::Negative`] (also for NaN).
@@ -51,7 +53,8 @@ impl PathConstraint for SpeedCap<'_> {
         Some(self.speeds.len())
     }
 
-    /// In the middle of an interval the mean of both squares is taken: a cap is what its caller says it is at the points.
+    /// In the middle of an interval the mean of both squares is taken: a cap is what its caller
+    /// says it is at the points.
     fn rows(&self, place: Place, out: &mut RowSink<'_>) {
         let square = |i: usize| self.speeds[i] * self.speeds[i];
         match place {

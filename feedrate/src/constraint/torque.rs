@@ -1,14 +1,14 @@
 //! Torque of joints: rigid-body dynamics with Coulomb and viscous friction.
 
-use super::{PathConstraint, Place, RowSink};
+use super::interface::{PathConstraint, Place, RowSink};
 use crate::error::FeedError;
 use crate::row::{LimitId, Quantity, Row};
 
 /// `|a u + b x + c sqrt(x) + d| <= tau` for every joint (Electronics 2025, 14, 3869, eq. 8).
 ///
-/// With mass matrix `M`, Coriolis term `C`, gravity `g`, Coulomb friction `f_c` and viscous friction `f_v`:
-/// `a = M q'`, `b = M q'' + C(q, q') q'`, `c = f_v q'`, `d = g + f_c sign(q')`. The sums are the
-/// caller's, who knows the arm.
+/// With mass matrix `M`, Coriolis term `C`, gravity `g`, Coulomb friction `f_c` and viscous
+/// friction `f_v`: `a = M q'`, `b = M q'' + C(q, q') q'`, `c = f_v q'`, `d = g + f_c sign(q')`. The
+/// sums are the caller's, who knows the arm.
 #[derive(Debug, Clone, Copy)]
 pub struct JointTorque<'a> {
     joints: usize,
@@ -18,8 +18,9 @@ pub struct JointTorque<'a> {
 }
 
 impl<'a> JointTorque<'a> {
-    /// The four terms at every grid point, entry `i * joints + j` for joint `j` at point `i` (an empty array for `c` or `d`
-    /// means 0), and the limits per joint (N m), not negative; infinity means none.
+    /// The four terms at every grid point, entry `i * joints + j` for joint `j` at point `i` (an
+    /// empty array for `c` or `d` means 0), and the limits per joint (N m), not negative; infinity
+    /// means none.
     ///
     /// # Errors
     /// [`FeedError::Empty`], [`FeedError::LengthMismatch`], [`FeedError::Negative`].
@@ -55,7 +56,8 @@ impl PathConstraint for JointTorque<'_> {
         Some(self.points)
     }
 
-    /// In the middle of an interval the terms are interpolated, from four points where there are as many.
+    /// In the middle of an interval the terms are interpolated, from four points where there are as
+    /// many.
     fn rows(&self, place: Place, out: &mut RowSink<'_>) {
         let at = |values: &[f64], i: usize, j: usize| values.get(i * self.joints + j).copied().unwrap_or(0.0);
         for j in 0..self.joints {

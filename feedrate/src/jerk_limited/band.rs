@@ -13,7 +13,8 @@ impl Pentadiagonal {
         self.rows.resize(n, [0.0; 3]);
     }
 
-    /// Factors in place. A pivot that round-off has made non-positive becomes infinite, which freezes its variable.
+    /// Factors in place. A pivot that round-off has made non-positive becomes infinite, which
+    /// freezes its variable.
     pub fn factor(&mut self) {
         let n = self.rows.len();
         for i in 0..n {

@@ -1,19 +1,21 @@
-//! What happens between the knots: margins while iterating, and the check of the result.
+//! The motion between the knots: margins while iterating, and the check of the result.
 //!
-//! The coefficients of a row vary between two grid points; they are interpolated through both ends and the middle, which is
-//! exact where the path is piecewise cubic. A row then is a cubic in `s`, whose extremes are found in closed form.
+//! The coefficients of a row vary between two grid points; they are interpolated through both ends
+//! and the middle, which is exact where the path is piecewise cubic. A row then is a cubic in `s`,
+//! whose extremes are found in closed form.
 
 use std::ops::Range;
 
+use super::barrier_problem::BarrierProblem;
 use super::spline::Values;
-use super::stretch::Stretch;
 use crate::constraint::Within;
 use crate::problem::{FeedProblem, matching, quadratic};
 use crate::row::Row;
 use crate::speed_law::SpeedLaw;
 use crate::state::MotionState;
 
-/// By how much the parabola through three equidistant values leaves the range of both ends, below and above.
+/// The excess of the parabola through three equidistant values over the range of both ends, below
+/// and above.
 fn parabola_overshoot(start: f64, middle: f64, end: f64) -> [f64; 2] {
     let slope = 4.0 * middle - 3.0 * start - end;
     let bend = start - 2.0 * middle + end;
@@ -56,8 +58,9 @@ struct Edge {
     root: f64,
 }
 
-/// Values and slopes (over the unit interval) of a row at both ends of an interval of length `h`, from the row at the
-/// start, in the middle and at the end; and the value of its constant part at both ends.
+/// Values and slopes (over the unit interval) of a row at both ends of an interval of length `h`,
+/// from the row at the start, in the middle and at the end; and the value of its constant part at
+/// both ends.
 fn along([p, m, q]: [&Row; 3], [near, far]: [Edge; 2], h: f64) -> ([f64; 2], [f64; 2]) {
     let w = (far.u - near.u) / h;
     let at = |edge: Edge, row: &Row, slope: &dyn Fn(fn(&Row) -> f64) -> f64| {
@@ -76,31 +79,34 @@ fn along([p, m, q]: [&Row; 3], [near, far]: [Edge; 2], h: f64) -> ([f64; 2], [f6
     ([start, end], [slope, end_slope])
 }
 
-/// How much of its slack a row keeps at least when a new margin is set, so that the iterate stays strictly inside.
-const KEPT: f64 = 0.3;
+/// Least part of its slack that a row keeps when a new margin is set, so that the iterate stays
+/// strictly inside.
+const KEPT_SLACK: f64 = 0.3;
 
 /// The least part of a limit that margins leave.
 const LEAST_PART: f64 = 0.5;
 
-impl Stretch {
-    /// Sets margins on jerk at the ends of every interval so that the current `x(s)` keeps inside it what it keeps there.
-    /// None grows past what leaves the iterate strictly inside.
+impl BarrierProblem {
+    /// Sets margins on jerk at the ends of every interval so that the current `x(s)` keeps inside
+    /// it what it keeps there. None grows past what leaves the iterate strictly inside.
     pub fn set_margins(&mut self, problem: &FeedProblem, values: &Values) {
         // Not while the bounds are widened: the iterate is outside the true ones.
         let intervals = if self.jerk_wider == 0.0 { self.knots.intervals() } else { 0 };
         for k in 0..intervals {
-            self.set_jerk_parts(problem, k, values, |here, part| here + KEPT * (part - here));
+            self.set_jerk_parts(problem, k, values, |here, part| here + KEPT_SLACK * (part - here));
         }
     }
 
-    /// Sets margins such that jerk along the given values would keep inside them; those values need not be inside.
+    /// Sets margins such that jerk along the given values would keep inside them; those values need
+    /// not be inside.
     pub fn demand_margins(&mut self, problem: &FeedProblem, values: &Values) {
         for k in 0..self.knots.intervals() {
             self.set_jerk_parts(problem, k, values, |_, part| LEAST_PART * part);
         }
     }
 
-    /// The least part of a limit to be used follows from the part that the jerk is and the part it may use so far.
+    /// The least part of a limit to be used follows from the part that the jerk is and the part it
+    /// may use so far.
     fn set_jerk_parts(&mut self, problem: &FeedProblem, k: usize, values: &Values, least: impl Fn(f64, f64) -> f64) {
         let Values { x, u, w, middle } = values;
         let w = w[k];
@@ -128,16 +134,16 @@ impl Stretch {
 /// Parts of an interval at whose ends what is no polynomial is sampled.
 const SAMPLES: usize = 8;
 
-/// Where the parabola through three equidistant values turns, in steps from the middle one, and its value there; nothing where
-/// it does not turn between them.
+/// The place at which the parabola through three equidistant values turns, in steps from the middle
+/// one, and its value there; nothing where it does not turn between them.
 fn turning([start, middle, end]: [f64; 3]) -> Option<(f64, f64)> {
     let (slope, bend) = (0.5 * (end - start), start - 2.0 * middle + end);
     let at = -slope / bend;
     (at.abs() <= 1.0).then_some((at, middle + 0.5 * slope * at))
 }
 
-/// Least and greatest value of a smooth function over 0..1 of which equidistant samples are known. Only turning points whose
-/// value is `worth` it are looked for.
+/// Least and greatest value of a smooth function over 0..1 of which equidistant samples are known.
+/// Only turning points whose value is `worth` it are looked for.
 fn extremes(samples: &[f64; SAMPLES + 1], value: impl Fn(f64) -> f64, worth: impl Fn(f64) -> bool) -> [f64; 2] {
     /// Each step is this part of the one before; a parabola's error falls with the third power.
     const FINER: f64 = 0.125;
@@ -170,7 +176,8 @@ fn extremes(samples: &[f64; SAMPLES + 1], value: impl Fn(f64) -> f64, worth: imp
 struct Scale(f64);
 
 impl Scale {
-    /// `factor * value <= bound`. A bound below 0, which standing still breaks, allows no factor but 1.
+    /// `factor * value <= bound`. A bound below 0, which standing still breaks, allows no factor
+    /// but 1.
     fn keep(&mut self, value: f64, bound: f64) {
         if value > bound.min(0.0) && value * self.0 > bound {
             self.0 = if value > 0.0 { bound.max(0.0) / value } else { 0.0 };
@@ -178,8 +185,8 @@ impl Scale {
     }
 }
 
-/// The greatest factor on `x`, `u` and `w` of a plan, 1 at most, at which everything is kept in the given intervals, between
-/// the grid points too.
+/// The greatest factor on `x`, `u` and `w` of a plan, 1 at most, at which everything is kept in the
+/// given intervals, between the grid points too.
 pub(super) fn largest_scale(problem: &FeedProblem, plan: &SpeedLaw, intervals: Range<usize>) -> f64 {
     let mut scale = Scale(1.0);
     for k in intervals {
@@ -199,7 +206,8 @@ struct Inside<'a> {
     h: f64,
     /// Start, middle and end.
     edges: [Edge; 3],
-    /// Whether it is next to rest, where `x(s)` is no polynomial; at a stop round-off may leave a trace of speed.
+    /// True if it is next to rest, where `x(s)` is no polynomial; at a stop round-off may leave a
+    /// trace of speed.
     rests: bool,
 }
 

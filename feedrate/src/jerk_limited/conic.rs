@@ -1,11 +1,14 @@
-//! The same problem as a sequence of conic programs, solved by a general solver: a yardstick for the method of this module.
+//! The same problem as a sequence of conic programs, solved by a general solver: a yardstick for
+//! the method of this module.
 //!
-//! Knots, rows and the rest intervals are those of [`Stretch`]; the time is summed over half intervals, on which
-//! `2 h / (sqrt(x_0) + sqrt(x_1))` stands for the integral.
+//! Knots, rows and the rest intervals are those of [`BarrierProblem`]; the time is summed over half
+//! intervals, on which `2 h / (sqrt(x_0) + sqrt(x_1))` stands for the integral.
 
+use super::barrier_problem::BarrierProblem;
+use super::parts::{Part, Prepared, prepare};
+use super::solution::{Solution, assemble};
 use super::spline::{End, Knots, Values};
-use super::stretch::Stretch;
-use super::{Part, Prepared, Solution, assemble, prepare, start};
+use super::start;
 use crate::conic_program::{Optimum, Program, straight};
 use crate::constraint::Within;
 use crate::error::FeedError;
@@ -33,17 +36,17 @@ pub(crate) fn solve(problem: &FeedProblem) -> Result<(SpeedLaw, bool), FeedError
 }
 
 fn sequence(problem: &FeedProblem, fastest: &[f64], part: &Part) -> Result<(Solution, bool), FeedError> {
-    let mut stretch = Stretch::new(problem, [part.grid.start, part.grid.end], part.speeds, fastest);
-    let mut c = start::start(problem, &mut stretch, fastest);
+    let mut barrier_problem = BarrierProblem::new(problem, [part.grid.start, part.grid.end], part.speeds, fastest);
+    let mut c = start::start(problem, &mut barrier_problem, fastest);
     // The true bounds at once: a tangent may touch anywhere.
-    stretch.narrow(1.0);
+    barrier_problem.narrow(1.0);
     let grid = problem.grid();
     let length = grid[part.grid.end] - grid[part.grid.start];
     let time: f64 = part.grid.clone().map(|k| 2.0 * problem.h(k) / (fastest[k].sqrt() + fastest[k + 1].sqrt())).sum();
     let units = Units { length, x: (length / time).powi(2) };
     let (mut cost, mut accurate) = (f64::INFINITY, true);
     for _ in 0..MOST_PROGRAMS {
-        let program = program(problem, &stretch, &c, units);
+        let program = program(problem, &barrier_problem, &c, units);
         // What has been found stays when a later program fails.
         let Optimum { variables, dual, accurate: solved } = match program.solve() {
             Ok(optimum) => optimum,
@@ -54,11 +57,11 @@ fn sequence(problem: &FeedProblem, fastest: &[f64], part: &Part) -> Result<(Solu
             Err(error) => return Err(error),
         };
         accurate &= solved;
-        let m = stretch.knots.coefficients();
+        let m = barrier_problem.knots.coefficients();
         c = variables[..m].iter().map(|c| c * units.x).collect();
-        let ratios = stretch.ratios();
+        let ratios = barrier_problem.ratios();
         for (i, (outer, inner)) in [(0, 1), (m - 1, m - 2)].into_iter().enumerate() {
-            if let End::Moving { x } = stretch.ends[i] {
+            if let End::Moving { x } = barrier_problem.ends[i] {
                 c[outer] = x;
             }
             c[inner] = c[outer] * ratios[i];
@@ -69,7 +72,7 @@ fn sequence(problem: &FeedProblem, fastest: &[f64], part: &Part) -> Result<(Solu
             break;
         }
     }
-    Ok((Solution { stretch, c, converged: accurate }, accurate))
+    Ok((Solution { barrier_problem, c, converged: accurate }, accurate))
 }
 
 /// In these all numbers are near 1.
@@ -94,34 +97,77 @@ fn terms(knots: &Knots, k: usize, within: Within, [alpha, beta, gamma]: [f64; 3]
     std::array::from_fn(|i| (k + i, alpha * w[i] + beta * u[i] + gamma * x[i]))
 }
 
+/// Columns of the program: coefficients, roots at the knots and in the middles in turn, inverses on
+/// the half intervals and in both rest intervals.
+#[derive(Clone, Copy)]
+struct Columns {
+    coefficients: usize,
+    intervals: usize,
+}
+
+impl Columns {
+    fn root(self, i: usize) -> usize {
+        self.coefficients + i
+    }
+
+    fn inverse(self, i: usize) -> usize {
+        self.root(2 * self.intervals + 1) + i
+    }
+}
+
 /// The program with the tangents at the motion of coefficients `c`.
-fn program(problem: &FeedProblem, stretch: &Stretch, c: &[f64], units: Units) -> Program {
-    let knots = &stretch.knots;
+fn program(problem: &FeedProblem, barrier_problem: &BarrierProblem, c: &[f64], units: Units) -> Program {
+    let knots = &barrier_problem.knots;
+    let columns = Columns { coefficients: knots.coefficients(), intervals: knots.intervals() };
+    let mut program = Program::new(columns.inverse(2 * columns.intervals + 2));
+    demand_rows(&mut program, problem, barrier_problem, c, units);
+    demand_ends(&mut program, barrier_problem, columns, units);
+    for k in 0..=columns.intervals {
+        program.root(columns.root(2 * k), at_knot(knots, k, [0.0, 0.0, 1.0]));
+    }
+    for (k, h) in knots.h.iter().enumerate() {
+        program.root(columns.root(2 * k + 1), terms(knots, k, Within::Middle, [0.0, 0.0, 1.0]));
+        for half in [2 * k, 2 * k + 1] {
+            program.inverse(columns.inverse(half), [columns.root(half), columns.root(half + 1)]);
+            program.cost(columns.inverse(half), h / units.length);
+        }
+    }
+    program
+}
+
+/// As [`terms`] at knot `k`, as the start of its interval or the end of the last.
+fn at_knot(knots: &Knots, k: usize, factors: [f64; 3]) -> Terms {
     let m = knots.intervals();
+    if k < m { terms(knots, k, Within::Start, factors) } else { terms(knots, m - 1, Within::End, factors) }
+}
+
+/// Demands `lo <= terms <= hi`.
+fn demand(program: &mut Program, units: Units, terms: Terms, (lo, hi): (f64, f64)) {
+    for (sign, bound) in [(1.0, hi), (-1.0, -lo)] {
+        if bound < f64::INFINITY {
+            let unit = if bound == 0.0 { 1.0 } else { 1.0 / bound.abs() };
+            let scaled = terms.map(|(column, value)| (column, sign * value * unit * units.x));
+            program.at_most(bound * unit, &scaled);
+        }
+    }
+}
+
+/// Demands all rows, those on jerk by their tangents at the motion of coefficients `c`.
+fn demand_rows(
+    program: &mut Program,
+    problem: &FeedProblem,
+    barrier_problem: &BarrierProblem,
+    c: &[f64],
+    units: Units,
+) {
+    let knots = &barrier_problem.knots;
     let mut values = Values::default();
     knots.evaluate(c, &mut values);
-    // Coefficients, roots at the knots and in the middles in turn, inverses on the half intervals and in both rest intervals.
-    let root = |i: usize| knots.coefficients() + i;
-    let inverse = |i: usize| root(2 * m + 1) + i;
-    let mut program = Program::new(inverse(2 * m + 2));
-    // At knot k, as the start of its interval or the end of the last.
-    let at = |k: usize, factors: [f64; 3]| {
-        if k < m { terms(knots, k, Within::Start, factors) } else { terms(knots, m - 1, Within::End, factors) }
-    };
-    let both = |program: &mut Program, terms: Terms, lo: f64, hi: f64| {
-        for (sign, bound) in [(1.0, hi), (-1.0, -lo)] {
-            if bound < f64::INFINITY {
-                let unit = if bound == 0.0 { 1.0 } else { 1.0 / bound.abs() };
-                let scaled = terms.map(|(column, value)| (column, sign * value * unit * units.x));
-                program.at_most(bound * unit, &scaled);
-            }
+    for k in 0..=knots.intervals() {
+        for row in &barrier_problem.points[barrier_problem.first[k]..barrier_problem.first[k + 1]] {
+            demand(program, units, at_knot(knots, k, [0.0, row.a, row.b]), (row.lo, row.hi));
         }
-    };
-    for k in 0..=m {
-        for row in &stretch.points[stretch.first[k]..stretch.first[k + 1]] {
-            both(&mut program, at(k, [0.0, row.a, row.b]), row.lo, row.hi);
-        }
-        both(&mut program, at(k, [0.0, 0.0, 1.0]), f64::NEG_INFINITY, stretch.caps[k][0]);
+        demand(program, units, at_knot(knots, k, [0.0, 0.0, 1.0]), (f64::NEG_INFINITY, barrier_problem.caps[k][0]));
     }
     // |value| <= y (1.5 - x / 2 x0) with y = x0^(-1/2).
     let jerk = |program: &mut Program, k: usize, within: Within, factors: [f64; 3], x0: f64| {
@@ -132,50 +178,48 @@ fn program(problem: &FeedProblem, stretch: &Stretch, c: &[f64], units: Units) ->
             program.at_most(1.5, &row.map(|(column, value)| (column, value * units.x)));
         }
     };
-    for (k, end, inner, thirds) in stretch.places() {
+    for (k, end, inner, thirds) in barrier_problem.places() {
         let within = if end == k { Within::Start } else { Within::End };
-        for row in &stretch.inner[inner] {
-            both(&mut program, terms(knots, k, within, [row.alpha, row.beta, row.gamma]), row.lo, row.hi);
+        for row in &barrier_problem.inner[inner] {
+            demand(program, units, terms(knots, k, within, [row.alpha, row.beta, row.gamma]), (row.lo, row.hi));
         }
-        for row in &stretch.thirds[thirds] {
-            jerk(&mut program, k, within, [row.alpha, row.beta, row.gamma], values.x[end]);
+        for row in &barrier_problem.thirds[thirds] {
+            jerk(program, k, within, [row.alpha, row.beta, row.gamma], values.x[end]);
         }
     }
-    for k in 0..m {
-        for row in problem.jerk_rows(stretch.from + k, Within::Middle) {
+    for k in 0..knots.intervals() {
+        for row in problem.jerk_rows(barrier_problem.from + k, Within::Middle) {
             let factors = [row.alpha, row.beta, row.gamma].map(|factor| factor / row.limit);
-            jerk(&mut program, k, Within::Middle, factors, values.middle[k]);
+            jerk(program, k, Within::Middle, factors, values.middle[k]);
         }
     }
-    let ratios = stretch.ratios();
+}
+
+/// Demands speed and acceleration at both ends, and adds the time of the rest intervals to the
+/// cost.
+fn demand_ends(program: &mut Program, barrier_problem: &BarrierProblem, columns: Columns, units: Units) {
+    let (knots, m) = (&barrier_problem.knots, columns.intervals);
+    let ratios = barrier_problem.ratios();
     let last = m + 1;
     for (i, (outer, inner, knot)) in [(0, 1, 0), (last, last - 1, m)].into_iter().enumerate() {
         program.equal(0.0, &[(inner, 1.0), (outer, -ratios[i])]);
-        match stretch.ends[i] {
+        let inverse = columns.inverse(2 * m + i);
+        match barrier_problem.ends[i] {
             End::Moving { x } => {
                 program.equal(x / units.x, &[(outer, 1.0)]);
-                program.equal(0.0, &[(inverse(2 * m + i), 1.0)]);
+                program.equal(0.0, &[(inverse, 1.0)]);
             }
             End::Rest { h } => {
                 // Constant jerk: r x <= x^(-1/2).
-                if stretch.rest[i] > 0.0 {
-                    both(&mut program, at(knot, [0.0, 0.0, 1.0]), f64::NEG_INFINITY, stretch.rest[i].powf(-2.0 / 3.0));
+                let rest = barrier_problem.rest[i];
+                if rest > 0.0 {
+                    let most = (f64::NEG_INFINITY, rest.powf(-2.0 / 3.0));
+                    demand(program, units, at_knot(knots, knot, [0.0, 0.0, 1.0]), most);
                 }
                 // It takes 3 h / sqrt(x).
-                program.inverse(inverse(2 * m + i), [root(2 * knot); 2]);
-                program.cost(inverse(2 * m + i), 6.0 * h / units.length);
+                program.inverse(inverse, [columns.root(2 * knot); 2]);
+                program.cost(inverse, 6.0 * h / units.length);
             }
         }
     }
-    for k in 0..=m {
-        program.root(root(2 * k), at(k, [0.0, 0.0, 1.0]));
-    }
-    for (k, h) in knots.h.iter().enumerate() {
-        program.root(root(2 * k + 1), terms(knots, k, Within::Middle, [0.0, 0.0, 1.0]));
-        for half in [2 * k, 2 * k + 1] {
-            program.inverse(inverse(half), [root(half), root(half + 1)]);
-            program.cost(inverse(half), h / units.length);
-        }
-    }
-    program
 }

@@ -1,6 +1,7 @@
 //! Speeds at the ends that cannot be had: the largest that can, and the limit in the way.
 
-use super::{Binding, JerkLimited, NotSolved};
+use super::passes::Passes;
+use super::solution::{Binding, NotSolved};
 use crate::error::{FeedError, PathEnd};
 use crate::problem::FeedProblem;
 use crate::row::{LimitId, Quantity};
@@ -12,15 +13,16 @@ const LEAST_TRIALS: usize = 4;
 /// Intervals that all trials together may plan on.
 const INTERVALS: usize = 100_000;
 
-/// What a planner says, or, where a speed at an end is to blame, how large that may be.
-pub(super) fn explain(planner: &JerkLimited, problem: &FeedProblem, why: NotSolved) -> FeedError {
+/// The error of the passes, or, where a speed at an end is the cause, the largest speed that is
+/// possible there.
+pub(super) fn explain(passes: &Passes, problem: &FeedProblem, why: NotSolved) -> FeedError {
     let to_blame = matches!(why.error, FeedError::NotConverged { .. } | FeedError::SpeedOutOfReach { .. });
     let asked = [problem.v_start(), problem.v_end()];
     if !to_blame || asked == [0.0; 2] {
         return why.error;
     }
     let trials = (INTERVALS / problem.intervals()).clamp(LEAST_TRIALS, MOST_TRIALS);
-    let search = Search { planner: *planner, problem, trials };
+    let search = Search { passes: *passes, problem, trials };
     if let FeedError::SpeedOutOfReach { end, highest, .. } = why.error {
         // What is possible without limits on jerk may be so with them.
         let speeds = if end == PathEnd::Start { [highest, asked[1]] } else { [asked[0], highest] };
@@ -38,12 +40,12 @@ pub(super) fn explain(planner: &JerkLimited, problem: &FeedProblem, why: NotSolv
         search.largest(end, |v| [start, v]).map(|found| (PathEnd::End, end, problem.grid()[problem.intervals()], found))
     };
     let Some((end, speed, place, (highest, binding))) = found else { return why.error };
-    let (row, s) = binding.or(why.binding).unwrap_or((LimitId::path(Quantity::Ahead), place));
+    let (row, s) = binding.or(why.binding).unwrap_or((LimitId::path(Quantity::ControllableSet), place));
     FeedError::SpeedOutOfReach { end, speed, lowest: 0.0, highest, row, s }
 }
 
 struct Search<'a> {
-    planner: JerkLimited,
+    passes: Passes,
     problem: &'a FeedProblem,
     trials: usize,
 }
@@ -51,11 +53,11 @@ struct Search<'a> {
 impl Search<'_> {
     fn is_possible(&self, [start, end]: [f64; 2]) -> Result<(), NotSolved> {
         let problem = self.problem.clone().with_end_speeds(start, end)?;
-        self.planner.plan_or_why(&problem).map(|_| ())
+        self.passes.plan(&problem).map(|_| ())
     }
 
-    /// The largest speed below `asked` with which there is a motion, and what stands against more; nothing where even rest is
-    /// too much.
+    /// The largest speed below `asked` with which there is a motion, and what stands against more;
+    /// nothing where even rest is too much.
     fn largest(&self, asked: f64, speeds: impl Fn(f64) -> [f64; 2]) -> Option<(f64, Option<Binding>)> {
         self.is_possible(speeds(0.0)).ok()?;
         let (mut possible, mut too_much, mut binding) = (0.0, asked, None);

@@ -1,20 +1,23 @@
 //! Primal-dual interior-point iterations for the fastest `x(s)` on a stretch of path.
 //!
-//! Every row is a barrier with a multiplier; the Newton matrix by spline coefficients has two diagonals beside the main one,
-//! so an iteration costs two passes over the rows and one over the coefficients.
+//! Every row is a barrier with a multiplier; the Newton matrix by spline coefficients has two
+//! diagonals beside the main one, so an iteration costs two passes over the rows and one over the
+//! coefficients.
 
 use super::band::Pentadiagonal;
+use super::barrier_problem::{BarrierProblem, Sides};
 use super::spline::{
     AtKnot, End, OnInterval, Values, gradient_to_coefficients, tie_gradient, tie_matrix, to_coefficients,
 };
-use super::stretch::{Sides, Stretch};
 use crate::problem::FeedProblem;
 
-/// One side of a row: a multiplier, its change, and the inverse of the slack (0 for a bound at infinity).
+/// One side of a row: a multiplier, its change, and the inverse of the slack (0 for a bound at
+/// infinity).
 #[derive(Debug, Clone, Copy, Default)]
 struct Side {
     multiplier: f64,
-    /// While a direction is sought, the predictor's second-order term in units of the multiplier; then the change to take.
+    /// While a direction is sought, the predictor's second-order term in units of the multiplier;
+    /// then the change to take.
     change: f64,
     inverse: f64,
 }
@@ -24,7 +27,8 @@ impl Side {
         self.multiplier * self.inverse
     }
 
-    /// What the barrier pulls with at `mu`: `mu / slack`, the second-order term, and what narrowing the bound adds.
+    /// The barrier's force at `mu`: `mu / slack`, the second-order term, and what narrowing the
+    /// bound adds.
     fn force(&self, mu: f64, wider: f64) -> f64 {
         mu * self.inverse + self.multiplier * (self.change + self.inverse * wider)
     }
@@ -53,25 +57,25 @@ impl Products {
     }
 }
 
-/// How the iterations ended.
+/// The outcome of the iterations.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Outcome {
     pub iterations: usize,
-    /// What is still to be gained, relative to the duration: by the multipliers, and by what the last step would have gained
-    /// in full.
+    /// Possible gain, relative to the duration: by the multipliers, and by what the last step would
+    /// have gained in full.
     pub gap: f64,
     pub ahead: f64,
-    /// What bounds are still widened by (relative); 0 when all are kept.
+    /// Relative widening of the bounds; 0 when all are kept.
     pub wider: f64,
 }
 
 /// A law that may be this far from its optimum has not converged.
-const CLOSE: f64 = 0.02;
+const CONVERGED_WITHIN: f64 = 0.02;
 
 impl Outcome {
-    /// Whether the solution is close to the optimum.
+    /// Returns true if the solution is close to the optimum.
     pub fn is_close(&self) -> bool {
-        self.gap.max(self.ahead) < CLOSE
+        self.gap.max(self.ahead) < CONVERGED_WITHIN
     }
 }
 
@@ -100,7 +104,7 @@ struct Sums {
     least: f64,
 }
 
-/// How much of the way to the boundary a step may go.
+/// Part of the way to the boundary that a step may go.
 const STEP_FRACTION: f64 = 0.95;
 
 /// Relative gap the multipliers start with.
@@ -117,42 +121,45 @@ fn lesser(x: f64, y: f64) -> f64 {
     if x < y { x } else { y }
 }
 
-/// What the last step may have gained in full, in units of the tolerance: the next one gains a small part of that.
-const AHEAD: f64 = 10.0;
+/// Gain of the last step at which the iterations end, in units of the tolerance: the next one gains
+/// a small part of that.
+const LAST_STEP_GAIN: f64 = 10.0;
 
 /// Many times what is needed.
 const MOST_ITERATIONS: usize = 100;
 
 impl Solver {
-    /// Minimises the duration from coefficients `c` that keep the ends and are strictly inside all bounds as they are
-    /// widened at present. With `drop_distant`, rows far from their bounds are left out once the shape shows.
+    /// Minimises the duration from coefficients `c` that keep the ends and are strictly inside all
+    /// bounds as they are widened at present. With `drop_distant`, rows far from their bounds are
+    /// left out once the shape shows.
     pub fn minimise(
         &mut self,
         problem: &FeedProblem,
-        stretch: &mut Stretch,
+        barrier_problem: &mut BarrierProblem,
         c: Vec<f64>,
         tolerance: f64,
         drop_distant: bool,
     ) -> Outcome {
         self.c = c;
         self.barrier.clear();
-        self.barrier.resize(stretch.offsets()[3] + 2, [Side::default(); 2]);
+        self.barrier.resize(barrier_problem.offsets()[3] + 2, [Side::default(); 2]);
         let start = f64::INFINITY;
-        let mut outcome = Outcome { iterations: 0, gap: start, ahead: start, wider: stretch.narrow(0.0) };
+        let mut outcome = Outcome { iterations: 0, gap: start, ahead: start, wider: barrier_problem.narrow(0.0) };
         let mut before = f64::NAN;
         let mut steps = [0.0; 2];
         let mut to_drop = drop_distant;
         while outcome.iterations < MOST_ITERATIONS {
-            stretch.knots.evaluate(&self.c, &mut self.values);
-            // Once the shape shows, and not so late that every change would have to be caught up with.
+            barrier_problem.knots.evaluate(&self.c, &mut self.values);
+            // Once the shape shows, and not so late that every change would have to be caught up
+            // with.
             if outcome.gap < MARGINS_FROM && outcome.gap > 4.0 * tolerance {
-                stretch.set_margins(problem, &self.values);
+                barrier_problem.set_margins(problem, &self.values);
             }
             if to_drop && outcome.gap < DROP_BELOW && outcome.gap > tolerance {
                 to_drop = false;
-                self.drop_distant(stretch);
+                self.drop_distant(barrier_problem);
             }
-            let mut sums = self.slacks(stretch, steps[1]);
+            let mut sums = self.slacks(barrier_problem, steps[1]);
             if !(sums.least > 0.0) {
                 // Only friction can do this: its rows are not straight. Back half of the way.
                 if !(steps[0] > 1e-6) {
@@ -165,34 +172,35 @@ impl Solver {
                 outcome.iterations += 1;
                 continue;
             }
-            let duration = self.duration(stretch);
+            let duration = self.duration(barrier_problem);
             let centred = outcome.gap == f64::INFINITY;
             if centred {
                 sums.complementarity = START_GAP * duration;
                 self.centre(sums.complementarity / sums.count);
             }
             outcome.gap = sums.complementarity / duration;
-            // The multipliers alone tell nothing while steps are short: then they do not fit the iterate yet.
+            // The multipliers alone tell nothing while steps are short: then they do not fit the
+            // iterate yet.
             outcome.ahead = if centred { f64::INFINITY } else { (before / duration - 1.0).abs() / steps[0] };
             before = duration;
-            if outcome.gap < tolerance && outcome.ahead < AHEAD * tolerance && outcome.wider < tolerance {
+            if outcome.gap < tolerance && outcome.ahead < LAST_STEP_GAIN * tolerance && outcome.wider < tolerance {
                 break;
             }
-            steps = self.direction(stretch, sums.complementarity / sums.count, outcome.wider > 0.0, centred);
+            steps = self.direction(barrier_problem, sums.complementarity / sums.count, outcome.wider > 0.0, centred);
             self.c.iter_mut().zip(&self.step).for_each(|(c, d)| *c += steps[0] * d);
             if outcome.wider > 0.0 {
-                outcome.wider = stretch.narrow(steps[0]);
+                outcome.wider = barrier_problem.narrow(steps[0]);
             }
             outcome.iterations += 1;
         }
-        stretch.knots.evaluate(&self.c, &mut self.values);
+        barrier_problem.knots.evaluate(&self.c, &mut self.values);
         outcome
     }
 
     /// The row that stands most against taking back what bounds are widened by.
-    pub fn binding(&self, stretch: &Stretch) -> Option<usize> {
+    pub fn binding(&self, barrier_problem: &BarrierProblem) -> Option<usize> {
         let mut most = (0.0, None);
-        stretch.each_widening(|i, wider| {
+        barrier_problem.each_widening(|i, wider| {
             let Some(sides) = self.barrier.get(i) else { return };
             let against = sides[0].multiplier * wider[0] + sides[1].multiplier * wider[1];
             if against > most.0 {
@@ -202,10 +210,10 @@ impl Solver {
         most.1
     }
 
-    fn drop_distant(&mut self, stretch: &mut Stretch) {
+    fn drop_distant(&mut self, barrier_problem: &mut BarrierProblem) {
         let (mut read, mut write) = (0, 0);
         let barrier = &mut self.barrier;
-        stretch.drop_distant(&self.values, |stays| {
+        barrier_problem.drop_distant(&self.values, |stays| {
             if stays {
                 barrier[write] = barrier[read];
                 write += 1;
@@ -216,9 +224,9 @@ impl Solver {
     }
 
     /// Duration of the current iterate, by Simpson's rule on every interval.
-    fn duration(&self, stretch: &Stretch) -> f64 {
+    fn duration(&self, barrier_problem: &BarrierProblem) -> f64 {
         let Values { x, middle, .. } = &self.values;
-        let inner: f64 = stretch
+        let inner: f64 = barrier_problem
             .knots
             .h
             .iter()
@@ -226,17 +234,17 @@ impl Solver {
             .map(|(k, h)| h / 6.0 * (1.0 / x[k].sqrt() + 4.0 / middle[k].sqrt() + 1.0 / x[k + 1].sqrt()))
             .sum();
         let rest = |end: End, x: f64| if let End::Rest { h } = end { 3.0 * h / x.sqrt() } else { 0.0 };
-        inner + rest(stretch.ends[0], x[0]) + rest(stretch.ends[1], x[x.len() - 1])
+        inner + rest(barrier_problem.ends[0], x[0]) + rest(barrier_problem.ends[1], x[x.len() - 1])
     }
 
     /// Takes the last step of the multipliers and evaluates the slacks anew.
-    fn slacks(&mut self, stretch: &Stretch, dual_step: f64) -> Sums {
+    fn slacks(&mut self, barrier_problem: &BarrierProblem, dual_step: f64) -> Sums {
         let mut sums = Sums { complementarity: 0.0, count: 0.0, least: f64::INFINITY };
         if self.values.x.iter().chain(&self.values.middle).any(|&x| !(x > 0.0)) {
             return Sums { least: 0.0, ..sums };
         }
         let barrier = &mut self.barrier;
-        stretch.each_slack(&self.values, |i, slacks| {
+        barrier_problem.each_slack(&self.values, |i, slacks| {
             for (side, slack) in barrier[i].iter_mut().zip(slacks) {
                 side.multiplier += dual_step * side.change;
                 side.change = 0.0;
@@ -258,21 +266,22 @@ impl Solver {
         self.barrier.iter_mut().flatten().for_each(|side| side.multiplier = mu * side.inverse);
     }
 
-    /// Mehrotra's predictor and corrector, into `self.step`; how far to go along it for coefficients and multipliers.
-    fn direction(&mut self, stretch: &Stretch, mu: f64, wider: bool, centred: bool) -> Sides {
-        self.assemble(stretch);
-        to_coefficients(&stretch.knots, &self.at, &self.on, &mut self.matrix);
-        tie_matrix(stretch.ends, stretch.ratios(), &mut self.matrix);
+    /// Mehrotra's predictor and corrector, into `self.step`; how far to go along it for
+    /// coefficients and multipliers.
+    fn direction(&mut self, barrier_problem: &BarrierProblem, mu: f64, wider: bool, centred: bool) -> Sides {
+        self.assemble(barrier_problem);
+        to_coefficients(&barrier_problem.knots, &self.at, &self.on, &mut self.matrix);
+        tie_matrix(barrier_problem.ends, barrier_problem.ratios(), &mut self.matrix);
         self.matrix.factor();
         let mut mu = mu;
         // On the central path there is nothing to predict.
         if !centred {
-            self.pull_of_time(stretch);
+            self.objective_gradient(barrier_problem);
             if wider {
-                self.pull_of_rows(stretch, 0.0);
+                self.barrier_gradient(barrier_problem, 0.0);
             }
-            self.solve(stretch);
-            let [slack, multiplier] = self.predict(stretch);
+            self.solve(barrier_problem);
+            let [slack, multiplier] = self.predict(barrier_problem);
             let far = slack.min(multiplier);
             let left = 1.0 - far;
             mu *= (left * left * left).max(1e-3);
@@ -280,51 +289,51 @@ impl Solver {
             let part = lesser(2.0 * far, 1.0);
             self.barrier.iter_mut().flatten().for_each(|side| side.change *= part);
         }
-        self.pull_of_time(stretch);
-        self.pull_of_rows(stretch, mu);
-        self.solve(stretch);
-        self.changes(stretch, mu)
+        self.objective_gradient(barrier_problem);
+        self.barrier_gradient(barrier_problem, mu);
+        self.solve(barrier_problem);
+        self.changes(barrier_problem, mu)
     }
 
     /// Newton's step from the first derivatives.
-    fn solve(&mut self, stretch: &Stretch) {
-        let ratios = stretch.ratios();
-        gradient_to_coefficients(&stretch.knots, &self.at, &self.on, &mut self.step);
-        tie_gradient(stretch.ends, ratios, &mut self.step);
+    fn solve(&mut self, barrier_problem: &BarrierProblem) {
+        let ratios = barrier_problem.ratios();
+        gradient_to_coefficients(&barrier_problem.knots, &self.at, &self.on, &mut self.step);
+        tie_gradient(barrier_problem.ends, ratios, &mut self.step);
         self.step.iter_mut().for_each(|d| *d = -*d);
         self.matrix.solve(&mut self.step);
         let n = self.step.len();
         self.step[0] = self.step[1] / ratios[0];
         self.step[n - 1] = self.step[n - 2] / ratios[1];
-        stretch.knots.evaluate(&self.step, &mut self.delta);
+        barrier_problem.knots.evaluate(&self.step, &mut self.delta);
     }
 
     /// Second derivatives of duration plus barriers by the values at knots and on intervals.
-    fn assemble(&mut self, stretch: &Stretch) {
+    fn assemble(&mut self, barrier_problem: &BarrierProblem) {
         let Values { x, middle, .. } = &self.values;
-        let [caps, inner, thirds, rest] = stretch.offsets();
+        let [caps, inner, thirds, rest] = barrier_problem.offsets();
         self.at.clear();
         self.at.resize(x.len(), AtKnot::default());
         self.on.clear();
         self.on.resize(middle.len(), OnInterval::default());
         // Second derivative of h x^(-1/2).
         let time = |h: f64, x: f64| 0.75 * h / (x * x * x.sqrt());
-        for (k, h) in stretch.knots.h.iter().enumerate() {
+        for (k, h) in barrier_problem.knots.h.iter().enumerate() {
             self.at[k].xx += time(h / 6.0, x[k]);
             self.at[k + 1].xx += time(h / 6.0, x[k + 1]);
             self.on[k].mm = time(4.0 / 6.0 * h, middle[k]);
         }
         for (i, end) in [0, x.len() - 1].into_iter().enumerate() {
-            if let End::Rest { h } = stretch.ends[i] {
+            if let End::Rest { h } = barrier_problem.ends[i] {
                 self.at[end].xx += time(3.0 * h, x[end]);
             }
-            let slope = stretch.rest[i] + 0.5 / (x[end] * x[end].sqrt());
+            let slope = barrier_problem.rest[i] + 0.5 / (x[end] * x[end].sqrt());
             self.at[end].xx += self.barrier[rest + i][1].weight() * slope * slope;
         }
         for k in 0..x.len() {
             let at = &mut self.at[k];
-            for i in stretch.first[k]..stretch.first[k + 1] {
-                let row = &stretch.points[i];
+            for i in barrier_problem.first[k]..barrier_problem.first[k + 1] {
+                let row = &barrier_problem.points[i];
                 let b = row.slope(x[k]);
                 let weight = self.barrier[i][0].weight() + self.barrier[i][1].weight();
                 at.xx += weight * b * b;
@@ -333,20 +342,20 @@ impl Solver {
             }
             at.xx += self.barrier[caps + k][1].weight();
         }
-        for (place, (k, end, inner_rows, third_rows)) in stretch.places().enumerate() {
+        for (place, (k, end, inner_rows, third_rows)) in barrier_problem.places().enumerate() {
             let x = x[end];
             // The tangent of 1 / sqrt(x) falls with this slope.
             let fall = 0.5 / (x * x.sqrt());
             let mut sum = Products::default();
             for (row, [low, high]) in
-                stretch.inner[inner_rows.clone()].iter().zip(&self.barrier[inner + inner_rows.start..])
+                barrier_problem.inner[inner_rows.clone()].iter().zip(&self.barrier[inner + inner_rows.start..])
             {
                 sum.add(low.weight() + high.weight(), [row.gamma, row.beta, row.alpha]);
             }
             // Sums of weights, and of their differences between both sides times the row.
             let (mut weights, mut dx, mut du, mut dw) = (0.0, 0.0, 0.0, 0.0);
             for (row, [low, high]) in
-                stretch.thirds[third_rows.clone()].iter().zip(&self.barrier[thirds + third_rows.start..])
+                barrier_problem.thirds[third_rows.clone()].iter().zip(&self.barrier[thirds + third_rows.start..])
             {
                 let (low, high) = (low.weight(), high.weight());
                 sum.add(low + high, [row.gamma, row.beta, row.alpha]);
@@ -368,46 +377,47 @@ impl Solver {
     }
 
     /// First derivatives of the duration.
-    fn pull_of_time(&mut self, stretch: &Stretch) {
+    fn objective_gradient(&mut self, barrier_problem: &BarrierProblem) {
         let Values { x, middle, .. } = &self.values;
         let time = |h: f64, x: f64| -0.5 * h / (x * x.sqrt());
         self.at.iter_mut().for_each(|at| (at.x, at.u) = (0.0, 0.0));
-        for (k, h) in stretch.knots.h.iter().enumerate() {
+        for (k, h) in barrier_problem.knots.h.iter().enumerate() {
             self.at[k].x += time(h / 6.0, x[k]);
             self.at[k + 1].x += time(h / 6.0, x[k + 1]);
             (self.on[k].m, self.on[k].w) = (time(4.0 / 6.0 * h, middle[k]), 0.0);
         }
         for (i, end) in [0, x.len() - 1].into_iter().enumerate() {
-            if let End::Rest { h } = stretch.ends[i] {
+            if let End::Rest { h } = barrier_problem.ends[i] {
                 self.at[end].x += time(3.0 * h, x[end]);
             }
         }
     }
 
     /// Adds the first derivatives of the barriers at `mu`.
-    fn pull_of_rows(&mut self, stretch: &Stretch, mu: f64) {
+    fn barrier_gradient(&mut self, barrier_problem: &BarrierProblem, mu: f64) {
         let x = &self.values.x;
-        let [caps, inner, thirds, rest] = stretch.offsets();
+        let [caps, inner, thirds, rest] = barrier_problem.offsets();
         for (i, end) in [0, x.len() - 1].into_iter().enumerate() {
             let y = 1.0 / x[end].sqrt();
-            let slope = stretch.rest[i] + 0.5 * y / x[end];
-            self.at[end].x += slope * self.barrier[rest + i][1].force(mu, stretch.jerk_wider * stretch.jerk_unit[end]);
+            let slope = barrier_problem.rest[i] + 0.5 * y / x[end];
+            self.at[end].x += slope
+                * self.barrier[rest + i][1].force(mu, barrier_problem.jerk_wider * barrier_problem.jerk_unit[end]);
         }
         for k in 0..x.len() {
             let at = &mut self.at[k];
-            for i in stretch.first[k]..stretch.first[k + 1] {
-                let row = &stretch.points[i];
+            for i in barrier_problem.first[k]..barrier_problem.first[k + 1] {
+                let row = &barrier_problem.points[i];
                 let [low, high] = &self.barrier[i];
                 let force = high.force(mu, row.wider[1]) - low.force(mu, row.wider[0]);
                 at.x += force * row.slope(x[k]);
                 at.u += force * row.a;
             }
-            at.x += self.barrier[caps + k][1].force(mu, stretch.caps[k][1]);
+            at.x += self.barrier[caps + k][1].force(mu, barrier_problem.caps[k][1]);
         }
-        for (k, end, inner_rows, third_rows) in stretch.places() {
+        for (k, end, inner_rows, third_rows) in barrier_problem.places() {
             let (mut sx, mut su, mut sw, mut forces) = (0.0, 0.0, 0.0, 0.0);
             let sides = &self.barrier[inner + inner_rows.start..];
-            for (row, [low, high]) in stretch.inner[inner_rows].iter().zip(sides) {
+            for (row, [low, high]) in barrier_problem.inner[inner_rows].iter().zip(sides) {
                 let force = high.force(mu, row.wider[1]) - low.force(mu, row.wider[0]);
                 sx += force * row.gamma;
                 su += force * row.beta;
@@ -415,9 +425,9 @@ impl Solver {
             }
             let y = 1.0 / x[end].sqrt();
             let fall = 0.5 * y / x[end];
-            let taken = stretch.jerk_wider * stretch.jerk_unit[end];
+            let taken = barrier_problem.jerk_wider * barrier_problem.jerk_unit[end];
             let sides = &self.barrier[thirds + third_rows.start..];
-            for (row, [low, high]) in stretch.thirds[third_rows].iter().zip(sides) {
+            for (row, [low, high]) in barrier_problem.thirds[third_rows].iter().zip(sides) {
                 let (low, high) = (low.force(mu, taken), high.force(mu, taken));
                 sx += (high - low) * row.gamma;
                 su += (high - low) * row.beta;
@@ -430,12 +440,13 @@ impl Solver {
         }
     }
 
-    /// How far slacks and multipliers could go towards `mu = 0`; leaves the second-order terms of that step.
-    fn predict(&mut self, stretch: &Stretch) -> Sides {
+    /// The longest step of slacks and multipliers towards `mu = 0`; leaves the second-order terms
+    /// of that step.
+    fn predict(&mut self, barrier_problem: &BarrierProblem) -> Sides {
         // Relative changes of slacks; multipliers change by the opposite less 1.
         let (mut least, mut most) = (0.0, 0.0);
         let barrier = &mut self.barrier;
-        stretch.each_change(&self.values, &self.delta, |i, by| {
+        barrier_problem.each_change(&self.values, &self.delta, |i, by| {
             for (side, by) in barrier[i].iter_mut().zip(by) {
                 let relative = by * side.inverse;
                 side.change = relative * (1.0 + relative);
@@ -447,10 +458,10 @@ impl Solver {
     }
 
     /// Changes of all multipliers for the step, and how far slacks and multipliers can follow it.
-    fn changes(&mut self, stretch: &Stretch, mu: f64) -> Sides {
+    fn changes(&mut self, barrier_problem: &BarrierProblem, mu: f64) -> Sides {
         let (mut least, mut fall) = (0.0, 0.0);
         let barrier = &mut self.barrier;
-        stretch.each_change(&self.values, &self.delta, |i, by| {
+        barrier_problem.each_change(&self.values, &self.delta, |i, by| {
             for (side, by) in barrier[i].iter_mut().zip(by) {
                 let relative = by * side.inverse;
                 side.change = mu * side.inverse + side.multiplier * (side.change - 1.0 - relative);

@@ -18,7 +18,8 @@ pub(super) struct Part {
 }
 
 impl Part {
-    /// Whether the motion can be slowed down as a whole: it starts and ends at rest, and every row holds at rest.
+    /// Returns true if the motion can be slowed down as a whole: it starts and ends at rest, and
+    /// every row holds at rest.
     pub fn slows(&self, problem: &FeedProblem) -> bool {
         self.speeds == [0.0; 2] && self.grid.clone().all(|i| stands(problem, i).is_ok())
     }
@@ -34,7 +35,7 @@ fn parts(problem: &FeedProblem) -> Result<Vec<Part>, FeedError> {
         let expected = 2 + speeds.iter().filter(|&&v| v == 0.0).count();
         if i - from < expected {
             return Err(FeedError::LengthMismatch {
-                what: "a stretch between two stops (intervals)",
+                what: "a barrier_problem between two stops (intervals)",
                 got: i - from,
                 expected,
             });

@@ -8,8 +8,8 @@ use crate::row::JerkRow;
 /// Ratio of successive distances from rest.
 const GROWTH: f64 = 3.0;
 
-/// The problem with its intervals next to rest split where the acceleration has built up, and coarser beyond: rows in
-/// between are interpolated, exactly so on a piecewise cubic path.
+/// The problem with its intervals next to rest split where the acceleration has built up, and
+/// coarser beyond: rows in between are interpolated, exactly so on a piecewise cubic path.
 pub(super) fn refined(problem: &FeedProblem) -> FeedProblem {
     let n = problem.intervals();
     let mut cuts = Vec::new();
@@ -32,7 +32,7 @@ pub(super) fn refined(problem: &FeedProblem) -> FeedProblem {
     if cuts.is_empty() { problem.clone() } else { problem.split(&cuts) }
 }
 
-/// Where to split interval `k`, in parts of its length from the end at rest.
+/// Places at which to split interval `k`, in parts of its length from the end at rest.
 fn from_rest(problem: &FeedProblem, k: usize, [rest, next]: [usize; 2], at: Within) -> Vec<f64> {
     let u = greatest_u(problem.rows(rest)).min(greatest_u(problem.rows(next)));
     let one = |row: &JerkRow| row.limit / row.alpha.abs();

@@ -2,7 +2,7 @@
 
 use super::band::Pentadiagonal;
 
-/// How a stretch begins or ends.
+/// The beginning or the end of a part.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum End {
     /// At rest, beyond one interval of length `h` with constant jerk.
@@ -26,7 +26,8 @@ impl End {
         }
     }
 
-    /// `c[1] / c[0]` of the spline behind a rest interval: its slope continues that of the interval, `u = 2 x / 3 h`.
+    /// `c[1] / c[0]` of the spline behind a rest interval: its slope continues that of the
+    /// interval, `u = 2 x / 3 h`.
     pub fn ratio(self, h_next: f64) -> f64 {
         match self {
             Self::Rest { h } => 1.0 + 2.0 * h_next / (3.0 * h),
@@ -35,7 +36,8 @@ impl End {
     }
 }
 
-/// Knots of the spline `x(s)`: on interval `k` its Bernstein coefficients are `x_k`, `c[k + 1]`, `x_k+1`.
+/// Knots of the spline `x(s)`: on interval `k` its Bernstein coefficients are `x_k`, `c[k + 1]`,
+/// `x_k+1`.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Knots {
     /// Lengths of the intervals.
@@ -44,7 +46,8 @@ pub(super) struct Knots {
     pub weights: Vec<[f64; 3]>,
 }
 
-/// What the spline is at the knots (`x`, `u`) and on the intervals (`w`, the value in the middle).
+/// Values of the spline at the knots (`x`, `u`) and on the intervals (`w`, the value in the
+/// middle).
 #[derive(Debug, Clone, Default)]
 pub(super) struct Values {
     pub x: Vec<f64>,
@@ -75,7 +78,8 @@ impl Knots {
         self.h.len() + 2
     }
 
-    /// `w` and the value in the middle of interval `k` as combinations of `c[k]`, `c[k + 1]`, `c[k + 2]`.
+    /// `w` and the value in the middle of interval `k` as combinations of `c[k]`, `c[k + 1]`,
+    /// `c[k + 2]`.
     pub fn on_interval(&self, k: usize) -> ([f64; 3], [f64; 3]) {
         let ([pa, pb, q0], [na, nb, q1]) = (self.weights[k], self.weights[k + 1]);
         let inverse = 1.0 / self.h[k];
@@ -160,8 +164,8 @@ pub(super) fn gradient_to_coefficients(knots: &Knots, at: &[AtKnot], on: &[OnInt
     }
 }
 
-/// Ties the coefficients at both ends to one variable each (behind rest) or to none (at a given speed); `ratio` is
-/// `c[1] / c[0]`. The tied coefficient keeps a row of its own.
+/// Ties the coefficients at both ends to one variable each (behind rest) or to none (at a given
+/// speed); `ratio` is `c[1] / c[0]`. The tied coefficient keeps a row of its own.
 pub(super) fn tie_matrix(ends: [End; 2], ratio: [f64; 2], matrix: &mut Pentadiagonal) {
     let rows = &mut matrix.rows;
     let n = rows.len();

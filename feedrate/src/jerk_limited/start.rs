@@ -1,42 +1,46 @@
-//! Where the iterations start: a smooth `x(s)` below the second-order solution.
+//! The start of the iterations: a smooth `x(s)` below the second-order solution.
 
 use std::collections::VecDeque;
 
+use super::barrier_problem::BarrierProblem;
 use super::spline::{End, Values};
-use super::stretch::Stretch;
 use crate::problem::FeedProblem;
 use crate::row::Row;
 
 /// The part of the way to the nearest limit that the start takes.
-const INSIDE: f64 = 0.9;
+const START_FRACTION: f64 = 0.9;
 
 /// Intervals for which the windows are chosen; more of them make the windows wider.
-const POINTS: usize = 1000;
+const SHAPE_POINTS: usize = 1000;
 
-/// Coefficients to start from; where need be the bounds of the stretch are widened so that these are strictly inside.
+/// Coefficients to start from; where need be the bounds of the stretch are widened so that these
+/// are strictly inside.
 ///
-/// The squared speeds `limit` of a second-order planner are lowered to the least and then the mean over a window, and kept
-/// below a jerk-limited departure from and approach to rest. Of several windows the one is taken that has to be slowed down
-/// least as a whole. Where a speed is given at an end, slowing down is no option; there the limits are widened instead.
-pub(super) fn start(problem: &FeedProblem, stretch: &mut Stretch, limit: &[f64]) -> Vec<f64> {
-    let slowing = stretch.ends.iter().all(|end| matches!(end, End::Rest { .. })) && at_rest_inside(stretch);
-    let (mut values, c) = (Values::default(), shape(problem, stretch, limit, slowing));
+/// The squared speeds `limit` of a second-order planner are lowered to the least and then the mean
+/// over a window, and kept below a jerk-limited departure from and approach to rest. Of several
+/// windows the one is taken that has to be slowed down least as a whole. Where a speed is given at
+/// an end, slowing down is no option; there the limits are widened instead.
+pub(super) fn start(problem: &FeedProblem, barrier_problem: &mut BarrierProblem, limit: &[f64]) -> Vec<f64> {
+    let slowing =
+        barrier_problem.ends.iter().all(|end| matches!(end, End::Rest { .. })) && at_rest_inside(barrier_problem);
+    let (mut values, c) = (Values::default(), shape(problem, barrier_problem, limit, slowing));
     if !slowing {
-        stretch.knots.evaluate(&c, &mut values);
-        let jerk_ratio = stretch.largest_scales(&values)[1].powf(-1.5);
-        widen(stretch, &values, jerk_ratio);
+        barrier_problem.knots.evaluate(&c, &mut values);
+        let jerk_ratio = barrier_problem.largest_scales(&values)[1].powf(-1.5);
+        widen(barrier_problem, &values, jerk_ratio);
     }
     c
 }
 
-/// Coefficients from rest to rest that are strictly inside all bounds, slow as they may be; none where standing still is not.
-pub(super) fn inside(problem: &FeedProblem, stretch: &Stretch, limit: &[f64]) -> Option<Vec<f64>> {
+/// Coefficients from rest to rest that are strictly inside all bounds, slow as they may be; none
+/// where standing still is not.
+pub(super) fn inside(problem: &FeedProblem, barrier_problem: &BarrierProblem, limit: &[f64]) -> Option<Vec<f64>> {
     /// Friction falls with the root of the squared speed.
     const HALVINGS: usize = 200;
-    let (mut values, mut c) = (Values::default(), shape(problem, stretch, limit, true));
+    let (mut values, mut c) = (Values::default(), shape(problem, barrier_problem, limit, true));
     for _ in 0..HALVINGS {
-        stretch.knots.evaluate(&c, &mut values);
-        if stretch.is_inside(&values) {
+        barrier_problem.knots.evaluate(&c, &mut values);
+        if barrier_problem.is_inside(&values) {
             return Some(c);
         }
         c.iter_mut().for_each(|c| *c *= 0.5);
@@ -44,18 +48,20 @@ pub(super) fn inside(problem: &FeedProblem, stretch: &Stretch, limit: &[f64]) ->
     None
 }
 
-/// Coefficients of a smooth law of motion; with `slowing`, friction aside, inside all bounds that hold at rest.
-fn shape(problem: &FeedProblem, stretch: &Stretch, limit: &[f64], slowing: bool) -> Vec<f64> {
-    let (m, a) = (stretch.knots.intervals(), stretch.from);
+/// Coefficients of a smooth law of motion; with `slowing`, friction aside, inside all bounds that
+/// hold at rest.
+fn shape(problem: &FeedProblem, barrier_problem: &BarrierProblem, limit: &[f64], slowing: bool) -> Vec<f64> {
+    let (m, a) = (barrier_problem.knots.intervals(), barrier_problem.from);
     let grid = problem.grid();
-    let (first, last) = (a - stretch.ends[0].rest_intervals(), a + m + stretch.ends[1].rest_intervals());
-    let ratios = stretch.ratios();
+    let (first, last) =
+        (a - barrier_problem.ends[0].rest_intervals(), a + m + barrier_problem.ends[1].rest_intervals());
+    let ratios = barrier_problem.ratios();
     let mut departure = vec![f64::INFINITY; m + 1];
     for (i, at) in [(0, first), (1, last)] {
-        if let End::Rest { h } = stretch.ends[i] {
+        if let End::Rest { h } = barrier_problem.ends[i] {
             let next = if i == 0 { at + 1 } else { at - 1 };
             let u = greatest_u(problem.rows(at)).min(greatest_u(problem.rows(next)));
-            let law = Departure::new(stretch.rest[i], h, u);
+            let law = Departure::new(barrier_problem.rest[i], h, u);
             for (k, x) in departure.iter_mut().enumerate() {
                 *x = x.min(law.squared_speed((grid[a + k] - grid[at]).abs()));
             }
@@ -64,11 +70,13 @@ fn shape(problem: &FeedProblem, stretch: &Stretch, limit: &[f64], slowing: bool)
     let mut values = Values::default();
     let mut best = (f64::NEG_INFINITY, Vec::new());
     let (mut low, mut x) = (Vec::with_capacity(m + 1), Vec::with_capacity(m + 1));
-    // Windows are parts of the path, not numbers of points, or a fine grid would be followed too closely.
-    for width in [1, 4, 16, 64].map(|width| width * ((m + POINTS / 2) / POINTS).max(1)) {
+    // Windows are parts of the path, not numbers of points, or a fine grid would be followed too
+    // closely.
+    for width in [1, 4, 16, 64].map(|width| width * ((m + SHAPE_POINTS / 2) / SHAPE_POINTS).max(1)) {
         let reach = |k: usize| width.min((k + 1) / 4).min((m - k + 1) / 4);
         least_within(&limit[a..=a + m], reach, &mut low);
-        // The mean of steps has kinks, where the acceleration would jump; the mean of that has none.
+        // The mean of steps has kinks, where the acceleration would jump; the mean of that has
+        // none.
         mean_within(&low, |k| reach(k).div_ceil(2), &mut x);
         mean_within(&x, |k| reach(k) / 2, &mut low);
         std::mem::swap(&mut low, &mut x);
@@ -76,14 +84,14 @@ fn shape(problem: &FeedProblem, stretch: &Stretch, limit: &[f64], slowing: bool)
         x.iter_mut().zip(&departure).for_each(|(x, most)| *x /= (1.0 + (*x / most).powi(2)).sqrt());
         let mut c: Vec<f64> = (0..m + 2).map(|i| 0.5 * (x[i.saturating_sub(1).min(m)] + x[i.min(m)])).collect();
         for (i, (outer, inner)) in [(0, 1), (m + 1, m)].into_iter().enumerate() {
-            if let End::Moving { x } = stretch.ends[i] {
+            if let End::Moving { x } = barrier_problem.ends[i] {
                 c[outer] = x;
             }
             c[inner] = c[outer] * ratios[i];
         }
-        stretch.knots.evaluate(&c, &mut values);
-        let [scale, jerk_scale] = stretch.largest_scales(&values);
-        let factor = INSIDE * scale.min(jerk_scale).min(1.0);
+        barrier_problem.knots.evaluate(&c, &mut values);
+        let [scale, jerk_scale] = barrier_problem.largest_scales(&values);
+        let factor = START_FRACTION * scale.min(jerk_scale).min(1.0);
         if factor > best.0 || best.1.is_empty() {
             if slowing {
                 c.iter_mut().for_each(|c| *c *= factor);
@@ -97,7 +105,8 @@ fn shape(problem: &FeedProblem, stretch: &Stretch, limit: &[f64], slowing: bool)
 /// The least value within `reach(k)` of every `k`, with ends that never go back.
 fn least_within(values: &[f64], reach: impl Fn(usize) -> usize, out: &mut Vec<f64>) {
     out.clear();
-    // Indices whose values increase: the first is the least of the window, the others may become so.
+    // Indices whose values increase: the first is the least of the window, the others may become
+    // so.
     let mut rising = VecDeque::new();
     let mut next = 0;
     for k in 0..values.len() {
@@ -118,7 +127,8 @@ fn least_within(values: &[f64], reach: impl Fn(usize) -> usize, out: &mut Vec<f6
 /// The mean of the values within `reach(k)` of every `k`.
 fn mean_within(values: &[f64], reach: impl Fn(usize) -> usize, out: &mut Vec<f64>) {
     out.clear();
-    // Sums of blocks, so that neither many small windows nor few large ones cost much, and nothing cancels.
+    // Sums of blocks, so that neither many small windows nor few large ones cost much, and nothing
+    // cancels.
     let block = (values.len() as f64).sqrt() as usize + 1;
     let sums: Vec<f64> = values.chunks(block).map(|block| block.iter().sum()).collect();
     for k in 0..values.len() {
@@ -133,13 +143,13 @@ fn mean_within(values: &[f64], reach: impl Fn(usize) -> usize, out: &mut Vec<f64
     }
 }
 
-/// Whether every row holds at rest with room on both sides.
-fn at_rest_inside(stretch: &Stretch) -> bool {
-    stretch.points.iter().all(|row| row.lo < 0.0 && 0.0 < row.hi && row.c == 0.0)
+/// Returns true if every row holds at rest with slack on both sides.
+fn at_rest_inside(barrier_problem: &BarrierProblem) -> bool {
+    barrier_problem.points.iter().all(|row| row.lo < 0.0 && 0.0 < row.hi && row.c == 0.0)
 }
 
 /// Widens all bounds such that the values are strictly inside.
-fn widen(stretch: &mut Stretch, values: &Values, jerk_ratio: f64) {
+fn widen(barrier_problem: &mut BarrierProblem, values: &Values, jerk_ratio: f64) {
     // At least this part of a bound is left as slack.
     const SLACK: f64 = 0.1;
     let wider = |value: f64, lo: f64, hi: f64| {
@@ -148,23 +158,25 @@ fn widen(stretch: &mut Stretch, values: &Values, jerk_ratio: f64) {
     };
     let Values { x, u, .. } = values;
     for k in 0..x.len() {
-        for row in &mut stretch.points[stretch.first[k]..stretch.first[k + 1]] {
+        for row in &mut barrier_problem.points[barrier_problem.first[k]..barrier_problem.first[k + 1]] {
             let friction = if row.c == 0.0 { 0.0 } else { row.c * x[k].sqrt() };
             let value = row.a * u[k] + row.b * x[k] + friction;
             row.wider = wider(value, row.lo, row.hi);
         }
-        let [cap, wider] = &mut stretch.caps[k];
+        let [cap, wider] = &mut barrier_problem.caps[k];
         *wider = (x[k] * (1.0 + SLACK) - *cap).max(0.0);
     }
-    for place in 0..2 * stretch.knots.intervals() {
+    for place in 0..2 * barrier_problem.knots.intervals() {
         let (k, end) = (place / 2, place / 2 + place % 2);
-        for row in &mut stretch.inner[stretch.inner_first[place]..stretch.inner_first[place + 1]] {
+        for row in
+            &mut barrier_problem.inner[barrier_problem.inner_first[place]..barrier_problem.inner_first[place + 1]]
+        {
             let value = row.alpha * values.w[k] + row.beta * u[end] + row.gamma * x[end];
             row.wider = wider(value, row.lo, row.hi);
         }
     }
-    stretch.jerk_unit.iter_mut().zip(x).for_each(|(unit, x)| *unit = 1.0 / x.sqrt());
-    stretch.jerk_wider = ((1.0 + SLACK) * jerk_ratio - 1.0).max(0.0);
+    barrier_problem.jerk_unit.iter_mut().zip(x).for_each(|(unit, x)| *unit = 1.0 / x.sqrt());
+    barrier_problem.jerk_wider = ((1.0 + SLACK) * jerk_ratio - 1.0).max(0.0);
 }
 
 /// The greatest acceleration of either sign that the rows allow from rest.
@@ -181,7 +193,8 @@ struct Departure {
 }
 
 impl Departure {
-    /// The jerk is such that `|rest x| <= 1 / sqrt(x)` at distance `h`, and that `u` is not reached before.
+    /// The jerk is such that `|rest x| <= 1 / sqrt(x)` at distance `h`, and that `u` is not reached
+    /// before.
     fn new(rest: f64, h: f64, u: f64) -> Self {
         // x = (4.5 jerk h^2)^(2/3) there.
         let jerk = 1.0 / (4.5 * h * h * rest);

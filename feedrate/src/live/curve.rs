@@ -1,21 +1,35 @@
-//! The limit curve of a path for motion that is changed while it runs, and the fastest law under it.
+//! The limit curve of a path for motion that is changed while it runs, and the fastest law under
+//! it.
 
 use crate::constraint::{Feed, PathConstraint, Stop, TangentialAcceleration, TangentialJerk};
 use crate::error::{FeedError, positive};
 use crate::jerk_limited::JerkLimited;
+use crate::limits::AxisLimits;
 use crate::problem::{FeedPlanner, FeedProblem};
 use crate::scan::Segment;
 use crate::scan::continuous_acceleration::plan_continuous;
 use crate::speed_law::SpeedLaw;
 use crate::state::MotionState;
 
-/// Part of speed, and of acceleration and jerk, that the fastest law uses: what is kept back is the room in which it is followed.
-const USED: (f64, f64) = (0.997, 0.99);
-/// The law may be exceeded by this factor in speed: run so much faster it still keeps speed, acceleration and jerk.
-pub(super) const ROOM: f64 = 1.002;
+/// Part of speed, and of acceleration and jerk, that the fastest law uses: the rest is the margin
+/// in which it is followed.
+const LAW_FRACTIONS: (f64, f64) = (0.997, 0.99);
+/// The law may be exceeded by this factor in speed: run so much faster it still keeps speed,
+/// acceleration and jerk.
+pub(super) const SPEED_TOLERANCE: f64 = 1.002;
 
-/// `V(s)`, the highest speed at which every limit holds whatever the motion does within `|a| <= A`, `|j| <= J`; see the
-/// [module](crate::live).
+/// The limit curve `V(s)`: the highest speed at which every limit holds whatever the motion does
+/// within `|a| <= A`, `|j| <= J`.
+///
+/// The builder of the curve puts the worst case of both into `V`. From it the fastest law `n(s)` is
+/// planned once. Then, from any state with `v <= n(s)` and `a <= n'(s)`, braking as hard as `A` and
+/// `J` allow stays under `n` until it stands.
+///
+/// *Proof.* With `y = v^2 / 2`: `dy/ds = a` and `da/ds = j / v`. While braking builds up,
+/// `da/ds = -J / v <= -J / v_n <= da_n/ds`, as `v <= v_n`; so `a <= a_n` stays true, and with it
+/// `v <= v_n`. At `a = -A <= a_n` the same. While it is released, `v = a^2 / (2 J)`; if `n` came
+/// down to that state with less acceleration it could not stand still without running backwards,
+/// which it does not. ∎
 ///
 /// ```
 /// use arcfeed_feedrate::VelocityLimitCurve;
@@ -31,7 +45,7 @@ pub struct VelocityLimitCurve {
     grid: Vec<f64>,
     /// `lowest[k][i]` is the least cap of the intervals `i .. i + 2^k`.
     lowest: Vec<Vec<f64>>,
-    /// Where the motion has to stand, the end of the path last.
+    /// Positions at which the motion has to stand, the end of the path last.
     stops: Vec<f64>,
     acceleration: f64,
     jerk: f64,
@@ -39,12 +53,14 @@ pub struct VelocityLimitCurve {
 }
 
 impl VelocityLimitCurve {
-    /// Highest speeds `caps` (m/s) on the intervals of `grid` (m), standstills at the inner grid points `stops`, and the tangential
-    /// `acceleration` (m/s²) and `jerk` (m/s³) for which the caps were made.
+    /// Highest speeds `caps` (m/s) on the intervals of `grid` (m), standstills at the inner grid
+    /// points `stops`, and the tangential `acceleration` (m/s²) and `jerk` (m/s³) for which the
+    /// caps were made.
     ///
     /// # Errors
-    /// [`FeedError::Empty`], [`FeedError::LengthMismatch`], [`FeedError::NotFinite`], [`FeedError::BadGrid`], [`FeedError::BadSegment`] for a
-    /// cap, [`FeedError::NotPositive`], [`FeedError::OutOfRange`] for a stop that is not an inner grid point.
+    /// [`FeedError::Empty`], [`FeedError::LengthMismatch`], [`FeedError::NotFinite`],
+    /// [`FeedError::BadGrid`], [`FeedError::BadSegment`] for a cap, [`FeedError::NotPositive`],
+    /// [`FeedError::OutOfRange`] for a stop that is not an inner grid point.
     pub fn new(grid: &[f64], caps: &[f64], stops: &[usize], acceleration: f64, jerk: f64) -> Result<Self, FeedError> {
         positive("tangential acceleration", acceleration)?;
         positive("tangential jerk", jerk)?;
@@ -60,22 +76,22 @@ impl VelocityLimitCurve {
         if stops.iter().any(|&i| i == 0 || i >= caps.len()) || stops.windows(2).any(|pair| pair[0] >= pair[1]) {
             return Err(FeedError::OutOfRange { what: "a stop: it must be an inner grid point, in increasing order" });
         }
-        let law = fastest(grid, caps, stops, USED.1 * acceleration, USED.1 * jerk)?;
+        let law = fastest(grid, caps, stops, LAW_FRACTIONS.1 * acceleration, LAW_FRACTIONS.1 * jerk)?;
         let places = stops.iter().map(|&i| grid[i]).chain(grid.last().copied()).collect();
         Ok(Self { grid: grid.to_vec(), lowest: lowest(caps), stops: places, acceleration, jerk, law })
     }
 
-    /// Where the path begins (m).
+    /// Start of the path (m).
     pub fn start(&self) -> f64 {
         self.grid[0]
     }
 
-    /// Where it ends (m).
+    /// Position of the end (m).
     pub fn end(&self) -> f64 {
         self.grid[self.grid.len() - 1]
     }
 
-    /// Where the motion has to stand on its way, the end of the path last (m).
+    /// Positions at which the motion has to stand, the end of the path last (m).
     pub fn stops(&self) -> &[f64] {
         &self.stops
     }
@@ -100,7 +116,13 @@ impl VelocityLimitCurve {
         self.jerk
     }
 
-    /// How long the whole path takes at full speed (s).
+    /// Tangential acceleration and jerk as limits of a forward motion; the speed is limited by the
+    /// curve alone.
+    pub(super) fn limits(&self) -> AxisLimits {
+        AxisLimits::symmetric_unchecked(f64::INFINITY, self.acceleration, self.jerk)
+    }
+
+    /// Duration of the whole path at full speed (s).
     pub fn duration(&self) -> f64 {
         self.law.duration()
     }
@@ -137,7 +159,7 @@ fn lowest(caps: &[f64]) -> Vec<Vec<f64>> {
 
 /// The faster of what the jerk-limited planner and the joined scan find.
 fn fastest(grid: &[f64], caps: &[f64], stops: &[usize], acceleration: f64, jerk: f64) -> Result<SpeedLaw, FeedError> {
-    let caps: Vec<f64> = caps.iter().map(|v| USED.0 * v).collect();
+    let caps: Vec<f64> = caps.iter().map(|v| LAW_FRACTIONS.0 * v).collect();
     let segments = grid
         .windows(2)
         .zip(&caps)
@@ -154,7 +176,8 @@ fn fastest(grid: &[f64], caps: &[f64], stops: &[usize], acceleration: f64, jerk:
     let stops: Vec<Stop> = stops.iter().map(|&at| Stop { at }).collect();
     let mut constraints: Vec<&dyn PathConstraint> = vec![&feed, &tangential, &change];
     constraints.extend(stops.iter().map(|stop| stop as &dyn PathConstraint));
-    // It may not do (a stretch too short for its grid, a method that does not converge): the scan always does.
+    // It may not do (a stretch too short for its grid, a method that does not converge): the scan
+    // always does.
     match FeedProblem::between_points(grid, &constraints).and_then(|problem| JerkLimited::default().plan(&problem)) {
         Ok(plan) if plan.duration() < joined.duration() => Ok(plan),
         _ => Ok(joined),

@@ -1,12 +1,12 @@
 //! The motion along a live curve: its state, and what may be asked of it.
 
 use super::curve::VelocityLimitCurve;
-use super::landing::Landing;
+use super::final_stop::FinalStop;
 use super::sections::{Feeds, LiveSection};
 use crate::error::{FeedError, finite, not_negative, positive};
 use crate::state::MotionState;
 
-/// What the operator wants.
+/// The request of the operator.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Intent {
     Run,
@@ -14,7 +14,7 @@ pub(super) enum Intent {
     Back(f64),
 }
 
-/// What the motion is doing.
+/// Status of the motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LiveStatus {
     /// On the way forward, or braking.
@@ -32,15 +32,21 @@ pub enum LiveStatus {
 pub struct LiveStep {
     /// Position, speed (negative on the way back), acceleration, and the mean jerk of the cycle.
     pub state: MotionState,
-    /// What the motion is doing.
+    /// Status of the motion.
     pub status: LiveStatus,
 }
 
-/// A motion along a [`VelocityLimitCurve`] whose feed may change in any cycle; see the [module](crate::live).
+/// A motion along a [`VelocityLimitCurve`] whose feed may change in any cycle.
 ///
-/// **Guarantees**, whatever is asked for and whenever: `|a| <= A`, `|j| <= J`, the speed is under the curve, and every end (corner, end of
-/// path, place to step back to) is reached exactly and at rest. A lower feed is met as soon as `A` and `J` allow, that of a section
-/// ahead before it begins, if it was asked for in time. No call allocates; a cycle takes a bounded number of operations.
+/// A cycle does what the operator asks if, from the state that it leads to, braking gets under the
+/// fastest law; else it does a little less. Braking itself is always possible. Nothing is planned
+/// anew while the motion runs.
+///
+/// **Guarantees**, whatever is asked for and whenever: `|a| <= A`, `|j| <= J`, the speed is under
+/// the curve, and every end (corner, end of path, place to step back to) is reached exactly and at
+/// rest. A lower feed is met as soon as `A` and `J` allow, that of a section ahead before it
+/// begins, if it was asked for in time. No call allocates; a cycle takes a bounded number of
+/// operations.
 ///
 /// ```
 /// use arcfeed_feedrate::{VelocityLimitCurve, FeedOverride, LiveStatus};
@@ -77,7 +83,7 @@ pub struct FeedOverride<'a> {
     pub(super) a: f64,
     /// Number of the next place to stand at.
     pub(super) next: usize,
-    pub(super) landing: Option<Landing>,
+    pub(super) final_stop: Option<FinalStop>,
     /// Start of the section ahead for which the motion brakes, and the feed on it.
     pub(super) braking_for: Option<(f64, f64)>,
 }
@@ -98,7 +104,7 @@ impl<'a> FeedOverride<'a> {
             v: 0.0,
             a: 0.0,
             next: 0,
-            landing: None,
+            final_stop: None,
             braking_for: None,
         })
     }
@@ -111,10 +117,12 @@ impl<'a> FeedOverride<'a> {
         self.feeds.set_base(feed)
     }
 
-    /// Sets the feeds of up to [`MAX_SECTIONS`](super::MAX_SECTIONS) stretches; where they overlap the lowest counts.
+    /// Sets the feeds of up to [`MAX_SECTIONS`](crate::MAX_SECTIONS) stretches; where they overlap
+    /// the lowest counts.
     ///
     /// # Errors
-    /// [`FeedError::AboveLimit`] for too many, [`FeedError::NotFinite`], [`FeedError::NotPositive`], [`FeedError::BelowLimit`].
+    /// [`FeedError::AboveLimit`] for too many, [`FeedError::NotFinite`],
+    /// [`FeedError::NotPositive`], [`FeedError::BelowLimit`].
     pub fn set_sections(&mut self, sections: &[LiveSection]) -> Result<(), FeedError> {
         self.braking_for = None;
         self.feeds.set_sections(sections)
@@ -142,8 +150,8 @@ impl<'a> FeedOverride<'a> {
     /// Brakes, runs back to `place` (m), and holds there.
     ///
     /// # Errors
-    /// [`FeedError::NotFinite`]; [`FeedError::AboveLimit`] or [`FeedError::BelowLimit`] for a place that does not lie between the start of the
-    /// path and the present place.
+    /// [`FeedError::NotFinite`]; [`FeedError::AboveLimit`] or [`FeedError::BelowLimit`] for a place
+    /// that does not lie between the start of the path and the present place.
     pub fn step_back(&mut self, place: f64) -> Result<(), FeedError> {
         finite("place to step back to", place)?;
         if place > self.s {
@@ -157,10 +165,11 @@ impl<'a> FeedOverride<'a> {
         Ok(())
     }
 
-    /// Takes the motion as standing where it is: something else has taken it over, and brings it back here.
+    /// Takes the motion as standing where it is: something else has taken it over, and brings it
+    /// back here.
     pub fn stand(&mut self) {
         (self.v, self.a) = (0.0, 0.0);
-        (self.landing, self.braking_for) = (None, None);
+        (self.final_stop, self.braking_for) = (None, None);
         self.intent = Intent::Hold;
         self.next = self.stops_passed();
     }
@@ -179,7 +188,7 @@ impl<'a> FeedOverride<'a> {
             v: 0.0,
             a: 0.0,
             next: 0,
-            landing: None,
+            final_stop: None,
             braking_for: None,
         }
     }
@@ -189,12 +198,12 @@ impl<'a> FeedOverride<'a> {
         self.curve
     }
 
-    /// Where it is (m).
+    /// Present position (m).
     pub fn position(&self) -> f64 {
         self.s
     }
 
-    /// Whether it stands.
+    /// Returns true if it stands.
     pub fn is_at_rest(&self) -> bool {
         self.v == 0.0 && self.a == 0.0
     }

@@ -1,6 +1,6 @@
 //! One cycle under the limit curve: as far towards what is asked for as is safe.
 
-use super::curve::ROOM;
+use super::curve::SPEED_TOLERANCE;
 use super::feed::FeedOverride;
 use crate::scurve::change::SpeedChange;
 use crate::state::{MotionLaw, MotionState};
@@ -8,18 +8,21 @@ use crate::state::{MotionLaw, MotionState};
 /// Samples of a braking that is looked at ahead of time.
 const SAMPLES: usize = 12;
 /// Halvings with which the place is found where such a braking comes closest to the law.
-const CLOSEST: usize = 5;
+const CLOSEST_HALVINGS: usize = 5;
 /// Parts of a cycle that are looked at where the curve is near.
-const WITHIN: usize = 4;
-/// How often less is tried where what is asked for is too much.
+const SUBSTEPS: usize = 4;
+/// Number of smaller steps tried if the request is too large.
 const HALVINGS: usize = 5;
-/// How often the jerk is halved until the first cycle from a standstill fits under the curve.
-const STARTS: usize = 14;
-/// Part of the jerk with which the fastest law is approached, and the cycles over which the rest of the way to it is spread.
+/// Number of times the jerk is halved until the first cycle from a standstill fits under the curve.
+const START_HALVINGS: usize = 14;
+/// Part of the jerk with which the fastest law is approached, and the cycles over which the rest of
+/// the way to it is spread.
 const APPROACH: (f64, f64) = (0.4, 5.0);
 
-/// How to go on for a cycle.
+/// The motion over one cycle.
 #[derive(Debug, Clone, Copy)]
+// A few per cycle, none is stored.
+#[allow(clippy::large_enum_variant)]
 enum Way {
     /// By a change of speed, and at its target speed after it.
     Change(SpeedChange, f64),
@@ -44,7 +47,7 @@ impl FeedOverride<'_> {
 
     /// The fastest change to speed `target`.
     fn change_to(&self, target: f64) -> Way {
-        Way::Change(SpeedChange::build(self.v, self.a, target, self.curve.acceleration(), self.curve.jerk()), target)
+        Way::Change(SpeedChange::between((self.v, self.a), (target, 0.0), &self.curve.limits()), target)
     }
 
     /// Position, speed and acceleration at time `t` of a way to go on.
@@ -70,7 +73,7 @@ impl FeedOverride<'_> {
             return full;
         }
         let mut j = self.curve.jerk();
-        for _ in 0..STARTS {
+        for _ in 0..START_HALVINGS {
             j *= 0.5;
             let way = Way::Push(j);
             if self.after(&way, self.period).1 <= feed && self.is_safe(&way) {
@@ -112,7 +115,8 @@ impl FeedOverride<'_> {
         best
     }
 
-    /// The feed of a section ahead for which the motion has to brake now, if after `next` it would be too late.
+    /// The feed of a section ahead for which the motion has to brake now, if after `next` it would
+    /// be too late.
     fn for_sections(&mut self, next: &(f64, f64, f64)) -> Option<f64> {
         if let Some((from, feed)) = self.braking_for {
             if self.s < from {
@@ -120,11 +124,11 @@ impl FeedOverride<'_> {
             }
             self.braking_for = None;
         }
-        let (a, j) = (self.curve.acceleration(), self.curve.jerk());
+        let (limits, j) = (self.curve.limits(), self.curve.jerk());
         let too_late = |&(from, feed): &(f64, f64)| {
             let feed = feed * self.factor;
             next.1 + 0.5 * next.2 * next.2.abs() / j > feed
-                && SpeedChange::build(next.1, next.2, feed, a, j).length() > from - next.0
+                && SpeedChange::between((next.1, next.2), (feed, 0.0), &limits).length() > from - next.0
         };
         let ahead = self.feeds.ahead(self.s).chain(self.feeds.ends_ahead(self.s));
         let slowest = ahead.filter(too_late).min_by(|x, y| x.1.total_cmp(&y.1));
@@ -132,7 +136,8 @@ impl FeedOverride<'_> {
         self.braking_for.map(|(_, feed)| feed)
     }
 
-    /// The jerk that leads to the fastest law: onto it from below with a part of what is allowed, and along it.
+    /// The jerk that leads to the fastest law: onto it from below with a part of what is allowed,
+    /// and along it.
     fn approach(&self) -> f64 {
         let t = self.period;
         let (a_max, j_max) = (self.curve.acceleration(), self.curve.jerk());
@@ -148,16 +153,17 @@ impl FeedOverride<'_> {
         ((a - self.a) / t).max(-j_max).min(j_max)
     }
 
-    /// Whether a cycle stays under the curve, and from where it ends braking gets under the fastest law for good.
+    /// Returns true if a cycle stays under the curve, and from where it ends braking gets under the
+    /// fastest law for good.
     fn is_safe(&self, way: &Way) -> bool {
         let (a_max, j_max) = (self.curve.acceleration(), self.curve.jerk());
         let Some(&stop) = self.curve.stops().get(self.next) else { return false };
         let (s, v, a) = self.after(way, self.period);
-        // Speed and acceleration of the law that braking has to get under: the fastest one, or the same run slower so that it has
-        // the speed `v`.
+        // Speed and acceleration of the law that braking has to get under: the fastest one, or the
+        // same run slower so that it has the speed `v`.
         let law = |s: f64, v: f64| {
             let law = if s < stop { self.curve.fastest(s) } else { MotionState::default() };
-            let (v_law, a_law) = (ROOM * law.v, ROOM * ROOM * law.a);
+            let (v_law, a_law) = (SPEED_TOLERANCE * law.v, SPEED_TOLERANCE * SPEED_TOLERANCE * law.a);
             let slower = (v / v_law).min(1.0);
             (v_law, if a_law < 0.0 && slower > 0.0 { a_law * slower * slower } else { a_law })
         };
@@ -172,8 +178,8 @@ impl FeedOverride<'_> {
         // A dip of the curve that the cycle would jump over.
         let bow = j_max * self.period * self.period / 8.0;
         if self.v.max(v) + bow > self.curve.lowest_cap(self.s, s) {
-            for i in 1..WITHIN {
-                let (s, v, _) = self.after(way, self.period * i as f64 / WITHIN as f64);
+            for i in 1..SUBSTEPS {
+                let (s, v, _) = self.after(way, self.period * i as f64 / SUBSTEPS as f64);
                 if v > law(s, v).0 {
                     return false;
                 }
@@ -182,15 +188,16 @@ impl FeedOverride<'_> {
         if a <= a_law {
             return true;
         }
-        let brake = SpeedChange::build(v, a, 0.0, a_max, j_max);
-        let hardest = brake.phases()[1].t;
+        let brake = SpeedChange::between((v, a), (0.0, 0.0), &self.curve.limits());
+        let hardest = brake.peak_time;
         // How far the braking is under the law at a time, in speed and in acceleration.
         let under = |t: f64| {
             let at = brake.at(t);
             let (v_law, a_law) = law(s + at.p, at.v);
             (v_law - at.v, a_law - at.a)
         };
-        // First while the braking builds up; if it is released before it is as hard as the law's, to its end.
+        // First while the braking builds up; if it is released before it is as hard as the law's,
+        // to its end.
         for (from, to) in [(0.0, hardest), (hardest, brake.duration())] {
             let mut before = from;
             for i in 1..=SAMPLES {
@@ -202,7 +209,7 @@ impl FeedOverride<'_> {
                 if acceleration >= 0.0 {
                     // It came closest to the law where both accelerations were the same.
                     let (mut above, mut below) = (before, t);
-                    for _ in 0..CLOSEST {
+                    for _ in 0..CLOSEST_HALVINGS {
                         let middle = 0.5 * (above + below);
                         let (speed, acceleration) = under(middle);
                         if speed < 0.0 {

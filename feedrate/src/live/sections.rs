@@ -8,9 +8,9 @@ pub const MAX_SECTIONS: usize = 16;
 /// A stretch of a path on which another feed is asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LiveSection {
-    /// Where it begins (m).
+    /// Position of the start (m).
     pub from: f64,
-    /// Where it ends (m).
+    /// Position of the end (m).
     pub to: f64,
     /// Highest speed on it (m/s).
     pub feed: f64,
@@ -68,7 +68,8 @@ impl Feeds {
         self.list().iter().filter(move |section| section.from > s).map(|section| (section.from, section.feed))
     }
 
-    /// Ends of sections ahead of `s`, where the base feed may be lower than theirs, with the feed behind them.
+    /// Ends of sections ahead of `s`, where the base feed may be lower than theirs, with the feed
+    /// behind them.
     pub fn ends_ahead(&self, s: f64) -> impl Iterator<Item = (f64, f64)> + '_ {
         self.list().iter().filter(move |section| section.to > s).map(|section| (section.to, self.at(section.to)))
     }

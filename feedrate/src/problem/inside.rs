@@ -1,11 +1,14 @@
-//! What holds inside an interval, by Bernstein coefficients and by interpolation of the rows at its ends and in its middle.
+//! Conditions inside an interval, by Bernstein coefficients and by interpolation of the rows at its
+//! ends and in its middle.
 
 use super::bound_table::BoundTable;
-use super::{FeedProblem, RowTable};
+use super::feed_problem::FeedProblem;
+use super::row_table::RowTable;
 use crate::constraint::Within;
 use crate::row::{JerkRow, LimitId, Row};
 
-/// `lo <= alpha w + beta u + gamma x <= hi` at one end of an interval on which `w = du/ds` is constant.
+/// `lo <= alpha w + beta u + gamma x <= hi` at one end of an interval on which `w = du/ds` is
+/// constant.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct InnerRow {
     pub alpha: f64,
@@ -17,17 +20,18 @@ pub(crate) struct InnerRow {
 }
 
 impl InnerRow {
-    /// Whether it holds whatever the motion.
+    /// Returns true if it holds whatever the motion.
     pub fn is_nothing(&self) -> bool {
         self.alpha == 0.0 && self.beta == 0.0 && self.gamma == 0.0 && self.lo <= 0.0 && 0.0 <= self.hi
     }
 }
 
-/// What holds inside an interval, by its Bernstein coefficients.
+/// Conditions inside an interval, by its Bernstein coefficients.
 impl FeedProblem {
-    /// Next to one end of interval `k` the inner Bernstein coefficient of every row that is a cubic there: its value at that end and
-    /// a third of its slope. Coefficients of rows are interpolated through both ends and the middle, exactly so on a
-    /// piecewise cubic path. Rows with friction are left out.
+    /// Next to one end of interval `k` the inner Bernstein coefficient of every row that is a cubic
+    /// there: its value at that end and a third of its slope. Coefficients of rows are interpolated
+    /// through both ends and the middle, exactly so on a piecewise cubic path. Rows with friction
+    /// are left out.
     pub(crate) fn inner_rows(&self, k: usize, within: Within) -> impl Iterator<Item = InnerRow> + '_ {
         let h = self.h(k);
         let straight = self.through(k).filter(|[p, _, q]| p.c == 0.0 && q.c == 0.0);
@@ -49,8 +53,9 @@ impl FeedProblem {
         })
     }
 
-    /// Weights of the three Bernstein coefficients of `x(s)` on interval `k` whose sums must not exceed 1: the inner
-    /// coefficients of its product, of degree six, with the bound on squared axis speeds.
+    /// Weights of the three Bernstein coefficients of `x(s)` on interval `k` whose sums must not
+    /// exceed 1: the inner coefficients of its product, of degree six, with the bound on squared
+    /// axis speeds.
     pub(crate) fn speed_rows(&self, k: usize) -> [[f64; 3]; 5] {
         let p = &self.speed_bounds[k].coefficients;
         // C(4, i - j) C(2, j) / C(6, i)
@@ -64,7 +69,8 @@ impl FeedProblem {
     }
 }
 
-/// The inner Bernstein coefficient next to one end of a row without friction that is a cubic on an interval of length `h`.
+/// The inner Bernstein coefficient next to one end of a row without friction that is a cubic on an
+/// interval of length `h`.
 pub(crate) fn inner_row([p, m, q]: [&Row; 3], h: f64, within: Within) -> InnerRow {
     // At the end everything runs backwards.
     let (row, other, third) = if within == Within::End { (q, p, -h / 3.0) } else { (p, q, h / 3.0) };
@@ -81,7 +87,8 @@ pub(crate) fn inner_row([p, m, q]: [&Row; 3], h: f64, within: Within) -> InnerRo
 }
 
 impl FeedProblem {
-    /// Whether a cap of another origin than axis speeds, and known at places alone, is the least in the middle of interval `k`.
+    /// Returns true if a cap of another origin than axis speeds, and known at places alone, is the
+    /// least in the middle of interval `k`.
     pub(crate) fn is_capped_within(&self, k: usize) -> bool {
         let largest = self.speed_bounds[k].coefficients.iter().copied().fold(0.0, f64::max);
         self.middle_x_max(k) * largest < 0.999
@@ -90,7 +97,8 @@ impl FeedProblem {
 
 /// Rows by quadratic interpolation through an interval.
 impl FeedProblem {
-    /// The problem with some intervals split at fractions (increasing, inside 0..1) of their length.
+    /// The problem with some intervals split at fractions (increasing, inside 0..1) of their
+    /// length.
     pub(crate) fn split(&self, cuts: &[(usize, Vec<f64>)]) -> Self {
         let n = self.intervals();
         let places = n + 1 + cuts.iter().map(|(_, fractions)| fractions.len()).sum::<usize>();
@@ -169,8 +177,8 @@ pub(crate) fn quadratic(fraction: f64) -> impl Fn(f64, f64, f64) -> f64 {
     move |p, m, q| weights[0] * p + weights[1] * m + weights[2] * q
 }
 
-/// The index of the row at an end of an interval that belongs to row `j` of its middle: the same index, or the same source
-/// where a jump doubles the rows of a point (those after it come first).
+/// The index of the row at an end of an interval that belongs to row `j` of its middle: the same
+/// index, or the same source where a jump doubles the rows of a point (those after it come first).
 pub(crate) fn matching(rows: &[Row], middle: &Row, j: usize, count: usize, last: bool) -> Option<usize> {
     if rows.len() == count {
         Some(j)

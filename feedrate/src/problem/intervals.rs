@@ -1,19 +1,20 @@
-//! What bounds the motion on whole intervals: boxes for the scans with S-profiles, caps for motion that is changed while it runs.
+//! Bounds of the motion on whole intervals: boxes for the scans with S-profiles, caps for motion
+//! that is changed while it runs.
 
-use super::FeedProblem;
+use super::feed_problem::FeedProblem;
 use crate::error::FeedError;
 use crate::row::{IntervalBound, LimitId};
 use crate::scan::Segment;
 
-/// How limits that couple speed, acceleration and jerk are shared out between them, as fractions of each limit. What one of them
-/// leaves unused goes to the others.
+/// The partition of limits that couple speed, acceleration and jerk, as fractions of each limit.
+/// What one of them leaves unused goes to the others.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LimitPartition {
-    /// Of a limit on acceleration, for the acceleration along the path.
+    /// Fraction of a limit on acceleration for the acceleration along the path.
     pub acceleration: f64,
-    /// Of a limit on jerk, for the jerk along the path.
+    /// Fraction of a limit on jerk for the jerk along the path.
     pub jerk: f64,
-    /// Of what is left of the limit on jerk then, for the speed alone.
+    /// Fraction of the rest of the limit on jerk for the speed alone.
     pub speed: f64,
 }
 
@@ -26,9 +27,11 @@ impl LimitPartition {
         Self { acceleration: 0.4, jerk: 0.5, speed: 0.5 },
     ];
 
-    /// The largest box `v <= V`, `|u| <= A`, `|j| <= J` of this partition in which all `bounds` hold with every sign.
+    /// The largest box `v <= V`, `|u| <= A`, `|j| <= J` of this partition in which all `bounds`
+    /// hold with every sign.
     ///
-    /// First what acceleration and jerk may use at most, then the speed from what is left, then the acceleration again.
+    /// First what acceleration and jerk may use at most, then the speed from what is left, then the
+    /// acceleration again.
     fn narrow(&self, bounds: &[IntervalBound]) -> [f64; 3] {
         let [mut v, mut a, mut j] = [f64::INFINITY; 3];
         for bound in bounds {
@@ -55,7 +58,8 @@ impl LimitPartition {
                         v = v.min((self.speed * left / gamma).cbrt());
                     }
                     if step > 0.0 {
-                        // Half of what the speed's own share leaves, so that something is kept for the acceleration.
+                        // Half of what the speed's own share leaves, so that something is kept for
+                        // the acceleration.
                         v = v.min((0.5 * (1.0 - self.speed) * left / step).sqrt());
                     }
                 }
@@ -105,7 +109,8 @@ fn speed_for_jerk([gamma, step, cross]: [f64; 3], left: f64, most: f64) -> f64 {
     low
 }
 
-/// The greatest speed at which all `bounds` hold whatever the motion does within `|u| <= acceleration` and `|j| <= jerk`.
+/// The greatest speed at which all `bounds` hold whatever the motion does within
+/// `|u| <= acceleration` and `|j| <= jerk`.
 pub fn live_speed(bounds: &[IntervalBound], acceleration: f64, jerk: f64) -> f64 {
     bounds.iter().fold(f64::INFINITY, |v: f64, bound| {
         v.min(match *bound {
@@ -122,16 +127,19 @@ pub fn live_speed(bounds: &[IntervalBound], acceleration: f64, jerk: f64) -> f64
 }
 
 impl FeedProblem {
-    /// What bounds the motion on the whole of interval `k`; nothing unless built by [`FeedProblem::between_points`].
+    /// Bounds of the motion on the whole of interval `k`; nothing unless built by
+    /// [`FeedProblem::between_points`].
     pub fn interval_bounds(&self, k: usize) -> &[IntervalBound] {
         self.bounds.of(k)
     }
 
-    /// One segment per interval with bounds on speed, acceleration and jerk along the path that are safe anywhere inside it.
+    /// One segment per interval with bounds on speed, acceleration and jerk along the path that are
+    /// safe anywhere inside it.
     ///
     /// # Errors
-    /// [`FeedError::StaticallyInfeasible`] where standing still breaks a limit, [`FeedError::Empty`] without limits on jerk,
-    /// [`FeedError::Unbounded`] where nothing limits the speed.
+    /// [`FeedError::StaticallyInfeasible`] where standing still breaks a limit,
+    /// [`FeedError::Empty`] without limits on jerk, [`FeedError::Unbounded`] where nothing limits
+    /// the speed.
     pub fn segments(&self, partition: &LimitPartition) -> Result<Vec<Segment>, FeedError> {
         self.holds_still()?;
         if !self.has_jerk() {
@@ -143,7 +151,8 @@ impl FeedProblem {
                 if v == f64::INFINITY {
                     return Err(FeedError::Unbounded { index: k, s: self.grid()[k] });
                 }
-                // Where nothing moves that is limited, reaching the speed and the acceleration within the interval is as good as at once.
+                // Where nothing moves that is limited, reaching the speed and the acceleration
+                // within the interval is as good as at once.
                 let h = self.h(k);
                 let a = if a == f64::INFINITY { v * v / h } else { a };
                 let j = if j == f64::INFINITY { v * a / h } else { j };
@@ -152,7 +161,8 @@ impl FeedProblem {
             .collect()
     }
 
-    /// Largest acceleration and jerk along the path that no limit forbids at a standstill, anywhere.
+    /// Largest acceleration and jerk along the path that no limit forbids at a standstill,
+    /// anywhere.
     ///
     /// # Errors
     /// [`FeedError::StaticallyInfeasible`] where standing still breaks a limit.
@@ -169,8 +179,8 @@ impl FeedProblem {
         Ok((a, j))
     }
 
-    /// The greatest speed on every interval at which all limits hold whatever the motion does within `|u| <= acceleration` and
-    /// `|j| <= jerk`, both below [`FeedProblem::rest_limits`].
+    /// The greatest speed on every interval at which all limits hold whatever the motion does
+    /// within `|u| <= acceleration` and `|j| <= jerk`, both below [`FeedProblem::rest_limits`].
     ///
     /// # Errors
     /// As [`FeedProblem::rest_limits`].
@@ -179,8 +189,9 @@ impl FeedProblem {
         Ok((0..self.intervals()).map(|k| live_speed(self.bounds.of(k), acceleration, jerk)).collect())
     }
 
-    /// The first grid point at which the acceleration of a joint has to jump while the path is in motion: there no jerk-limited law
-    /// exists, and only the scans go on, the jump being spread over a control period.
+    /// The first grid point at which the acceleration of a joint has to jump while the path is in
+    /// motion: there no jerk-limited law exists, and only the scans go on, the jump being spread
+    /// over a control period.
     pub fn first_acceleration_step(&self) -> Option<usize> {
         let steps = |k: &usize| {
             let jumps = |bound: &IntervalBound| matches!(bound, IntervalBound::Jerk { step, .. } if *step > 0.0);

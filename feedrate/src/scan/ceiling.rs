@@ -1,17 +1,19 @@
 //! The caps of many segments as few lines in the plane of position and squared speed.
 //!
-//! A line in that plane is motion at constant acceleration, so following it needs no jerk. For a pass in one direction only
-//! rising caps have to be followed (falling ones are the other pass's task), so every piece is flat or rises; between
-//! pieces the ceiling may jump either way.
+//! A line in that plane is motion at constant acceleration, so following it needs no jerk. For a
+//! pass in one direction only rising caps have to be followed (falling ones are the other pass's
+//! task), so every piece is flat or rises; between pieces the ceiling may jump either way.
 
-use super::Segment;
+use super::segment::Segment;
 
-/// A cap that rises by more than this factor (of squared speed) from one segment to the next is a jump, not a slope.
-const JUMP: f64 = 1.6;
+/// A cap that rises by more than this factor (of squared speed) from one segment to the next is a
+/// jump, not a slope.
+const JUMP_FACTOR: f64 = 1.6;
 /// Segments whose acceleration or jerk bounds differ by more than this factor are not merged.
-const ALIKE: f64 = 1.03;
+const MERGED_WITHIN: f64 = 1.03;
 
-/// A stretch of ceiling: squared speed `x0 + 2 g (s - s0)` with `g >= 0`, and the least bounds of the segments below it.
+/// A stretch of ceiling: squared speed `x0 + 2 g (s - s0)` with `g >= 0`, and the least bounds of
+/// the segments below it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Piece {
     pub s0: f64,
@@ -20,7 +22,8 @@ pub(super) struct Piece {
     pub g: f64,
     pub a_max: f64,
     pub j_max: f64,
-    /// Acceleration that may not be exceeded inside the piece so that the smaller bounds ahead can still be met.
+    /// Acceleration that may not be exceeded inside the piece so that the smaller bounds ahead can
+    /// still be met.
     pub a_safe: f64,
 }
 
@@ -31,8 +34,9 @@ impl Piece {
     }
 }
 
-/// Builds the ceiling over `segments` in the order given; `s` are their boundaries in that direction. A line may stay
-/// below the caps it replaces by the share `slack` of the squared speed. `jerk` replaces the bounds of the segments.
+/// Builds the ceiling over `segments` in the order given; `s` are their boundaries in that
+/// direction. A line may stay below the caps it replaces by the share `slack` of the squared speed.
+/// `jerk` replaces the bounds of the segments.
 pub(super) fn ceiling<'a>(
     segments: impl Iterator<Item = &'a Segment>,
     s: impl Fn(usize) -> f64,
@@ -53,7 +57,7 @@ pub(super) fn ceiling<'a>(
             let piece = line.close();
             out.push(piece);
             let end = piece.x(piece.s1);
-            let x0 = if end <= cap && cap <= JUMP * end { end } else { cap };
+            let x0 = if end <= cap && cap <= JUMP_FACTOR * end { end } else { cap };
             open = Some(Open::new(s0, s1, x0, cap, slack, segment));
         } else {
             open = Some(Open::new(s0, s1, cap, cap, slack, segment));
@@ -62,7 +66,8 @@ pub(super) fn ceiling<'a>(
     if let Some(line) = open {
         out.push(line.close());
     }
-    // Bounds on acceleration may fall from piece to piece; what is above the next one has to be taken off in time.
+    // Bounds on acceleration may fall from piece to piece; what is above the next one has to be
+    // taken off in time.
     let mut ahead = f64::INFINITY;
     for piece in out.iter_mut().rev() {
         let fastest = piece.x(piece.s1).sqrt();
@@ -72,7 +77,8 @@ pub(super) fn ceiling<'a>(
     }
 }
 
-/// A line under construction: all slopes that stay under every cap so far, and within the slack of it.
+/// A line under construction: all slopes that stay under every cap so far, and within the slack of
+/// it.
 struct Open {
     s0: f64,
     s1: f64,
@@ -97,7 +103,7 @@ impl Open {
     fn take(&mut self, s1: f64, cap: f64, segment: &Segment) -> bool {
         let widen = |(lo, hi): (f64, f64), x: f64| (lo.min(x), hi.max(x));
         let (a, j) = (widen(self.a, segment.a_max), widen(self.j, segment.j_max));
-        if a.1 > ALIKE * a.0 || j.1 > ALIKE * j.0 {
+        if a.1 > MERGED_WITHIN * a.0 || j.1 > MERGED_WITHIN * j.0 {
             return false;
         }
         let run = 2.0 * (s1 - self.s0);

@@ -1,28 +1,31 @@
 //! Continuous acceleration across segments: a climbing pass, a braking pass and tangential joins.
 //!
-//! One S-profile per segment brings the acceleration to zero at each of a thousand boundaries (Liu et al. 2023, section
-//! 4). Here it is zero only where the speed has a minimum. The braking pass runs over the path backwards and finds the
-//! highest jerk-limited curve from which every drop of the caps ahead can still be met; the climbing pass accelerates
-//! as hard as it may under the caps and joins the braking curve tangentially (see `pass`). The result is checked against the segments before
-//! it is returned; where no join passes the check the path is cut.
+//! One S-profile per segment brings the acceleration to zero at each of a thousand boundaries (Liu
+//! et al. 2023, section 4). Here it is zero only where the speed has a minimum. The braking pass
+//! runs over the path backwards and finds the highest jerk-limited curve from which every drop of
+//! the caps ahead can still be met; the climbing pass accelerates as hard as it may under the caps
+//! and joins the braking curve tangentially (see `pass`). The result is checked against the
+//! segments before it is returned; where no join passes the check the path is cut.
 
 use super::ceiling::{Piece, ceiling};
-use super::pass::{Braking, Here, Run, Step, climb, run};
-use super::segment::{boundary_speeds, checked_caps};
-use super::{Segment, boundaries};
+use super::forward_pass::run;
+use super::pass::{Braking, Here, Run, Step, climb};
+use super::per_segment::{boundary_speeds, checked_caps};
+use super::segment::{Segment, boundaries};
 use crate::error::FeedError;
-use crate::limits::MotionLimits;
-use crate::scurve::phases::Phase;
+use crate::limits::AxisLimits;
+use crate::scurve::phase::Phase;
 use crate::scurve::profile::{Adjusted, SProfile};
 use crate::speed_law::{Builder, SpeedLaw};
 
-/// Plans with continuous acceleration over the segments: everywhere, inside the segments too, speed, acceleration and
-/// jerk keep the bounds of the segment where the motion is.
+/// Plans with continuous acceleration over the segments: everywhere, inside the segments too,
+/// speed, acceleration and jerk keep the bounds of the segment where the motion is.
 ///
-/// `v_start` and `v_end` (m/s) are the speeds at the ends of the path, both with zero acceleration. On paths with
-/// thousands of short segments the duration is typically 3 to 6 % above that of the optimum *without* any jerk limit (which
-/// no jerk-limited motion reaches), where one S-profile per segment is 7 to 23 % above it. Where no join can be found the
-/// path is cut in two at a speed of the per-segment plan, and so on down to single segments.
+/// `v_start` and `v_end` (m/s) are the speeds at the ends of the path, both with zero acceleration.
+/// On paths with thousands of short segments the duration is typically 3 to 6 % above that of the
+/// optimum *without* any jerk limit (which no jerk-limited motion reaches), where one S-profile per
+/// segment is 7 to 23 % above it. Where no join can be found the path is cut in two at a speed of
+/// the per-segment plan, and so on down to single segments.
 ///
 /// ```
 /// use arcfeed_feedrate::{MotionLaw, Segment, plan_continuous, plan_per_segment};
@@ -35,7 +38,7 @@ use crate::speed_law::{Builder, SpeedLaw};
 /// ```
 ///
 /// # Errors
-/// As [`super::segment::plan_per_segment`].
+/// As [`plan_per_segment`](crate::plan_per_segment).
 pub fn plan_continuous(segments: &[Segment], v_start: f64, v_end: f64) -> Result<SpeedLaw, FeedError> {
     let caps = checked_caps(segments, v_start, v_end)?;
     let s = boundaries(segments);
@@ -48,11 +51,12 @@ pub fn plan_continuous(segments: &[Segment], v_start: f64, v_end: f64) -> Result
     plan.finish(s[segments.len()], v_end)
 }
 
-/// Like [`plan_continuous`], if the whole path can be joined at the first attempt, else `None`: a fraction of the time, for
-/// callers who have several lists of segments to choose from.
+/// Like [`plan_continuous`], if the whole path can be joined at the first attempt, else `None`: a
+/// fraction of the time, for callers who have several lists of segments to choose from.
 ///
 /// # Errors
-/// When there is no segment, or a speed is negative, not finite or above the cap at its end of the path.
+/// If there is no segment, or a speed is negative, not finite or above the cap at its end of the
+/// path.
 pub fn plan_continuous_at_once(segments: &[Segment], v_start: f64, v_end: f64) -> Result<Option<SpeedLaw>, FeedError> {
     let caps = checked_caps(segments, v_start, v_end)?;
     if v_start > caps[0] {
@@ -67,14 +71,17 @@ pub fn plan_continuous_at_once(segments: &[Segment], v_start: f64, v_end: f64) -
     plan.finish(s[segments.len()], v_end).map(Some)
 }
 
-/// How far the lines of the ceiling may lie below the caps, relative in v^2; the first is the usual one.
+/// Distances by which the lines of the ceiling may lie below the caps, relative in v^2; the first
+/// is the usual one.
 const SLACKS: [f64; 3] = [0.01, 0.02, 0.005];
 
-/// Appends the joined motion over `segments`, which start at `s0`; `false`, and nothing appended, if no join is found.
+/// Appends the joined motion over `segments`, which start at `s0`; `false`, and nothing appended,
+/// if no join is found.
 fn join(segments: &[Segment], s0: f64, v_start: f64, v_end: f64, plan: &mut Builder) -> bool {
     let s = boundaries(segments);
     let least = segments.iter().map(|segment| segment.j_max).fold(f64::INFINITY, f64::min);
-    // A join can fail where bounds change in an unlucky place; another set of lines has other places.
+    // A join can fail where bounds change in an unlucky place; another set of lines has other
+    // places.
     let ways =
         SLACKS.map(|slack| (slack, None)).into_iter().chain([(SLACKS[0], Some(least)), (SLACKS[1], Some(least))]);
     for (slack, jerk) in ways {
@@ -89,12 +96,13 @@ fn join(segments: &[Segment], s0: f64, v_start: f64, v_end: f64, plan: &mut Buil
     false
 }
 
-/// Joins each part of a path that cannot be joined as a whole: cut where the per-segment plan is slowest, away from the
-/// ends, down to single segments. `s` and `speeds` are those of the boundaries.
+/// Joins each part of a path that cannot be joined as a whole: cut where the per-segment plan is
+/// slowest, away from the ends, down to single segments. `s` and `speeds` are those of the
+/// boundaries.
 fn split(segments: &[Segment], s: &[f64], speeds: &[f64], plan: &mut Builder) {
     let n = segments.len();
     if n == 1 {
-        let limits = MotionLimits::trusted(segments[0].v_max, segments[0].a_max, segments[0].j_max);
+        let limits = AxisLimits::symmetric_unchecked(segments[0].v_max, segments[0].a_max, segments[0].j_max);
         plan.push_profile(s[0], &SProfile::build(segments[0].length, speeds[0], speeds[1], &limits, Adjusted::No));
         return;
     }
@@ -109,7 +117,8 @@ fn split(segments: &[Segment], s: &[f64], speeds: &[f64], plan: &mut Builder) {
     }
 }
 
-/// One way to join: with the given slack of the ceiling, and the jerk bounds of the segments or one bound for all.
+/// One way to join: with the given slack of the ceiling, and the jerk bounds of the segments or one
+/// bound for all.
 fn attempt(
     segments: &[Segment],
     s: &[f64],
@@ -133,8 +142,8 @@ fn attempt(
     Some(steps)
 }
 
-/// Checks steps against the segments themselves: that they chain, and that speed, acceleration and jerk stay within the
-/// bounds of the segment where the motion is, everywhere.
+/// Checks steps against the segments themselves: that they chain, and that speed, acceleration and
+/// jerk stay within the bounds of the segment where the motion is, everywhere.
 fn keeps_limits(steps: &[Step], segments: &[Segment], s: &[f64], v_start: f64, v_end: f64) -> bool {
     const CHAIN: f64 = 1e-10;
     const LIMIT: f64 = 1.0 + 1e-10;
@@ -158,7 +167,8 @@ fn keeps_limits(steps: &[Step], segments: &[Segment], s: &[f64], v_start: f64, v
         while k + 1 < n && s[k + 1] <= phase.s + 1e-12 * length {
             k += 1;
         }
-        // Speeds can only peak inside a step where the acceleration changes sign; no step does that.
+        // Speeds can only peak inside a step where the acceleration changes sign; no step does
+        // that.
         if phase.a * a < -CHAIN * a_scale * a_scale {
             return false;
         }
@@ -210,7 +220,8 @@ fn backward(ahead: &[Piece], behind: &[Piece], v_end: f64) -> Option<Braking> {
         let x = next.x0.min(ahead[k].x(forward));
         here = Here { s, v: x.sqrt(), a: 0.0, piece: end.piece + 1, hold: false };
     }
-    // Mirror: time and position run backwards, so speed and jerk stay and acceleration changes sign.
+    // Mirror: time and position run backwards, so speed and jerk stay and acceleration changes
+    // sign.
     let mut braking = Braking::default();
     for &(first, last, s_start, v_start) in ends.iter().rev() {
         let start = braking.steps.len();

@@ -8,11 +8,13 @@ use crate::jerk_limited::{JerkLimited, JerkLimitedPlan};
 use crate::problem::{FeedPlanner, FeedProblem};
 use crate::speed_law::SpeedLaw;
 
-/// On grids of no more intervals than this the scan is run beside the jerk-limited planner: the quadratic spline of [`JerkLimited`] may
-/// lose to a profile of seven phases there, and the scan takes a millisecond or two.
-const COARSE: usize = 500;
+/// On grids of no more intervals than this the scan is run beside the jerk-limited planner: the
+/// quadratic spline of [`JerkLimited`] may lose to a profile of seven phases there, and the scan
+/// takes a millisecond or two.
+const COARSE_INTERVALS: usize = 500;
 
-/// [`JerkLimited`]; [`ContinuousAccelerationScan`] where that finds no law, or where the grid is coarse and the scan's law is shorter.
+/// [`JerkLimited`]; [`ContinuousAccelerationScan`] where that finds no law, or where the grid is
+/// coarse and the scan's law is shorter.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct JerkLimitedOrScan {
     /// The planner that comes first.
@@ -23,7 +25,8 @@ pub struct JerkLimitedOrScan {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Fallback {
-    /// At a place where the motion does not stop the joints' accelerations have to step, which no jerk limit allows in zero time.
+    /// At a place where the motion does not stop the joints' accelerations have to step, which no
+    /// jerk limit allows in zero time.
     AccelerationStep {
         /// Position of the place.
         s: f64,
@@ -57,7 +60,8 @@ pub struct ChosenLaw {
     pub law: SpeedLaw,
     /// Why it is not the jerk-limited planner's; `None` where it is.
     pub fallback: Option<Fallback>,
-    /// Whether the jerk-limited planner did its part: where it did not converge, another grid may give a faster law.
+    /// True if the jerk-limited planner did its part: where it did not converge, another grid may
+    /// give a faster law.
     pub converged: bool,
 }
 
@@ -65,7 +69,8 @@ impl JerkLimitedOrScan {
     /// The law, and why it is not the jerk-limited planner's where it is not.
     ///
     /// # Errors
-    /// Those of the jerk-limited planner where neither finds a law; a limit that is broken at rest is named first.
+    /// Those of the jerk-limited planner where neither finds a law; a limit that is broken at rest
+    /// is named first.
     pub fn choose(&self, problem: &FeedProblem) -> Result<ChosenLaw, FeedError> {
         let scan = || ContinuousAccelerationScan.plan(problem);
         if let Some(i) = problem.first_acceleration_step() {
@@ -74,7 +79,7 @@ impl JerkLimitedOrScan {
         }
         match self.jerk_limited.plan_noting_convergence(problem) {
             Ok(JerkLimitedPlan { law, converged }) => {
-                let scanned = if problem.intervals() > COARSE && converged { None } else { scan().ok() };
+                let scanned = if problem.intervals() > COARSE_INTERVALS && converged { None } else { scan().ok() };
                 Ok(match scanned {
                     Some(scanned) if law.duration() >= scanned.duration() => {
                         let fallback = Some(Fallback::Slower { duration: law.duration() });

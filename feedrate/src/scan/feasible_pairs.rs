@@ -1,11 +1,14 @@
-//! The squared speeds at both ends of an interval that keep all its rows: a convex polygon, clipped row by row.
+//! The squared speeds at both ends of an interval that keep all its rows: a convex polygon, clipped
+//! row by row.
 //!
-//! A row divided by a small factor of `u` says nothing reliable about `u`. Here every row is judged in its own unit, at the
-//! vertices of the polygon, so that what round-off leaves is of the size of the round-off of its terms.
+//! A row divided by a small factor of `u` says nothing reliable about `u`. Here every row is judged
+//! in its own unit, at the vertices of the polygon, so that what round-off leaves is of the size of
+//! the round-off of its terms.
 
 use crate::row::LimitId;
 
-/// A row `lo <= a u + b x <= hi` over one interval: `u = (y - x) / h2` for squared speeds `x` at its start and `y` at its end.
+/// A row `lo <= a u + b x <= hi` over one interval: `u = (y - x) / h2` for squared speeds `x` at
+/// its start and `y` at its end.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Line {
     pub a: f64,
@@ -18,7 +21,8 @@ pub(super) struct Line {
 /// Excess that counts as none, in units of the sum of the magnitudes of the terms.
 const ROUND_OFF: f64 = 4.0 * f64::EPSILON;
 
-/// A convex set of pairs `(x, y)` by its vertices in order; a segment or a point where it has no area.
+/// A convex set of pairs `(x, y)` by its vertices in order; a segment or a point where it has no
+/// area.
 #[derive(Debug, Clone, Default)]
 pub(super) struct FeasiblePairs {
     vertices: Vec<[f64; 2]>,
@@ -50,7 +54,8 @@ impl FeasiblePairs {
         self.clip(|at| (value(at) - hi, round_off(at, hi))) && self.clip(|at| (lo - value(at), round_off(at, lo)))
     }
 
-    /// Leaves what is on the side of a line where the excess is not positive; `excess` also tells what counts as none.
+    /// Leaves what is on the side of a line where the excess is not positive; `excess` also tells
+    /// what counts as none.
     fn clip(&mut self, excess: impl Fn([f64; 2]) -> (f64, f64)) -> bool {
         let over = |at| {
             let (excess, round_off) = excess(at);
@@ -69,7 +74,8 @@ impl FeasiblePairs {
             let here = (at, over(at));
             if (here.1 <= 0.0) != (last.1 <= 0.0) {
                 let (inside, outside) = if here.1 <= 0.0 { (here, last) } else { (last, here) };
-                // No term and no weight is a difference of large numbers: nothing is lost where one end is far away.
+                // No term and no weight is a difference of large numbers: nothing is lost where one
+                // end is far away.
                 let span = outside.1 - inside.1;
                 let (near, far) = (outside.1 / span, -inside.1 / span);
                 let between = |i: usize| {
@@ -100,9 +106,11 @@ impl FeasiblePairs {
     }
 }
 
-/// The greatest `y` beside `x`, on the edges between the given vertices; of an `x` beside them all the nearest one's.
+/// The greatest `y` beside `x`, on the edges between the given vertices; of an `x` beside them all
+/// the nearest one's.
 pub(super) fn greatest_beside(vertices: &[[f64; 2]], x: f64) -> Option<f64> {
-    // Vertices this close together are at the same place: at the end of an upright edge its upper end counts.
+    // Vertices this close together are at the same place: at the end of an upright edge its upper
+    // end counts.
     let round_off = ROUND_OFF * x.abs();
     let mut best = None;
     let mut last = vertices.last()?;

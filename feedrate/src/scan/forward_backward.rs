@@ -1,36 +1,42 @@
 //! The bidirectional scan that keeps every row at both ends of every interval.
 //!
 //! # Why it holds
-//! Let `X_i` be the greatest `x` up to which every row at grid point `i` holds at `u = 0` (the "initial velocity limit",
-//! Electronics 2025, 14, 3869, eq. 16), and `R_k` the set of pairs `(x_k, x_k+1)` below `X` that satisfy the rows at both
-//! ends of interval `k` with `u = (x_k+1 - x_k) / 2h`. `R_k` contains the diagonal. The forward pass takes the greatest
-//! `x_k+1` up to which `R_k` contains the whole segment from the diagonal, so the backward pass `x_k`. Let `F` and `B` be
-//! the passes and `m = min(F, B)`.
-//! * `m = F` at `k` and `m = B` at `k+1`: if `F_k <= B_k+1`, the pair lies between the diagonal and `(F_k, F_k+1)`;
-//!   otherwise between the diagonal and `(B_k, B_k+1)`, since `F_k <= B_k`. The mirrored case likewise.
-//! * `m = F` at both: an ascending `F` is such a pair itself. A descending one has `F_k+1 = X_k+1`, hence
-//!   `B_k+1 = X_k+1 < F_k <= B_k`, and the pair lies between the diagonal and `(B_k, B_k+1)`. The same for `B`.
+//! Let `X_i` be the greatest `x` up to which every row at grid point `i` holds at `u = 0` (the
+//! "initial velocity limit", Electronics 2025, 14, 3869, eq. 16), and `R_k` the set of pairs
+//! `(x_k, x_k+1)` below `X` that satisfy the rows at both ends of interval `k` with
+//! `u = (x_k+1 - x_k) / 2h`. `R_k` contains the diagonal. The forward pass takes the greatest
+//! `x_k+1` up to which `R_k` contains the whole segment from the diagonal, so the backward pass
+//! `x_k`. Let `F` and `B` be the passes and `m = min(F, B)`.
+//! * `m = F` at `k` and `m = B` at `k+1`: if `F_k <= B_k+1`, the pair lies between the diagonal and
+//!   `(F_k, F_k+1)`; otherwise between the diagonal and `(B_k, B_k+1)`, since `F_k <= B_k`. The
+//!   mirrored case likewise.
+//! * `m = F` at both: an ascending `F` is such a pair itself. A descending one has `F_k+1 = X_k+1`,
+//!   hence `B_k+1 = X_k+1 < F_k <= B_k`, and the pair lies between the diagonal and `(B_k, B_k+1)`.
+//!   The same for `B`.
 //!
-//! So `m` is in every `R_k`. This needs no convexity, only segments along the axes: it holds for viscous friction too.
+//! So `m` is in every `R_k`. This needs no convexity, only segments along the axes: it holds for
+//! viscous friction too.
 
 use crate::error::{FeedError, PathEnd};
 use crate::problem::{FeedPlanner, FeedProblem};
 use crate::row::{LimitId, Quantity, Row};
 use crate::speed_law::SpeedLaw;
 
-/// The bidirectional scan of Electronics 2025, 14, 3869 with every row tested at both ends of an interval.
+/// The bidirectional scan of Electronics 2025, 14, 3869 with every row tested at both ends of an
+/// interval.
 ///
-/// O(N), two tests per row and pass and a division where one fails; about 0.1 % to 1 % slower motion than the optimum at
-/// N = 1000. It needs every grid point to be statically feasible. Rows hold at the grid points; in between they may be exceeded
-/// by what they vary there.
+/// O(N), two tests per row and pass and a division where one fails; about 0.1 % to 1 % slower
+/// motion than the optimum at N = 1000. It needs every grid point to be statically feasible. Rows
+/// hold at the grid points; in between they may be exceeded by what they vary there.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct ForwardBackwardScan;
 
-/// The bidirectional scan as published (Electronics 2025, 14, 3869, eqs. 16 to 19 and appendix A; backward pass with the
-/// sign of the acceleration corrected), for reproduction only: **it breaks the limits it is given.**
+/// The bidirectional scan as published (Electronics 2025, 14, 3869, eqs. 16 to 19 and appendix A;
+/// backward pass with the sign of the acceleration corrected), for reproduction only: **it breaks
+/// the limits it is given.**
 ///
-/// Forward it tests the right end of an accelerating interval alone, backward the left end of a decelerating one; the other
-/// ends exceed their acceleration by 4 % to 60 % in ordinary cases.
+/// Forward it tests the right end of an accelerating interval alone, backward the left end of a
+/// decelerating one; the other ends exceed their acceleration by 4 % to 60 % in ordinary cases.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct PublishedScan;
 
@@ -58,7 +64,8 @@ pub(crate) fn squared_speeds(problem: &FeedProblem) -> Result<Vec<f64>, FeedErro
     scan(problem, &static_limits(problem)?, true)
 }
 
-/// Smallest root above `from` (0 if not positive) of `p w^2 + c w = r` in `w = sqrt(x)`, squared; infinite if there is none.
+/// Smallest root above `from` (0 if not positive) of `p w^2 + c w = r` in `w = sqrt(x)`, squared;
+/// infinite if there is none.
 fn first_crossing(p: f64, c: f64, r: f64, from: f64) -> f64 {
     if r.is_infinite() {
         return f64::INFINITY;
@@ -87,18 +94,21 @@ fn first_crossing(p: f64, c: f64, r: f64, from: f64) -> f64 {
         .fold(f64::INFINITY, |least, w| least.min(w * w))
 }
 
-/// Where `p x + c sqrt(x)` leaves `[lo, hi]` when `x` grows from `from`, at which it is inside.
+/// The value at which `p x + c sqrt(x)` leaves `[lo, hi]` when `x` grows from `from`, at which it
+/// is inside.
 #[inline(always)]
 fn leaves(p: f64, c: f64, lo: f64, hi: f64, from: f64) -> f64 {
     if c == 0.0 {
-        // The common case, with a single division and no branch; p = 0 gives infinity, or NaN that no comparison takes.
-        let room = if p > 0.0 { hi } else { -lo };
-        return room / p.abs();
+        // The common case, with a single division and no branch; p = 0 gives infinity, or NaN that
+        // no comparison takes.
+        let left = if p > 0.0 { hi } else { -lo };
+        return left / p.abs();
     }
     first_crossing(p, c, hi, from).min(first_crossing(p, c, lo, from))
 }
 
-/// How far of `from..to` the row `p x + c sqrt(x)` holds. Most rows hold all the way, which takes no division.
+/// The end of the part of `from..to` on which the row `p x + c sqrt(x)` holds. Most rows hold all
+/// the way, which takes no division.
 #[inline(always)]
 fn held(p: f64, c: f64, lo: f64, hi: f64, from: f64, to: f64) -> f64 {
     let value = p * to;
@@ -130,14 +140,23 @@ fn static_limits(problem: &FeedProblem) -> Result<Vec<f64>, FeedError> {
     Ok(limits)
 }
 
-/// The greatest `y` next to a point with squared speed `x < limit`, at distance `h` in the direction of the pass.
-///
-/// `near` are the rows at the point, `far` those at its neighbour; backwards `u` has the other sign, which `sign` carries.
-fn step(x: f64, limit: f64, h: f64, sign: f64, near: &[Row], far: &[Row], both_ends: bool) -> f64 {
+/// An interval in the direction of a pass: its length, the sign of `u`, and the rows at the point
+/// and at its neighbour.
+struct Interval<'a> {
+    h: f64,
+    sign: f64,
+    near: &'a [Row],
+    far: &'a [Row],
+}
+
+/// The greatest `y` at the far end of an interval for squared speed `x < limit` at its near end.
+fn step(x: f64, limit: f64, interval: &Interval<'_>, both_ends: bool) -> f64 {
+    let Interval { h, sign, near, far } = *interval;
     let per_u = sign * 0.5 / h;
     let mut y = limit;
     if both_ends {
-        // What the limit asks for; most rows allow it, or what another row has left of it, without a division.
+        // What the limit asks for; most rows allow it, or what another row has left of it, without
+        // a division.
         let most = per_u * (limit - x);
         let mut u = most;
         for row in near {
@@ -145,9 +164,9 @@ fn step(x: f64, limit: f64, h: f64, sign: f64, near: &[Row], far: &[Row], both_e
             let rest = row.b * x + friction + row.d;
             let value = row.a * u + rest;
             if !((row.lo <= value) & (value <= row.hi)) {
-                // At u = 0 the row holds, so the room is not negative but for round-off.
-                let room = if sign * row.a > 0.0 { row.hi - rest } else { rest - row.lo };
-                u = sign * lesser(sign * u, room / row.a.abs());
+                // At u = 0 the row holds, so what is left is not negative but for round-off.
+                let left = if sign * row.a > 0.0 { row.hi - rest } else { rest - row.lo };
+                u = sign * lesser(sign * u, left / row.a.abs());
             }
         }
         if u != most {
@@ -180,7 +199,8 @@ fn scan(problem: &FeedProblem, limit: &[f64], both_ends: bool) -> Result<Vec<f64
         x = if x >= cap {
             cap
         } else {
-            step(x, cap, problem.h(k), 1.0, problem.rows(k), problem.rows(k + 1), both_ends)
+            let (near, far) = (problem.rows(k), problem.rows(k + 1));
+            step(x, cap, &Interval { h: problem.h(k), sign: 1.0, near, far }, both_ends)
         };
         if x == f64::INFINITY {
             return Err(FeedError::Unbounded { index: k + 1, s: problem.grid()[k + 1] });
@@ -197,7 +217,8 @@ fn scan(problem: &FeedProblem, limit: &[f64], both_ends: bool) -> Result<Vec<f64
         x = if x >= cap {
             cap
         } else {
-            step(x, cap, problem.h(k), -1.0, problem.rows(k + 1), problem.rows(k), both_ends)
+            let (near, far) = (problem.rows(k + 1), problem.rows(k));
+            step(x, cap, &Interval { h: problem.h(k), sign: -1.0, near, far }, both_ends)
         };
         forward[k] = forward[k].min(x);
     }
@@ -211,7 +232,7 @@ fn scan(problem: &FeedProblem, limit: &[f64], both_ends: bool) -> Result<Vec<f64
 fn out_of_reach(problem: &FeedProblem, end: PathEnd, i: usize, highest: f64) -> FeedError {
     let speed = if i == 0 { problem.v_start() } else { problem.v_end() };
     let (cap, source) = problem.cap(i);
-    let row = if highest >= cap { source } else { LimitId::path(Quantity::Ahead) };
+    let row = if highest >= cap { source } else { LimitId::path(Quantity::ControllableSet) };
     FeedError::SpeedOutOfReach { end, speed, lowest: 0.0, highest: highest.sqrt(), row, s: problem.grid()[i] }
 }
 
@@ -219,15 +240,15 @@ fn out_of_reach(problem: &FeedProblem, end: PathEnd, i: usize, highest: f64) -> 
 pub(crate) fn moves(problem: &FeedProblem, x: &[f64]) -> Result<(), FeedError> {
     let Some(k) = (0..problem.intervals()).find(|&k| !(x[k] + x[k + 1] > 0.0)) else { return Ok(()) };
     let h = problem.h(k);
-    // The end that is capped, or else the row that leaves the least room for any acceleration.
+    // The end that is capped, or else the row that leaves the least to any acceleration.
     for i in [k, k + 1] {
         let (cap, row) = problem.cap(i);
         if cap == 0.0 && row.quantity != Quantity::Corner {
             return Err(FeedError::Standstill { index: i, s: problem.grid()[i], row });
         }
     }
-    let room = |row: &Row| leaves(0.5 * row.a / h + row.b, row.c, row.lo - row.d, row.hi - row.d, 0.0);
-    let tightest = problem.rows(k).iter().chain(problem.rows(k + 1)).min_by(|p, q| room(p).total_cmp(&room(q)));
+    let left = |row: &Row| leaves(0.5 * row.a / h + row.b, row.c, row.lo - row.d, row.hi - row.d, 0.0);
+    let tightest = problem.rows(k).iter().chain(problem.rows(k + 1)).min_by(|p, q| left(p).total_cmp(&left(q)));
     let row = tightest.map_or(problem.cap(k).1, |row| row.source);
     Err(FeedError::Standstill { index: k, s: problem.grid()[k], row })
 }

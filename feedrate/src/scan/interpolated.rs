@@ -1,10 +1,11 @@
 //! Reachability that keeps the limits between the grid points too.
 //!
-//! With `u` constant on an interval the duration is only accurate to the first power of its length (0.3 % at N = 1000).
-//! [`InterpolatedReachability`] takes the optimum of the rows at the points, reads off the slope of `u` on every interval, and
-//! solves again with these slopes given, which leaves the programs linear. Where the path is cubic in `s` the acceleration of a
-//! joint then is cubic and its squared speed of degree six; both lie in the hull of their Bernstein coefficients, which are
-//! linear in `(u, x)`, so that bounding those keeps the limits everywhere on such a path.
+//! With `u` constant on an interval the duration is only accurate to the first power of its length
+//! (0.3 % at N = 1000). [`InterpolatedReachability`] takes the optimum of the rows at the points,
+//! reads off the slope of `u` on every interval, and solves again with these slopes given, which
+//! leaves the programs linear. Where the path is cubic in `s` the acceleration of a joint then is
+//! cubic and its squared speed of degree six; both lie in the hull of their Bernstein coefficients,
+//! which are linear in `(u, x)`, so that bounding those keeps the limits everywhere on such a path.
 
 use super::forward_backward::moves;
 use super::reachability::{Solver, solve, solve_moving};
@@ -12,11 +13,13 @@ use crate::error::FeedError;
 use crate::problem::{FeedPlanner, FeedProblem};
 use crate::speed_law::{Builder, SpeedLaw};
 
-/// Reachability that keeps the limits between the grid points too; needs [`FeedProblem::between_points`].
+/// Reachability that keeps the limits between the grid points too; needs
+/// [`FeedProblem::between_points`].
 ///
-/// Velocity and acceleration of joints and feeds are kept everywhere if the path is piecewise cubic on the grid (put the knots
-/// of its spline on the grid). On other paths, and for torque, the same rows hold for the interpolation of the rows through
-/// both ends and the middle: what is left is the error of that, which falls with the third power of the interval.
+/// Velocity and acceleration of joints and feeds are kept everywhere if the path is piecewise cubic
+/// on the grid (put the knots of its spline on the grid). On other paths, and for torque, the same
+/// rows hold for the interpolation of the rows through both ends and the middle: what is left is
+/// the error of that, which falls with the third power of the interval.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct InterpolatedReachability;
 
@@ -39,8 +42,8 @@ impl FeedPlanner for InterpolatedReachability {
     }
 }
 
-/// The slope of `u` on every interval as a first solution has it: of the differences to both neighbours the lesser, and none
-/// where they disagree (jumps and turning points) or next to rest.
+/// The slope of `u` on every interval as a first solution has it: of the differences to both
+/// neighbours the lesser, and none where they disagree (jumps and turning points) or next to rest.
 fn slopes(problem: &FeedProblem, x: &[f64]) -> Vec<f64> {
     let u = |k: usize| 0.5 * (x[k + 1] - x[k]) / problem.h(k);
     let difference = |k: usize| 2.0 * (u(k + 1) - u(k)) / (problem.h(k) + problem.h(k + 1));

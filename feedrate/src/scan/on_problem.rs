@@ -1,22 +1,24 @@
 //! The scans with S-profiles as planners: from the bounds of a problem to a law.
 
-use super::Segment;
 use super::continuous_acceleration::{plan_continuous, plan_continuous_at_once};
-use super::segment::{plan_per_segment, plan_windowed};
+use super::per_segment::{plan_per_segment, plan_windowed};
+use super::segment::Segment;
 use crate::error::FeedError;
 use crate::problem::{FeedPlanner, FeedProblem, LimitPartition};
 use crate::speed_law::SpeedLaw;
 
-/// The scan with continuous acceleration ([`plan_continuous`]) over the boxes of a problem, each limit shared out between speed,
-/// acceleration and jerk by fixed parts: a tenth of the computing time of [`JerkLimited`](crate::JerkLimited), a longer motion.
+/// The scan with continuous acceleration ([`plan_continuous`]) over the boxes of a problem, each
+/// limit shared out between speed, acceleration and jerk by fixed parts: a tenth of the computing
+/// time of [`JerkLimited`](crate::JerkLimited), a longer motion.
 ///
-/// Of several partitions of the limits the fastest law is kept. Needs [`FeedProblem::between_points`] with limits on acceleration and
-/// jerk along the path. It stops at grid points whose cap is 0.
+/// Plans with several partitions of the limits and keeps the fastest law. Needs
+/// [`FeedProblem::between_points`] with limits on acceleration and jerk along the path. It stops at
+/// grid points whose cap is 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct ContinuousAccelerationScan;
 
-/// One S-profile per interval with zero acceleration at each boundary (Liu et al. 2023, algorithm 2); needs what
-/// [`ContinuousAccelerationScan`] needs.
+/// One S-profile per interval with zero acceleration at each boundary (Liu et al. 2023, algorithm
+/// 2); needs what [`ContinuousAccelerationScan`] needs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct PerSegmentScan {
     /// Look-ahead in intervals; `None` for the whole path.
@@ -25,8 +27,8 @@ pub struct PerSegmentScan {
 
 impl FeedPlanner for ContinuousAccelerationScan {
     fn plan(&self, problem: &FeedProblem) -> Result<SpeedLaw, FeedError> {
-        // The partitions that go through at once are quick, and the fastest laws are among them; the thorough scan is for where none
-        // does.
+        // The partitions that go through at once are quick, and the fastest laws are among them;
+        // the thorough scan is for where none does.
         let at_once = |segments: &[Segment]| {
             let mut laws = Vec::new();
             for (part, [v_start, v_end]) in parts(problem, segments) {

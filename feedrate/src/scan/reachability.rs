@@ -1,12 +1,14 @@
 //! Time-optimal path parametrisation by reachability analysis (TOPP-RA): complete.
 //!
-//! Backward, the set of squared speeds from which the end can be reached is an interval per grid point, found by two linear
-//! programs in two variables (module `lp2` solves them exactly). Forward, the greatest acceleration that stays inside these
-//! intervals is taken (H. Pham and Q.-C. Pham, "A new approach to time-optimal path parameterization based on reachability
-//! analysis", IEEE Trans. Robot. 2018, 34, 645). Every row is tested at both ends of every interval.
+//! Backward, the set of squared speeds from which the end can be reached is an interval per grid
+//! point, found by two linear programs in two variables (module `lp2` solves them exactly).
+//! Forward, the greatest acceleration that stays inside these intervals is taken (H. Pham and Q.-C.
+//! Pham, "A new approach to time-optimal path parameterization based on reachability analysis",
+//! IEEE Trans. Robot. 2018, 34, 645). Every row is tested at both ends of every interval.
 //!
-//! Most programs are not solved: the cap, or the point where the two rows meet that met at the grid point behind, is the optimum
-//! if it keeps all other rows and these two exclude each other beyond. That takes one pass over the rows without a division.
+//! Most programs are not solved: the cap, or the point where the two rows meet that met at the grid
+//! point behind, is the optimum if it keeps all other rows and these two exclude each other beyond.
+//! That takes one pass over the rows without a division.
 
 use super::feasible_pairs::{FeasiblePairs, Line, greatest_beside};
 use super::forward_backward::{moves, squared_speeds};
@@ -17,12 +19,13 @@ use crate::problem::{FeedPlanner, FeedProblem, InnerRow, inner_row};
 use crate::row::{LimitId, Quantity, Row};
 use crate::speed_law::SpeedLaw;
 
-/// Reachability: the optimum of the rows at the grid points to 0.01 % at N = 1000, and complete: where it finds no
-/// motion there is none on this grid. Passes points at which standing still is impossible.
+/// Reachability: the optimum of the rows at the grid points to 0.01 % at N = 1000, and complete:
+/// where it finds no motion there is none on this grid. Passes points at which standing still is
+/// impossible.
 ///
-/// Rows with a term in `sqrt(x)` (viscous friction) do not describe a convex set. They are replaced by straight ones inside
-/// them, close to the solution of the scan (or of the cap), and then once more close to the plan found: safe, within a few
-/// 0.1 % of the optimum, but no longer complete.
+/// Rows with a term in `sqrt(x)` (viscous friction) do not describe a convex set. They are replaced
+/// by straight ones inside them, close to the solution of the scan (or of the cap), and then once
+/// more close to the plan found: safe, within a few 0.1 % of the optimum, but no longer complete.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Reachability;
 
@@ -44,17 +47,18 @@ fn has_friction(problem: &FeedProblem) -> bool {
     (0..=problem.intervals()).any(|i| problem.rows(i).iter().any(|row| row.c != 0.0))
 }
 
-/// Part of the greatest squared speed that is kept at least between two stops, where a motion at rest came out.
-const FLOOR: f64 = 0.1;
+/// Part of the greatest squared speed that is kept at least between two stops, where a motion at
+/// rest came out.
+const LEAST_PART_BETWEEN_STOPS: f64 = 0.1;
 
 /// Squared speeds of a motion that rests nowhere over a whole interval.
 ///
-/// The greatest speed at one point may be such that only rest can be reached at the next, from which the end is an interval of
-/// rest away. Then a part of the speed is kept everywhere.
+/// The greatest speed at one point may be such that only rest can be reached at the next, from
+/// which the end is an interval of rest away. Then a part of the speed is kept everywhere.
 pub(super) fn solve_moving(problem: &FeedProblem, between: bool) -> Result<Vec<f64>, FeedError> {
     let x = solve(problem, between)?;
     let Err(rests) = moves(problem, &x) else { return Ok(x) };
-    let again = Solver { floor: FLOOR, ..Solver::new(problem, between, &x, &[]) }.solve();
+    let again = Solver { floor: LEAST_PART_BETWEEN_STOPS, ..Solver::new(problem, between, &x, &[]) }.solve();
     again.ok().filter(|x| moves(problem, x).is_ok()).ok_or(rests)
 }
 
@@ -83,7 +87,8 @@ pub(super) struct Solver<'a> {
     bands: Vec<Band>,
     /// The lines that bounded the last set: from above and from below in `u`.
     meeting: Option<[usize; 2]>,
-    /// Vertices of the pairs of squared speeds that keep all rows, of the last interval first; where those of each end.
+    /// Vertices of the pairs of squared speeds that keep all rows, of the last interval first;
+    /// where those of each end.
     vertices: Vec<[f64; 2]>,
     ends: Vec<usize>,
     pairs: FeasiblePairs,
@@ -158,14 +163,16 @@ impl<'a> Solver<'a> {
         Ok(x)
     }
 
-    /// Keeps which lines of the last interval collected meet where the squared speed is greatest: a guess for the next one.
+    /// Keeps which lines of the last interval collected meet where the squared speed is greatest: a
+    /// guess for the next one.
     fn meet(&mut self, k: usize) {
         let (least, most) = self.divide(self.problem.x_max(k), 2.0 * self.problem.h(k));
         let meeting = greatest_x(&self.bands, least, most).ok().and_then(|greatest| greatest.meeting);
         self.meeting = meeting.map(|bands| bands.map(|band| self.bands[band].id));
     }
 
-    /// The squared speeds at point `k` from which the set of the next point can be reached, by the pairs that keep all rows.
+    /// The squared speeds at point `k` from which the set of the next point can be reached, by the
+    /// pairs that keep all rows.
     fn set_of_pairs(&mut self, k: usize) -> Result<[f64; 2], FeedError> {
         self.collect(k);
         let (problem, h2) = (self.problem, 2.0 * self.problem.h(k));
@@ -196,13 +203,14 @@ impl<'a> Solver<'a> {
         &self.vertices[if i > 0 { self.ends[i - 1] } else { 0 }..self.ends[i]]
     }
 
-    /// Whether standing still at point `i` keeps all rows.
+    /// Returns true if standing still at point `i` keeps all rows.
     fn rests(&self, i: usize) -> bool {
         self.problem.rows(i).iter().fold(true, |rests, row| rests & (row.lo <= row.d) & (row.d <= row.hi))
     }
 
-    /// The greatest squared speed at point `k` by a guess that proves right, of rows at the points alone, where standing still
-    /// keeps them: the cap, or where the same two lines meet as at the next point.
+    /// The greatest squared speed at point `k` by a guess that proves right, of rows at the points
+    /// alone, where standing still keeps them: the cap, or where the same two lines meet as at the
+    /// next point.
     fn quick(&self, k: usize) -> Option<f64> {
         let problem = self.problem;
         let [low, high] = self.sets[k + 1];
@@ -226,7 +234,7 @@ impl<'a> Solver<'a> {
         (proves && self.holds(k, h2, p * x + hi, x, meeting)).then_some(x)
     }
 
-    /// Whether the lines of interval `k`, but for two, hold at `(u, x)`.
+    /// Returns true if the lines of interval `k`, but for two, hold at `(u, x)`.
     fn holds(&self, k: usize, h2: f64, u: f64, x: f64, except: [usize; 2]) -> bool {
         let (near, far) = (self.problem.rows(k), self.problem.rows(k + 1));
         let next = x + h2 * u;
@@ -252,11 +260,12 @@ impl<'a> Solver<'a> {
             return Some(Line { a: a + h2 * b, b, lo: lo - d, hi: hi - d, source });
         }
         let [lo, hi] = self.sets[k + 1];
-        let ahead = Line { a: h2, b: 1.0, lo, hi, source: LimitId::path(Quantity::Ahead) };
+        let ahead = Line { a: h2, b: 1.0, lo, hi, source: LimitId::path(Quantity::ControllableSet) };
         (id == near.len() + far.len()).then_some(ahead)
     }
 
-    /// The greatest squared speed after interval `k` from squared speed `x`, of rows at the points alone.
+    /// The greatest squared speed after interval `k` from squared speed `x`, of rows at the points
+    /// alone.
     fn greatest_next_plain(&mut self, k: usize, x: f64) -> Result<f64, FeedError> {
         /// Excess in units of the terms from which on a row counts as broken.
         const BROKEN: f64 = 1e-13;
@@ -276,8 +285,8 @@ impl<'a> Solver<'a> {
         Ok(greatest_beside(self.pairs.vertices(), x).unwrap_or(next))
     }
 
-    /// The greatest `u` on interval `k` from squared speed `x`, of rows at the points alone: most allow what others have left,
-    /// which takes no division.
+    /// The greatest `u` on interval `k` from squared speed `x`, of rows at the points alone: most
+    /// allow what others have left, which takes no division.
     fn greatest_u_plain(&self, k: usize, x: f64) -> f64 {
         let h2 = 2.0 * self.problem.h(k);
         let mut u = (self.sets[k + 1][1] - x) / h2;
@@ -318,10 +327,10 @@ impl<'a> Solver<'a> {
             self.collect_between(k, w);
         }
         let [lo, hi] = self.sets[k + 1];
-        self.lines.push(Line { a: h2, b: 1.0, lo, hi, source: LimitId::path(Quantity::Ahead) });
+        self.lines.push(Line { a: h2, b: 1.0, lo, hi, source: LimitId::path(Quantity::ControllableSet) });
     }
 
-    /// What holds between the ends of interval `k`, where `u` is `u_mean + w (s - s_mid)`.
+    /// The conditions between the ends of interval `k`, where `u` is `u_mean + w (s - s_mid)`.
     fn collect_between(&mut self, k: usize, w: f64) {
         let problem = self.problem;
         let h = problem.h(k);
@@ -336,7 +345,8 @@ impl<'a> Solver<'a> {
         for within in [Within::Start, Within::End] {
             problem.inner_rows(k, within).for_each(|row| push(row, within));
         }
-        // One straight line for the whole interval, so that what is left is a cubic; its ends are bounded here too.
+        // One straight line for the whole interval, so that what is left is a cubic; its ends are
+        // bounded here too.
         let around = self.near.get(k).zip(self.near.get(k + 1)).map(|(p, q)| 0.5 * (p + q));
         let x_max = problem.middle_x_max(k).max(problem.x_max(k)).max(problem.x_max(k + 1));
         for rows in problem.friction_rows(k) {
@@ -358,7 +368,7 @@ impl<'a> Solver<'a> {
         }
         if w != 0.0 {
             // x stays positive inside.
-            let source = LimitId::path(Quantity::Ahead);
+            let source = LimitId::path(Quantity::ControllableSet);
             lines.push(Line { a: h, b: 1.0, lo: h * half, hi: f64::INFINITY, source });
         }
     }
@@ -395,19 +405,19 @@ impl<'a> Solver<'a> {
                 index: k,
                 s,
                 row: self.problem.cap(k).1,
-                against: LimitId::path(Quantity::Ahead),
+                against: LimitId::path(Quantity::ControllableSet),
                 excess: 0.0,
                 limit: self.problem.x_max(k).sqrt(),
             };
         };
         // Name the limit, not what follows it.
         let mut upper = true;
-        if first.source.quantity == Quantity::Ahead {
+        if first.source.quantity == Quantity::ControllableSet {
             std::mem::swap(&mut first, &mut second);
             upper = false;
         }
         let limit = if (first.a > 0.0) == upper { first.hi } else { first.lo };
-        let excess = (now.room * first.a).abs();
+        let excess = (now.width * first.a).abs();
         FeedError::Infeasible { index: k, s, row: first.source, against: second.source, excess, limit }
     }
 
@@ -415,13 +425,14 @@ impl<'a> Solver<'a> {
         let problem = self.problem;
         let speed = if i == 0 { problem.v_start() } else { problem.v_end() };
         let (cap, source) = problem.cap(i);
-        let row = if highest >= cap { source } else { LimitId::path(Quantity::Ahead) };
+        let row = if highest >= cap { source } else { LimitId::path(Quantity::ControllableSet) };
         let (lowest, highest, s) = (lowest.sqrt(), highest.sqrt(), problem.grid()[i]);
         FeedError::SpeedOutOfReach { end, speed, lowest, highest, row, s }
     }
 }
 
-/// Straight lines above and below `sqrt(x)` up to `x_max`: slope and value at 0 of a tangent near a place, slope of a chord.
+/// Straight lines above and below `sqrt(x)` up to `x_max`: slope and value at 0 of a tangent near a
+/// place, slope of a chord.
 fn around_root(x_max: f64, near: Option<&f64>) -> ([f64; 2], f64) {
     // Any place to touch is safe; without a cap there is no scale to choose one by.
     let default = if x_max < f64::INFINITY { 0.25 * x_max } else { 1.0 };
@@ -429,8 +440,9 @@ fn around_root(x_max: f64, near: Option<&f64>) -> ([f64; 2], f64) {
     ([0.5 / touches.sqrt(), 0.5 * touches.sqrt()], 1.0 / x_max.sqrt())
 }
 
-/// Passes a row on as `lo <= a u + b x <= hi`. Friction `c sqrt(x)` is bounded by a tangent from above and, up to `x_max`, by
-/// a chord from below, so each side becomes a row of its own that is inside the true one.
+/// Passes a row on as `lo <= a u + b x <= hi`. Friction `c sqrt(x)` is bounded by a tangent from
+/// above and, up to `x_max`, by a chord from below, so each side becomes a row of its own that is
+/// inside the true one.
 fn straight(row: &Row, x_max: f64, near: Option<&f64>, mut push: impl FnMut(f64, f64, f64, f64)) {
     let Row { a, b, c, d, lo, hi, .. } = *row;
     let (lo, hi) = (lo - d, hi - d);
@@ -445,8 +457,8 @@ fn straight(row: &Row, x_max: f64, near: Option<&f64>, mut push: impl FnMut(f64,
     push(a, b + c * down_b, lo - c * down_d, f64::INFINITY);
 }
 
-/// Passes on the rows at the start, in the middle and at the end of an interval with straight lines in place of friction, the same
-/// at all three: once for the upper and once for the lower side.
+/// Passes on the rows at the start, in the middle and at the end of an interval with straight lines
+/// in place of friction, the same at all three: once for the upper and once for the lower side.
 fn straight_through(rows: [&Row; 3], x_max: f64, near: Option<&f64>, mut push: impl FnMut([Row; 3])) {
     let ([slope, base], chord) = around_root(x_max, near);
     let c = rows.map(|row| row.c);

@@ -1,6 +1,9 @@
-//! Jerk-limited motion under constant limits: the seven-phase S-profile and the change of speed from any state.
+//! Jerk-limited motion under constant limits: the seven-phase S-profile and the change of speed
+//! from any state.
 
-pub mod change;
-pub mod phases;
-pub mod profile;
-pub mod solve;
+pub(crate) mod change;
+pub(crate) mod closed_form;
+pub(crate) mod phase;
+pub(crate) mod phases;
+pub(crate) mod profile;
+pub(crate) mod solve;

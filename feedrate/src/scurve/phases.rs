@@ -1,69 +1,126 @@
-//! One stretch of constant jerk: the brick every motion in this crate is built of.
+//! Motions as a sequence of phases of constant jerk.
 
+use super::phase::Phase;
 use crate::state::MotionState;
 
-/// A stretch of motion with constant jerk, from its start time until the next one starts.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Phase {
-    /// Start time (s).
-    pub t: f64,
-    /// Position at the start (m).
-    pub s: f64,
-    /// Speed at the start (m/s).
-    pub v: f64,
-    /// Acceleration at the start (m/s²).
-    pub a: f64,
-    /// Jerk during the phase (m/s³).
-    pub j: f64,
+/// At most `CAP` phases of constant jerk in order, and the state they end in. Allocates nothing.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Phases<const CAP: usize> {
+    phases: [Phase; CAP],
+    /// Durations of the phases. The difference of two start times would carry the round-off of the
+    /// whole duration.
+    durations: [f64; CAP],
+    count: usize,
+    pub duration: f64,
+    pub end: MotionState,
 }
 
-/// A division takes several times as long.
-const SIXTH: f64 = 1.0 / 6.0;
+impl<const CAP: usize> Phases<CAP> {
+    /// No phases: the motion rests at `end`.
+    pub const fn at_rest(end: MotionState) -> Self {
+        let none = Phase { t: 0.0, s: 0.0, v: 0.0, a: 0.0, j: 0.0 };
+        Self { phases: [none; CAP], durations: [0.0; CAP], count: 0, duration: 0.0, end }
+    }
 
-impl Phase {
-    /// The state `dt` seconds after the start of the phase.
+    /// Appends a phase that lasts `dt`; its start time is the end of the phase before. A phase
+    /// without duration is dropped, and so is one beyond `CAP`.
     #[inline]
-    pub fn after(&self, dt: f64) -> MotionState {
-        MotionState {
-            p: self.s + self.advance(dt),
-            v: self.v + dt * (self.a + 0.5 * dt * self.j),
-            a: self.a + dt * self.j,
-            j: self.j,
+    pub fn push(&mut self, phase: Phase, dt: f64) {
+        if dt > 0.0 && self.count < CAP {
+            self.phases[self.count] = Phase { t: self.duration, ..phase };
+            self.durations[self.count] = dt;
+            self.count += 1;
+            self.duration += dt;
         }
     }
 
-    /// Distance covered in the first `dt` seconds (m).
-    #[inline]
-    pub(crate) fn advance(&self, dt: f64) -> f64 {
-        dt * (self.v + dt * (0.5 * self.a + dt * self.j * SIXTH))
+    /// Removes all phases.
+    pub fn clear(&mut self) {
+        self.count = 0;
+        self.duration = 0.0;
     }
 
-    /// Time after the start at which `ds` has been covered, for a phase of the given duration in which the speed does
-    /// not go below 0. Newton's method, kept inside a shrinking bracket.
-    pub(crate) fn time_to_cover(&self, ds: f64, duration: f64) -> f64 {
-        let (mut lo, mut hi) = (0.0, duration);
-        if ds <= 0.0 {
-            return 0.0;
+    /// Makes the last phase longer by `dt`.
+    pub fn extend_last(&mut self, dt: f64) {
+        if self.count > 0 {
+            self.durations[self.count - 1] += dt;
+            self.duration += dt;
         }
-        if ds >= self.advance(duration) {
-            return duration;
+    }
+
+    pub const fn len(&self) -> usize {
+        self.count
+    }
+
+    #[inline]
+    pub fn get(&self, i: usize) -> (Phase, f64) {
+        (self.phases[i], self.durations[i])
+    }
+
+    /// The phases in order, each with its duration (s), which is not zero.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = (Phase, f64)> + DoubleEndedIterator + '_ {
+        self.phases[..self.count].iter().copied().zip(self.durations[..self.count].iter().copied())
+    }
+
+    /// Replaces every phase and its duration.
+    pub fn map(&mut self, f: impl Fn(Phase, f64) -> (Phase, f64)) {
+        for (phase, dt) in self.phases[..self.count].iter_mut().zip(&mut self.durations) {
+            (*phase, *dt) = f(*phase, *dt);
         }
-        let mut t = if self.v > 0.0 { (ds / self.v).min(0.5 * duration) } else { 0.5 * duration };
-        for _ in 0..60 {
-            let f = self.advance(t) - ds;
-            if f > 0.0 {
-                hi = t;
-            } else {
-                lo = t;
+    }
+
+    /// Index of the phase that acts at time `t` (s) within the duration; of two phases that meet at
+    /// `t` the later one.
+    #[inline]
+    pub fn index_at(&self, t: f64) -> usize {
+        (1..self.count).take_while(|&i| self.phases[i].t <= t).count()
+    }
+
+    /// The state at time `t` (s), clamped to `[0, duration]` (NaN counts as 0).
+    #[inline]
+    pub fn at(&self, t: f64) -> MotionState {
+        if t >= self.duration {
+            return self.end;
+        }
+        let t = if t > 0.0 { t } else { 0.0 };
+        let i = self.index_at(t);
+        let phase = &self.phases[i];
+        phase.after((t - phase.t).min(self.durations[i]))
+    }
+
+    /// The remainder of the phases after time `t` (s).
+    pub fn remaining(&self, t: f64) -> impl Iterator<Item = (Phase, f64)> + '_ {
+        self.iter().filter_map(move |(phase, dt)| {
+            let gone = t - phase.t;
+            if gone >= dt {
+                return None;
             }
-            let v = self.v + t * (self.a + 0.5 * t * self.j);
-            let newton = t - f / v;
-            let next = if newton > lo && newton < hi { newton } else { 0.5 * (lo + hi) };
-            if (next - t).abs() <= 4.0 * f64::EPSILON * next {
-                return next;
+            if gone <= 0.0 {
+                return Some((phase, dt));
             }
-            t = next;
-        }
-        t
+            let now = phase.after(gone);
+            Some((Phase { t, s: now.p, v: now.v, a: now.a, j: now.j }, dt - gone))
+        })
+    }
+
+    /// Returns true if all numbers are finite.
+    pub fn is_finite(&self) -> bool {
+        // Finite numbers times zero are zero.
+        let sum: f64 = self.iter().map(|(p, dt)| 0.0 * (p.t + p.s + p.v + p.a + p.j + dt)).sum();
+        sum == 0.0 && self.duration.is_finite() && self.end.p.is_finite()
+    }
+}
+
+/// A standstill at 0.
+impl<const CAP: usize> Default for Phases<CAP> {
+    fn default() -> Self {
+        Self::at_rest(MotionState::default())
+    }
+}
+
+/// Only phases that are in use count.
+impl<const CAP: usize> PartialEq for Phases<CAP> {
+    fn eq(&self, other: &Self) -> bool {
+        self.duration == other.duration && self.end == other.end && self.iter().eq(other.iter())
     }
 }

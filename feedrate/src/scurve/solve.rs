@@ -1,13 +1,16 @@
-//! The relations between two speeds and the displacement between them, with zero acceleration at both.
+//! The relations between two speeds and the displacement between them, with zero acceleration at
+//! both.
 //!
-//! Liu et al. 2023, eqs. 17 and 18: one formula, since acceleration and braking mirror each other. All roots are taken
-//! in a variable in which the function is monotone and of one curvature, so that Newton's method closes in from one
-//! side; no tolerance is absolute.
+//! Liu et al. 2023, eqs. 17 and 18: one formula, since acceleration and braking mirror each other.
+//! All roots are taken in a variable in which the function is monotone and of one curvature, so
+//! that Newton's method closes in from one side; no tolerance is absolute.
 
 use crate::error::{FeedError, not_negative};
-use crate::limits::MotionLimits;
+use crate::limits::AxisLimits;
 
-/// The two times of one acceleration leg: `ramp` for each jerk phase, `hold` at constant acceleration.
+/// [`Change`](super::closed_form::Change) between two zero accelerations under symmetric limits,
+/// which the scans solve most. The two times of one acceleration leg: `ramp` for each jerk phase,
+/// `hold` at constant acceleration.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Leg {
     pub ramp: f64,
@@ -38,44 +41,51 @@ pub(crate) fn distance(v0: f64, v1: f64, a_max: f64, j_max: f64) -> f64 {
     (0.5 * v0 + 0.5 * v1) * Leg::new((v1 - v0).abs(), a_max, j_max).duration()
 }
 
-/// Whether `length` suffices for a change of speed, up to the round-off that the two speeds carry themselves.
+/// Returns true if `length` suffices for a change of speed, up to the round-off that the two speeds
+/// carry themselves.
 #[inline]
 pub(crate) fn fits(v0: f64, v1: f64, length: f64, a_max: f64, j_max: f64) -> bool {
     let dv = ((v1 - v0).abs() - 8.0 * f64::EPSILON * v0.max(v1)).max(0.0);
     (0.5 * v0 + 0.5 * v1) * Leg::new(dv, a_max, j_max).duration() <= length * (1.0 + 1e-12)
 }
 
-/// Displacement (m) that the fastest change from speed `v0` to `v1` takes, with zero acceleration at both ends.
+/// Displacement (m) that the fastest change from speed `v0` to `v1` takes, with zero acceleration
+/// at both ends.
 ///
-/// Liu et al. 2023, eqs. 17 and 18. The relation is symmetric in the two speeds. It is not monotone in the lower one:
-/// braking to rest takes *less* room than braking to a third of the speed.
+/// Liu et al. 2023, eqs. 17 and 18. The relation is symmetric in the two speeds. It is not monotone
+/// in the lower one: braking to rest takes *less* distance than braking to a third of the speed.
 ///
 /// # Errors
 /// [`FeedError`] if a speed is negative or not finite.
-pub fn distance_for_change(v0: f64, v1: f64, limits: &MotionLimits) -> Result<f64, FeedError> {
+pub fn distance_for_change(v0: f64, v1: f64, limits: &AxisLimits) -> Result<f64, FeedError> {
+    limits.check_symmetric_acceleration()?;
     let d = distance(not_negative("v0", v0)?, not_negative("v1", v1)?, limits.a_max(), limits.j_max());
     if d.is_finite() { Ok(d) } else { Err(FeedError::OutOfRange { what: "displacement" }) }
 }
 
-/// Highest speed (m/s) reachable from `v0` over `length` (m) with zero acceleration at both ends, `v_max` ignored.
+/// Highest speed (m/s) reachable from `v0` over `length` (m) with zero acceleration at both ends,
+/// `v_max` ignored.
 ///
-/// The inverse of Liu et al. 2023, eq. 17; by symmetry also the highest speed from which `v0` can be reached by braking.
+/// The inverse of Liu et al. 2023, eq. 17; by symmetry also the highest speed from which `v0` can
+/// be reached by braking.
 ///
 /// # Errors
 /// [`FeedError`] if an argument is negative or not finite.
-pub fn highest_speed_over(v0: f64, length: f64, limits: &MotionLimits) -> Result<f64, FeedError> {
+pub fn highest_speed_over(v0: f64, length: f64, limits: &AxisLimits) -> Result<f64, FeedError> {
+    limits.check_symmetric_acceleration()?;
     let v = raise(not_negative("v0", v0)?, not_negative("length", length)?, limits.a_max(), limits.j_max());
     if v.is_finite() { Ok(v) } else { Err(FeedError::OutOfRange { what: "speed" }) }
 }
 
 /// Lowest speed (m/s) reachable from `v0` over `length` (m) with zero acceleration at both ends.
 ///
-/// The inverse of Liu et al. 2023, eq. 18. Since braking to rest takes less room than braking to a third of the speed, the answer
-/// jumps to 0 as soon as a full stop fits.
+/// The inverse of Liu et al. 2023, eq. 18. Since braking to rest takes less distance than braking
+/// to a third of the speed, the answer jumps to 0 as soon as a full stop fits.
 ///
 /// # Errors
 /// [`FeedError`] if an argument is negative or not finite.
-pub fn lowest_speed_over(v0: f64, length: f64, limits: &MotionLimits) -> Result<f64, FeedError> {
+pub fn lowest_speed_over(v0: f64, length: f64, limits: &AxisLimits) -> Result<f64, FeedError> {
+    limits.check_symmetric_acceleration()?;
     let (v0, length) = (not_negative("v0", v0)?, not_negative("length", length)?);
     Ok(lowest(v0, length, limits.a_max(), limits.j_max()))
 }
@@ -97,7 +107,8 @@ pub(crate) fn raise(v0: f64, length: f64, a_max: f64, j_max: f64) -> f64 {
         let root = (d * d + 8.0 * a_max * length).sqrt();
         v0 + 4.0 * a_max * (length - v0 * ramp) / (root + b)
     } else {
-        // y^3 + 2 v0 y = length sqrt(j), y = sqrt(dv): convex and increasing, so Newton descends from an upper bound.
+        // y^3 + 2 v0 y = length sqrt(j), y = sqrt(dv): convex and increasing, so Newton descends
+        // from an upper bound.
         let c = length * j_max.sqrt();
         if c <= 0.0 {
             return v0;
@@ -119,8 +130,9 @@ pub(crate) fn raise(v0: f64, length: f64, a_max: f64, j_max: f64) -> f64 {
     }
 }
 
-/// Lowest speed reachable from `v0` over `length` without using the shorter way to a full stop: the branch on which
-/// the reachable speed falls continuously from `v0`. 0 if the whole branch is reachable.
+/// Lowest speed reachable from `v0` over `length` without using the shorter way to a full stop: the
+/// branch on which the reachable speed falls continuously from `v0`. 0 if the whole branch is
+/// reachable.
 pub(crate) fn lower(v0: f64, length: f64, a_max: f64, j_max: f64) -> f64 {
     let ramp = a_max / j_max;
     let q = a_max * ramp;
@@ -135,8 +147,8 @@ pub(crate) fn lower(v0: f64, length: f64, a_max: f64, j_max: f64) -> f64 {
             return (v0 - dv).max(0.0);
         }
     }
-    // 2 v0 y - y^3 = length sqrt(j), y = sqrt(dv): concave and increasing up to y^2 = 2 v0 / 3, so Newton climbs
-    // towards the smaller root without passing it.
+    // 2 v0 y - y^3 = length sqrt(j), y = sqrt(dv): concave and increasing up to y^2 = 2 v0 / 3, so
+    // Newton climbs towards the smaller root without passing it.
     let c = length * j_max.sqrt();
     let top = (2.0 / 3.0 * v0).min(q).sqrt();
     if c >= top * (2.0 * v0 - top * top) {
@@ -158,11 +170,12 @@ pub(crate) fn lower(v0: f64, length: f64, a_max: f64, j_max: f64) -> f64 {
     (v0 - y * y).max(0.0)
 }
 
-/// The cruise speed at which the two legs from `v0` and to `v1` together take `length`, at most `v_max`.
+/// The cruise speed at which the two legs from `v0` and to `v1` together take `length`, at most
+/// `v_max`.
 ///
-/// Requires `distance(v0, v1) <= length`. The answer is rounded so that the legs do not take more than `length` by
-/// more than rounding.
-pub(crate) fn peak(v0: f64, v1: f64, length: f64, limits: &MotionLimits) -> f64 {
+/// Requires `distance(v0, v1) <= length`. The answer is rounded so that the legs do not take more
+/// than `length` by more than rounding.
+pub(crate) fn peak(v0: f64, v1: f64, length: f64, limits: &AxisLimits) -> f64 {
     let (a_max, j_max, v_max) = (limits.a_max(), limits.j_max(), limits.v_max());
     let total = |v: f64| distance(v0, v, a_max, j_max) + distance(v, v1, a_max, j_max);
     if total(v_max) <= length {
@@ -170,7 +183,8 @@ pub(crate) fn peak(v0: f64, v1: f64, length: f64, limits: &MotionLimits) -> f64 
     }
     let (low, high) = if v0 < v1 { (v0, v1) } else { (v1, v0) };
     if distance(low, high, a_max, j_max) >= length * (1.0 - 1e-12) {
-        // One leg uses up the length, as it does wherever a speed was adjusted to it; cruising takes what is left.
+        // One leg uses up the length, as it does wherever a speed was adjusted to it; cruising
+        // takes what is left.
         return high;
     }
     let gap = high - low;
@@ -184,8 +198,9 @@ pub(crate) fn peak(v0: f64, v1: f64, length: f64, limits: &MotionLimits) -> f64 
         let v = 2.0 * rhs / (q + (q * q + 4.0 * rhs).sqrt());
         return v.clamp(high, v_max);
     }
-    // Otherwise in y = sqrt(v - high), in which both legs are smooth and increasing: Newton inside a bracket, started
-    // from the root for two equal short legs or two long ones, whichever is lower.
+    // Otherwise in y = sqrt(v - high), in which both legs are smooth and increasing: Newton inside
+    // a bracket, started from the root for two equal short legs or two long ones, whichever is
+    // lower.
     let (mut lo_y, mut hi_y) = (0.0_f64, (v_max - high).sqrt());
     let c = 0.5 * length * j_max.sqrt();
     let mut y = c.cbrt().min(hi_y);
@@ -214,12 +229,14 @@ pub(crate) fn peak(v0: f64, v1: f64, length: f64, limits: &MotionLimits) -> f64 
     (high + y * y).clamp(high, v_max)
 }
 
-/// Displacement of the leg between `v_low` and `v = v_low + dv`, and its derivative by y where dv/dy = 2 y.
+/// Displacement of the leg between `v_low` and `v = v_low + dv`, and its derivative by y where
+/// dv/dy = 2 y.
 #[inline]
 fn leg_distance_dy(v_low: f64, v: f64, dv: f64, y: f64, a_max: f64, j_max: f64) -> (f64, f64) {
     let leg = Leg::new(dv, a_max, j_max);
     let t = leg.duration();
-    // dt/dv = 1 / (peak acceleration): 1/(j ramp) in both cases; y cancels the square root for dv = y^2.
+    // dt/dv = 1 / (peak acceleration): 1/(j ramp) in both cases; y cancels the square root for dv =
+    // y^2.
     let peak_a = j_max * leg.ramp;
     let ratio = if peak_a > 0.0 { y / peak_a } else { 1.0 / j_max.sqrt() };
     ((0.5 * v_low + 0.5 * v) * t, y * t + (v_low + v) * ratio)

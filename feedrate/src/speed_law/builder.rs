@@ -1,12 +1,13 @@
 //! Collects the pieces of a speed law.
 
-use super::SpeedLaw;
+use super::law::SpeedLaw;
 use super::piece::{Piece, Shape};
 use crate::error::FeedError;
 use crate::scurve::profile::SProfile;
-use crate::state::{MotionLaw, MotionState};
+use crate::state::MotionState;
 
-/// Collects pieces into a law. The time is summed in compensated form, so that thousands of pieces do not drift.
+/// Collects pieces into a law. The time is summed in compensated form, so that thousands of pieces
+/// do not drift.
 #[derive(Debug)]
 pub(crate) struct Builder {
     pieces: Vec<Piece>,
@@ -28,7 +29,8 @@ impl Builder {
         self.time = sum;
     }
 
-    /// A phase of constant jerk `j` that lasts `dt`. A phase too short to move the clock is dropped.
+    /// A phase of constant jerk `j` that lasts `dt`. A phase too short to move the clock is
+    /// dropped.
     pub fn push_phase(&mut self, s: f64, v: f64, a: f64, j: f64, dt: f64) {
         if self.time + dt > self.time {
             self.push(s, v, a, Shape::Jerk(j), dt);
@@ -37,10 +39,8 @@ impl Builder {
 
     /// The phases of an S-profile that starts at `s0`.
     pub fn push_profile(&mut self, s0: f64, profile: &SProfile) {
-        let phases = profile.phases();
-        for (i, phase) in phases.iter().enumerate() {
-            let end = phases.get(i + 1).map_or(profile.duration(), |next| next.t);
-            self.push_phase(s0 + phase.s, phase.v, phase.a, phase.j, end - phase.t);
+        for (phase, dt) in profile.phases() {
+            self.push_phase(s0 + phase.s, phase.v, phase.a, phase.j, dt);
         }
     }
 
@@ -49,11 +49,12 @@ impl Builder {
         self.push(s, v, a, Shape::Slope(0.0), 2.0 * h / (v + v_end));
     }
 
-    /// A piece of length `h` on which `w = da/ds` is constant, by squared speed and acceleration at its start and squared speed at its
-    /// end.
+    /// A piece of length `h` on which `w = da/ds` is constant, by squared speed and acceleration at
+    /// its start and squared speed at its end.
     pub fn push_slope(&mut self, s: f64, h: f64, [x, x_end]: [f64; 2], a: f64, w: f64) {
         let (v, v_end) = (x.sqrt(), x_end.sqrt());
-        // tanh(r T / 2) = r h / (v + v_end) with r^2 = w: the half-angle formulas, without cancellation.
+        // tanh(r T / 2) = r h / (v + v_end) with r^2 = w: the half-angle formulas, without
+        // cancellation.
         let z = w.abs().sqrt() * h / (v + v_end);
         let factor = if z < 1e-4 {
             1.0 + w.signum() * z * z / 3.0

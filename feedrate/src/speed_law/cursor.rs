@@ -1,6 +1,6 @@
 //! Sampling of a speed law in the order of time.
 
-use super::SpeedLaw;
+use super::law::SpeedLaw;
 use crate::state::MotionState;
 
 /// A place in a [`SpeedLaw`] from which sampling goes on; see [`SpeedLaw::cursor`].
@@ -11,8 +11,8 @@ pub struct Cursor<'a> {
 }
 
 impl Cursor<'_> {
-    /// The state at time `t` (s), the same as [`MotionLaw::at`](crate::MotionLaw::at) of the law. Times may also go back; that costs a
-    /// search.
+    /// The state at time `t` (s), the same as [`MotionLaw::at`](crate::MotionLaw::at) of the law.
+    /// Times may also go back; that costs a search.
     #[inline]
     pub fn at(&mut self, t: f64) -> MotionState {
         let law = self.law;
@@ -27,5 +27,26 @@ impl Cursor<'_> {
             self.i += 1;
         }
         law.state_in(self.i, t)
+    }
+}
+
+impl SpeedLaw {
+    /// A sampler that remembers its place: amortised constant time for increasing `t`, no
+    /// allocation.
+    ///
+    /// ```
+    /// use arcfeed_feedrate::{MotionLaw, Segment, plan_per_segment};
+    /// let segments = [Segment::new(0.01, 0.1, 1.0, 50.0)?; 4];
+    /// let law = plan_per_segment(&segments, 0.0, 0.0)?;
+    /// let mut cursor = law.cursor();
+    /// let mut t = 0.0;
+    /// while t < law.duration() {
+    ///     assert_eq!(cursor.at(t), law.at(t));
+    ///     t += 1e-3;
+    /// }
+    /// # Ok::<(), arcfeed_feedrate::FeedError>(())
+    /// ```
+    pub fn cursor(&self) -> Cursor<'_> {
+        Cursor { law: self, i: 0 }
     }
 }

@@ -1,14 +1,15 @@
 //! One piece of a speed law, by its state at the start and what stays constant on it.
 
-use crate::scurve::phases::Phase;
+use crate::scurve::phase::Phase;
 use crate::state::MotionState;
 
-/// What stays constant on a piece.
+/// The quantity that is constant on a piece.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Shape {
     /// The jerk `j` (m/s³).
     Jerk(f64),
-    /// The slope `w = da/ds` of the acceleration over the path: `x = v^2` is quadratic in `s`. With `w = 0` the acceleration is constant.
+    /// The slope `w = da/ds` of the acceleration over the path: `x = v^2` is quadratic in `s`. With
+    /// `w = 0` the acceleration is constant.
     Slope(f64),
 }
 
@@ -68,9 +69,11 @@ impl Piece {
     }
 }
 
-/// The time to cover `ds` in closed form, for a phase that starts at rest with zero acceleration or ends so.
+/// The time to cover `ds` in closed form, for a phase that starts at rest with zero acceleration or
+/// ends so.
 ///
-/// At a standstill the distance is a cubic of the time with a triple root there, at which no iteration converges.
+/// At a standstill the distance is a cubic of the time with a triple root there, at which no
+/// iteration converges.
 fn time_from_or_to_rest(phase: &Phase, ds: f64) -> Option<f64> {
     let Phase { v, a, j, .. } = *phase;
     if v == 0.0 && a == 0.0 {

@@ -1,8 +1,9 @@
-//! The extremals of one direction by their duration: both ways between the two, and where the displacement turns.
+//! The extremals of one direction by their duration: both ways between the two, and where the
+//! displacement turns.
 
-use super::family::{Family, MAX_STEPS};
+use super::displacement_function::{DisplacementFunction, MAX_STEPS};
 
-impl Family {
+impl DisplacementFunction {
     /// Duration of the extremal at `s`.
     pub fn duration(&self, s: f64) -> f64 {
         let held = |sq: f64, cap: f64| self.k * (cap + sq / cap);
@@ -13,7 +14,8 @@ impl Family {
         small + large + self.lead_time
     }
 
-    /// The value of `s` at which the extremal lasts `t`: the inverse of [`Family::duration`], in closed form.
+    /// The value of `s` at which the extremal lasts `t`: the inverse of
+    /// [`DisplacementFunction::duration`], in closed form.
     pub fn at_duration(&self, t: f64) -> f64 {
         let s = self.near_duration(t);
         // One Newton step takes off what cancellation left.
@@ -33,7 +35,8 @@ impl Family {
         if s <= cs && large <= cl {
             return s;
         }
-        // A ramp that holds its limit takes longer for the same peak, so that both peaks are lower than without limits.
+        // A ramp that holds its limit takes longer for the same peak, so that both peaks are lower
+        // than without limits.
         if large > cl {
             let s = (per_k * cl - gap).max(0.0).sqrt() - cl;
             if s <= cs {
@@ -47,7 +50,8 @@ impl Family {
         ((per_k - cs - cl - gap / cl) * cs * cl / (cs + cl)).max(0.0).sqrt()
     }
 
-    /// The values of `s` at which the displacement is stationary over the duration, in the order of `s`; NaN for none.
+    /// The values of `s` at which the displacement is stationary over the duration, in the order of
+    /// `s`; NaN for none.
     pub fn stationary(&self) -> [f64; 7] {
         let (cs, cl, gap, k) = (self.cap_small, self.cap_large, self.gap, self.k);
         let large = |s: f64| (s * s + gap).sqrt();
@@ -79,7 +83,8 @@ impl Family {
         all
     }
 
-    /// Where the displacement passes the one wanted between `a` and `b`, at whose ends it lies on different sides of it.
+    /// The value at which the displacement passes the required one between `a` and `b`, at whose
+    /// ends it lies on different sides of it.
     pub fn crossing(&self, a: f64, b: f64) -> f64 {
         let rises = self.eval(b).0 >= 0.0;
         let (mut lo, mut hi) = (a, b);

@@ -1,20 +1,24 @@
 //! A motion of a given duration by one number: the velocity it cruises at.
 //!
-//! The shortest change to velocity `v` and zero acceleration, cruise, the shortest change to the target (Liu et al. 2024, section
-//! 4.1, whose five cases are the places of `v` relative to both ends; `v` ranges over all velocities here, not only over those
-//! between the mean one and the nearer end). At a fixed duration the displacement grows with `v`:
+//! The shortest change to velocity `v` and zero acceleration, cruise, the shortest change to the
+//! target (Liu et al. 2024, section 4.1, whose five cases are the places of `v` relative to both
+//! ends; `v` ranges over all velocities here, not only over those between the mean one and the
+//! nearer end). At a fixed duration the displacement grows with `v`:
 //!
 //! ```text
 //! D(v) = d_1(v) + v (T - t_1(v) - t_3(v)) + d_3(v),     D'(v) = (T - t_1 - t_3) + e_1 + e_3 > 0,
 //! e = d' - v t' = (q - k) min(a, a_max)  with the peak acceleration a of a change,
 //! ```
 //!
-//! so that Newton's method has one root to find. Where the two changes take longer than `T` there is no such motion.
+//! so that Newton's method has one root to find. Where the two changes take longer than `T` there
+//! is no such motion.
 
-use super::family::{Jerks, Peak, Problem};
+use super::displacement_function::Problem;
 use super::shape::Shape;
+use crate::scurve::closed_form::{Jerks, Peak};
 
-/// Shortest changes of one direction from a fixed state to a velocity without acceleration, in the frame in which they rise.
+/// Shortest changes of one direction from a fixed state to a velocity without acceleration, in the
+/// frame in which they rise.
 #[derive(Clone, Copy)]
 struct Ramp {
     base: f64,
@@ -101,7 +105,8 @@ impl Changes {
         let swapped = p.j.swapped();
         Self {
             first: End::new(p.v0, p.a0, p.rise, p.fall, &p.j, &swapped),
-            // Backwards in time the second change is one from the target: its acceleration and limits on it have other signs.
+            // Backwards in time the second change is one from the target: its acceleration and
+            // limits on it have other signs.
             second: End::new(p.vf, -p.af, p.fall, p.rise, &p.j, &swapped),
         }
     }

@@ -1,13 +1,14 @@
 //! The durations in which a state can be reached.
 
-/// At most so many separate blocked intervals are kept; two is the most there are with one axis inside its limits.
+/// At most so many separate blocked intervals are kept; two is the most there are with one axis
+/// inside its limits.
 const CAPACITY: usize = 4;
 
 /// The shortest duration of a motion, and the longer ones that are impossible.
 ///
-/// Between two moving states not every duration above the shortest can be met: a car at full speed, ten metres before
-/// the point where it is to be at full speed, is there in one moment or only after having turned back. All of these
-/// *blocked intervals* are open: their ends are possible.
+/// Between two moving states not every duration above the shortest can be met: a car at full speed,
+/// ten metres before the point where it is to be at full speed, is there in one moment or only
+/// after having turned back. All of these *blocked intervals* are open: their ends are possible.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Durations {
     pub(super) shortest: f64,
@@ -21,12 +22,13 @@ impl Durations {
         self.shortest
     }
 
-    /// The open intervals above the shortest duration that are impossible (s), in order and disjoint.
+    /// The open intervals above the shortest duration that are impossible (s), in order and
+    /// disjoint.
     pub fn blocked(&self) -> &[(f64, f64)] {
         &self.blocked[..self.count]
     }
 
-    /// Whether the target can be reached in exactly `duration` (s).
+    /// Returns true if the target can be reached in exactly `duration` (s).
     pub fn contains(&self, duration: f64) -> bool {
         duration >= self.shortest && !self.blocked().iter().any(|&(a, b)| a < duration && duration < b)
     }
@@ -57,7 +59,7 @@ impl Gaps {
         Self { after, ranges: [(0.0, 0.0); CAPACITY], count: 0 }
     }
 
-    /// Whether `t` is later than the possible duration by more than round-off.
+    /// Returns true if `t` is later than the possible duration by more than round-off.
     pub fn is_after(&self, t: f64) -> bool {
         t > self.after * (1.0 + ROUND_OFF)
     }
@@ -102,7 +104,8 @@ impl Gaps {
         all
     }
 
-    /// The same with `lead` before all of them, above a possible duration `after`; all before the first one are impossible.
+    /// The same with `lead` before all of them, above a possible duration `after`; all before the
+    /// first one are impossible.
     pub fn delayed(&self, after: f64, lead: f64) -> Self {
         let mut all = Self::new(after);
         all.add(after, lead + self.after);

@@ -1,24 +1,29 @@
-//! A problem entered: its start acceleration brought inside the limits, and everything that is solved from there on.
+//! A problem entered: its start acceleration brought inside the limits, and everything that is
+//! solved from there on.
 
+use super::brake_to_limits::Brake;
 use super::cruise;
+use super::displacement_function::Problem;
 use super::durations::Gaps;
-use super::error::StateToStateError;
 use super::extremal::Extremals;
-use super::family::{Jerks, Problem};
-use super::limits::{AxisLimits, AxisState, SLACK};
-use super::outside::Brake;
+use super::mean::Mean;
+use super::phase_writer::Writer;
 use super::profile::StateToState;
 use super::shape::{Shape, end_of};
 use super::solve::{Direct, solve, starts_too_fast};
-use super::writer::Writer;
+use crate::error::FeedError;
+use crate::limits::{AxisLimits, SLACK};
+use crate::scurve::closed_form::Jerks;
+use crate::state::AxisState;
 
 /// The shortest motion, not yet written down.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Shortest {
     shape: Shape,
-    /// Whether it is an extremal of the mirrored frame.
+    /// True if it is an extremal of the mirrored frame.
     pub mirrored: bool,
-    /// It begins with braking as hard as possible to the velocity limit; the shape goes on from there, mirrored or not.
+    /// It begins with braking as hard as possible to the velocity limit; the shape goes on from
+    /// there, mirrored or not.
     after_braking: Option<bool>,
     /// In working units.
     pub duration: f64,
@@ -39,7 +44,7 @@ pub(super) struct Entry {
 }
 
 impl Entry {
-    pub fn new(s: &AxisState, t: &AxisState, l: &AxisLimits) -> Result<Self, StateToStateError> {
+    pub fn new(s: &AxisState, t: &AxisState, l: &AxisLimits) -> Result<Self, FeedError> {
         let j = Jerks::new(l.j.1, -l.j.0);
         check_entry(t, l, &j)?;
         let (lead, mut s) = (*s, *s);
@@ -76,7 +81,7 @@ impl Entry {
 
     /// A writer with the phase that brings the acceleration inside its limits.
     fn writer<'a>(&self, out: &'a mut StateToState) -> Writer<'a> {
-        let mut writer = Writer::new(out);
+        let mut writer = Writer::new(&mut out.phases);
         writer.push(self.lead_time, self.lead.p, self.lead.v, self.lead.a, self.jerk);
         writer
     }
@@ -122,7 +127,7 @@ impl Entry {
         let to = self.from + direct.displacement;
         let mut writer = self.writer(out);
         writer.write(p, &direct.shape, false, self.from, to);
-        let duration = writer.t;
+        let duration = writer.duration();
         writer.finish(duration);
         to
     }
@@ -207,16 +212,17 @@ fn between(p: &Problem, t: f64, noise: f64, ends: (f64, f64), writer: &mut Write
     if up.0 < -noise || down.0 < -noise {
         return false;
     }
-    writer.between(p, t, (&up, &down), ends)
+    Mean::new(p, t, (&up, &down), ends).map(|mean| mean.write(writer)).is_some()
 }
 
 const ROUND_OFF: f64 = 1e-13;
 
-/// Whether the target can be entered at all: its acceleration cannot have come from nowhere.
-fn check_entry(t: &AxisState, l: &AxisLimits, j: &Jerks) -> Result<(), StateToStateError> {
+/// Returns true if the target can be entered at all: its acceleration cannot have come from
+/// nowhere.
+fn check_entry(t: &AxisState, l: &AxisLimits, j: &Jerks) -> Result<(), FeedError> {
     let slack = SLACK * l.v.1.max(-l.v.0);
     let change = 0.5 * t.a * t.a;
     let (before, limit) = if t.a > 0.0 { (t.v - change * j.inv_up, l.v.0) } else { (t.v + change * j.inv_down, l.v.1) };
     let excess = if t.a > 0.0 { limit - before } else { before - limit };
-    if excess > slack { Err(StateToStateError::TargetUnreachable { v: t.v, a: t.a, before, limit }) } else { Ok(()) }
+    if excess > slack { Err(FeedError::TargetUnreachable { v: t.v, a: t.a, before, limit }) } else { Ok(()) }
 }

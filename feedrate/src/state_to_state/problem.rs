@@ -1,15 +1,18 @@
-//! One problem and its answers: the shortest motion, the durations that are possible, the motion of a given duration.
+//! One problem and its answers: the shortest motion, the durations that are possible, the motion of
+//! a given duration.
 
 use super::durations::Durations;
 use super::entry::{Entry, Shortest};
-use super::error::{StateToStateError, finite};
-use super::limits::{AxisLimits, AxisState, SLACK};
 use super::profile::StateToState;
 use super::scale::Units;
+use crate::error::{FeedError, finite};
+use crate::limits::{AxisLimits, SLACK};
+use crate::state::AxisState;
 
 /// A motion of one axis from state to state whose duration is not decided yet.
 ///
-/// Holds the shortest motion and answers which other durations are possible and how to move in one of them.
+/// Holds the shortest motion and answers which other durations are possible and how to move in one
+/// of them.
 ///
 /// ```
 /// use arcfeed_feedrate::{AxisLimits, AxisProblem, AxisState, MotionLaw};
@@ -19,10 +22,10 @@ use super::scale::Units;
 /// let durations = problem.durations();
 /// assert_eq!(durations.shortest(), 0.5);
 /// let (_, above) = durations.blocked()[0];
-/// assert!(problem.lasting(1.5).is_err());
+/// assert!(problem.with_duration(1.5).is_err());
 /// assert!(problem.durations().contains(above));
-/// assert_eq!(problem.lasting(above + 0.1)?.duration(), above + 0.1);
-/// # Ok::<(), arcfeed_feedrate::StateToStateError>(())
+/// assert_eq!(problem.with_duration(above + 0.1)?.duration(), above + 0.1);
+/// # Ok::<(), arcfeed_feedrate::FeedError>(())
 /// ```
 #[derive(Debug, Clone, Copy)]
 pub struct AxisProblem {
@@ -31,7 +34,7 @@ pub struct AxisProblem {
     /// The target in the caller's units, and the jerk limits.
     target: AxisState,
     jerk: (f64, f64),
-    /// How long the shortest motion takes, in the caller's units.
+    /// Duration of the shortest motion, in the caller's units.
     duration: f64,
     shortest: Shortest,
 }
@@ -41,7 +44,7 @@ impl AxisProblem {
     ///
     /// # Errors
     /// As [`StateToState::new`].
-    pub fn new(start: &AxisState, target: &AxisState, limits: &AxisLimits) -> Result<Self, StateToStateError> {
+    pub fn new(start: &AxisState, target: &AxisState, limits: &AxisLimits) -> Result<Self, FeedError> {
         let fields = [
             ("start.p", start.p),
             ("start.v", start.v),
@@ -71,7 +74,7 @@ impl AxisProblem {
     }
 
     /// The shortest motion to the velocity and acceleration of `target`, all numbers finite.
-    pub(super) fn direct(s: &AxisState, t: &AxisState, l: &AxisLimits) -> Result<StateToState, StateToStateError> {
+    pub(super) fn direct(s: &AxisState, t: &AxisState, l: &AxisLimits) -> Result<StateToState, FeedError> {
         let mut motion = StateToState::default();
         let Some(units) = Units::choose(s, t, l) else {
             let p = Entry::new(s, t, l)?.direct(&mut motion);
@@ -92,7 +95,7 @@ impl AxisProblem {
         motion
     }
 
-    /// How long the shortest motion takes (s).
+    /// Duration of the shortest motion (s).
     pub const fn shortest_duration(&self) -> f64 {
         self.duration
     }
@@ -107,9 +110,10 @@ impl AxisProblem {
 
     /// The durations that are possible.
     ///
-    /// From a start outside the limits every duration counts as possible in which either of two ways back is: settling at the
-    /// velocity limit without undershooting it, or braking as hard as possible until inside. [`AxisProblem::lasting`] may find
-    /// more then; from inside the limits these are all.
+    /// From a start outside the limits every duration counts as possible in which either of two
+    /// ways back is: settling at the velocity limit without undershooting it, or braking as hard as
+    /// possible until inside. [`AxisProblem::with_duration`] may find more then; from inside the
+    /// limits these are all.
     pub fn durations(&self) -> Durations {
         let lead = self.entry.lead_time;
         let gaps = self.entry.gaps(self.shortest.duration - lead, self.shortest.mirrored);
@@ -121,21 +125,22 @@ impl AxisProblem {
 
     /// A motion that takes exactly `duration` (s).
     ///
-    /// With one cruise velocity wherever there is such a motion; otherwise the mean of the two that go farthest and least far in
-    /// that time, which keeps the limits as those do.
+    /// With one cruise velocity wherever there is such a motion; otherwise the mean of the two that
+    /// go farthest and least far in that time, which keeps the limits as those do.
     ///
     /// # Errors
-    /// [`StateToStateError::DurationImpossible`] with the nearest possible ones, [`StateToStateError::NotFinite`].
-    pub fn lasting(&self, duration: f64) -> Result<StateToState, StateToStateError> {
+    /// [`FeedError::DurationImpossible`] with the nearest possible ones, [`FeedError::NotFinite`].
+    pub fn with_duration(&self, duration: f64) -> Result<StateToState, FeedError> {
         let mut motion = StateToState::default();
-        self.lasting_into(duration, &mut motion).map(|()| motion)
+        self.with_duration_into(duration, &mut motion).map(|()| motion)
     }
 
-    /// As [`AxisProblem::lasting`], into a motion that is there already; an error leaves it undefined.
+    /// As [`AxisProblem::with_duration`], into a motion that is there already; an error leaves it
+    /// undefined.
     ///
     /// # Errors
-    /// As [`AxisProblem::lasting`].
-    pub fn lasting_into(&self, duration: f64, out: &mut StateToState) -> Result<(), StateToStateError> {
+    /// As [`AxisProblem::with_duration`].
+    pub fn with_duration_into(&self, duration: f64, out: &mut StateToState) -> Result<(), FeedError> {
         if duration == self.duration {
             self.write_shortest(out);
             return Ok(());
@@ -147,10 +152,10 @@ impl AxisProblem {
             let durations = self.durations();
             if !durations.contains(duration) {
                 let (below, above) = (durations.at_most(duration), durations.at_least(duration));
-                return Err(StateToStateError::DurationImpossible { duration, below, above });
+                return Err(FeedError::DurationImpossible { duration, below, above });
             }
             if !self.entry.between(inside, out) {
-                return Err(StateToStateError::OutOfRange);
+                return Err(FeedError::OutOfRange { what: "duration of the motion" });
             }
         }
         out.set_target(&self.target, self.jerk);
@@ -158,7 +163,7 @@ impl AxisProblem {
             out.rescale(u);
             out.check_sound()?;
         }
-        out.duration = duration;
+        out.phases.duration = duration;
         Ok(())
     }
 }
@@ -166,64 +171,61 @@ impl AxisProblem {
 impl StateToState {
     /// The shortest motion from `start` to `target` within `limits`.
     ///
-    /// A start may be outside the limits. An acceleration beyond its bound is first taken back with the largest
-    /// jerk; a velocity beyond its bound (or bound to get there) is brought to the bound, or further
-    /// inside, without undershooting it.
+    /// A start may be outside the limits. An acceleration beyond its bound is first taken back with
+    /// the largest jerk; a velocity beyond its bound (or bound to get there) is brought to the
+    /// bound, or further inside, without undershooting it.
     ///
     /// # Errors
-    /// [`StateToStateError::NotFinite`] naming the field; [`StateToStateError::TargetOutside`] and
-    /// [`StateToStateError::TargetUnreachable`] if the target breaks a limit or forces to break one right
-    /// before it; [`StateToStateError::OutOfRange`] if the motion has no finite representation.
-    pub fn new(start: &AxisState, target: &AxisState, limits: &AxisLimits) -> Result<Self, StateToStateError> {
+    /// [`FeedError::NotFinite`] naming the field; [`FeedError::TargetOutside`] and
+    /// [`FeedError::TargetUnreachable`] if the target breaks a limit or forces to break one right
+    /// before it; [`FeedError::OutOfRange`] if the motion has no finite representation.
+    pub fn new(start: &AxisState, target: &AxisState, limits: &AxisLimits) -> Result<Self, FeedError> {
         Ok(AxisProblem::new(start, target, limits)?.shortest())
     }
 
-    /// As [`StateToState::new`], in place: saves moving the result. An error leaves the motion as it was.
+    /// As [`StateToState::new`], in place: saves moving the result. An error leaves the motion as
+    /// it was.
     ///
     /// # Errors
     /// As [`StateToState::new`].
-    pub fn recompute(
-        &mut self,
-        start: &AxisState,
-        target: &AxisState,
-        limits: &AxisLimits,
-    ) -> Result<(), StateToStateError> {
+    pub fn recompute(&mut self, start: &AxisState, target: &AxisState, limits: &AxisLimits) -> Result<(), FeedError> {
         AxisProblem::new(start, target, limits)?.write_shortest(self);
         Ok(())
     }
 
-    /// A motion that takes exactly `duration` (s): see [`AxisProblem::lasting`].
+    /// A motion that takes exactly `duration` (s): see [`AxisProblem::with_duration`].
     ///
     /// # Errors
-    /// As [`StateToState::new`] and [`AxisProblem::lasting`].
-    pub fn lasting(
+    /// As [`StateToState::new`] and [`AxisProblem::with_duration`].
+    pub fn with_duration(
         start: &AxisState,
         target: &AxisState,
         limits: &AxisLimits,
         duration: f64,
-    ) -> Result<Self, StateToStateError> {
-        AxisProblem::new(start, target, limits)?.lasting(duration)
+    ) -> Result<Self, FeedError> {
+        AxisProblem::new(start, target, limits)?.with_duration(duration)
     }
 }
 
-pub(super) fn check_target(target: &AxisState, limits: &AxisLimits) -> Result<(), StateToStateError> {
+pub(super) fn check_target(target: &AxisState, limits: &AxisLimits) -> Result<(), FeedError> {
+    limits.check_both_directions()?;
     check_inside("v", target.v, limits.v)?;
     check_inside("a", target.a, limits.a)
 }
 
-fn check_inside(what: &'static str, value: f64, (lower, upper): (f64, f64)) -> Result<(), StateToStateError> {
+fn check_inside(what: &'static str, value: f64, (lower, upper): (f64, f64)) -> Result<(), FeedError> {
     let slack = SLACK * upper.max(-lower);
     let limit = if value < lower { lower } else { upper };
     if value >= lower - slack && value <= upper + slack {
         Ok(())
     } else {
-        Err(StateToStateError::TargetOutside { what, value, limit })
+        Err(FeedError::TargetOutside { what, value, limit })
     }
 }
 
-fn rescaled_error(e: StateToStateError, units: Units) -> StateToStateError {
+fn rescaled_error(e: FeedError, units: Units) -> FeedError {
     match e {
-        StateToStateError::TargetUnreachable { v, a, before, limit } => StateToStateError::TargetUnreachable {
+        FeedError::TargetUnreachable { v, a, before, limit } => FeedError::TargetUnreachable {
             v: units.back(v, 1),
             a: units.back(a, 2),
             before: units.back(before, 1),

@@ -1,16 +1,33 @@
 //! The motion itself: phases, sampling, position extrema.
 
-use super::error::StateToStateError;
-use super::limits::AxisState;
 use super::scale::Units;
-use crate::scurve::phases::Phase;
+use crate::error::FeedError;
+use crate::scurve::phase::Phase;
+use crate::scurve::phases::Phases;
+use crate::state::AxisState;
 use crate::state::{MotionLaw, MotionState};
 
-/// At most three phases to bring acceleration and velocity inside their limits, and thirteen of the mean of two motions with
-/// seven each.
+/// At most three phases to bring acceleration and velocity inside their limits, and thirteen of the
+/// mean of two motions with seven each.
 pub(super) const PHASES: usize = 16;
 
-/// A motion of one axis between two states, the shortest one or one of a given duration. The default one stands still at 0.
+/// A motion of one axis between two states, the shortest one or one of a given duration. The
+/// default one stands still at 0.
+///
+/// The shortest motion minimises `T` subject to `p''' = j`, the states at both ends, and the limits
+/// on velocity, acceleration and jerk (Liu et al. 2024, section 4.1, corrected). The solution is
+/// exact: a closed form where both halves reach their acceleration limits or the motion cruises,
+/// otherwise the root of one smooth function of one variable. No tolerance is absolute, so that the
+/// result scales exactly with powers of two in the units of length and time.
+///
+/// * A start outside the limits is brought back with bounded jerk. An acceleration beyond its limit
+///   is taken back with the largest jerk first. A velocity beyond its limit, or bound to get there,
+///   is either settled at a velocity inside without undershooting it, or braked as hard as possible
+///   until it is at the limit and continued in the shortest way from there; the shorter of the two
+///   is taken. That no third way is shorter is not proven.
+/// * A target outside the limits, or one that cannot be entered without leaving them, is an error.
+/// * Positions are not limited while planning; [`StateToState::check_within`] says where a motion
+///   leaves a range.
 ///
 /// ```
 /// use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, StateToState};
@@ -21,18 +38,13 @@ pub(super) const PHASES: usize = 16;
 /// let end = motion.at(motion.duration());
 /// assert_eq!((end.p, end.v, end.a), (1.2, 0.5, 0.0));
 /// assert!(motion.position_range().max <= 1.2);
-/// # Ok::<(), arcfeed_feedrate::StateToStateError>(())
+/// # Ok::<(), arcfeed_feedrate::FeedError>(())
 /// ```
 #[derive(Debug, Clone, Copy, Default)]
 pub struct StateToState {
-    pub(super) phases: [Phase; PHASES],
-    /// How long each phase lasts: the difference of two start times would have the round-off of the whole duration.
-    pub(super) lasting: [f64; PHASES],
-    pub(super) count: usize,
-    pub(super) duration: f64,
-    pub(super) target: MotionState,
+    pub(super) phases: Phases<PHASES>,
     /// Jerk that brings the acceleration of the target to zero after the end.
-    pub(super) fade: f64,
+    pub(super) release_jerk: f64,
 }
 
 /// Lowest and highest position of a motion, and when it is there first.
@@ -51,94 +63,99 @@ pub struct PositionRange {
 impl StateToState {
     /// Out of working units, the target and what follows it excepted.
     pub(super) fn rescale(&mut self, units: Units) {
-        for (p, dt) in self.phases[..self.count].iter_mut().zip(&mut self.lasting) {
-            *dt = units.time_back(*dt);
-            *p = Phase {
+        self.phases.map(|p, dt| {
+            let phase = Phase {
                 t: units.time_back(p.t),
                 s: units.back(p.s, 0),
                 v: units.back(p.v, 1),
                 a: units.back(p.a, 2),
                 j: units.back(p.j, 3),
             };
-        }
-        self.duration = units.time_back(self.duration);
+            (phase, units.time_back(dt))
+        });
+        self.phases.duration = units.time_back(self.phases.duration);
     }
 
     /// Ends in `target`; the jerk limits are those of the way on.
     pub(super) fn set_target(&mut self, t: &AxisState, jerk: (f64, f64)) {
-        self.target = MotionState { p: t.p, v: t.v, a: t.a, j: 0.0 };
-        self.fade = if t.a > 0.0 { jerk.0 } else { jerk.1 };
+        self.phases.end = MotionState { p: t.p, v: t.v, a: t.a, j: 0.0 };
+        self.release_jerk = if t.a > 0.0 { jerk.0 } else { jerk.1 };
     }
 
-    /// The phase after the end, which brings the acceleration of the target to zero, and its duration.
-    fn fading(&self) -> (Phase, f64) {
-        let MotionState { p, v, a, .. } = self.target;
-        let lasting = if a == 0.0 || self.fade == 0.0 { 0.0 } else { (-a / self.fade).max(0.0) };
-        (Phase { t: self.duration, s: p, v, a, j: self.fade }, lasting)
+    /// The phase after the end, which brings the acceleration of the target to zero, and its
+    /// duration.
+    fn release(&self) -> (Phase, f64) {
+        let MotionState { p, v, a, .. } = self.phases.end;
+        let duration = if a == 0.0 || self.release_jerk == 0.0 { 0.0 } else { (-a / self.release_jerk).max(0.0) };
+        (Phase { t: self.phases.duration, s: p, v, a, j: self.release_jerk }, duration)
     }
 
-    pub(super) fn check_sound(&self) -> Result<(), StateToStateError> {
-        let sum: f64 = self.phases[..self.count].iter().map(|p| 0.0 * (p.t + p.s + p.v + p.a + p.j)).sum();
-        if sum == 0.0 && self.duration.is_finite() { Ok(()) } else { Err(StateToStateError::OutOfRange) }
+    pub(super) fn check_sound(&self) -> Result<(), FeedError> {
+        let error = FeedError::OutOfRange { what: "duration of the motion" };
+        if self.phases.is_finite() { Ok(()) } else { Err(error) }
     }
 
     /// The phases in order, each with its duration (s), which is not zero.
     pub fn phases(&self) -> impl ExactSizeIterator<Item = (Phase, f64)> + '_ {
-        self.phases[..self.count].iter().copied().zip(self.lasting.iter().copied())
+        self.phases.iter()
     }
 
-    /// As [`MotionLaw::at`], but beyond the end the motion goes on: the acceleration of the target is brought to zero with the
-    /// largest jerk, and the velocity stays what it is then.
-    /// [`AxisLimits::check_leaving`](super::AxisLimits::check_leaving) says whether that velocity is within
-    /// its limits.
+    /// As [`MotionLaw::at`], but beyond the end the motion goes on: the acceleration of the target
+    /// is brought to zero with the largest jerk, and the velocity stays what it is then.
+    /// [`AxisLimits::check_leaving`](crate::AxisLimits::check_leaving) says whether that velocity
+    /// is within its limits.
     pub fn at_or_after(&self, t: f64) -> MotionState {
-        if t <= self.duration || t.is_nan() {
+        if t <= self.phases.duration || t.is_nan() {
             return self.at(t);
         }
         // Zero acceleration times an infinite time would be no number.
         let t = t.min(f64::MAX);
-        let (phase, lasting, _) = self.phase_at(t);
-        phase.after((t - phase.t).min(lasting))
+        let (phase, dt, _) = self.phase_at(t);
+        phase.after((t - phase.t).min(dt))
     }
 
-    /// The phase that acts at time `t` (s), its duration, and the time at which the next one begins, infinite for the last one:
-    /// between the phase's start and that time [`Phase::after`] gives the state of [`StateToState::at_or_after`].
+    /// The phase that acts at time `t` (s), its duration, and the time at which the next one
+    /// begins, infinite for the last one: between the phase's start and that time [`Phase::after`]
+    /// gives the state of [`StateToState::at_or_after`].
     pub fn phase_at(&self, t: f64) -> (Phase, f64, f64) {
-        if t >= self.duration || self.count == 0 {
-            let (fading, lasting) = self.fading();
-            if t <= self.duration || t.is_nan() {
-                return (Phase { j: 0.0, ..fading }, 0.0, self.duration);
+        let (phases, duration) = (&self.phases, self.phases.duration);
+        if t >= duration || phases.len() == 0 {
+            let (release, dt) = self.release();
+            if t <= duration || t.is_nan() {
+                return (Phase { j: 0.0, ..release }, 0.0, duration);
             }
-            if t - self.duration < lasting {
-                return (fading, lasting, self.duration + lasting);
+            if t - duration < dt {
+                return (release, dt, duration + dt);
             }
-            let end = fading.after(lasting);
-            let on = Phase { t: self.duration + lasting, s: end.p, v: end.v, a: 0.0, j: 0.0 };
+            let end = release.after(dt);
+            let on = Phase { t: duration + dt, s: end.p, v: end.v, a: 0.0, j: 0.0 };
             return (on, f64::INFINITY, f64::INFINITY);
         }
-        let i = (1..self.count).take_while(|&i| self.phases[i].t <= t).count();
-        let next = if i + 1 < self.count { self.phases[i + 1].t } else { self.duration };
-        (self.phases[i], self.lasting[i], next.min(self.duration))
+        let i = phases.index_at(t);
+        let next = if i + 1 < phases.len() { phases.get(i + 1).0.t } else { duration };
+        let (phase, dt) = phases.get(i);
+        (phase, dt, next.min(duration))
     }
 
-    /// The same motion of another axis that moves `ratio` times as far, from `start` to `target`, which must be in that proportion
-    /// to the states of this one but for round-off.
+    /// The same motion of another axis that moves `ratio` times as far, from `start` to `target`,
+    /// which must be in that proportion to the states of this one but for round-off.
     pub fn in_proportion(&self, ratio: f64, start: &AxisState, target: &AxisState) -> Self {
-        let from = if self.count > 0 { self.phases[0].s } else { self.target.p };
+        let from = self.phases.iter().next().map_or(self.phases.end.p, |(phase, _)| phase.s);
         let mut other = *self;
-        for p in &mut other.phases[..self.count] {
-            *p = Phase { t: p.t, s: start.p + ratio * (p.s - from), v: ratio * p.v, a: ratio * p.a, j: ratio * p.j };
-        }
+        other.phases.map(|p, dt| {
+            let s = start.p + ratio * (p.s - from);
+            (Phase { t: p.t, s, v: ratio * p.v, a: ratio * p.a, j: ratio * p.j }, dt)
+        });
         // A ratio below zero exchanges the jerk limits, and the sign of the acceleration with them.
-        other.target = MotionState { p: target.p, v: target.v, a: target.a, j: 0.0 };
-        other.fade = ratio * self.fade;
+        other.phases.end = MotionState { p: target.p, v: target.v, a: target.a, j: 0.0 };
+        other.release_jerk = ratio * self.release_jerk;
         other
     }
 
     /// Lowest and highest position on the way, both ends included.
     pub fn position_range(&self) -> PositionRange {
-        let end = self.target.p;
-        let mut range = PositionRange { min: end, t_min: self.duration, max: end, t_max: self.duration };
+        let (end, duration) = (self.phases.end.p, self.phases.duration);
+        let mut range = PositionRange { min: end, t_min: duration, max: end, t_max: duration };
         let mut visit = |t: f64, p: f64| {
             if p < range.min || (p == range.min && t < range.t_min) {
                 (range.min, range.t_min) = (p, t);
@@ -159,28 +176,21 @@ impl StateToState {
     }
 }
 
-/// Only phases that are in use count.
+/// The jerk after the end counts only where the target has an acceleration.
 impl PartialEq for StateToState {
     fn eq(&self, other: &Self) -> bool {
-        let ends = self.duration == other.duration && self.target == other.target;
-        ends && (self.target.a == 0.0 || self.fade == other.fade) && self.phases().eq(other.phases())
+        self.phases == other.phases && (self.phases.end.a == 0.0 || self.release_jerk == other.release_jerk)
     }
 }
 
 impl MotionLaw for StateToState {
     fn duration(&self) -> f64 {
-        self.duration
+        self.phases.duration
     }
 
     #[inline]
     fn at(&self, t: f64) -> MotionState {
-        if t >= self.duration {
-            return self.target;
-        }
-        let t = if t > 0.0 { t } else { 0.0 };
-        let i = (1..self.count).take_while(|&i| self.phases[i].t <= t).count();
-        let phase = &self.phases[i];
-        phase.after((t - phase.t).min(self.lasting[i]))
+        self.phases.at(t)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Powers of two that bring the numbers of a problem near 1, exactly.
 
-use super::limits::{AxisLimits, AxisState};
+use crate::limits::AxisLimits;
+use crate::state::AxisState;
 
 /// Units of length and time as exponents of two.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -10,14 +11,14 @@ pub(super) struct Units {
 }
 
 /// Within these exponents nothing that is computed on the way can leave the range of `f64`.
-const COMFORTABLE: i32 = 60;
+const SAFE_EXPONENT: i32 = 60;
 
 impl Units {
     /// The units to work in, or `None` if the given ones will do.
     pub fn choose(start: &AxisState, target: &AxisState, l: &AxisLimits) -> Option<Self> {
         let states = [start.p, start.v, start.a, target.p, target.v, target.a];
         let limits = [l.v.0, l.v.1, l.a.0, l.a.1, l.j.0, l.j.1];
-        let fits = |x: &f64| *x == 0.0 || exponent(*x).abs() <= COMFORTABLE;
+        let fits = |x: &f64| *x == 0.0 || exponent(*x).abs() <= SAFE_EXPONENT;
         if limits.iter().chain(&states).all(fits) {
             return None;
         }

@@ -1,19 +1,22 @@
-//! Which extremal is the shortest: direct change of velocity, direction, gap in the durations.
+//! The choice of the shortest extremal: direct change of velocity, direction, gap in the durations.
 //!
-//! Let `D0` be the displacement of the shortest change from `(v0, a0)` to `(vf, af)` wherever it ends. At a fixed duration
-//! the displacements that can be reached form an interval (the constraints are convex), whose upper end is the
-//! extremal going up and whose lower end the one going down; both start at `D0`. So the sign of `D - D0` gives the
-//! direction, and the first duration at which that extremal covers `D` is the shortest: when the upper end of the interval
+//! Let `D0` be the displacement of the shortest change from `(v0, a0)` to `(vf, af)` wherever it
+//! ends. At a fixed duration the displacements that can be reached form an interval (the
+//! constraints are convex), whose upper end is the extremal going up and whose lower end the one
+//! going down; both start at `D0`. So the sign of `D - D0` gives the direction, and the first
+//! duration at which that extremal covers `D` is the shortest: when the upper end of the interval
 //! has come up to `D`, the lower one is still below. Nothing else has to be tried.
 //!
-//! One complication: where both accelerations have the same sign and the change of velocity is small, durations between
-//! the direct change and one that brings the acceleration through zero do not exist. The
-//! durations then fall into a short first range, between two direct changes, and a second one without end.
+//! One complication: where both accelerations have the same sign and the change of velocity is
+//! small, durations between the direct change and one that brings the acceleration through zero do
+//! not exist. The durations then fall into a short first range, between two direct changes, and a
+//! second one without end.
 
-use super::family::{Family, Peak, Peaks, Problem};
-use super::limits::SLACK;
-use super::outside;
+use super::brake_to_limits;
+use super::displacement_function::{DisplacementFunction, Peaks, Problem};
 use super::shape::Shape;
+use crate::limits::SLACK;
+use crate::scurve::closed_form::{Change, Peak};
 
 /// The shortest change of velocity and acceleration, wherever it ends.
 pub(super) struct Direct {
@@ -25,31 +28,18 @@ pub(super) struct Direct {
 
 impl Direct {
     pub fn new(p: &Problem) -> Self {
-        let (u, d) = (p.j.inv_up, p.j.inv_down);
-        let (s0, sf, dv) = (0.5 * p.a0 * p.a0, 0.5 * p.af * p.af, p.vf - p.v0);
-        let single = (sf - s0) * if p.af >= p.a0 { u } else { -d };
-        // A change by one phase is both; the peak of the right one has the sign of the accelerations.
-        let up = if dv == single { p.a0 + p.af >= 0.0 } else { dv > single };
-        let (square, cap, sign) =
-            if up { (dv + s0 * u + sf * d, p.rise, 1.0) } else { (-dv + s0 * d + sf * u, p.fall, -1.0) };
-        let peak = Peak::from_square(square / p.j.k, cap, p.j.k);
-        let (j1, j3) = if up { (u, d) } else { (d, u) };
-        // Mirror a change going down: same numbers, other signs.
-        let (a0, af, v0, vf) = (sign * p.a0, sign * p.af, sign * p.v0, sign * p.vf);
-        let (t1, t3) = (((peak.a - a0) * j1).max(0.0), ((peak.a - af) * j3).max(0.0));
-        let d1 = t1 * (v0 + t1 * (2.0 * a0 + peak.a) / 6.0);
-        let d3 = t3 * (vf - t3 * (2.0 * af + peak.a) / 6.0);
-        let v2 = vf - 0.5 * t3 * (peak.a + af);
-        let d2 = peak.hold * (v2 - 0.5 * peak.a * peak.hold);
-        let peak = Peak { a: sign * peak.a, hold: peak.hold };
+        let change = Change::new((p.v0, p.a0), (p.vf, p.af), (p.rise, p.fall), &p.j);
+        let Change { up, peak, t1, d2, d3, .. } = change;
+        let d1 = t1 * (p.v0 + t1 * (2.0 * p.a0 + peak.a) / 6.0);
         let (first, second) =
             if up { (peak, Peak { a: p.af, hold: 0.0 }) } else { (Peak { a: p.a0, hold: 0.0 }, peak) };
         let shape = Shape { first, second, cruise: 0.0, v_peak: 0.0, joined: true, up: (true, false), squeezed: false };
-        Self { up, displacement: sign * (d1 + d2 + d3), shape }
+        Self { up, displacement: d1 + d2 + d3, shape }
     }
 }
 
-/// The shortest motion, and whether it is given in the mirrored frame. `noise` is the round-off in `p.d`.
+/// The shortest motion, and whether it is given in the mirrored frame. `noise` is the round-off in
+/// `p.d`.
 pub(super) fn solve(p: &Problem, noise: f64) -> (Shape, bool) {
     let direct = Direct::new(p);
     // On the direct change itself round-off must not decide: right beside it the duration may jump.
@@ -62,7 +52,8 @@ pub(super) fn solve(p: &Problem, noise: f64) -> (Shape, bool) {
     (shape, flipped == up)
 }
 
-/// Whether the velocity will still be above its limit when the acceleration has been brought to zero.
+/// Returns true if the velocity will still be above its limit when the acceleration has been
+/// brought to zero.
 pub(super) fn starts_too_fast(p: &Problem) -> bool {
     let inv = if p.a0 > 0.0 { p.j.inv_down } else { p.j.inv_up };
     p.v0 + 0.5 * p.a0 * p.a0.abs() * inv > p.v_max + SLACK * p.v_max.max(-p.v_min)
@@ -70,11 +61,12 @@ pub(super) fn starts_too_fast(p: &Problem) -> bool {
 
 /// Extremals with the acceleration on one side of zero throughout, from the direct change on.
 pub(super) struct OneSided {
-    pub family: Family,
+    pub function: DisplacementFunction,
     /// First and last value of `s`.
     pub from: f64,
     pub to: f64,
-    /// Whether durations beyond the last one do not exist until the acceleration passes through zero.
+    /// True if durations beyond the last one do not exist until the acceleration passes through
+    /// zero.
     pub gap_follows: bool,
 }
 
@@ -85,11 +77,11 @@ impl OneSided {
             return None;
         }
         let other = if direct_rises { p.a0 } else { -p.af };
-        let family = Family::forced(p, direct_rises);
-        let beyond = other.max(0.0).powi(2) - family.gap();
+        let function = DisplacementFunction::forced(p, direct_rises);
+        let beyond = other.max(0.0).powi(2) - function.gap();
         let gap_follows = beyond > 0.0;
         (gap_follows || !starts_too_fast(p)).then(|| Self {
-            family,
+            function,
             from: -reach,
             to: -beyond.max(0.0).sqrt(),
             gap_follows,
@@ -97,65 +89,67 @@ impl OneSided {
     }
 }
 
-/// As [`solve`] for a displacement above that of the direct change, which starts with a rise or not.
+/// As [`solve`] for a displacement above that of the direct change, which starts with a rise or
+/// not.
 fn solve_up(p: &Problem, direct_rises: bool) -> (Shape, bool) {
     let mut gap_in_durations = false;
-    if let Some(OneSided { family, from, to, gap_follows }) = OneSided::new(p, direct_rises) {
+    if let Some(OneSided { function, from, to, gap_follows }) = OneSided::new(p, direct_rises) {
         gap_in_durations = gap_follows;
-        if let Some(peaks) = root_one_sided(&family, from, to) {
-            return (Shape::going_up(&family, peaks), false);
+        if let Some(peaks) = root_one_sided(&function, from, to) {
+            return (Shape::going_up(&function, peaks), false);
         }
     }
-    let family = Family::new(p);
-    let start = start_of_peaked(p, &family);
-    let f_start = family.eval(start).0;
+    let function = DisplacementFunction::new(p);
+    let start = start_of_peaked(p, &function);
+    let f_start = function.eval(start).0;
     if gap_in_durations && f_start > 0.0 {
         let mirrored = p.mirrored();
-        let family = Family::new(&mirrored);
-        let start = start_of_peaked(&mirrored, &family);
-        return (solve_peaked(&mirrored, &family, start, family.eval(start).0), true);
+        let function = DisplacementFunction::new(&mirrored);
+        let start = start_of_peaked(&mirrored, &function);
+        return (solve_peaked(&mirrored, &function, start, function.eval(start).0), true);
     }
-    (solve_peaked(p, &family, start, f_start), false)
+    (solve_peaked(p, &function, start, f_start), false)
 }
 
-/// First root between `from` and `to <= 0`. The displacement may rise, fall and rise again in between.
-fn root_one_sided(family: &Family, from: f64, to: f64) -> Option<Peaks> {
+/// First root between `from` and `to <= 0`. The displacement may rise, fall and rise again in
+/// between.
+fn root_one_sided(function: &DisplacementFunction, from: f64, to: f64) -> Option<Peaks> {
     if from >= to {
         return None;
     }
-    let (mut from, mut f_from) = (from, family.eval(from).0);
+    let (mut from, mut f_from) = (from, function.eval(from).0);
     if f_from >= 0.0 {
-        return Some(family.at(from));
+        return Some(function.at(from));
     }
-    if let Some(top) = family.summit(from, to) {
-        let f_top = family.eval(top).0;
+    if let Some(top) = function.summit(from, to) {
+        let f_top = function.eval(top).0;
         if f_top >= 0.0 {
-            return Some(family.root(from, f_from, top, f_top));
+            return Some(function.root(from, f_from, top, f_top));
         }
         (from, f_from) = (top, f_top);
     }
-    let f_to = family.eval(to).0;
-    (f_to >= 0.0).then(|| family.root(from, f_from, to, f_to))
+    let f_to = function.eval(to).0;
+    (f_to >= 0.0).then(|| function.root(from, f_from, to, f_to))
 }
 
 /// The lowest `s` at which the acceleration passes through zero between rise and fall.
-pub(super) fn start_of_peaked(p: &Problem, family: &Family) -> f64 {
+pub(super) fn start_of_peaked(p: &Problem, function: &DisplacementFunction) -> f64 {
     let (rise, fall) = (p.a0.max(0.0).powi(2), p.af.min(0.0).powi(2));
-    let (small, large) = if family.small_is_fall() { (fall, rise) } else { (rise, fall) };
-    small.max(large - family.gap()).max(0.0).sqrt()
+    let (small, large) = if function.small_is_fall() { (fall, rise) } else { (rise, fall) };
+    small.max(large - function.gap()).max(0.0).sqrt()
 }
 
 /// Extremals with a peak velocity, and cruising at the limit where they do not suffice.
-fn solve_peaked(p: &Problem, family: &Family, start: f64, f_start: f64) -> Shape {
+fn solve_peaked(p: &Problem, function: &DisplacementFunction, start: f64, f_start: f64) -> Shape {
     if starts_too_fast(p) {
-        return outside::solve(p);
+        return brake_to_limits::solve(p);
     }
-    let top = family.at_velocity(p.v_max).max(start);
-    let f_top = family.eval(top).0;
+    let top = function.at_velocity(p.v_max).max(start);
+    let f_top = function.eval(top).0;
     if f_top <= 0.0 {
-        let shape = Shape::going_up(family, family.at(top));
+        let shape = Shape::going_up(function, function.at(top));
         return Shape { cruise: -f_top / p.v_max, v_peak: p.v_max, joined: false, ..shape };
     }
-    let peaks = if f_start >= 0.0 { family.at(start) } else { family.root(start, f_start, top, f_top) };
-    Shape::going_up(family, peaks)
+    let peaks = if f_start >= 0.0 { function.at(start) } else { function.root(start, f_start, top, f_top) };
+    Shape::going_up(function, peaks)
 }

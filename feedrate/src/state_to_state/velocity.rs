@@ -1,9 +1,11 @@
-//! Targets without a position: a velocity as soon as possible, a stop, a stop that stays inside a range of positions.
+//! Targets without a position: a velocity as soon as possible, a stop, a stop that stays inside a
+//! range of positions.
 
-use super::error::{StateToStateError, finite};
-use super::limits::{AxisLimits, AxisState};
 use super::problem::{AxisProblem, check_target};
 use super::profile::StateToState;
+use crate::error::{FeedError, finite};
+use crate::limits::AxisLimits;
+use crate::state::AxisState;
 
 /// Doublings and halvings of the distance at which a stop is looked for.
 const HALVINGS: usize = 64;
@@ -18,12 +20,12 @@ impl StateToState {
     /// let limits = AxisLimits::symmetric(2.0, 4.0, 40.0)?;
     /// let motion = StateToState::to_velocity(&AxisState::rest(0.0), 1.0, 0.0, &limits)?;
     /// assert!((motion.duration() - (1.0 / 4.0 + 4.0 / 40.0)).abs() < 1e-15);
-    /// # Ok::<(), arcfeed_feedrate::StateToStateError>(())
+    /// # Ok::<(), arcfeed_feedrate::FeedError>(())
     /// ```
     ///
     /// # Errors
     /// As [`StateToState::new`].
-    pub fn to_velocity(start: &AxisState, v: f64, a: f64, limits: &AxisLimits) -> Result<Self, StateToStateError> {
+    pub fn to_velocity(start: &AxisState, v: f64, a: f64, limits: &AxisLimits) -> Result<Self, FeedError> {
         for (what, value) in
             [("start.p", start.p), ("start.v", start.v), ("start.a", start.a), ("target.v", v), ("target.a", a)]
         {
@@ -37,29 +39,26 @@ impl StateToState {
     /// The shortest way to a standstill.
     ///
     /// # Errors
-    /// [`StateToStateError::NotFinite`], [`StateToStateError::OutOfRange`].
-    pub fn stop(start: &AxisState, limits: &AxisLimits) -> Result<Self, StateToStateError> {
+    /// [`FeedError::NotFinite`], [`FeedError::OutOfRange`].
+    pub fn stop(start: &AxisState, limits: &AxisLimits) -> Result<Self, FeedError> {
         Self::to_velocity(start, 0.0, 0.0, limits)
     }
 
-    /// A stop that stays within `positions` (m), lower and upper bound, either of them infinite for none.
+    /// A stop that stays within `positions` (m), lower and upper bound, either of them infinite for
+    /// none.
     ///
-    /// The shortest stop, if that one stays inside. Otherwise it brakes harder, turns at the bound and comes back a little.
-    /// That one is searched for: up to 128 calculations.
+    /// The shortest stop, if that one stays inside. Otherwise it brakes harder, turns at the bound
+    /// and comes back a little. That one is searched for: up to 128 calculations.
     ///
     /// # Errors
-    /// As [`StateToState::stop`]; [`StateToStateError::LeavesPositions`] if the hardest braking does not stay inside
-    /// either, with the place and time that the shortest stop gets to.
-    pub fn stop_within(
-        start: &AxisState,
-        limits: &AxisLimits,
-        positions: (f64, f64),
-    ) -> Result<Self, StateToStateError> {
+    /// As [`StateToState::stop`]; [`FeedError::LeavesPositions`] if the hardest braking does not
+    /// stay inside either, with the place and time that the shortest stop gets to.
+    pub fn stop_within(start: &AxisState, limits: &AxisLimits, positions: (f64, f64)) -> Result<Self, FeedError> {
         let shortest = Self::stop(start, limits)?;
         let Err(error) = shortest.check_within(positions) else {
             return Ok(shortest);
         };
-        let StateToStateError::LeavesPositions { position, limit, .. } = error else { return Err(error) };
+        let FeedError::LeavesPositions { position, limit, .. } = error else { return Err(error) };
         // The farther back it rests, the longer it brakes and the earlier it turns.
         let resting = |back: f64| {
             let p = (limit - back).max(positions.0).min(positions.1);
@@ -84,23 +83,23 @@ impl StateToState {
         Ok(best)
     }
 
-    /// Whether the motion stays within `positions` (m), lower and upper bound.
+    /// Returns true if the motion stays within `positions` (m), lower and upper bound.
     ///
     /// # Errors
-    /// [`StateToStateError::LeavesPositions`] with the farthest position and when it is there.
+    /// [`FeedError::LeavesPositions`] with the farthest position and when it is there.
     ///
     /// ```
-    /// use arcfeed_feedrate::{AxisLimits, AxisState, StateToState, StateToStateError};
+    /// use arcfeed_feedrate::{AxisLimits, AxisState, StateToState, FeedError};
     /// let limits = AxisLimits::symmetric(1.0, 1.0, 10.0)?;
     /// let motion = StateToState::new(&AxisState::new(0.0, 0.9, 0.0), &AxisState::rest(0.1), &limits)?;
     /// let error = motion.check_within((-1.0, 0.2)).unwrap_err();
-    /// assert!(matches!(error, StateToStateError::LeavesPositions { limit: 0.2, .. }));
-    /// # Ok::<(), StateToStateError>(())
+    /// assert!(matches!(error, FeedError::LeavesPositions { limit: 0.2, .. }));
+    /// # Ok::<(), FeedError>(())
     /// ```
-    pub fn check_within(&self, positions: (f64, f64)) -> Result<(), StateToStateError> {
+    pub fn check_within(&self, positions: (f64, f64)) -> Result<(), FeedError> {
         for (what, value) in [("p_min", positions.0), ("p_max", positions.1)] {
             if value.is_nan() {
-                return Err(StateToStateError::NotFinite { what, value });
+                return Err(FeedError::NotFinite { what, value });
             }
         }
         let range = self.position_range();
@@ -111,6 +110,6 @@ impl StateToState {
         }
         let (position, time, limit) =
             if over >= under { (range.max, range.t_max, positions.1) } else { (range.min, range.t_min, positions.0) };
-        Err(StateToStateError::LeavesPositions { position, time, limit })
+        Err(FeedError::LeavesPositions { position, time, limit })
     }
 }

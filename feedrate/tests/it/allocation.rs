@@ -6,13 +6,13 @@ use crate::allocations;
 use std::hint::black_box;
 
 use allocations::allocations_in;
-use arcfeed_feedrate::{MotionLaw, MotionLimits, SProfile, SpeedChange, plan_continuous};
+use arcfeed_feedrate::{AxisLimits, MotionLaw, SProfile, SpeedChange, plan_continuous};
 
 #[test]
 fn sampling_allocates_nothing() {
     let segments = common::curve_like(300, 1);
     let plan = plan_continuous(&segments, 0.0, 0.0).unwrap();
-    let limits = MotionLimits::new(0.1, 1.0, 50.0).unwrap();
+    let limits = AxisLimits::symmetric(0.1, 1.0, 50.0).unwrap();
     let count = allocations_in(|| {
         let mut cursor = plan.cursor();
         let mut sum = 0.0;

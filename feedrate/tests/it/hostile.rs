@@ -287,7 +287,7 @@ fn end_speeds_out_of_reach_are_named() {
             assert!((0.0..=1.0).contains(&s) && !(lowest..=highest).contains(&speed), "{error}");
             assert!(highest <= if speed > 0.0 { most + 1e-9 } else { 2.0 }, "{error}");
             let named = [
-                Quantity::Ahead,
+                Quantity::ControllableSet,
                 Quantity::Feed,
                 // The jerk-limited planner says what stands against more.
                 Quantity::TangentialAcceleration,

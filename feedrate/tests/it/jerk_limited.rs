@@ -4,7 +4,7 @@ use arcfeed_feedrate::constraint::{
     Feed, JointAcceleration, JointJerk, JointVelocity, PathDerivatives, Stop, TangentialAcceleration, TangentialJerk,
 };
 use arcfeed_feedrate::{
-    FeedError, FeedPlanner, FeedProblem, JerkLimited, MotionLaw, MotionLimits, Reachability, SProfile, SpeedLaw,
+    AxisLimits, FeedError, FeedPlanner, FeedProblem, JerkLimited, MotionLaw, Reachability, SProfile, SpeedLaw,
 };
 
 use crate::spline_paths;
@@ -79,7 +79,7 @@ fn starts_and_ends_in_motion() {
 #[test]
 fn a_straight_line_is_the_seven_phase_profile() {
     for (v, a, j) in [(0.2, 2.0, 40.0), (1.0, 2.0, 40.0), (0.05, 5.0, 20.0)] {
-        let exact = SProfile::new(0.3, 0.0, 0.0, &MotionLimits::new(v, a, j).unwrap()).unwrap().duration();
+        let exact = SProfile::new(0.3, 0.0, 0.0, &AxisLimits::symmetric(v, a, j).unwrap()).unwrap().duration();
         for n in [100, 400, 1600] {
             let grid: Vec<f64> = (0..=n).map(|i| 0.3 * f64::from(i) / f64::from(n)).collect();
             let feed = vec![v; n as usize];

@@ -1,6 +1,6 @@
 //! The online scheduler under limits that change while it runs: exact end, bounded jerk, forward only.
 #![allow(clippy::unwrap_used)]
-use arcfeed_feedrate::{Adoption, AxisState, FeedError, FeedLimits, FeedScheduler, FeedStatus, FeedStep, MotionState};
+use arcfeed_feedrate::{Adoption, AxisLimits, AxisState, FeedError, FeedScheduler, FeedStatus, FeedStep, MotionState};
 
 use crate::common;
 use common::Rng;
@@ -10,7 +10,7 @@ const T: f64 = 1e-3;
 /// What is seen from outside: the states at the ends of one cycle and the limits in force in it.
 ///
 /// Over a cycle, jerk within `[j_min, j_max]` confines the changes of acceleration, speed and position to known intervals.
-fn check_cycle(a: &MotionState, b: &MotionState, l: &FeedLimits, h: f64, what: &dyn Fn() -> String) {
+fn check_cycle(a: &MotionState, b: &MotionState, l: &AxisLimits, h: f64, what: &dyn Fn() -> String) {
     let size = |x: f64, y: f64| x.abs() + y.abs();
     let orders = [
         (b.a - a.a, h, size(a.a, b.a)),
@@ -34,10 +34,10 @@ fn check_cycle(a: &MotionState, b: &MotionState, l: &FeedLimits, h: f64, what: &
     assert!(b.a >= l.a_min().min(a.a + l.j_max() * h) - eps, "a = {}: {}", b.a, what());
 }
 
-fn random_limits(rng: &mut Rng) -> FeedLimits {
+fn random_limits(rng: &mut Rng) -> AxisLimits {
     let v = if rng.unit() < 0.15 { 0.0 } else { rng.log(0.02, 1.0) };
     let a = (-rng.log(0.5, 20.0), rng.log(0.5, 20.0));
-    FeedLimits::new(v, a, (-rng.log(10.0, 1000.0), rng.log(10.0, 1000.0))).unwrap()
+    AxisLimits::forward(v, a, (-rng.log(10.0, 1000.0), rng.log(10.0, 1000.0))).unwrap()
 }
 
 #[test]
@@ -65,7 +65,7 @@ fn limits_changed_at_random_cycles() {
                     1 => random_limits(&mut rng),
                     _ => {
                         let mut near = |x: f64| x * (1.0 + 1e-6 * (rng.unit() - 0.5));
-                        FeedLimits::new(
+                        AxisLimits::forward(
                             near(l.v_max()),
                             (near(l.a_min()), near(l.a_max())),
                             (near(l.j_min()), near(l.j_max())),
@@ -121,8 +121,8 @@ fn limits_changed_at_random_cycles() {
     assert!(full > 3000 && partial > 50 && cycles > 100_000, "{full} {partial} {nothing} {cycles}");
 }
 
-fn limits(v: f64, a: (f64, f64), j: (f64, f64)) -> FeedLimits {
-    FeedLimits::new(v, a, j).unwrap()
+fn limits(v: f64, a: (f64, f64), j: (f64, f64)) -> AxisLimits {
+    AxisLimits::forward(v, a, j).unwrap()
 }
 
 fn run_to_end(feed: &mut FeedScheduler, mut each: impl FnMut(usize, &mut FeedScheduler, &MotionState)) -> f64 {
@@ -312,7 +312,7 @@ fn refusals_name_the_field() {
         for (k, name) in ["v_max", "a_min", "a_max", "j_min", "j_max"].into_iter().enumerate() {
             let mut x = [1.0, -1.0, 1.0, -1.0, 1.0];
             x[k] = bad;
-            let r = FeedLimits::new(x[0], (x[1], x[2]), (x[3], x[4]));
+            let r = AxisLimits::forward(x[0], (x[1], x[2]), (x[3], x[4]));
             assert!(matches!(r, Err(FeedError::NotFinite { what, .. }) if what == name), "{r:?}");
         }
         let mut feed = at([0.0, 0.0, 0.0, 1.0, 0.0, 0.0]).unwrap();
@@ -320,13 +320,16 @@ fn refusals_name_the_field() {
         assert!(matches!(l.with_v_max(bad), Err(FeedError::NotFinite { what: "v_max", .. })));
         assert_eq!(feed.state().p, 0.0);
     }
-    assert!(matches!(FeedLimits::new(-1.0, (-1.0, 1.0), (-1.0, 1.0)), Err(FeedError::Negative { what: "v_max", .. })));
     assert!(matches!(
-        FeedLimits::new(1.0, (0.0, 1.0), (-1.0, 1.0)),
+        AxisLimits::forward(-1.0, (-1.0, 1.0), (-1.0, 1.0)),
+        Err(FeedError::Negative { what: "v_max", .. })
+    ));
+    assert!(matches!(
+        AxisLimits::forward(1.0, (0.0, 1.0), (-1.0, 1.0)),
         Err(FeedError::NotBelowZero { what: "a_min", .. })
     ));
     assert!(matches!(
-        FeedLimits::new(1.0, (-1.0, 1.0), (-1.0, 0.0)),
+        AxisLimits::forward(1.0, (-1.0, 1.0), (-1.0, 0.0)),
         Err(FeedError::NotPositive { what: "j_max", .. })
     ));
     assert!(matches!(at([0.0, 0.0, 0.0, 1.0, -0.1, 0.0]), Err(FeedError::Negative { what: "end.v", .. })));
@@ -353,7 +356,7 @@ fn any_finite_numbers_are_answered() {
     for _ in 0..40_000 {
         let start = AxisState::new(any(true), any(true), any(true));
         let end = AxisState::new(any(true), any(false), 0.0);
-        let mut fresh = || FeedLimits::new(any(false), (-any(false), any(false)), (-any(false), any(false)));
+        let mut fresh = || AxisLimits::forward(any(false), (-any(false), any(false)), (-any(false), any(false)));
         let (Ok(l), Ok(m)) = (fresh(), fresh()) else { continue };
         let Ok(mut feed) = FeedScheduler::new(&start, &end, &l) else { continue };
         started += 1;

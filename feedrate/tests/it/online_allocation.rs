@@ -6,11 +6,11 @@ use crate::allocations;
 use std::hint::black_box;
 
 use allocations::allocations_in;
-use arcfeed_feedrate::{AxisState, FeedLimits, FeedScheduler};
+use arcfeed_feedrate::{AxisLimits, AxisState, FeedScheduler};
 
 #[test]
 fn stepping_and_changing_limits_allocate_nothing() {
-    let limits = FeedLimits::new(0.2, (-2.0, 1.0), (-50.0, 40.0)).unwrap();
+    let limits = AxisLimits::forward(0.2, (-2.0, 1.0), (-50.0, 40.0)).unwrap();
     let count = allocations_in(|| {
         let mut feed = FeedScheduler::new(&AxisState::rest(0.0), &AxisState::new(1.0, 0.05, 0.0), &limits).unwrap();
         for k in 0..20_000 {

@@ -174,7 +174,7 @@ fn alternating_equal_and_tiny_segments() {
 #[test]
 fn one_segment_is_one_s_profile() {
     let segments = [Segment::new(0.02, 0.1, 1.0, 50.0).unwrap()];
-    let limits = arcfeed_feedrate::MotionLimits::new(0.1, 1.0, 50.0).unwrap();
+    let limits = arcfeed_feedrate::AxisLimits::symmetric(0.1, 1.0, 50.0).unwrap();
     let profile = arcfeed_feedrate::SProfile::new(0.02, 0.0, 0.0, &limits).unwrap();
     for plan in [plan_per_segment(&segments, 0.0, 0.0).unwrap(), plan_continuous(&segments, 0.0, 0.0).unwrap()] {
         assert!(

@@ -1,6 +1,6 @@
 //! The S-profile: limits, exact ends, optimality against a dense search, adjusted speeds, scale.
 use arcfeed_feedrate::{
-    Adjust, Adjusted, FeedError, MotionLaw, MotionLimits, SProfile, distance_for_change, highest_speed_over,
+    Adjust, Adjusted, AxisLimits, FeedError, MotionLaw, SProfile, distance_for_change, highest_speed_over,
     lowest_speed_over,
 };
 use proptest::prelude::*;
@@ -23,13 +23,11 @@ fn hold(p: &SProfile, length: f64, v0: f64, v1: f64, v: f64, a: f64, j: f64) {
     let (first, last) = (p.at(0.0), p.at(t_end));
     assert_eq!((first.p, first.v, first.a), (0.0, v0, 0.0));
     assert_eq!((last.p, last.v, last.a), (length, v1, 0.0));
-    let phases = p.phases();
-    for i in 0..7 {
-        let end = phases.get(i + 1).map_or(t_end, |n| n.t);
-        let dt = end - phases[i].t;
+    let phases: Vec<_> = p.phases().collect();
+    for (i, &(phase, dt)) in phases.iter().enumerate() {
         assert!(dt >= -1e-12 * t_end, "phase {i} lasts {dt}");
         for k in 0..=8 {
-            let x = phases[i].after(dt * f64::from(k) / 8.0);
+            let x = phase.after(dt * f64::from(k) / 8.0);
             assert!(x.v <= v * (1.0 + 1e-9) && x.v >= -1e-9 * v, "v {} of {v}", x.v);
             assert!(
                 x.a.abs() <= a * (1.0 + 1e-9) && x.j.abs() <= j * (1.0 + 1e-9),
@@ -38,8 +36,8 @@ fn hold(p: &SProfile, length: f64, v0: f64, v1: f64, v: f64, a: f64, j: f64) {
                 x.j
             );
         }
-        let x = phases[i].after(dt);
-        let next = phases.get(i + 1).map_or((length, v1, 0.0), |n| (n.s, n.v, n.a));
+        let x = phase.after(dt);
+        let next = phases.get(i + 1).map_or((length, v1, 0.0), |(n, _)| (n.s, n.v, n.a));
         // Round-off in time costs speed times its own: the clock carries one unit in the last place of t_end.
         let scale = p.v_peak();
         assert!((x.p - next.0).abs() <= 1e-9 * length, "phase {i}: s {} then {}", x.p, next.0);
@@ -66,7 +64,7 @@ proptest! {
     ) {
         let (l, t) = (10f64.powi(unit), 10f64.powi(clock));
         let (v, a, j, length) = (v * l / t, a * l / t / t, j * l / t / t / t, length * l);
-        let limits = MotionLimits::new(v, a, j).unwrap();
+        let limits = AxisLimits::symmetric(v, a, j).unwrap();
         let (v0, v1) = (s0 * v, s1 * v);
         let adjust = if start { Adjust::Start } else { Adjust::End };
         let p = SProfile::adaptive(length, v0, v1, &limits, adjust).unwrap();
@@ -97,7 +95,7 @@ proptest! {
         v in decades(-1.0, 1.0), a in decades(-1.0, 1.0), j in decades(-1.0, 2.0), spare in decades(-6.0, 2.0),
         s0 in share(), s1 in share(),
     ) {
-        let limits = MotionLimits::new(v, a, j).unwrap();
+        let limits = AxisLimits::symmetric(v, a, j).unwrap();
         let (v0, v1) = (s0 * v, s1 * v);
         let length = distance(v0, v1, a, j) + spare;
         let p = SProfile::new(length, v0, v1, &limits).unwrap();
@@ -117,8 +115,8 @@ proptest! {
     fn units_do_not_matter(length in decades(-3.0, 2.0), s0 in share(), s1 in share(), p in -10..10_i32, q in -5..5_i32) {
         // Powers of 64 scale exactly through square and cube roots.
         let (l, t) = (64f64.powi(p), 64f64.powi(q));
-        let plain = MotionLimits::new(1.0, 2.0, 30.0).unwrap();
-        let scaled = MotionLimits::new(l / t, 2.0 * l / t / t, 30.0 * l / t / t / t).unwrap();
+        let plain = AxisLimits::symmetric(1.0, 2.0, 30.0).unwrap();
+        let scaled = AxisLimits::symmetric(l / t, 2.0 * l / t / t, 30.0 * l / t / t / t).unwrap();
         let one = SProfile::adaptive(length, s0, s1, &plain, Adjust::End).unwrap();
         let other = SProfile::adaptive(length * l, s0 * l / t, s1 * l / t, &scaled, Adjust::End).unwrap();
         prop_assert!((other.duration() / t / one.duration() - 1.0).abs() < 1e-13);
@@ -126,7 +124,7 @@ proptest! {
 
     #[test]
     fn reach_inverts_distance(v0 in share(), length in decades(-5.0, 1.0), a in decades(-1.0, 1.0), j in decades(0.0, 3.0)) {
-        let limits = MotionLimits::new(1e3, a, j).unwrap();
+        let limits = AxisLimits::symmetric(1e3, a, j).unwrap();
         let up = highest_speed_over(v0, length, &limits).unwrap();
         prop_assert!((distance(v0, up, a, j) / length - 1.0).abs() < 1e-6 || up - v0 < 1e-9);
         prop_assert!(distance(v0, up * (1.0 + 1e-6), a, j) > length);
@@ -143,7 +141,7 @@ proptest! {
 
     #[test]
     fn position_finds_the_state(length in decades(-3.0, 1.0), s0 in share(), s1 in share(), x in 0.0..1.0_f64) {
-        let limits = MotionLimits::new(1.0, 2.0, 30.0).unwrap();
+        let limits = AxisLimits::symmetric(1.0, 2.0, 30.0).unwrap();
         let p = SProfile::adaptive(length, s0, s1, &limits, Adjust::End).unwrap();
         let state = p.at(x * p.duration());
         let found = p.at_position(state.p);
@@ -153,7 +151,7 @@ proptest! {
 
 #[test]
 fn invalid_input_is_named() {
-    let limits = MotionLimits::new(1.0, 1.0, 1.0).unwrap();
+    let limits = AxisLimits::symmetric(1.0, 1.0, 1.0).unwrap();
     for bad in [f64::NAN, f64::INFINITY, -1.0] {
         for (field, name) in ["length", "v_start", "v_end"].iter().enumerate() {
             let mut x = [0.5, 0.1, 0.1];
@@ -168,7 +166,7 @@ fn invalid_input_is_named() {
         for field in 0..3 {
             let mut x = [1.0; 3];
             x[field] = bad;
-            let message = MotionLimits::new(x[0], x[1], x[2]).unwrap_err().to_string();
+            let message = AxisLimits::symmetric(x[0], x[1], x[2]).unwrap_err().to_string();
             assert!(message.starts_with(["v_max", "a_max", "j_max"][field]), "{message}");
         }
     }
@@ -186,7 +184,7 @@ fn extreme_numbers_never_panic_and_never_yield_nan() {
     for v in &odd[1..] {
         for a in &odd[1..] {
             for j in &odd[1..] {
-                let limits = MotionLimits::new(*v, *a, *j).unwrap();
+                let limits = AxisLimits::symmetric(*v, *a, *j).unwrap();
                 for length in odd {
                     for (v0, v1) in [(0.0, 0.0), (0.0, *v), (*v, 0.0), (*v, *v), (0.3 * v, 0.7 * v)] {
                         if let Ok(p) = SProfile::adaptive(length, v0, v1, &limits, Adjust::End) {

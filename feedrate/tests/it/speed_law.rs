@@ -1,6 +1,6 @@
 //! Speed laws: derivatives that belong together, positions and times that invert each other, refusals by name.
 
-use arcfeed_feedrate::MotionLimits;
+use arcfeed_feedrate::AxisLimits;
 use arcfeed_feedrate::{FeedError, MotionLaw, MotionState, SProfile, SpeedLaw};
 use proptest::prelude::*;
 
@@ -79,11 +79,8 @@ proptest! {
 
 #[test]
 fn a_profile_is_a_law_of_its_phases() {
-    let profile = SProfile::new(0.3, 0.0, 0.05, &MotionLimits::new(0.2, 1.0, 15.0).unwrap()).unwrap();
-    let phases = profile.phases();
-    let durations: Vec<(f64, f64)> = (0..phases.len())
-        .map(|i| (phases[i].j, phases.get(i + 1).map_or(profile.duration(), |next| next.t) - phases[i].t))
-        .collect();
+    let profile = SProfile::new(0.3, 0.0, 0.05, &AxisLimits::symmetric(0.2, 1.0, 15.0).unwrap()).unwrap();
+    let durations: Vec<(f64, f64)> = profile.phases().map(|(phase, dt)| (phase.j, dt)).collect();
     let law = SpeedLaw::from_phases(MotionState::default(), &durations).unwrap();
     for i in 0..=1000 {
         let t = profile.duration() * f64::from(i) / 1000.0;

@@ -1,6 +1,6 @@
 //! State to state of one axis: reference durations, exact ends, limits, symmetries, scales, refusals.
 #![allow(clippy::unwrap_used, clippy::neg_cmp_op_on_partial_ord)]
-use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, StateToState, StateToStateError};
+use arcfeed_feedrate::{AxisLimits, AxisState, FeedError, MotionLaw, StateToState};
 
 use crate::common;
 use common::Rng;
@@ -391,21 +391,21 @@ fn refusals_name_what_is_wrong() {
             x[k] = bad;
             let r = StateToState::new(&AxisState::new(x[0], x[1], x[2]), &AxisState::new(x[3], x[4], x[5]), &limits);
             let names = ["start.p", "start.v", "start.a", "target.p", "target.v", "target.a"];
-            assert!(matches!(r, Err(StateToStateError::NotFinite { what, .. }) if what == names[k]), "{r:?}");
+            assert!(matches!(r, Err(FeedError::NotFinite { what, .. }) if what == names[k]), "{r:?}");
             let mut l = [-1.0, 1.0, -1.0, 1.0, -1.0, 1.0];
             l[k] = bad;
             let r = AxisLimits::new((l[0], l[1]), (l[2], l[3]), (l[4], l[5]));
             let names = ["v_min", "v_max", "a_min", "a_max", "j_min", "j_max"];
-            assert!(matches!(r, Err(StateToStateError::NotFinite { what, .. }) if what == names[k]), "{r:?}");
+            assert!(matches!(r, Err(FeedError::NotFinite { what, .. }) if what == names[k]), "{r:?}");
         }
     }
-    assert!(matches!(AxisLimits::symmetric(1.0, 0.0, 1.0), Err(StateToStateError::LimitSign { what: "a_max", .. })));
+    assert!(matches!(AxisLimits::symmetric(1.0, 0.0, 1.0), Err(FeedError::NotPositive { what: "a_max", .. })));
     let to = |v, a| StateToState::new(&rest, &AxisState::new(1.0, v, a), &limits).unwrap_err();
-    assert!(matches!(to(2.1, 0.0), StateToStateError::TargetOutside { what: "v", limit: 2.0, .. }));
-    assert!(matches!(to(0.0, -3.1), StateToStateError::TargetOutside { what: "a", limit: -3.0, .. }));
+    assert!(matches!(to(2.1, 0.0), FeedError::TargetOutside { what: "v", limit: 2.0, .. }));
+    assert!(matches!(to(0.0, -3.1), FeedError::TargetOutside { what: "a", limit: -3.0, .. }));
     // 3² / (2 * 5) = 0.9 more just before.
-    assert!(matches!(to(1.5, -3.0), StateToStateError::TargetUnreachable { limit: 2.0, .. }));
-    assert!(matches!(to(-0.9, 4.0), StateToStateError::TargetUnreachable { limit: -1.0, .. }));
+    assert!(matches!(to(1.5, -3.0), FeedError::TargetUnreachable { limit: 2.0, .. }));
+    assert!(matches!(to(-0.9, 4.0), FeedError::TargetUnreachable { limit: -1.0, .. }));
     assert!(to(1.5, -3.0).to_string().contains("2.4"), "{}", to(1.5, -3.0));
 }
 

@@ -1,6 +1,6 @@
 //! Motions of a given duration: every duration that is possible is met exactly, the others are refused with the nearest.
 #![allow(clippy::unwrap_used, clippy::neg_cmp_op_on_partial_ord)]
-use arcfeed_feedrate::{AxisLimits, AxisProblem, AxisState, MotionLaw, StateToStateError};
+use arcfeed_feedrate::{AxisLimits, AxisProblem, AxisState, FeedError, MotionLaw};
 
 use crate::common;
 use common::Rng;
@@ -34,7 +34,7 @@ fn every_possible_duration_is_met() {
         blocked[problem.durations().blocked().len()] += 1;
         for t in durations_to_try(&mut rng, &problem) {
             let motion = problem
-                .lasting(t)
+                .with_duration(t)
                 .unwrap_or_else(|e| panic!("case {i}: {e}: {case:?} in {t}, {:?}", problem.durations()));
             assert_eq!(motion.duration(), t);
             if let Some(text) = fault(&case, &motion) {
@@ -60,8 +60,8 @@ fn impossible_durations_name_the_nearest() {
             if !(a < t && t < b) {
                 continue;
             }
-            match problem.lasting(t) {
-                Err(StateToStateError::DurationImpossible { duration, below, above }) => {
+            match problem.with_duration(t) {
+                Err(FeedError::DurationImpossible { duration, below, above }) => {
                     assert_eq!((duration, below, above), (t, Some(a), b));
                     refused += 1;
                 }
@@ -70,14 +70,14 @@ fn impossible_durations_name_the_nearest() {
         }
         let short = 0.999 * durations.shortest();
         if short < durations.shortest() {
-            assert!(matches!(problem.lasting(short), Err(StateToStateError::DurationImpossible { below: None, .. })));
+            assert!(matches!(problem.with_duration(short), Err(FeedError::DurationImpossible { below: None, .. })));
         }
     }
     assert!(refused > 800, "{refused}");
     let limits = AxisLimits::symmetric(1.0, 1.0, 1.0).unwrap();
     let problem = AxisProblem::new(&AxisState::rest(0.0), &AxisState::rest(1.0), &limits).unwrap();
-    assert!(matches!(problem.lasting(f64::NAN), Err(StateToStateError::NotFinite { what: "duration", .. })));
-    assert!(matches!(problem.lasting(-1.0), Err(StateToStateError::DurationImpossible { below: None, .. })));
+    assert!(matches!(problem.with_duration(f64::NAN), Err(FeedError::NotFinite { what: "duration", .. })));
+    assert!(matches!(problem.with_duration(-1.0), Err(FeedError::DurationImpossible { below: None, .. })));
 }
 
 #[test]
@@ -95,11 +95,11 @@ fn mirror_and_units_change_nothing() {
         let scaled: Vec<_> = here.durations().blocked().iter().map(|&(a, b)| (a * time, b * time)).collect();
         assert_eq!(scaled, there.durations().blocked(), "{case:?} {length:e} {time:e}");
         for t in durations_to_try(&mut rng, &here) {
-            let (Ok(a), Ok(b)) = (here.lasting(t), there.lasting(t * time)) else {
+            let (Ok(a), Ok(b)) = (here.with_duration(t), there.with_duration(t * time)) else {
                 panic!(
                     "{:?} {:?} in {t} of {:?}: {case:?} {length:e} {time:e}",
-                    here.lasting(t),
-                    there.lasting(t * time),
+                    here.with_duration(t),
+                    there.with_duration(t * time),
                     here.durations()
                 );
             };
@@ -113,7 +113,7 @@ fn mirror_and_units_change_nothing() {
 fn meets(case: Case, t: f64) {
     let problem = AxisProblem::new(&case.start, &case.target, &case.limits()).unwrap();
     assert!(problem.durations().contains(t));
-    let motion = problem.lasting(t).unwrap_or_else(|e| panic!("{e}: {case:?}"));
+    let motion = problem.with_duration(t).unwrap_or_else(|e| panic!("{e}: {case:?}"));
     assert_eq!(fault(&case, &motion), None);
 }
 
@@ -173,7 +173,7 @@ fn a_mean_jerk_beside_one_thousands_of_times_larger_keeps_its_limit() {
     let problem = AxisProblem::new(&case.start, &case.target, &case.limits()).unwrap();
     for i in 1..2000 {
         let t = problem.shortest_duration() * (1.0 + 1e-3 * f64::from(i));
-        if let Ok(motion) = problem.lasting(t) {
+        if let Ok(motion) = problem.with_duration(t) {
             assert_eq!(fault(&case, &motion), None, "{t}");
         }
     }

@@ -1,6 +1,6 @@
 //! Velocity as soon as possible, stops, ranges of positions.
 #![allow(clippy::unwrap_used)]
-use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, StateToState, StateToStateError};
+use arcfeed_feedrate::{AxisLimits, AxisState, FeedError, MotionLaw, StateToState};
 
 use crate::common;
 use common::Rng;
@@ -75,7 +75,7 @@ fn a_stop_respects_positions_if_it_can() {
                 }
                 counts[usize::from(motion != shortest)] += 1;
             }
-            Err(StateToStateError::LeavesPositions { position, time, limit }) => {
+            Err(FeedError::LeavesPositions { position, time, limit }) => {
                 counts[2] += 1;
                 assert!(limit == bounds.0 || limit == bounds.1);
                 assert!((position - shortest.at(time).p).abs() <= 1e-12 * (size + position.abs()));
@@ -95,7 +95,7 @@ fn a_stop_respects_positions_if_it_can() {
     assert!(counts.iter().all(|&n| n > 50), "{counts:?}");
     let limits = AxisLimits::symmetric(1.0, 1.0, 1.0).unwrap();
     let bad = StateToState::stop_within(&AxisState::rest(0.0), &limits, (f64::NAN, 1.0));
-    assert!(matches!(bad, Err(StateToStateError::NotFinite { what: "p_min", .. })));
+    assert!(matches!(bad, Err(FeedError::NotFinite { what: "p_min", .. })));
 }
 
 /// Highest position when the acceleration goes down to its limit as fast as possible, in small steps.

@@ -95,7 +95,7 @@ fn infeasible(place: &PathPlace, row: LimitId, why: Infeasibility, value: f64, l
 
 fn end_speed(end: PathEnd, speed: f64, [lowest, highest]: [f64; 2], row: Option<LimitId>, place: &PathPlace) -> String {
     let unit = place.parameter.unit();
-    let because = match row.filter(|row| row.quantity != Quantity::Ahead) {
+    let because = match row.filter(|row| row.quantity != Quantity::ControllableSet) {
         Some(row) => row.to_string(),
         None if end == PathEnd::Start => "what the path ahead leaves room for".to_owned(),
         None => "what the path before leaves room for".to_owned(),

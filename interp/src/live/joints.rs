@@ -2,7 +2,7 @@
 
 use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, StateToState};
 use arcfeed_kinematics::{JointLimits, Joints};
-use arcfeed_sync::{OnlineGenerator, SyncError, Synchronisation};
+use arcfeed_sync::{OnlineGenerator, SyncError, Synchronisation, symmetric_limits};
 
 use super::error::HybridError;
 
@@ -118,12 +118,7 @@ impl<const N: usize> JointSpace<N> {
 
 /// Limits of all joints as those of axes.
 pub(crate) fn axis_limits<const N: usize>(limits: &JointLimits<N>) -> Result<[AxisLimits; N], HybridError> {
-    let mut all = [AxisLimits::symmetric(1.0, 1.0, 1.0).map_err(|source| SyncError::State { axis: 0, source })?; N];
-    for (axis, out) in all.iter_mut().enumerate() {
-        let (v, a, j) = (limits.velocity()[axis], limits.acceleration()[axis], limits.jerk()[axis]);
-        *out = AxisLimits::symmetric(v, a, j).map_err(|source| SyncError::State { axis, source })?;
-    }
-    Ok(all)
+    Ok(symmetric_limits(*limits.velocity(), *limits.acceleration(), *limits.jerk())?)
 }
 
 fn rest<const N: usize>(q: &Joints<N>) -> [AxisState; N] {

@@ -5,7 +5,7 @@ use crate::common;
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use arcfeed_feedrate::{MotionLaw, MotionLimits, SProfile};
+use arcfeed_feedrate::{AxisLimits, MotionLaw, SProfile};
 use arcfeed_geometry::{ArcLengthCurve, Curve, NurbsCurve};
 use arcfeed_interp::parameter::{
     ArcLengthStep, CompensatedTaylor, FeedCycle, FirstTaylor, Fluctuation, ParameterStep, SecondTaylor, fluctuation,
@@ -17,7 +17,7 @@ use nalgebra::Isometry3;
 const PERIOD: f64 = 1e-3;
 
 fn law(length: f64) -> SProfile {
-    let limits = MotionLimits::new(0.1, 1.0, 50.0).expect("valid limits");
+    let limits = AxisLimits::symmetric(0.1, 1.0, 50.0).expect("valid limits");
     SProfile::new(length, 0.0, 0.0, &limits).expect("long enough")
 }
 

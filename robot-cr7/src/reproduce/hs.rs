@@ -3,12 +3,12 @@
 use std::time::Instant;
 
 use arcfeed_feedrate::{
-    AxisState, FeedError, FeedLimits, FeedScheduler, FeedStatus, MotionLaw, MotionState, StateToState,
+    AxisLimits, AxisState, FeedError, FeedScheduler, FeedStatus, MotionLaw, MotionState, StateToState,
 };
 use arcfeed_sync::nalgebra::{Isometry3, Quaternion, SVector, UnitQuaternion};
 use arcfeed_sync::{
-    AxisLimits, JointState, MotionOptions, PoseLimits, PoseProjectionSync, PoseState, ProjectionStatus, ProjectionSync,
-    SyncError, Synchronisation, Trajectory,
+    JointState, MotionOptions, PoseLimits, PoseProjectionSync, PoseState, ProjectionStatus, ProjectionSync, SyncError,
+    Synchronisation, Trajectory, symmetric_limits,
 };
 
 use super::hs_live::{table_6, table_8};
@@ -66,7 +66,7 @@ const TABLE_3: [(f64, f64, Bounds, Bounds); 3] = [
 fn table_3(r: &mut Reproduction, figures: &mut Vec<Figure>) -> Result<(), FeedError> {
     const PLACE: &str = "Table 3, figure 5: online feed rate, limits changed at 3 and 6 s (mm, s)";
     let end = AxisState::new(200.0, 5.0, 6.0);
-    let rows = TABLE_3.map(|(_, v, a, j)| FeedLimits::new(v, a, j));
+    let rows = TABLE_3.map(|(_, v, a, j)| AxisLimits::forward(v, a, j));
     let mut row = 0;
     let mut limits = rows[0]?;
     let mut feed = FeedScheduler::new(&AxisState::new(0.0, -1.0, -10.0), &end, &limits)?;
@@ -144,7 +144,7 @@ const TABLE_4: [(State, State, &str); 6] = [
 
 fn table_4(r: &mut Reproduction, figures: &mut Vec<Figure>) -> Result<(), SyncError> {
     const PLACE: &str = "Table 4, figure 7: shortest durations from state to state, s";
-    let axes = AxisLimits::new(V6::repeat(10.0), V6::repeat(100.0), V6::repeat(1000.0))?.per_axis();
+    let axes = symmetric_limits(V6::repeat(10.0), V6::repeat(100.0), V6::repeat(1000.0))?;
     let state = |s: State| AxisState::new(s.0, s.1, s.2);
     let (start, end) = (TABLE_4.map(|joint| state(joint.0)), TABLE_4.map(|joint| state(joint.1)));
     let mut alone = Vec::new();
@@ -195,9 +195,9 @@ fn table_4(r: &mut Reproduction, figures: &mut Vec<Figure>) -> Result<(), SyncEr
 }
 
 /// The limits of table 7. No jerk is printed: ten times the acceleration is taken.
-fn joint_limits() -> Result<AxisLimits<6>, SyncError> {
+fn joint_limits() -> Result<[AxisLimits; 6], SyncError> {
     let acceleration = V6::from([10.0, 12.0, 14.0, 16.0, 18.0, 20.0]);
-    AxisLimits::new(V6::from([6.0, 3.0, 4.0, 5.0, 6.0, 7.0]), acceleration, 10.0 * acceleration)
+    symmetric_limits(V6::from([6.0, 3.0, 4.0, 5.0, 6.0, 7.0]), acceleration, 10.0 * acceleration)
 }
 
 /// One motion of the joints under targets that change at given times, and what it used of the limits.
@@ -212,7 +212,7 @@ struct Projected {
 fn project(
     start: &JointState<6>,
     targets: &[(f64, [f64; 6])],
-    limits: &AxisLimits<6>,
+    limits: &[AxisLimits; 6],
     kept_from: f64,
 ) -> Result<Projected, SyncError> {
     let began = Instant::now();
@@ -236,9 +236,14 @@ fn project(
     let cycle = began.elapsed().as_secs_f64() / run.len() as f64;
     let mut used = [0.0f64; 3];
     for (_, s) in run.iter().filter(|(t, _)| *t >= kept_from) {
-        let orders = [(&s.qd, limits.velocity()), (&s.qdd, limits.acceleration()), (&s.qddd, limits.jerk())];
+        let bound = |of: fn(&AxisLimits) -> f64| V6::from_fn(|k, _| of(&limits[k]));
+        let orders = [
+            (&s.qd, bound(AxisLimits::v_max)),
+            (&s.qdd, bound(AxisLimits::a_max)),
+            (&s.qddd, bound(AxisLimits::j_max)),
+        ];
         for (used, (x, bound)) in used.iter_mut().zip(orders) {
-            *used = used.max(x.component_div(bound).amax());
+            *used = used.max(x.component_div(&bound).amax());
         }
     }
     Ok(Projected { run, used, cycle })

@@ -16,7 +16,7 @@ pub use qb::{ScheduleFigures, huang_2025};
 use std::fmt;
 use std::time::Instant;
 
-use arcfeed_feedrate::{MotionLimits, SProfile};
+use arcfeed_feedrate::{AxisLimits, SProfile};
 use arcfeed_geometry::{NurbsCurve, SegmentationMethod};
 use arcfeed_interp::parameter::{
     ArcLengthStep, CompensatedTaylor, FirstTaylor, ParameterStep, SecondTaylor, fluctuation,
@@ -357,7 +357,7 @@ fn table_2(r: &mut Reproduction, motion: &Motion<'_>) -> Result<(), Cr7Error> {
 /// Median time of one S-profile, s.
 fn s_profile_time() -> f64 {
     const BATCH: u32 = 1000;
-    let Ok(limits) = MotionLimits::new(0.1, 1.0, 20.0) else { return f64::NAN };
+    let Ok(limits) = AxisLimits::symmetric(0.1, 1.0, 20.0) else { return f64::NAN };
     let mut times: Vec<f64> = (0..31)
         .map(|_| {
             let begin = Instant::now();
@@ -377,7 +377,8 @@ fn interpolators(r: &mut Reproduction, motion: &Motion<'_>) -> Result<(), Cr7Err
     let Some(path) = motion.trajectory().path().tool_curve() else { return Ok(()) };
     let curve = path.curve();
     for feed in [0.01, 0.1] {
-        let Ok(profile) = MotionLimits::new(feed, 1.0, 20.0).and_then(|l| SProfile::new(curve.length(), 0.0, 0.0, &l))
+        let Ok(profile) =
+            AxisLimits::symmetric(feed, 1.0, 20.0).and_then(|l| SProfile::new(curve.length(), 0.0, 0.0, &l))
         else {
             continue;
         };

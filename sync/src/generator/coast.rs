@@ -1,8 +1,9 @@
-//! How an axis goes on without a target: at constant velocity, and to a stop before its range ends.
+//! The motion of an axis without a target: at constant velocity, and to a stop before its range
+//! ends.
 
-use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, StateToState, StateToStateError};
+use arcfeed_feedrate::{AxisLimits, AxisState, FeedError, MotionLaw, StateToState};
 
-/// What differs by less, relative to the size of the numbers, differs by round-off.
+/// Relative difference that counts as round-off.
 const ROUND_OFF: f64 = 64.0 * f64::EPSILON;
 
 /// The positions an axis may take.
@@ -19,7 +20,8 @@ impl Range {
         self.lower <= position && position <= self.upper
     }
 
-    /// Whether a motion stays inside but for round-off, and otherwise the farthest position, its time and the end passed.
+    /// Returns true if a motion stays inside but for round-off, and otherwise the farthest
+    /// position, its time and the end passed.
     pub fn check(&self, motion: &StateToState) -> Result<(), (f64, f64, f64)> {
         let way = motion.position_range();
         let size = [self.lower, self.upper].into_iter().filter(|x| x.is_finite()).fold(0.0, |m: f64, x| m.max(x.abs()));
@@ -43,14 +45,14 @@ impl Range {
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Coast {
     pub motion: StateToState,
-    /// When it begins to brake because its range ends (s).
+    /// Time at which it begins to brake because its range ends (s).
     pub brakes_from: f64,
 }
 
 impl Coast {
-    /// From `s` the acceleration is brought to zero, and the velocity inside its limits; then it stays what it is. Where the range
-    /// ends ahead, the axis brakes so that it stands at that end.
-    pub fn new(s: &AxisState, l: &AxisLimits, range: &Range) -> Result<Self, StateToStateError> {
+    /// From `s` the acceleration is brought to zero, and the velocity inside its limits; then it
+    /// stays what it is. Where the range ends ahead, the axis brakes so that it stands at that end.
+    pub fn new(s: &AxisState, l: &AxisLimits, range: &Range) -> Result<Self, FeedError> {
         let v = l.velocity_after(s).clamp(l.v_min(), l.v_max());
         let end = if v > 0.0 { range.upper } else { range.lower };
         if v == 0.0 || !end.is_finite() {
@@ -61,14 +63,12 @@ impl Coast {
         let velocity = if v > 0.0 { (l.v_min(), v) } else { (v, l.v_max()) };
         let limits = AxisLimits::new(velocity, (l.a_min(), l.a_max()), (l.j_min(), l.j_max()))?;
         let motion = StateToState::new(s, &AxisState::rest(end), &limits)?;
-        let brakes_from = motion
-            .phases()
-            .find(|(phase, _)| phase.a == 0.0 && phase.j == 0.0)
-            .map_or(0.0, |(phase, lasting)| phase.t + lasting);
+        let brakes_from =
+            motion.phases().find(|(phase, _)| phase.a == 0.0 && phase.j == 0.0).map_or(0.0, |(phase, dt)| phase.t + dt);
         Ok(Self { motion, brakes_from })
     }
 
-    /// Whether the range makes the axis brake at some time between `from` and `to` (s).
+    /// Returns true if the range makes the axis brake at some time between `from` and `to` (s).
     pub fn brakes_between(&self, from: f64, to: f64) -> bool {
         self.brakes_from < to && from < self.motion.duration()
     }

@@ -1,28 +1,29 @@
-//! What a cycle brings.
+//! The events of a cycle.
 
-use crate::point_to_point::JointState;
+use crate::joint_state::JointState;
 
-/// What one cycle brought.
+/// The result of one cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step<const N: usize> {
     /// The state to command at the end of this cycle.
     pub state: JointState<N>,
-    /// What happened.
+    /// The events.
     pub events: Events<N>,
 }
 
-/// What happened in a cycle.
+/// The events of a cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Events<const N: usize> {
-    /// The last axis that was under way arrived in this cycle: every axis has been in its target. With
-    /// [`Synchronisation::None`](crate::Synchronisation::None) axes that arrived in an earlier cycle with a velocity have gone on
-    /// since.
+    /// The last axis that was under way arrived in this cycle: every axis has been in its target.
+    /// With [`Synchronisation::None`](crate::Synchronisation::None) axes that arrived in an earlier
+    /// cycle with a velocity have gone on since.
     pub reached: bool,
     /// The axes that arrived in this cycle: each is in its target exactly.
     pub arrived: [bool; N],
     /// A new plan took effect because the target or the limits changed.
     pub replanned: bool,
-    /// Limits were set below the state of an axis: it is brought back inside, with its jerk limited, while this holds.
+    /// Limits were set below the state of an axis: it is brought back inside, with its jerk
+    /// limited, while this holds.
     pub outside_limits: bool,
     /// The axes that go on after their target and brake because their range ends.
     pub range_ends: [bool; N],

@@ -26,7 +26,7 @@ pub(super) struct Axis {
     window: Window,
 }
 
-/// What one axis does in a cycle.
+/// The motion of one axis in a cycle.
 pub(super) struct AxisStep {
     pub state: MotionState,
     pub arrived: bool,
@@ -77,7 +77,7 @@ impl<const N: usize> Following<N> {
         self.arrange_after(k, target, l, range)
     }
 
-    /// How axis `k` goes on after `target`.
+    /// The motion of axis `k` after `target`.
     pub fn arrange_after(
         &mut self,
         k: usize,

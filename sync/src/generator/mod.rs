@@ -9,40 +9,44 @@ use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw};
 use self::coast::Range;
 use self::following::Following;
 use crate::error::SyncError;
+use crate::joint_state::JointState;
 use crate::mode::{MotionOptions, Synchronisation};
-use crate::point_to_point::JointState;
 use crate::state_to_state::{Trajectory, keeps};
 
 pub use self::events::{Events, Step};
 
 /// Generates the motion of `N` axes one control cycle at a time.
 ///
-/// Set targets and limits whenever they change, for all axes or for one; every [`step`](Self::step) then yields the next state.
-/// The new plan starts in the state of the last step, so that position, velocity and acceleration are continuous. (Liu et al. 2024,
-/// section 4.2, ask for this by an error projected cycle by cycle; here every plan is the time-optimal one.)
+/// Set targets and limits whenever they change, for all axes or for one; every [`step`](Self::step)
+/// then yields the next state. The new plan starts in the state of the last step, so that position,
+/// velocity and acceleration are continuous. (Liu et al. 2024, section 4.2, ask for this by an
+/// error projected cycle by cycle; here every plan is the time-optimal one.)
 ///
-/// **A plan is kept while it is valid.** Setting the target that is set already, exactly or up to round-off in the caller's
-/// arithmetic, changes nothing. Planning anew from where the plan has got to would give the same motion but for
-/// round-off, and between moving states the shortest duration jumps: round-off can fall on the wrong side
-/// and the target would be missed every time.
+/// **A plan is kept while it is valid.** Setting the target that is set already, exactly or up to
+/// round-off in the caller's arithmetic, changes nothing. Planning anew from where the plan has got
+/// to would give the same motion but for round-off, and between moving states the shortest duration
+/// jumps: round-off can fall on the wrong side and the target would be missed every time.
 ///
 /// Setting a target again after it was reached changes nothing either.
 ///
 /// Plans last a whole number of cycles, so that a step ends exactly in the target.
 ///
 /// # After the target
-/// An axis at rest stands. An axis whose target has a velocity goes on with it, from its own arrival on. An acceleration of the target
-/// is not held: the largest jerk brings it to zero, and the velocity stays what it is then; a target from which that velocity
-/// would exceed its limit is refused. [`Events::arrived`] names the axes that arrive in a cycle, [`Events::reached`] says that the
-/// last one did.
+/// An axis at rest stands. An axis whose target has a velocity goes on with it, from its own
+/// arrival on. An acceleration of the target is not held: the largest jerk brings it to zero, and
+/// the velocity stays what it is then; a target from which that velocity would exceed its limit is
+/// refused. [`Events::arrived`] names the axes that arrive in a cycle, [`Events::reached`] says
+/// that the last one did.
 ///
-/// With [`Synchronisation::None`] every axis is on its own: it arrives when it can, goes on from there, and neither
-/// another target nor other limits of its neighbours change its motion. With every other mode a change plans all axes anew.
+/// With [`Synchronisation::None`] every axis is on its own: it arrives when it can, goes on from
+/// there, and neither another target nor other limits of its neighbours change its motion. With
+/// every other mode a change plans all axes anew.
 ///
 /// # Ranges
-/// With ranges ([`OnlineGenerator::with_ranges`]) no position leaves them. Refused are a start or target outside, a motion that would
-/// leave them between, and a target after which the axis could not stop inside. An axis that goes on brakes before the end of its
-/// range and stands there ([`Events::range_ends`]).
+/// With ranges ([`OnlineGenerator::with_ranges`]) no position leaves them. Refused are a start or
+/// target outside, a motion that would leave them between, and a target after which the axis could
+/// not stop inside. An axis that goes on brakes before the end of its range and stands there
+/// ([`Events::range_ends`]).
 ///
 /// No call allocates. A refused setting leaves everything as it was.
 ///
@@ -81,7 +85,8 @@ pub struct OnlineGenerator<const N: usize> {
 }
 
 impl<const N: usize> OnlineGenerator<N> {
-    /// At `start`, which is the target, too, until one is set; `cycle` in s. A start that moves goes on moving.
+    /// At `start`, which is the target, too, until one is set; `cycle` in s. A start that moves
+    /// goes on moving.
     ///
     /// # Errors
     /// [`SyncError::Cycle`]; [`SyncError::State`] naming the axis whose start is not finite.
@@ -110,8 +115,8 @@ impl<const N: usize> OnlineGenerator<N> {
     /// The range of positions of each axis, lower and upper end; infinite for none.
     ///
     /// # Errors
-    /// [`SyncError::Range`]; [`SyncError::OutsideRange`] if a start or target is outside; [`SyncError::CannotStop`] and
-    /// [`SyncError::LeavesRange`] if what is under way leaves it.
+    /// [`SyncError::Range`]; [`SyncError::OutsideRange`] if a start or target is outside;
+    /// [`SyncError::CannotStop`] and [`SyncError::LeavesRange`] if what is under way leaves it.
     ///
     /// ```
     /// use arcfeed_sync::feedrate::{AxisLimits, AxisState};
@@ -189,9 +194,9 @@ impl<const N: usize> OnlineGenerator<N> {
     /// Sets target and limits at once: where neither goes with the other's old value.
     ///
     /// # Errors
-    /// As [`Trajectory::new`]; [`SyncError::State`] also for a target from which the axis cannot go on within its velocity
-    /// limits; with ranges [`SyncError::OutsideRange`], [`SyncError::LeavesRange`] and [`SyncError::CannotStop`]. Nothing changes
-    /// then.
+    /// As [`Trajectory::new`]; [`SyncError::State`] also for a target from which the axis cannot go
+    /// on within its velocity limits; with ranges [`SyncError::OutsideRange`],
+    /// [`SyncError::LeavesRange`] and [`SyncError::CannotStop`]. Nothing changes then.
     pub fn set(&mut self, target: [AxisState; N], limits: [AxisLimits; N]) -> Result<(), SyncError> {
         let order = Order { target: &target, limits: &limits };
         let mut next = None;
@@ -218,8 +223,8 @@ impl<const N: usize> OnlineGenerator<N> {
         Ok(())
     }
 
-    /// Brings the motion of a group of axes, which belong together, in line with an order; whether it is a new plan. What is
-    /// to be followed goes to `next`.
+    /// Brings the motion of a group of axes, which belong together, in line with an order; whether
+    /// it is a new plan. What is to be followed goes to `next`.
     fn change<const M: usize>(
         &self,
         group: [usize; M],
@@ -291,12 +296,12 @@ impl<const N: usize> OnlineGenerator<N> {
         &self.limits
     }
 
-    /// Whether an axis has still to reach its target.
+    /// Returns true if an axis has still to reach its target.
     pub fn is_underway(&self) -> bool {
         self.following.axes.iter().any(|a| a.underway)
     }
 
-    /// How long it will take until the last axis has reached its target (s).
+    /// Time until the last axis has reached its target (s).
     pub fn time_left(&self) -> f64 {
         (0..N).fold(0.0, |t: f64, k| t.max(self.time_left_of(k)))
     }
@@ -322,7 +327,7 @@ impl<const N: usize> OnlineGenerator<N> {
         Ok(())
     }
 
-    /// Whether `new` is the target set already, up to round-off in the caller's arithmetic.
+    /// Returns true if `new` is the target set already, up to round-off in the caller's arithmetic.
     fn is_target(&self, k: usize, new: &AxisState) -> bool {
         let (old, s, l) = (&self.target[k], &self.state[k], &self.limits[k]);
         let same = |x: f64, y: f64, size: f64| x == y || (x - y).abs() <= ROUND_OFF * size;
@@ -331,13 +336,13 @@ impl<const N: usize> OnlineGenerator<N> {
             && same(old.a, new.a, l.a_max() - l.a_min())
     }
 
-    /// Whether what is left of the plan of an axis stays within `limits`.
+    /// Returns true if what is left of the plan of an axis stays within `limits`.
     fn plan_keeps(&self, k: usize, limits: &AxisLimits) -> bool {
         keeps(&self.following.plan.axes()[k], self.following.axes[k].steps * self.cycle, limits)
     }
 }
 
-/// What is set.
+/// The target that is set.
 struct Order<'a, const N: usize> {
     target: &'a [AxisState; N],
     limits: &'a [AxisLimits; N],
@@ -347,5 +352,5 @@ fn is_outside<const N: usize>(state: &[AxisState; N], limits: &[AxisLimits; N]) 
     state.iter().zip(limits).any(|(s, l)| !l.contain(s))
 }
 
-/// What differs by less, relative to the size of the numbers, differs by round-off in the caller's arithmetic.
+/// Relative difference that counts as round-off in the caller's arithmetic.
 const ROUND_OFF: f64 = 16.0 * f64::EPSILON;

@@ -1,37 +1,64 @@
 //! The synchroniser in joint space.
 
+use arcfeed_feedrate::AxisLimits;
 use nalgebra::{SMatrix, SVector};
 
-use super::ProjectionStatus;
-use super::fade::{BrakeLimits, Ranges};
+use super::feasible_set::{FLOOR, FeasibleSet, NONE, Order, RESERVE, SLACK, ScalarBounds, WIDEST};
 use super::line::{LinePlan, Start};
 use super::recover::Recovery;
-use super::room::{FLOOR, NONE, Order, RESERVE, Room, Rooms, SLACK, WIDEST};
+use super::status::ProjectionStatus;
+use super::transverse_brake::{BrakeLimits, Ranges};
 use crate::error::SyncError;
-use crate::point_to_point::{AxisLimits, JointState};
+use crate::joint_state::JointState;
+use crate::limits::check_symmetric;
 
 /// State and status after a cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProjectionStep<const N: usize> {
     /// Position of all joints and its derivatives.
     pub state: JointState<N>,
-    /// What the motion is doing.
+    /// Status of the motion.
     pub status: ProjectionStatus,
 }
 
-/// Joints on a straight line to a target that may change in any cycle (Liu et al. 2024, section 4.2, corrected; see the
-/// [module](crate::projection)).
+/// Joints on a straight line to a target that may change in any cycle (Liu et al. 2024, section
+/// 4.2, corrected).
 ///
-/// **Guarantees**: every joint keeps its velocity, acceleration and jerk limit at all times to 1e-9 of the limit; a start outside
-/// them, or bound to get outside, is brought inside first, with the largest jerk, and the limits hold from the first
-/// moment at which that is possible (jerk always). The target is reached exactly, at rest. From the moment the
-/// transverse motion has faded, the joints move on a straight line; from a start at rest, or moving along the
-/// error, on a straight line throughout. Nothing allocates.
+/// When the target changes, velocity and acceleration are divided once into their projection on the
+/// error and the rest. The rest brakes to a halt joint by joint. What that leaves of every joint's
+/// limits bounds the one scalar along the line to the target (eq. 17, corrected), which is planned
+/// time-optimally. Both are kept until the target changes again, so that nothing is singular at the
+/// end. If a state cannot be divided within the limits, accelerations are taken off first.
+///
+/// **Guarantees**: every joint keeps its velocity, acceleration and jerk limit at all times to 1e-9
+/// of the limit; a start outside them, or bound to get outside, is brought inside first, with the
+/// largest jerk, and the limits hold from the first moment at which that is possible (jerk always).
+/// The target is reached exactly, at rest. From the moment the transverse motion has come to rest,
+/// the joints move on a straight line; from a start at rest, or moving along the error, on a
+/// straight line throughout. Nothing allocates.
+///
+/// # When to prefer it
+/// Against the time-optimal motion of the slowest joint alone, over 4000 random problems of six
+/// joints: from rest 1.000 (median) to 1.17 (worst) times as long, from random states of motion
+/// 1.05 to 1.39, from random states close to the target 1.09 to 1.67. The time-optimal synchronised
+/// motion ([`Trajectory`](crate::Trajectory), [`OnlineGenerator`](crate::OnlineGenerator)) is on
+/// that bound more often, but runs through joint space on curves that depend on the limits. Prefer
+/// the projection where the path matters (a straight line in joint space, or of the tool) and where
+/// the target moves all the time: a new target costs some 10 microseconds (a pose some 40) and
+/// keeps the part of the motion that already points there.
+///
+/// # Departures from print
+/// The paper lays a frame on the present error (its first axis along it, the others by
+/// Gram-Schmidt), plans each axis of that frame on its own with projected limits (eq. 17), and
+/// turns the result back (eq. 18), every cycle anew. As printed it does not move, or blows up.
+/// Corrected, it breaks the joint limits it is meant to keep (100 of 100 random starts,
+/// acceleration up to 3.2 times its limit): boxes on the rotated axes do not fit into the box of
+/// the joints, and the frame is singular where the error vanishes.
 ///
 /// ```
-/// use arcfeed_sync::{AxisLimits, JointState, ProjectionStatus, ProjectionSync};
+/// use arcfeed_sync::{JointState, ProjectionStatus, ProjectionSync, symmetric_limits};
 /// use nalgebra::Vector3;
-/// let limits = AxisLimits::new(Vector3::repeat(2.0), Vector3::repeat(10.0), Vector3::repeat(200.0))?;
+/// let limits = symmetric_limits(Vector3::repeat(2.0), Vector3::repeat(10.0), Vector3::repeat(200.0))?;
 /// let mut sync = ProjectionSync::new(&JointState::rest(Vector3::zeros()), Vector3::new(1.0, -0.5, 0.2), &limits)?;
 /// for cycle in 0.. {
 ///     if cycle == 300 {
@@ -46,9 +73,9 @@ pub struct ProjectionStep<const N: usize> {
 /// ```
 #[derive(Debug, Clone, Copy)]
 pub struct ProjectionSync<const N: usize> {
-    limits: AxisLimits<N>,
+    limits: [AxisLimits; N],
     target: SVector<f64, N>,
-    /// Where the motion in force began.
+    /// State at the start of the present motion.
     from: JointState<N>,
     motion: Motion<N>,
     /// Time since then (s).
@@ -67,14 +94,16 @@ impl<const N: usize> ProjectionSync<N> {
     /// From `start`, in any state of motion (its jerk does not matter), to rest at `target` (rad).
     ///
     /// # Errors
-    /// [`SyncError::Axis`] naming the joint and what is not finite; [`SyncError::OutOfRange`] if the numbers leave the range
-    /// of `f64`.
-    pub fn new(start: &JointState<N>, target: SVector<f64, N>, limits: &AxisLimits<N>) -> Result<Self, SyncError> {
+    /// [`SyncError::Axis`] naming the joint and what is not finite; [`SyncError::State`] naming the
+    /// joint whose limits differ in the two directions; [`SyncError::OutOfRange`] if the numbers
+    /// leave the range of `f64`.
+    pub fn new(start: &JointState<N>, target: SVector<f64, N>, limits: &[AxisLimits; N]) -> Result<Self, SyncError> {
         let parts = [("start position", &start.q), ("start velocity", &start.qd), ("start acceleration", &start.qdd)];
         for (what, values) in parts {
             check_finite(what, values)?;
         }
         check_finite("target", &target)?;
+        check_symmetric(limits)?;
         let motion = Motion::new(start, &target, limits)?;
         Ok(Self { limits: *limits, target, from: *start, motion, t: 0.0 })
     }
@@ -94,15 +123,16 @@ impl<const N: usize> ProjectionSync<N> {
     /// Other limits from here on.
     ///
     /// # Errors
-    /// [`SyncError::OutOfRange`]; the motion then goes on with the old ones.
-    pub fn set_limits(&mut self, limits: &AxisLimits<N>) -> Result<(), SyncError> {
+    /// [`SyncError::State`], [`SyncError::OutOfRange`]; the motion then goes on with the old ones.
+    pub fn set_limits(&mut self, limits: &[AxisLimits; N]) -> Result<(), SyncError> {
         if *limits == self.limits {
             return Ok(());
         }
+        check_symmetric(limits)?;
         self.replan(self.target, *limits)
     }
 
-    fn replan(&mut self, target: SVector<f64, N>, limits: AxisLimits<N>) -> Result<(), SyncError> {
+    fn replan(&mut self, target: SVector<f64, N>, limits: [AxisLimits; N]) -> Result<(), SyncError> {
         let from = self.state();
         self.motion = Motion::new(&from, &target, &limits)?;
         (self.target, self.limits, self.from, self.t) = (target, limits, from, 0.0);
@@ -112,7 +142,8 @@ impl<const N: usize> ProjectionSync<N> {
     /// Advances by `period` (s).
     ///
     /// # Errors
-    /// [`SyncError::Duration`] if the period is negative or not finite; the motion then stays where it is.
+    /// [`SyncError::Duration`] if the period is negative or not finite; the motion then stays where
+    /// it is.
     #[inline]
     pub fn step(&mut self, period: f64) -> Result<ProjectionStep<N>, SyncError> {
         if !(period.is_finite() && period >= 0.0) {
@@ -135,7 +166,7 @@ impl<const N: usize> ProjectionSync<N> {
                 self.t = plan.duration;
                 ProjectionStatus::Reached { unused }
             }
-            Motion::Planned(plan) if self.t >= plan.faded => ProjectionStatus::Straight,
+            Motion::Planned(plan) if self.t >= plan.brake_end => ProjectionStatus::Straight,
             Motion::Planned(_) => ProjectionStatus::Turning,
         };
         Ok(ProjectionStep { state: self.state(), status })
@@ -168,7 +199,8 @@ impl<const N: usize> ProjectionSync<N> {
         }
     }
 
-    /// Time to the target if nothing changes (s); `None` while the state is brought inside the limits.
+    /// Time to the target if nothing changes (s); `None` while the state is brought inside the
+    /// limits.
     pub fn remaining(&self) -> Option<f64> {
         match &self.motion {
             Motion::Recovering { .. } => None,
@@ -182,18 +214,17 @@ impl<const N: usize> ProjectionSync<N> {
     }
 
     /// The limits.
-    pub const fn limits(&self) -> &AxisLimits<N> {
+    pub const fn limits(&self) -> &[AxisLimits; N] {
         &self.limits
     }
 }
 
 impl<const N: usize> Motion<N> {
-    fn new(from: &JointState<N>, target: &SVector<f64, N>, limits: &AxisLimits<N>) -> Result<Self, SyncError> {
+    fn new(from: &JointState<N>, target: &SVector<f64, N>, limits: &[AxisLimits; N]) -> Result<Self, SyncError> {
         if let Some(plan) = plan(from, target, limits) {
             return Ok(Self::Planned(plan));
         }
-        let (v, a, j) = (limits.velocity(), limits.acceleration(), limits.jerk());
-        let recovery = |k: usize| Recovery::new(from.qd[k], from.qdd[k], (v[k], a[k], j[k]));
+        let recovery = |k: usize| Recovery::new(from.qd[k], from.qdd[k], &limits[k]);
         let joints: [Recovery; N] = std::array::from_fn(recovery);
         let duration = joints.iter().map(Recovery::duration).fold(0.0, f64::max);
         if !duration.is_finite() {
@@ -203,11 +234,14 @@ impl<const N: usize> Motion<N> {
     }
 }
 
-fn plan<const N: usize>(from: &JointState<N>, target: &SVector<f64, N>, limits: &AxisLimits<N>) -> Option<LinePlan<N>> {
-    let inside = |x: &SVector<f64, N>, bound: &SVector<f64, N>| {
-        x.iter().zip(bound.iter()).all(|(x, b)| x.abs() <= b * (1.0 + 2.0 * FLOOR))
-    };
-    if !(inside(&from.qd, limits.velocity()) && inside(&from.qdd, limits.acceleration())) {
+fn plan<const N: usize>(
+    from: &JointState<N>,
+    target: &SVector<f64, N>,
+    limits: &[AxisLimits; N],
+) -> Option<LinePlan<N>> {
+    let inside = |x: f64, bound: f64| x.abs() <= bound * (1.0 + 2.0 * FLOOR);
+    let inside = |k: usize| inside(from.qd[k], limits[k].v_max()) && inside(from.qdd[k], limits[k].a_max());
+    if !(0..N).all(inside) {
         return None;
     }
     LinePlan::new(&Start { v: from.qd, a: from.qdd }, limits, |d| target - from.q - d)
@@ -222,8 +256,8 @@ fn check_finite<const N: usize>(what: &'static str, values: &SVector<f64, N>) ->
     Ok(())
 }
 
-/// A box per joint.
-impl<const N: usize> Room<N> for AxisLimits<N> {
+/// A box per joint, the same in both directions.
+impl<const N: usize> FeasibleSet<N> for [AxisLimits; N] {
     fn frame(&self, _: &SVector<f64, N>, _: &SVector<f64, N>, _: &SVector<f64, N>) -> SMatrix<f64, N, N> {
         // The limits are those of the joints: their own axes are the only ones that fit.
         SMatrix::identity()
@@ -234,10 +268,10 @@ impl<const N: usize> Room<N> for AxisLimits<N> {
     }
 
     fn project(&self, order: Order, y: &SVector<f64, N>, u: &SVector<f64, N>) -> f64 {
-        let bound = self.bound(order);
         let (mut dot, mut square) = (0.0, 0.0);
-        for k in 0..N {
-            let (y, u) = (y[k] / bound[k], u[k] / bound[k]);
+        for (k, limits) in self.iter().enumerate() {
+            let bound = order.bound(limits);
+            let (y, u) = (y[k] / bound, u[k] / bound);
             dot += y * u;
             square += u * u;
         }
@@ -245,13 +279,13 @@ impl<const N: usize> Room<N> for AxisLimits<N> {
     }
 
     fn share(&self, order: Order, part: &SVector<f64, N>, whole: &SVector<f64, N>) -> f64 {
-        let bound = self.bound(order);
         let mut share = 1.0f64;
-        for k in 0..N {
-            let (p, c, b) = (part[k].abs(), whole[k].abs(), bound[k]);
+        for (k, limits) in self.iter().enumerate() {
+            let (p, c, b) = (part[k].abs(), whole[k].abs(), order.bound(limits));
             let against = part[k] * whole[k] < 0.0;
             let most = match order {
-                // A velocity that fades stays on its side of zero and so leaves the other one free.
+                // A velocity that is braked stays on its side of zero and so leaves the other one
+                // free.
                 Order::Velocity if against => b - c,
                 Order::Velocity => b,
                 Order::Acceleration if against => (0.5 * (b - c)).min((1.0 - RESERVE) * b),
@@ -264,7 +298,7 @@ impl<const N: usize> Room<N> for AxisLimits<N> {
         share
     }
 
-    fn fading(
+    fn brake_limits(
         &self,
         line: &SVector<f64, N>,
         _: &SVector<f64, N>,
@@ -272,19 +306,20 @@ impl<const N: usize> Room<N> for AxisLimits<N> {
         share: f64,
     ) -> [BrakeLimits; N] {
         std::array::from_fn(|k| {
-            let (a, j) = (self.acceleration()[k], self.jerk()[k]);
+            let (a, j) = (self[k].a_max(), self[k].j_max());
             let most = own[k].abs().max((share * a).min(a - line[k].abs()));
             BrakeLimits { a: most, j: share * j, in_proportion: true }
         })
     }
 
-    fn rooms(&self, u: &SVector<f64, N>, ranges: &[Ranges; N]) -> Rooms {
-        let room = |bound: &SVector<f64, N>, range: fn(&Ranges) -> (f64, f64)| {
+    fn scalar_bounds(&self, u: &SVector<f64, N>, ranges: &[Ranges; N]) -> ScalarBounds {
+        let left = |bound: fn(&AxisLimits) -> f64, range: fn(&Ranges) -> (f64, f64)| {
             let (mut lower, mut upper) = (-WIDEST, WIDEST);
             for k in 0..N {
                 let (low, high) = range(&ranges[k]);
-                let (down, up) = (-bound[k] - low, bound[k] - high);
-                if low < -bound[k] * (1.0 + SLACK) || high > bound[k] * (1.0 + SLACK) {
+                let bound = bound(&self[k]);
+                let (down, up) = (-bound - low, bound - high);
+                if low < -bound * (1.0 + SLACK) || high > bound * (1.0 + SLACK) {
                     return NONE;
                 }
                 if u[k] > 0.0 {
@@ -295,19 +330,19 @@ impl<const N: usize> Room<N> for AxisLimits<N> {
             }
             (lower, upper)
         };
-        Rooms {
-            v: room(self.velocity(), |r| r.v),
-            a: room(self.acceleration(), |r| r.a),
-            j: room(self.jerk(), |r| r.j),
+        ScalarBounds {
+            v: left(AxisLimits::v_max, |r| r.v),
+            a: left(AxisLimits::a_max, |r| r.a),
+            j: left(AxisLimits::j_max, |r| r.j),
         }
     }
 }
 
-impl<const N: usize> AxisLimits<N> {
-    fn bound(&self, order: Order) -> &SVector<f64, N> {
-        match order {
-            Order::Velocity => self.velocity(),
-            Order::Acceleration => self.acceleration(),
+impl Order {
+    fn bound(self, limits: &AxisLimits) -> f64 {
+        match self {
+            Self::Velocity => limits.v_max(),
+            Self::Acceleration => limits.a_max(),
         }
     }
 }

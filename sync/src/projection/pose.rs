@@ -1,16 +1,17 @@
 //! The synchroniser for a tool: position and orientation.
 
-use arcfeed_feedrate::{MotionLaw, MotionLimits, SpeedChange};
+use arcfeed_feedrate::{AxisLimits, MotionLaw, SpeedChange};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3, Vector6};
 
-use super::ProjectionStatus;
-use super::balls::PoseLimits;
+use super::feasible_set::FLOOR;
 use super::line::{LinePlan, Start};
-use super::room::FLOOR;
+use super::norm_limits::PoseLimits;
+use super::status::ProjectionStatus;
 use crate::error::SyncError;
 use crate::so3;
 
-/// Pose of a tool and its first two derivatives; rows linear x y z, then angular x y z, in base axes, at the tool point.
+/// Pose of a tool and its first two derivatives; rows linear x y z, then angular x y z, in base
+/// axes, at the tool point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PoseState {
     /// Tool in base (m).
@@ -33,20 +34,29 @@ impl PoseState {
 pub struct PoseStep {
     /// Pose and its derivatives.
     pub state: PoseState,
-    /// What the motion is doing.
+    /// Status of the motion.
     pub status: ProjectionStatus,
 }
 
-/// A tool on a straight line, turning about one axis by the shortest rotation, to a target pose that may change in any cycle
-/// (Liu et al. 2024, section 4.2, eqs. 19 and 20, corrected; see the [module](crate::projection)).
+/// A tool on a straight line, turning about one axis by the shortest rotation, to a target pose
+/// that may change in any cycle (Liu et al. 2024, section 4.2, eqs. 19 and 20, corrected).
 ///
-/// Position and orientation share one scalar and arrive together. **Guarantees**: the norms of linear and angular velocity, acceleration and
-/// jerk stay inside their limits at all times, to 1e-9 of them; a start outside (or too close to a limit to divide its motion) is
-/// brought inside first, with the largest jerk: accelerations are taken off, then speed above its limit. The target is reached exactly,
-/// at rest. Once the motion across the line has faded (at once from rest), the tool point moves on a straight line and the
-/// tool turns about one fixed axis, by at most pi. Nothing allocates.
+/// Position and orientation share one scalar and arrive together. **Guarantees**: the norms of
+/// linear and angular velocity, acceleration and jerk stay inside their limits at all times, to
+/// 1e-9 of them; a start outside (or too close to a limit to divide its motion) is brought inside
+/// first, with the largest jerk: accelerations are taken off, then speed above its limit. The
+/// target is reached exactly, at rest. Once the motion across the line has come to rest (at once
+/// from rest), the tool point moves on a straight line and the tool turns about one fixed axis, by
+/// at most pi. Nothing allocates.
 ///
-/// Whether an arm can follow (reach, singularities, joint limits) is not known here.
+/// Reach, singularities and joint limits of an arm are not known here.
+///
+/// Where the paper adds quaternions (eq. 20), rotations are composed of exact exponentials
+/// ([`so3`](crate::so3)); the error is taken on the shorter arc (eq. 19 lacks the factor and the
+/// choice of sign). Limits are balls, so that the frame of the error, Gram-Schmidt's, does fit
+/// there. Products of angular rates (velocities that turn each other) are part of the budget. A
+/// start with an angular acceleration across its velocity often has it taken off first, which takes
+/// at most acceleration limit over jerk limit.
 ///
 /// ```
 /// use arcfeed_sync::nalgebra::{Isometry3, Vector3};
@@ -65,7 +75,7 @@ pub struct PoseProjectionSync {
     target: Isometry3<f64>,
     /// Target of the motion in force: another one while that must go on for a moment.
     toward: Isometry3<f64>,
-    /// Where the motion in force began.
+    /// State at the start of the present motion.
     from: PoseState,
     motion: Motion,
     /// Time since then (s).
@@ -86,8 +96,8 @@ impl PoseProjectionSync {
     /// From `start`, in any state of motion, to rest at `target`.
     ///
     /// # Errors
-    /// [`SyncError::Tool`] naming what is not finite, or not a unit quaternion; [`SyncError::OutOfRange`] if the numbers leave
-    /// the range of `f64`.
+    /// [`SyncError::Tool`] naming what is not finite, or not a unit quaternion;
+    /// [`SyncError::OutOfRange`] if the numbers leave the range of `f64`.
     pub fn new(start: &PoseState, target: Isometry3<f64>, limits: &PoseLimits) -> Result<Self, SyncError> {
         check_pose("start pose", &start.pose)?;
         check_finite("start velocity", start.velocity.as_slice())?;
@@ -110,8 +120,9 @@ impl PoseProjectionSync {
         self.turn_to(target)
     }
 
-    /// Takes up a target, unless the acceleration has to be taken off first and this would leave the velocity limit: so close to it the
-    /// motion in force goes on, which does so by itself, and the target is tried again in every cycle.
+    /// Takes up a target, unless the acceleration has to be taken off first and this would leave
+    /// the velocity limit: so close to it the motion in force goes on, which does so by itself, and
+    /// the target is tried again in every cycle.
     fn turn_to(&mut self, target: Isometry3<f64>) -> Result<(), SyncError> {
         let from = self.state();
         let motion = Motion::new(&from, &target, &self.limits)?;
@@ -147,7 +158,8 @@ impl PoseProjectionSync {
     /// Advances by `period` (s).
     ///
     /// # Errors
-    /// [`SyncError::Period`] if the period is negative or not finite; the motion then stays where it is.
+    /// [`SyncError::Period`] if the period is negative or not finite; the motion then stays where
+    /// it is.
     pub fn step(&mut self, period: f64) -> Result<PoseStep, SyncError> {
         if !(period.is_finite() && period >= 0.0) {
             return Err(SyncError::Period { value: period });
@@ -180,7 +192,7 @@ impl PoseProjectionSync {
                     false => ProjectionStatus::Turning,
                 }
             }
-            Motion::Planned(plan) if self.t >= plan.faded => ProjectionStatus::Straight,
+            Motion::Planned(plan) if self.t >= plan.brake_end => ProjectionStatus::Straight,
             _ => ProjectionStatus::Turning,
         };
         Ok(PoseStep { state: self.state(), status })
@@ -223,7 +235,8 @@ impl PoseProjectionSync {
         }
     }
 
-    /// Time to the target if nothing changes (s); `None` while the state is brought inside the limits.
+    /// Time to the target if nothing changes (s); `None` while the state is brought inside the
+    /// limits.
     pub fn remaining(&self) -> Option<f64> {
         match &self.motion {
             Motion::Planned(plan) if self.toward == self.target => Some(plan.duration - self.t),
@@ -294,12 +307,12 @@ impl Recovery {
         let speed = later.norm();
         let direction = if speed > 0.0 { later / speed } else { Vector3::zeros() };
         let target = speed.min(v_max);
-        let limits = MotionLimits::new(v_max, a_max, j_max).ok()?;
+        let limits = AxisLimits::symmetric(v_max, a_max, j_max).ok()?;
         let change = SpeedChange::new(speed, 0.0, target, &limits).ok()?;
         release.is_finite().then_some(Self { v, a, release, direction, change })
     }
 
-    /// Whether taking the acceleration off leads out of the velocity limit.
+    /// Returns true if taking the acceleration off leads out of the velocity limit.
     fn leaves(&self) -> bool {
         self.change.duration() > 0.0
     }
@@ -330,7 +343,8 @@ impl Recovery {
     }
 }
 
-/// The orientation after the time from `t` to `end`, in steps short enough for the integration to be exact to round-off.
+/// The orientation after the time from `t` to `end`, in steps short enough for the integration to
+/// be exact to round-off.
 fn turn(from: &UnitQuaternion<f64>, rates: &Recovery, t: f64, end: f64) -> UnitQuaternion<f64> {
     const MOST: f64 = 64.0;
     // Directions change while the acceleration is taken off only.

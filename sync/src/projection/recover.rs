@@ -1,6 +1,6 @@
 //! Back inside the limits, and to zero acceleration, one coordinate at a time.
 
-use arcfeed_feedrate::{MotionLaw, MotionLimits, MotionState, SpeedChange};
+use arcfeed_feedrate::{AxisLimits, MotionLaw, MotionState, SpeedChange};
 
 /// A change of velocity to zero acceleration, by the largest jerk; the velocity goes on from there.
 #[derive(Debug, Clone, Copy)]
@@ -11,11 +11,14 @@ pub(super) struct Recovery {
 }
 
 impl Recovery {
-    /// From velocity `v` and acceleration `a` within `(v_max, a_max, j_max)`.
+    /// From velocity `v` and acceleration `a` within `limits`, which are the same in both
+    /// directions.
     ///
-    /// Inside, the acceleration is just taken off. A velocity outside, or bound to get there, is braked as hard as possible until it
-    /// is at its limit, the earliest moment from which every limit can be kept.
-    pub fn new(v: f64, a: f64, (v_max, a_max, j_max): (f64, f64, f64)) -> Self {
+    /// Inside, the acceleration is just taken off. A velocity outside, or bound to get there, is
+    /// braked as hard as possible until it is at its limit, the earliest moment from which every
+    /// limit can be kept.
+    pub fn new(v: f64, a: f64, limits: &AxisLimits) -> Self {
+        let (v_max, a_max, j_max) = (limits.v_max(), limits.a_max(), limits.j_max());
         let released = v + 0.5 * a * (a.abs() / j_max);
         let outward = if v.abs() > v_max { v } else { released };
         let side = if outward < 0.0 { -1.0 } else { 1.0 };
@@ -29,7 +32,7 @@ impl Recovery {
         // The change runs towards a velocity that is not negative.
         let (side, flip) = if target < 0.0 { (-side, -1.0) } else { (side, 1.0) };
         let target = (flip * target).max(0.0);
-        let change = MotionLimits::new(target.max(v_max), a_max, j_max)
+        let change = AxisLimits::symmetric(target.max(v_max), a_max, j_max)
             .and_then(|limits| SpeedChange::new(flip * v1, flip * a1, target, &limits));
         Self { change: change.ok(), side }
     }

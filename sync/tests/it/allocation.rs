@@ -34,7 +34,7 @@ fn nothing_allocates() {
                 }
             }
             let problem = AxisProblem::new(&start[0], &target[0], &limits[0]).unwrap();
-            sum += problem.durations().shortest() + f64::from(u8::from(problem.lasting(0.7).is_ok()));
+            sum += problem.durations().shortest() + f64::from(u8::from(problem.with_duration(0.7).is_ok()));
             if n % 10 == 0 {
                 sum += f64::from(u8::from(generator.set_target(target).is_ok()));
             }

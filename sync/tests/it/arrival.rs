@@ -1,6 +1,6 @@
 //! What happens on arrival and after it: axes that arrive at different times, targets with velocity and acceleration.
 #![allow(clippy::unwrap_used)]
-use arcfeed_sync::feedrate::{AxisLimits, AxisState, MotionLaw, StateToStateError};
+use arcfeed_sync::feedrate::{AxisLimits, AxisState, FeedError, MotionLaw};
 use arcfeed_sync::{MotionOptions, OnlineGenerator, SyncError, Synchronisation, Trajectory};
 
 use crate::common;
@@ -81,7 +81,7 @@ fn a_target_that_cannot_be_left_within_the_limits_is_refused() {
     let target = [degrees(10.0, 95.0, 300.0), degrees(90.0, 0.0, 0.0)];
     let start = [AxisState::rest(0.0); 2];
     let overshoots = |e: &SyncError| {
-        matches!(e, SyncError::State { axis: 0, source: StateToStateError::TargetOvershoots { after, .. } }
+        matches!(e, SyncError::State { axis: 0, source: FeedError::TargetOvershoots { after, .. } }
             if (after.to_degrees() - 104.0).abs() < 1e-9)
     };
     let independent = MotionOptions::new(Synchronisation::None);

@@ -1,6 +1,6 @@
 //! The online generator: keeps its plan, arrives exactly and on time, stays within limits that change, refuses what is wrong.
 #![allow(clippy::unwrap_used)]
-use arcfeed_sync::feedrate::{AxisLimits, AxisState, StateToStateError};
+use arcfeed_sync::feedrate::{AxisLimits, AxisState, FeedError};
 use arcfeed_sync::{OnlineGenerator, SyncError, Synchronisation, Trajectory};
 use proptest::prelude::*;
 
@@ -234,7 +234,8 @@ fn a_refused_setting_changes_nothing() {
         (AxisState::new(0.0, 0.0, f64::NEG_INFINITY), "target.a"),
     ] {
         let e = g.set_axis_target(1, bad).unwrap_err();
-        let named = matches!(&e, SyncError::State { axis: 1, source: StateToStateError::NotFinite { what: w, .. } } if *w == what);
+        let named =
+            matches!(&e, SyncError::State { axis: 1, source: FeedError::NotFinite { what: w, .. } } if *w == what);
         assert!(named, "{e}");
     }
     assert!(g.set_axis_target(1, AxisState::new(0.0, 1.1, 0.0)).is_err());

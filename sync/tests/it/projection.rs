@@ -1,8 +1,8 @@
 //! The projection synchroniser: every joint limit in every cycle, an exact end, a straight line, and what it costs in time.
 #![allow(clippy::unwrap_used)]
-use arcfeed_feedrate::{AxisLimits as ScalarLimits, AxisState, MotionLaw, StateToState};
+use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, StateToState};
 use arcfeed_sync::nalgebra::SVector;
-use arcfeed_sync::{AxisLimits, JointState, ProjectionStatus, ProjectionSync, SyncError};
+use arcfeed_sync::{JointState, ProjectionStatus, ProjectionSync, SyncError, symmetric_limits};
 
 const T: f64 = 1e-3;
 type V6 = SVector<f64, 6>;
@@ -25,12 +25,12 @@ impl Rng {
 /// Excess over the limits in one cycle, relative: velocity, acceleration, and jerk from the changes of the other three.
 ///
 /// Jerk within its bound confines the change of acceleration, velocity and position over a cycle to known intervals.
-fn excess(a: &JointState<6>, b: &JointState<6>, l: &AxisLimits<6>, h: f64) -> [f64; 3] {
+fn excess(a: &JointState<6>, b: &JointState<6>, l: &[AxisLimits; 6], h: f64) -> [f64; 3] {
     let mut worst = [0.0f64; 3];
-    for k in 0..6 {
-        worst[0] = worst[0].max(b.qd[k].abs() / l.velocity()[k] - 1.0);
-        worst[1] = worst[1].max(b.qdd[k].abs() / l.acceleration()[k] - 1.0);
-        let j = l.jerk()[k];
+    for (k, l) in l.iter().enumerate() {
+        worst[0] = worst[0].max(b.qd[k].abs() / l.v_max() - 1.0);
+        worst[1] = worst[1].max(b.qdd[k].abs() / l.a_max() - 1.0);
+        let j = l.j_max();
         let round = 4e-15 * (1.0 + a.q[k].abs());
         worst[2] = worst[2].max(((b.qdd[k] - a.qdd[k]).abs() - round * 10.0) / (j * h) - 1.0);
         let dv = b.qd[k] - a.qd[k] - a.qdd[k] * h;
@@ -45,7 +45,7 @@ fn excess(a: &JointState<6>, b: &JointState<6>, l: &AxisLimits<6>, h: f64) -> [f
 struct Case {
     start: JointState<6>,
     target: V6,
-    limits: AxisLimits<6>,
+    limits: [AxisLimits; 6],
 }
 
 /// Limits like a robot's; a start from which no limit has to be broken.
@@ -64,14 +64,14 @@ fn random_case(rng: &mut Rng) -> Case {
         }
     }
     let target = V6::from_fn(|_, _| 3.0 * rng.signed());
-    Case { start, target, limits: AxisLimits::new(velocity, acceleration, jerk).unwrap() }
+    Case { start, target, limits: symmetric_limits(velocity, acceleration, jerk).unwrap() }
 }
 
 /// The longest of the joints' own shortest motions: no synchronised motion is shorter.
 fn lower_bound(case: &Case) -> f64 {
     let l = &case.limits;
     (0..6).fold(0.0, |longest, k| {
-        let limits = ScalarLimits::symmetric(l.velocity()[k], l.acceleration()[k], l.jerk()[k]).unwrap();
+        let limits = AxisLimits::symmetric(l[k].v_max(), l[k].a_max(), l[k].j_max()).unwrap();
         let start = AxisState::new(case.start.q[k], case.start.qd[k], case.start.qdd[k]);
         StateToState::new(&start, &AxisState::rest(case.target[k]), &limits).unwrap().duration().max(longest)
     })
@@ -176,7 +176,7 @@ fn limits_hold_while_the_target_moves() {
 /// Following a target that moves at constant velocity costs no more than a lag.
 #[test]
 fn a_drifting_target_is_followed() {
-    let limits = AxisLimits::new(V6::repeat(1.0), V6::repeat(5.0), V6::repeat(50.0)).unwrap();
+    let limits = symmetric_limits(V6::repeat(1.0), V6::repeat(5.0), V6::repeat(50.0)).unwrap();
     let velocity = V6::from([0.3, -0.2, 0.25, 0.1, 0.0, -0.3]);
     let mut sync = ProjectionSync::new(&JointState::rest(V6::zeros()), velocity * T, &limits).unwrap();
     let mut lag = 0.0;
@@ -209,7 +209,7 @@ fn straight_from_rest_and_when_moving_along_the_error() {
     for i in 0..40 {
         let mut case = random_case(&mut rng);
         let way = case.target - case.start.q;
-        let k = 0.3 * (0..6).fold(f64::INFINITY, |k, i| case.limits.velocity()[i].min(k * way[i].abs()) / way[i].abs());
+        let k = 0.3 * (0..6).fold(f64::INFINITY, |k, i| case.limits[i].v_max().min(k * way[i].abs()) / way[i].abs());
         case.start = JointState::rest(case.start.q);
         if i % 2 == 0 {
             case.start.qd = way * k;
@@ -246,8 +246,8 @@ fn starts_outside_are_brought_inside() {
     for i in 0..200 {
         let mut case = random_case(&mut rng);
         for k in 0..6 {
-            case.start.qd[k] = 2.0 * case.limits.velocity()[k] * rng.signed();
-            case.start.qdd[k] = 2.0 * case.limits.acceleration()[k] * rng.signed();
+            case.start.qd[k] = 2.0 * case.limits[k].v_max() * rng.signed();
+            case.start.qdd[k] = 2.0 * case.limits[k].a_max() * rng.signed();
         }
         let l = &case.limits;
         let mut sync = ProjectionSync::new(&case.start, case.target, l).unwrap();
@@ -262,12 +262,12 @@ fn starts_outside_are_brought_inside() {
             let e = excess(&before, &step.state, l, T - unused);
             assert!(e[2] <= 1e-9, "case {i} jerk {e:?}");
             for (k, &first) in inside.iter().enumerate() {
-                let (a, a0, most) = (step.state.qdd[k], before.qdd[k], l.acceleration()[k]);
-                let back = (a0.abs() - l.jerk()[k] * (T - unused)).max(most);
+                let (a, a0, most) = (step.state.qdd[k], before.qdd[k], l[k].a_max());
+                let back = (a0.abs() - l[k].j_max() * (T - unused)).max(most);
                 assert!(a.abs() <= back * (1.0 + 1e-9), "case {i} joint {k} at {t}: {a} after {a0}, limit {most}");
                 let v = step.state.qd[k].abs();
                 assert!(
-                    v <= l.velocity()[k] * (1.0 + 1e-9) || t <= first + 1e-9,
+                    v <= l[k].v_max() * (1.0 + 1e-9) || t <= first + 1e-9,
                     "case {i} joint {k} at {t}: {v}, inside from {first}"
                 );
             }
@@ -282,8 +282,8 @@ fn starts_outside_are_brought_inside() {
 }
 
 /// By small steps: jerk towards the lowest acceleration, held there; the last time at which the velocity is above its limit.
-fn first_inside(v: f64, a: f64, l: &AxisLimits<6>, k: usize) -> f64 {
-    let (most_v, most_a, j) = (l.velocity()[k], l.acceleration()[k], l.jerk()[k]);
+fn first_inside(v: f64, a: f64, l: &[AxisLimits; 6], k: usize) -> f64 {
+    let (most_v, most_a, j) = (l[k].v_max(), l[k].a_max(), l[k].j_max());
     let side = if v.abs() > most_v { v.signum() } else { (v + 0.5 * a * a.abs() / j).signum() };
     let (mut v, mut a, mut t, mut last) = (side * v, side * a, 0.0, 0.0);
     let h = 1e-5;
@@ -311,9 +311,9 @@ fn table_5() {
     assert!(t / lower_bound(&case) < 1.0 + 1e-9, "{t}");
 }
 
-fn table_7_limits() -> AxisLimits<6> {
+fn table_7_limits() -> [AxisLimits; 6] {
     let a = V6::from([10.0, 12.0, 14.0, 16.0, 18.0, 20.0]);
-    AxisLimits::new(V6::from([6.0, 3.0, 4.0, 5.0, 6.0, 7.0]), a, 10.0 * a).unwrap()
+    symmetric_limits(V6::from([6.0, 3.0, 4.0, 5.0, 6.0, 7.0]), a, 10.0 * a).unwrap()
 }
 
 /// Liu et al. 2024, table 7. Joint 2 starts at -15 rad/s² with a limit of 12, so that no motion conforms before
@@ -366,8 +366,7 @@ fn changed_limits_are_returned_to() {
             sync.step(T).unwrap();
         }
         let f = 0.3 + 0.7 * rng.unit();
-        let lower =
-            AxisLimits::new(f * case.limits.velocity(), f * case.limits.acceleration(), *case.limits.jerk()).unwrap();
+        let lower = case.limits.map(|l| AxisLimits::symmetric(f * l.v_max(), f * l.a_max(), l.j_max()).unwrap());
         sync.set_limits(&lower).unwrap();
         let mut before = sync.state();
         let (mut last_above, mut t) = (0.0, 0.0);
@@ -391,7 +390,7 @@ fn changed_limits_are_returned_to() {
 
 #[test]
 fn other_numbers_of_axes_and_odd_targets() {
-    let one = AxisLimits::new(SVector::<f64, 1>::repeat(1.0), SVector::repeat(4.0), SVector::repeat(40.0)).unwrap();
+    let one = symmetric_limits(SVector::<f64, 1>::repeat(1.0), SVector::repeat(4.0), SVector::repeat(40.0)).unwrap();
     let mut start = JointState::rest(SVector::<f64, 1>::repeat(0.2));
     start.qd[0] = -0.9;
     start.qdd[0] = 1.0;
@@ -410,7 +409,7 @@ fn other_numbers_of_axes_and_odd_targets() {
         assert!(done || target == 1e6);
     }
     let at = SVector::<f64, 9>::from_fn(|k, _| k as f64);
-    let nine = AxisLimits::new(SVector::repeat(1.0), SVector::repeat(4.0), SVector::repeat(40.0)).unwrap();
+    let nine = symmetric_limits(SVector::repeat(1.0), SVector::repeat(4.0), SVector::repeat(40.0)).unwrap();
     let mut sync = ProjectionSync::new(&JointState::rest(at), at, &nine).unwrap();
     assert!(matches!(sync.step(T).unwrap().status, ProjectionStatus::Reached { unused } if unused == T));
 }
@@ -454,7 +453,7 @@ fn any_finite_numbers_are_answered() {
     let mut answered = 0;
     for _ in 0..10_000 {
         let mut vector = |signed| SVector::<f64, 2>::from_fn(|_, _| any(signed));
-        let Ok(limits) = AxisLimits::new(vector(false), vector(false), vector(false)) else { continue };
+        let Ok(limits) = symmetric_limits(vector(false), vector(false), vector(false)) else { continue };
         let start = JointState { q: vector(true), qd: vector(true), qdd: vector(true), qddd: SVector::zeros() };
         let Ok(mut sync) = ProjectionSync::new(&start, vector(true), &limits) else { continue };
         answered += 1;

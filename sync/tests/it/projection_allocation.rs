@@ -7,11 +7,11 @@ use std::hint::black_box;
 
 use allocations::allocations_in;
 use arcfeed_sync::nalgebra::{Isometry3, Vector3};
-use arcfeed_sync::{AxisLimits, JointState, PoseLimits, PoseProjectionSync, PoseState, ProjectionSync};
+use arcfeed_sync::{JointState, PoseLimits, PoseProjectionSync, PoseState, ProjectionSync, symmetric_limits};
 
 #[test]
 fn stepping_and_retargeting_allocate_nothing() {
-    let limits = AxisLimits::new(Vector3::repeat(2.0), Vector3::repeat(10.0), Vector3::repeat(200.0)).unwrap();
+    let limits = symmetric_limits(Vector3::repeat(2.0), Vector3::repeat(10.0), Vector3::repeat(200.0)).unwrap();
     let tool = PoseLimits::new([0.5, 3.0, 40.0], [1.5, 8.0, 100.0]).unwrap();
     let mut fast = JointState::rest(Vector3::zeros());
     fast.qd.x = 3.0;

@@ -1,6 +1,6 @@
 //! Several axes from state to state: reference durations, common arrival, straight lines, control cycles, refusals.
 #![allow(clippy::unwrap_used)]
-use arcfeed_sync::feedrate::{AxisLimits, AxisProblem, AxisState, MotionLaw, StateToStateError};
+use arcfeed_sync::feedrate::{AxisLimits, AxisProblem, AxisState, FeedError, MotionLaw};
 use arcfeed_sync::{MotionOptions, SyncError, Synchronisation, Trajectory};
 
 use crate::common;
@@ -244,14 +244,12 @@ fn refusals_name_the_axis() {
     {
         target[1] = AxisState::rest(f64::NAN);
         let e = Problem { start, target, limits }.solve(mode).unwrap_err();
-        let named =
-            matches!(e, SyncError::State { axis: 1, source: StateToStateError::NotFinite { what: "target.p", .. } });
+        let named = matches!(e, SyncError::State { axis: 1, source: FeedError::NotFinite { what: "target.p", .. } });
         assert!(named || matches!(e, SyncError::NotStraight { .. }), "{mode:?}: {e}");
         target[1] = AxisState::rest(1.0);
         target[2] = AxisState::new(1.0, 1.5, 0.0);
         let e = Problem { start, target, limits }.solve(mode).unwrap_err();
-        let named =
-            matches!(e, SyncError::State { axis: 2, source: StateToStateError::TargetOutside { what: "v", .. } });
+        let named = matches!(e, SyncError::State { axis: 2, source: FeedError::TargetOutside { what: "v", .. } });
         assert!(named || matches!(e, SyncError::NotStraight { .. }), "{mode:?}: {e}");
         target[2] = AxisState::rest(1.0);
     }

@@ -1,6 +1,6 @@
 //! Problems of one axis and an independent judge of their motions.
 
-use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, StateToState, StateToStateError};
+use arcfeed_feedrate::{AxisLimits, AxisState, FeedError, MotionLaw, StateToState};
 
 use super::Rng;
 
@@ -19,7 +19,7 @@ impl Case {
         AxisLimits::new(self.v, self.a, self.j).unwrap()
     }
 
-    pub fn solve(&self) -> Result<StateToState, StateToStateError> {
+    pub fn solve(&self) -> Result<StateToState, FeedError> {
         StateToState::new(&self.start, &self.target, &self.limits())
     }
 

@@ -2,7 +2,7 @@
 
 use std::fs::File;
 
-use arcfeed_feedrate::{AxisLimits, AxisState, StateToStateError};
+use arcfeed_feedrate::{AxisLimits, AxisState, FeedError};
 use arcfeed_interp::{JointCheck, JointRates, JointSample, PathParameter};
 use arcfeed_kinematics::{ForwardKinematics, JointLimits};
 use arcfeed_sync::JointState;
@@ -36,7 +36,7 @@ pub fn numbers<const N: usize>(flag: &str, values: &[f64], robot: &Robot) -> Res
 }
 
 /// The limits of each joint as an axis of its own.
-pub fn axis_limits<const N: usize>(limits: &JointLimits<N>) -> Result<[AxisLimits; N], StateToStateError> {
+pub fn axis_limits<const N: usize>(limits: &JointLimits<N>) -> Result<[AxisLimits; N], FeedError> {
     let one = AxisLimits::symmetric(1.0, 1.0, 1.0)?;
     let mut axes = [one; N];
     for (k, axis) in axes.iter_mut().enumerate() {

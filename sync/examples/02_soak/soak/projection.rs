@@ -2,9 +2,9 @@
 //!
 //! Judged from the samples alone: every step is possible within the limits, and the motion comes to rest in its target, in the time it promises.
 
-use arcfeed_sync::feedrate::AxisState;
+use arcfeed_sync::feedrate::{AxisLimits, AxisState};
 use arcfeed_sync::nalgebra::SVector;
-use arcfeed_sync::{AxisLimits, JointState, ProjectionStatus, ProjectionSync};
+use arcfeed_sync::{JointState, ProjectionStatus, ProjectionSync, symmetric_limits};
 
 use super::judge::{Precision, broken};
 use super::{Failure, Outcome, Rng};
@@ -18,7 +18,7 @@ type Joints = SVector<f64, AXES>;
 const CHANGING: u64 = 2000;
 const MOST: u64 = 200_000;
 
-fn any_limits(hostile: bool, rng: &mut Rng) -> AxisLimits<AXES> {
+fn any_limits(hostile: bool, rng: &mut Rng) -> [AxisLimits; AXES] {
     let mut each = |lo: f64, hi: f64| Joints::from_fn(|_, _| rng.log(lo, hi));
     let (v, a, j) = if hostile {
         // Brakes in seconds, not in hours.
@@ -28,7 +28,7 @@ fn any_limits(hostile: bool, rng: &mut Rng) -> AxisLimits<AXES> {
     } else {
         (each(0.3, 4.0), each(1.0, 20.0), each(10.0, 1000.0))
     };
-    AxisLimits::new(v, a, j).expect("above zero")
+    symmetric_limits(v, a, j).expect("above zero")
 }
 
 /// Another target; of some joints only, or within round-off of where they are.
@@ -50,13 +50,13 @@ pub fn case(seed: u64) -> Outcome {
     outcome
 }
 
-fn start(limits: &AxisLimits<AXES>, hostile: bool, rng: &mut Rng) -> JointState<AXES> {
+fn start(limits: &[AxisLimits; AXES], hostile: bool, rng: &mut Rng) -> JointState<AXES> {
     let mut start = JointState::rest(Joints::from_fn(|_, _| rng.within(-2.0, 2.0)));
     if rng.chance(0.4) {
         let beyond = if hostile { 3.0 } else { 1.0 };
-        for k in 0..AXES {
-            start.qd[k] = beyond * rng.within(-1.0, 1.0) * limits.velocity()[k];
-            start.qdd[k] = beyond * rng.within(-1.0, 1.0) * limits.acceleration()[k];
+        for (k, limits) in limits.iter().enumerate() {
+            start.qd[k] = beyond * rng.within(-1.0, 1.0) * limits.v_max();
+            start.qdd[k] = beyond * rng.within(-1.0, 1.0) * limits.a_max();
         }
     }
     start
@@ -70,7 +70,7 @@ fn play(rng: &mut Rng, outcome: &mut Outcome) -> Result<(), (String, f64, String
     let refused = |what: &str, e: &dyn std::fmt::Display, input: String| {
         (format!("{what} refused"), 1.0, format!("{e}\n{input}"))
     };
-    let show = |s: &JointState<AXES>, t: &Joints, l: &AxisLimits<AXES>| format!("from {s:?}\nto {t:?}\nwithin {l:?}");
+    let show = |s: &JointState<AXES>, t: &Joints, l: &[AxisLimits; AXES]| format!("from {s:?}\nto {t:?}\nwithin {l:?}");
     let mut sync =
         ProjectionSync::new(&now, target, &limits).map_err(|e| refused("start", &e, show(&now, &target, &limits)))?;
     let period = rng.one_of(&[1e-4, 1e-3, 2e-3, 8e-3]);
@@ -100,7 +100,7 @@ fn play(rng: &mut Rng, outcome: &mut Outcome) -> Result<(), (String, f64, String
         let dt = if rng.chance(0.1) { period * rng.within(0.3, 2.0) } else { period };
         let step = sync.step(dt).map_err(|e| refused("step", &e, show(&now, &target, &limits)))?;
         let axis = |s: &JointState<AXES>, k: usize| AxisState::new(s.q[k], s.qd[k], s.qdd[k]);
-        for (k, l) in limits.per_axis().iter().enumerate() {
+        for (k, l) in limits.iter().enumerate() {
             let (from, to) = (axis(&now, k), axis(&step.state, k));
             if let Some((what, size)) = broken(&from, &to, dt, l, EXACT) {
                 let input = format!("axis {k} in {dt} s {from:?} -> {to:?}\n{}", show(&begun, &target, &limits));

@@ -5,7 +5,7 @@
 //! from inside the limits, the time-reversed problem takes the same time; rest to rest takes what the closed form says.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-use arcfeed_sync::feedrate::{AxisLimits, AxisProblem, AxisState, MotionLaw, Phase, StateToState, StateToStateError};
+use arcfeed_sync::feedrate::{AxisLimits, AxisProblem, AxisState, FeedError, MotionLaw, Phase, StateToState};
 use arcfeed_sync::{MotionOptions, Trajectory};
 
 use super::{Failure, Outcome, Rng};
@@ -205,13 +205,13 @@ fn check(i: u64, case: &Input, name: &str, rng: &mut Rng) -> Result<(), String> 
     let t = motion.duration();
     let longer = t * (1.0 + rng.log(1e-9, 10.0));
     let possible = problem.durations().contains(longer);
-    match problem.lasting(longer) {
+    match problem.with_duration(longer) {
         Ok(m) if possible => judge(case, &m).map_err(|e| format!("in {longer} s: {e}"))?,
         // From outside the limits more may be possible than is promised.
         Ok(m) if !l.contain(&case.start) => judge(case, &m).map_err(|e| format!("in {longer} s: {e}"))?,
         Err(_) if !possible => {}
         // Phases have the round-off of acceleration over jerk; the motion is refused where that is all there is.
-        Err(StateToStateError::OutOfRange)
+        Err(FeedError::OutOfRange { what: "duration of the motion" })
             if 1e-7 * longer < f64::EPSILON * (case.a.1 - case.a.0) / case.j.1.min(-case.j.0) => {}
         other => return Err(format!("in {longer} s: possible is {possible}, but {:?}", other.map(|m| m.duration()))),
     }

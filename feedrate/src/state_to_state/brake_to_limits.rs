@@ -1,13 +1,15 @@
 //! Starts above the velocity limit with more way to go than the shortest change of velocity covers.
 //!
-//! The velocity is brought down to `v_p` and zero acceleration by the shortest way, without dipping below, and changed
-//! from there to the target. `v_p` is the limit itself if the way is long enough: braking as hard as possible until the
-//! limit is crossed would end the excess sooner, but undershoot it and come back. Otherwise `v_p` is the
-//! velocity with which the displacement comes out exactly, unless braking hard at first turns out to be shorter.
+//! The velocity is brought down to `v_p` and zero acceleration by the shortest way, without dipping
+//! below, and changed from there to the target. `v_p` is the limit itself if the way is long
+//! enough: braking as hard as possible until the limit is crossed would end the excess sooner, but
+//! undershoot it and come back. Otherwise `v_p` is the velocity with which the displacement comes
+//! out exactly, unless braking hard at first turns out to be shorter.
 
 use super::cruise::Changes;
-use super::family::{Peak, Problem};
+use super::displacement_function::Problem;
 use super::shape::Shape;
+use crate::scurve::closed_form::Peak;
 
 pub(super) fn solve(p: &Problem) -> Shape {
     let changes = Changes::new(p);
@@ -16,8 +18,8 @@ pub(super) fn solve(p: &Problem) -> Shape {
     if f_max <= 0.0 {
         return changes.at(p.v_max).shape(-f_max / p.v_max);
     }
-    // Down to this velocity the jerk is still down, or zero, when the limit is passed: braking first is the same until there and
-    // goes on in the shortest way.
+    // Down to this velocity the jerk is still down, or zero, when the limit is passed: braking
+    // first is the same until there and goes on in the shortest way.
     let brake = brake_to_limit(p).a;
     let lowest = p.v_max - 0.5 * brake * brake * p.j.inv_up;
     let (f_low, lowest) = if lowest > p.v_min { (excess(lowest), lowest) } else { (excess(p.v_min), p.v_min) };
@@ -50,8 +52,9 @@ pub(super) fn solve(p: &Problem) -> Shape {
     Shape { squeezed: true, ..changes.at(v).shape(0.0) }
 }
 
-/// Settling at the limit, cruising there, and changing to the target: the shape without a cruise, its duration, and how much
-/// farther than wanted it goes. No motion that does not rise above the settling one goes farther.
+/// Settling at the limit, cruising there, and changing to the target: the shape without a cruise,
+/// its duration, and how much farther than wanted it goes. No motion that does not rise above the
+/// settling one goes farther.
 pub(super) fn settled(p: &Problem) -> (Shape, f64, f64) {
     let pair = Changes::new(p).at(p.v_max);
     (pair.shape(0.0), pair.duration, pair.displacement - p.d)
@@ -69,7 +72,7 @@ pub(super) struct Brake {
     pub p1: f64,
     /// Distance at the end.
     pub p2: f64,
-    /// What is left from there, inside the limits.
+    /// The problem from there on, inside the limits.
     pub rest: Problem,
 }
 
@@ -93,7 +96,8 @@ impl Brake {
     }
 }
 
-/// Acceleration and time at its limit when the velocity is brought down to `v_max` as soon as possible.
+/// Acceleration and time at its limit when the velocity is brought down to `v_max` as soon as
+/// possible.
 fn brake_to_limit(p: &Problem) -> Peak {
     // Velocity at zero acceleration on the line of constant jerk through the start.
     let top = p.v0 + 0.5 * p.a0 * p.a0 * p.j.inv_down;

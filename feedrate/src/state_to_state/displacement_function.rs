@@ -1,56 +1,25 @@
 //! The extremals of one direction as one function of one number.
 //!
-//! Going up, jerk is `j_max, [0], j_min, [v_max], j_min, [0], j_max`: a rise to a peak velocity `v_p` and a fall from it,
-//! each with its peak acceleration. Extend the first phase back (or on) to zero acceleration, where the velocity is
-//! `base`; seen from there the rise covers `x = v_p - base`, and with `k = 1/(2 j_max) + 1/(2 |j_min|)` it has
+//! Going up, jerk is `j_max, [0], j_min, [v_max], j_min, [0], j_max`: a rise to a peak velocity
+//! `v_p` and a fall from it, each with its peak acceleration. Extend the first phase back (or on)
+//! to zero acceleration, where the velocity is `base`; seen from there the rise covers
+//! `x = v_p - base`, and with `k = 1/(2 j_max) + 1/(2 |j_min|)` it has
 //!
 //! ```text
 //! x = k a²,               duration 2 k a,          distance base 2 k a + m a³                     for a <= a_max
 //! x = k a_max² + a_max h, duration 2 k a_max + h,  ...                                            beyond
 //! ```
 //!
-//! The fall is the same thing backwards in time. The two differ by the constant `base_end - base_start = x - y`, so that one
-//! number fixes both. The number used is the signed peak acceleration `s` of the lower of the two: the distance
-//! is then smooth at `s = 0`, and for `s < 0` the very same formulas describe the extremals in which the
-//! acceleration never passes through zero (the middle phase ends before it gets there, or starts after).
+//! The fall is the same thing backwards in time. The two differ by the constant
+//! `base_end - base_start = x - y`, so that one number fixes both. The number used is the signed
+//! peak acceleration `s` of the lower of the two: the distance is then smooth at `s = 0`, and for
+//! `s < 0` the very same formulas describe the extremals in which the acceleration never passes
+//! through zero (the middle phase ends before it gets there, or starts after).
 
-/// Jerk limits of a frame, as positive numbers, and what follows from them.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Jerks {
-    pub up: f64,
-    pub down: f64,
-    pub inv_up: f64,
-    pub inv_down: f64,
-    pub k: f64,
-    /// Distance above the lower end of a ramp: `m a³`.
-    pub m: f64,
-    /// Distance gained per hold time: `q a²`.
-    pub q: f64,
-}
+use crate::scurve::closed_form::{Jerks, Peak};
 
-impl Jerks {
-    pub fn new(up: f64, down: f64) -> Self {
-        Self::from_parts(up, down, 1.0 / up, 1.0 / down)
-    }
-
-    fn from_parts(up: f64, down: f64, u: f64, d: f64) -> Self {
-        Self {
-            up,
-            down,
-            inv_up: u,
-            inv_down: d,
-            k: 0.5 * (u + d),
-            m: u * u / 6.0 + 0.5 * u * d + d * d / 3.0,
-            q: 0.5 * u + d,
-        }
-    }
-
-    pub fn swapped(&self) -> Self {
-        Self::from_parts(self.down, self.up, self.inv_down, self.inv_up)
-    }
-}
-
-/// A problem in the frame in which it moves up. `d` is the displacement wanted; `a_min` is stored as the positive `fall`.
+/// A problem in the frame in which it moves up. `d` is the displacement wanted; `a_min` is stored
+/// as the positive `fall`.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Problem {
     pub d: f64,
@@ -82,26 +51,6 @@ impl Problem {
     }
 }
 
-/// Peak acceleration and time at it, of a ramp over `x = k peak_free²` with acceleration limit `cap`.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Peak {
-    pub a: f64,
-    pub hold: f64,
-}
-
-impl Peak {
-    /// From the square of the peak acceleration a ramp would have without a limit on it.
-    pub fn from_square(sq: f64, cap: f64, k: f64) -> Self {
-        Self::from_free(sq.max(0.0).sqrt(), cap, k)
-    }
-
-    /// From the peak acceleration a ramp would have without a limit on it.
-    #[inline]
-    pub fn from_free(a: f64, cap: f64, k: f64) -> Self {
-        if a <= cap { Self { a, hold: 0.0 } } else { Self { a: cap, hold: k * (a - cap) * (a + cap) / cap } }
-    }
-}
-
 /// The free peaks of the lower and the higher ramp, the first one signed.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Peaks {
@@ -111,12 +60,12 @@ pub(super) struct Peaks {
 
 /// Displacement error over the signed peak acceleration `s`.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Family {
+pub(super) struct DisplacementFunction {
     pub(super) k: f64,
     pub(super) m: f64,
     pub(super) q: f64,
     pub(super) offset: f64,
-    /// Whether `s` belongs to the fall (at the end) and not to the rise.
+    /// True if `s` belongs to the fall (at the end) and not to the rise.
     pub(super) small_is_fall: bool,
     pub(super) base_small: f64,
     pub(super) base_large: f64,
@@ -124,17 +73,18 @@ pub(super) struct Family {
     pub(super) cap_large: f64,
     /// `a_large² - s²`.
     pub(super) gap: f64,
-    /// What the duration is longer by than that of the two ramps from and to zero acceleration.
+    /// Excess of the duration over that of the two ramps from and to zero acceleration.
     pub(super) lead_time: f64,
 }
 
-impl Family {
+impl DisplacementFunction {
     pub fn new(p: &Problem) -> Self {
         let (b0, bf) = Self::bases(p);
         Self::with_small(p, b0, bf, bf >= b0)
     }
 
-    /// With the choice of the ramp that `s` belongs to made by the caller (round-off may contradict it).
+    /// With the choice of the ramp that `s` belongs to made by the caller (round-off may contradict
+    /// it).
     pub fn forced(p: &Problem, small_is_fall: bool) -> Self {
         let (b0, bf) = Self::bases(p);
         Self::with_small(p, b0, bf, small_is_fall)
@@ -189,7 +139,8 @@ impl Family {
         (self.cap_large * self.cap_large - self.gap).max(0.0).sqrt()
     }
 
-    /// Distance of a ramp beyond `base * duration`, its duration, and the derivatives of both by the free peak `a`.
+    /// Distance of a ramp beyond `base * duration`, its duration, and the derivatives of both by
+    /// the free peak `a`.
     #[inline]
     fn ramp(&self, a: f64, sq: f64, cap: f64, base: f64) -> (f64, f64) {
         if a <= cap {
@@ -217,7 +168,8 @@ impl Family {
         (self.offset + d_small + d_large, g_small + ratio * g_large)
     }
 
-    /// Rise and fall; the peak of the second is negative, or positive where it ends before zero acceleration.
+    /// Rise and fall; the peak of the second is negative, or positive where it ends before zero
+    /// acceleration.
     pub fn ramps(&self, peaks: Peaks) -> (Peak, Peak) {
         let small = Peak::from_free(peaks.small, self.cap_small, self.k);
         let large = Peak::from_free(peaks.large, self.cap_large, self.k);
@@ -225,7 +177,8 @@ impl Family {
         (rise, Peak { a: -fall.a, hold: fall.hold })
     }
 
-    /// The root in `[lo, hi]`, where the displacement is too small at `lo` and large enough at `hi`.
+    /// The root in `[lo, hi]`, where the displacement is too small at `lo` and large enough at
+    /// `hi`.
     pub fn root(&self, lo: f64, f_lo: f64, hi: f64, f_hi: f64) -> Peaks {
         let (mut lo, mut f_lo, mut hi, mut f_hi) = (lo, f_lo, hi, f_hi);
         let large = self.corner_large();
@@ -251,8 +204,8 @@ impl Family {
         }
     }
 
-    /// No ramp holds its limit. In `w = small + large`, to which the duration is proportional, the displacement is
-    /// `c + alpha w + beta w³ + gamma / w`.
+    /// No ramp holds its limit. In `w = small + large`, to which the duration is proportional, the
+    /// displacement is `c + alpha w + beta w³ + gamma / w`.
     fn root_free(&self, lo: f64, f_lo: f64, hi: f64, f_hi: f64) -> Peaks {
         let w = |s: f64| {
             let large = self.at(s).large;
@@ -304,13 +257,14 @@ impl Family {
         self.at(if better.is_finite() { better.clamp(lo, hi) } else { s.clamp(lo, hi) })
     }
 
-    /// The first local maximum of the displacement in `(lo, hi)`, `hi <= 0`. Over the duration it is concave first and convex
-    /// then, so that there is one at most.
+    /// The first local maximum of the displacement in `(lo, hi)`, `hi <= 0`. Over the duration it
+    /// is concave first and convex then, so that there is one at most.
     pub fn summit(&self, lo: f64, hi: f64) -> Option<f64> {
         let corner = -self.corner_large();
         let inside = |s: &f64| *s > lo && *s < hi;
         if lo < corner {
-            // While the higher ramp holds its limit, d(displacement)/d(duration) is quadratic in s: see `OneHeld`.
+            // While the higher ramp holds its limit, d(displacement)/d(duration) is quadratic in s:
+            // see `OneHeld`.
             let half = 0.5 * (self.q - self.k) * self.cap_large;
             let root = (half * half - self.k * self.base_small).sqrt();
             let s = -(half + root) / self.k;
@@ -318,7 +272,8 @@ impl Family {
                 return Some(s);
             }
         }
-        // alpha + 3 beta w² - gamma / w² = 0: the smaller root; NaN and negative numbers where there is none.
+        // alpha + 3 beta w² - gamma / w² = 0: the smaller root; NaN and negative numbers where
+        // there is none.
         let (alpha, beta, gamma) = self.free_terms();
         let root = (alpha * alpha + 12.0 * beta * gamma).sqrt();
         let w = (2.0 * gamma / (alpha - root)).sqrt();
@@ -340,7 +295,7 @@ struct OneHeld {
 }
 
 impl OneHeld {
-    fn new(f: &Family, base: f64, held_base: f64, cap: f64) -> Self {
+    fn new(f: &DisplacementFunction, base: f64, held_base: f64, cap: f64) -> Self {
         let fixed = cap * (2.0 * f.k * held_base + f.m * cap * cap);
         Self {
             k: f.k,
@@ -355,7 +310,8 @@ impl OneHeld {
         }
     }
 
-    /// Displacement error and derivative; the latter is `d(duration)/dr` times `base + k r² + (q - k) cap r`.
+    /// Displacement error and derivative; the latter is `d(duration)/dr` times
+    /// `base + k r² + (q - k) cap r`.
     #[inline]
     fn eval(&self, r: f64) -> (f64, f64) {
         let sq = r * r;
@@ -391,7 +347,8 @@ fn bracketed(lo: f64, f_lo: f64, hi: f64, f_hi: f64, f: impl Fn(f64) -> (f64, f6
         let inside = newton > lo && newton < hi && (newton - x).abs() < 0.8 * before;
         let next = if inside { newton } else { 0.5 * (lo + hi) };
         let step = (next - x).abs();
-        // Newton's steps square the error, by a factor seen from the last two: stop when what is to come is round-off.
+        // Newton's steps square the error, by a factor seen from the last two: stop when what is to
+        // come is round-off.
         let ratio = step / before;
         let converged = step * ratio * ratio <= 0.25 * f64::EPSILON * next.abs();
         if inside && converged || hi - lo <= f64::EPSILON * hi.abs() {

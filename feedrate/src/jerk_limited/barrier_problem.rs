@@ -1,11 +1,12 @@
-//! One stretch of path between two stops as the interior-point method sees it: spline, rows in units of their limits, caps.
+//! One stretch of path between two stops as the interior-point method sees it: spline, rows in
+//! units of their limits, caps.
 
 use std::ops::Range;
 
 use super::spline::{End, Knots, Values};
 use crate::constraint::Within;
 use crate::problem::FeedProblem;
-use crate::row::{JerkRow, LimitId, Row};
+use crate::row::{JerkRow, Row};
 
 /// `lo <= a u + b x + c sqrt(x) <= hi`, for the time being with bounds that are `wider`.
 #[derive(Debug, Clone, Copy)]
@@ -15,11 +16,12 @@ pub(super) struct PointRow {
     pub c: f64,
     pub lo: f64,
     pub hi: f64,
-    /// By how much the lower and the upper bound are widened; taken back as the iterations go.
+    /// Widening of the lower and the upper bound; taken back as the iterations go.
     pub wider: Sides,
 }
 
-/// `|alpha w + beta u + gamma x| <= 1 / sqrt(x)`: a jerk row in units of the part of its limit that is used.
+/// `|alpha w + beta u + gamma x| <= 1 / sqrt(x)`: a jerk row in units of the part of its limit that
+/// is used.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ThirdRow {
     pub alpha: f64,
@@ -27,11 +29,12 @@ pub(super) struct ThirdRow {
     pub gamma: f64,
     /// That part, at most 1; the rest is a margin for what happens between the knots.
     pub part: f64,
-    /// Which jerk row of the problem it is.
+    /// Index of the jerk row in the problem.
     pub id: u32,
 }
 
-/// `lo <= alpha w + beta u + gamma x <= hi`: an inner Bernstein coefficient of a row that is a cubic on an interval.
+/// `lo <= alpha w + beta u + gamma x <= hi`: an inner Bernstein coefficient of a row that is a
+/// cubic on an interval.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct InnerRow {
     pub alpha: f64,
@@ -39,13 +42,13 @@ pub(super) struct InnerRow {
     pub gamma: f64,
     pub lo: f64,
     pub hi: f64,
-    /// By how much the lower and the upper bound are widened; taken back as the iterations go.
+    /// Widening of the lower and the upper bound; taken back as the iterations go.
     pub wider: Sides,
 }
 
 /// A stretch between two stops (or ends at a speed), ready to be iterated on.
 #[derive(Debug, Clone)]
-pub(super) struct Stretch {
+pub(super) struct BarrierProblem {
     /// Grid point of the first knot.
     pub from: usize,
     pub knots: Knots,
@@ -55,11 +58,12 @@ pub(super) struct Stretch {
     pub first: Vec<usize>,
     /// Greatest `x` per knot, and by how much it is raised for the time being.
     pub caps: Vec<[f64; 2]>,
-    /// By what the bounds `1 / sqrt(x)` on jerk are raised for the time being: this times `jerk_unit` of the knot.
+    /// By what the bounds `1 / sqrt(x)` on jerk are raised for the time being: this times
+    /// `jerk_unit` of the knot.
     pub jerk_wider: f64,
     pub jerk_unit: Vec<f64>,
-    /// Rows between the knots: place `2 k` is the start of interval `k`, place `2 k + 1` its end, and those of place `p` are
-    /// `inner[inner_first[p]..inner_first[p + 1]]`.
+    /// Rows between the knots: place `2 k` is the start of interval `k`, place `2 k + 1` its end,
+    /// and those of place `p` are `inner[inner_first[p]..inner_first[p + 1]]`.
     pub inner: Vec<InnerRow>,
     pub inner_first: Vec<usize>,
     /// Jerk rows, by place likewise.
@@ -74,11 +78,13 @@ pub(super) struct Stretch {
 /// Lower and upper side of a row.
 pub(super) type Sides = [f64; 2];
 
-/// A row is dropped where its value is closer to the middle between its bounds than to either, by this measure.
-const DISTANT: f64 = 0.6;
+/// A row is dropped where its value is closer to the middle between its bounds than to either, by
+/// this measure.
+const DISTANT_FROM_BOUND: f64 = 0.6;
 
-/// Whether a row holds whatever the motion: that of a joint that stands still. It has no inside where its limit is 0.
-fn is_nothing(row: &Row) -> bool {
+/// Returns true if a row holds whatever the motion: that of a joint that stands still. It has no
+/// inside where its limit is 0.
+pub(super) fn is_nothing(row: &Row) -> bool {
     row.a == 0.0 && row.b == 0.0 && row.c == 0.0 && row.lo <= row.d && row.d <= row.hi
 }
 
@@ -89,16 +95,18 @@ impl PointRow {
     }
 }
 
-impl Stretch {
-    /// The stretch from grid point `from` to grid point `to`, at rest at an end unless a speed is given for it.
+impl BarrierProblem {
+    /// The stretch from grid point `from` to grid point `to`, at rest at an end unless a speed is
+    /// given for it.
     ///
-    /// `fastest` are squared speeds at all grid points that the solution is not expected to exceed by much.
+    /// `fastest` are squared speeds at all grid points that the solution is not expected to exceed
+    /// by much.
     pub fn new(problem: &FeedProblem, [from, to]: [usize; 2], speeds: [f64; 2], fastest: &[f64]) -> Self {
         let end = |speed: f64, h: f64| if speed > 0.0 { End::Moving { x: speed * speed } } else { End::Rest { h } };
         let ends = [end(speeds[0], problem.h(from)), end(speeds[1], problem.h(to - 1))];
         let (a, b) = (from + ends[0].rest_intervals(), to - ends[1].rest_intervals());
         let knots = Knots::new((a..b).map(|k| problem.h(k)).collect());
-        let mut stretch = Self {
+        let mut barrier_problem = Self {
             from: a,
             knots,
             ends,
@@ -114,43 +122,47 @@ impl Stretch {
             most: 1.0,
             rest: [0.0; 2],
         };
-        stretch.first.push(0);
+        barrier_problem.first.push(0);
         for i in a..=b {
-            // Speed and acceleration at a moving end are given: the planner has checked them, nothing is left to decide.
+            // Speed and acceleration at a moving end are given: the planner has checked them,
+            // nothing is left to decide.
             let given = matches!((&ends, i), ([End::Moving { .. }, _], i) if i == a)
                 || matches!((&ends, i), ([_, End::Moving { .. }], i) if i == b);
             if !given {
-                stretch.points.extend(problem.rows(i).iter().filter(|row| !is_nothing(row)).map(|row| {
+                barrier_problem.points.extend(problem.rows(i).iter().filter(|row| !is_nothing(row)).map(|row| {
                     let (lo, hi) = (row.lo - row.d, row.hi - row.d);
                     PointRow { a: row.a, b: row.b, c: row.c, lo, hi, wider: [0.0; 2] }
                 }));
             }
-            stretch.first.push(stretch.points.len());
-            stretch.caps.push([if given { f64::INFINITY } else { problem.x_max(i) }, 0.0]);
+            barrier_problem.first.push(barrier_problem.points.len());
+            barrier_problem.caps.push([if given { f64::INFINITY } else { problem.x_max(i) }, 0.0]);
         }
         for k in a..b {
             for within in [Within::Start, Within::End] {
-                stretch.inner.extend(problem.inner_rows(k, within).filter(|row| !row.is_nothing()).map(|row| {
-                    let crate::problem::InnerRow { alpha, beta, gamma, lo, hi, .. } = row;
-                    InnerRow { alpha, beta, gamma, lo, hi, wider: [0.0; 2] }
-                }));
+                barrier_problem.inner.extend(problem.inner_rows(k, within).filter(|row| !row.is_nothing()).map(
+                    |row| {
+                        let crate::problem::InnerRow { alpha, beta, gamma, lo, hi, .. } = row;
+                        InnerRow { alpha, beta, gamma, lo, hi, wider: [0.0; 2] }
+                    },
+                ));
                 if within == Within::Start {
-                    stretch.push_speed(problem, k, fastest);
+                    barrier_problem.push_speed(problem, k, fastest);
                 }
-                stretch.inner_first.push(stretch.inner.len());
-                stretch.thirds.extend(problem.jerk_rows(k, within).iter().zip(0..).map(|(row, id)| ThirdRow {
+                barrier_problem.inner_first.push(barrier_problem.inner.len());
+                barrier_problem.thirds.extend(problem.jerk_rows(k, within).iter().zip(0..).map(|(row, id)| ThirdRow {
                     alpha: row.alpha / row.limit,
                     beta: row.beta / row.limit,
                     gamma: row.gamma / row.limit,
                     part: 1.0,
                     id,
                 }));
-                stretch.thirds_first.push(stretch.thirds.len());
+                barrier_problem.thirds_first.push(barrier_problem.thirds.len());
             }
         }
         for (i, k) in [(0, from), (1, to - 1)] {
             let End::Rest { h } = ends[i] else { continue };
-            // At the knot u = 2 x / 3h away from rest and w = x / 4.5 h^2; at rest only the constant jerk itself is left.
+            // At the knot u = 2 x / 3h away from rest and w = x / 4.5 h^2; at rest only the
+            // constant jerk itself is left.
             let (at_rest, at_knot) = if i == 0 { (Within::Start, Within::End) } else { (Within::End, Within::Start) };
             let u = if i == 0 { 2.0 / (3.0 * h) } else { -2.0 / (3.0 * h) };
             let w = 1.0 / (4.5 * h * h);
@@ -162,9 +174,10 @@ impl Stretch {
                 // sqrt(x) grows with s^(2/3), u with s^(1/3).
                 worst(rest, row, u * 0.5, 0.25)
             });
-            stretch.rest[i] = problem.jerk_rows(k, at_knot).iter().fold(rest, |rest, row| worst(rest, row, u, 1.0));
+            barrier_problem.rest[i] =
+                problem.jerk_rows(k, at_knot).iter().fold(rest, |rest, row| worst(rest, row, u, 1.0));
         }
-        stretch
+        barrier_problem
     }
 
     /// Speed inside interval `k`, by the values at its start.
@@ -191,7 +204,8 @@ impl Stretch {
         }
     }
 
-    /// Every place between the knots: its interval, the knot at it, its inner rows and its jerk rows.
+    /// Every place between the knots: its interval, the knot at it, its inner rows and its jerk
+    /// rows.
     pub fn places(&self) -> impl Iterator<Item = (usize, usize, Range<usize>, Range<usize>)> + '_ {
         (0..2 * self.knots.intervals()).map(|p| {
             let inner = self.inner_first[p]..self.inner_first[p + 1];
@@ -199,7 +213,8 @@ impl Stretch {
         })
     }
 
-    /// The greatest factors on `x` (and `u`, `w`) at which every row and cap is kept, friction aside, and every jerk row.
+    /// The greatest factors on `x` (and `u`, `w`) at which every row and cap is kept, friction
+    /// aside, and every jerk row.
     pub fn largest_scales(&self, values: &Values) -> Sides {
         let Values { x, u, w, .. } = values;
         let mut scale = f64::INFINITY;
@@ -257,14 +272,15 @@ impl Stretch {
         self.rest = self.rest.map(|rest| up * rest);
     }
 
-    /// Whether the values are strictly inside all bounds as they are widened at present.
+    /// Returns true if the values are strictly inside all bounds as they are widened at present.
     pub fn is_inside(&self, values: &Values) -> bool {
         let mut inside = values.x.iter().chain(&values.middle).all(|&x| x > 0.0);
         self.each_slack(values, |_, slacks| inside &= slacks[0] > 0.0 && slacks[1] > 0.0);
         inside
     }
 
-    /// Takes back the given part of what bounds are widened by; the largest widening left, in units of its bound.
+    /// Takes back the given part of what bounds are widened by; the largest widening left, in units
+    /// of its bound.
     pub fn narrow(&mut self, part: f64) -> f64 {
         let keep = 1.0 - part;
         let mut largest = 0.0_f64;
@@ -292,14 +308,14 @@ impl Stretch {
         largest
     }
 
-    /// Drops the rows that are far from their bounds at the given values and calls `keep` for every row with whether it
-    /// stays, in their order.
+    /// Drops the rows that are far from their bounds at the given values and calls `keep` for every
+    /// row with whether it stays, in their order.
     pub fn drop_distant(&mut self, values: &Values, mut keep: impl FnMut(bool)) {
         let Values { x, u, w, .. } = values;
         let near = |value: f64, lo: f64, hi: f64| {
             let size = if (hi - lo).is_finite() { 0.5 * (hi - lo) } else { hi.abs().min(lo.abs()) };
             // A bound of 0 alone has no size: such a row always stays.
-            size == 0.0 || (value - lo).min(hi - value) < DISTANT * size
+            size == 0.0 || (value - lo).min(hi - value) < DISTANT_FROM_BOUND * size
         };
         let mut write = 0;
         let mut start = 0;
@@ -354,138 +370,5 @@ impl Stretch {
         }
         self.thirds.truncate(write);
         (0..2).for_each(|_| keep(true));
-    }
-
-    /// By how much every side is widened.
-    pub fn each_widening(&self, mut visit: impl FnMut(usize, Sides)) {
-        let [caps, inner, thirds, rest] = self.offsets();
-        self.points.iter().enumerate().for_each(|(i, row)| visit(i, row.wider));
-        self.caps.iter().enumerate().for_each(|(k, cap)| visit(caps + k, [0.0, cap[1]]));
-        self.inner.iter().enumerate().for_each(|(i, row)| visit(inner + i, row.wider));
-        for (_, end, _, rows) in self.places() {
-            let wider = self.jerk_wider * self.jerk_unit[end];
-            rows.for_each(|i| visit(thirds + i, [wider; 2]));
-        }
-        for (i, end) in [0, self.knots.intervals()].into_iter().enumerate() {
-            visit(rest + i, [0.0, self.jerk_wider * self.jerk_unit[end]]);
-        }
-    }
-
-    /// Which limit a row is, and where it holds, as long as no row has been dropped.
-    pub fn limit(&self, problem: &FeedProblem, i: usize) -> Option<(LimitId, f64)> {
-        let [caps, inner, thirds, rest] = self.offsets();
-        // The last of the places that begin at an index or before.
-        let place = |first: &[usize], i: usize| first.partition_point(|&from| from <= i) - 1;
-        let within = |p: usize| if p.is_multiple_of(2) { Within::Start } else { Within::End };
-        let (source, knot) = if i < caps {
-            let k = place(&self.first, i);
-            let row = problem.rows(self.from + k).iter().filter(|row| !is_nothing(row)).nth(i - self.first[k])?;
-            (row.source, k)
-        } else if i < inner {
-            (problem.cap(self.from + i - caps).1, i - caps)
-        } else if i < thirds {
-            let p = place(&self.inner_first, i - inner);
-            let k = self.from + p / 2;
-            let mut rows = problem.inner_rows(k, within(p)).filter(|row| !row.is_nothing());
-            let row = rows.nth(i - inner - self.inner_first[p]);
-            (row.map_or(problem.speed_bound(k).source, |row| row.source), p / 2 + p % 2)
-        } else if i < rest {
-            let p = place(&self.thirds_first, i - thirds);
-            let rows = problem.jerk_rows(self.from + p / 2, within(p));
-            (rows.get(self.thirds.get(i - thirds)?.id as usize)?.source, p / 2 + p % 2)
-        } else {
-            let (k, at) = if i == rest {
-                (self.from, 0)
-            } else {
-                (self.from + self.knots.intervals() - 1, self.knots.intervals())
-            };
-            let part = |row: &&JerkRow| row.alpha.abs() / row.limit;
-            let rows = problem.jerk_rows(k, if at == 0 { Within::Start } else { Within::End });
-            (rows.iter().max_by(|p, q| part(p).total_cmp(&part(q)))?.source, at)
-        };
-        Some((source, problem.grid()[self.from + knot]))
-    }
-
-    /// Index of the first cap, inner row, jerk row and rest interval among all rows.
-    pub fn offsets(&self) -> [usize; 4] {
-        let caps = self.points.len();
-        let inner = caps + self.caps.len();
-        let thirds = inner + self.inner.len();
-        [caps, inner, thirds, thirds + self.thirds.len()]
-    }
-
-    /// `c[1] / c[0]` at both ends.
-    pub fn ratios(&self) -> Sides {
-        [self.ends[0].ratio(self.knots.h[0]), self.ends[1].ratio(self.knots.h[self.knots.intervals() - 1])]
-    }
-
-    /// The slack of every side at the given values.
-    pub fn each_slack(&self, values: &Values, mut visit: impl FnMut(usize, Sides)) {
-        let Values { x, u, w, .. } = values;
-        let [caps, inner, thirds, rest] = self.offsets();
-        for k in 0..x.len() {
-            for i in self.first[k]..self.first[k + 1] {
-                let row = &self.points[i];
-                let friction = if row.c == 0.0 { 0.0 } else { row.c * x[k].sqrt() };
-                let value = row.a * u[k] + row.b * x[k] + friction;
-                let [low, high] = row.wider;
-                visit(i, [value - row.lo + low, row.hi + high - value]);
-            }
-            visit(caps + k, [f64::INFINITY, self.caps[k][0] + self.caps[k][1] - x[k]]);
-        }
-        for (k, end, inner_rows, third_rows) in self.places() {
-            let (x, u, w) = (x[end], u[end], w[k]);
-            for i in inner_rows {
-                let row = &self.inner[i];
-                let value = row.alpha * w + row.beta * u + row.gamma * x;
-                let [low, high] = row.wider;
-                visit(inner + i, [value - row.lo + low, row.hi + high - value]);
-            }
-            let bound = 1.0 / x.sqrt() + self.jerk_wider * self.jerk_unit[end];
-            for i in third_rows {
-                let row = &self.thirds[i];
-                let value = row.alpha * w + row.beta * u + row.gamma * x;
-                visit(thirds + i, [bound + value, bound - value]);
-            }
-        }
-        for (i, end) in [0, x.len() - 1].into_iter().enumerate() {
-            let bound = 1.0 / x[end].sqrt() + self.jerk_wider * self.jerk_unit[end];
-            let slack = if self.rest[i] == 0.0 { f64::INFINITY } else { bound - self.rest[i] * x[end] };
-            visit(rest + i, [f64::INFINITY, slack]);
-        }
-    }
-
-    /// How the slack of every side changes with the values, to first order, while all relaxation is taken back.
-    pub fn each_change(&self, values: &Values, delta: &Values, mut visit: impl FnMut(usize, Sides)) {
-        let (Values { x, .. }, Values { x: dx, u: du, w: dw, .. }) = (values, delta);
-        let [caps, inner, thirds, rest] = self.offsets();
-        for k in 0..x.len() {
-            for i in self.first[k]..self.first[k + 1] {
-                let row = &self.points[i];
-                let by = row.a * du[k] + row.slope(x[k]) * dx[k];
-                visit(i, [by - row.wider[0], -by - row.wider[1]]);
-            }
-            visit(caps + k, [0.0, -dx[k] - self.caps[k][1]]);
-        }
-        for (k, end, inner_rows, third_rows) in self.places() {
-            let (x, dx, du, dw) = (x[end], dx[end], du[end], dw[k]);
-            for i in inner_rows {
-                let row = &self.inner[i];
-                let by = row.alpha * dw + row.beta * du + row.gamma * dx;
-                visit(inner + i, [by - row.wider[0], -by - row.wider[1]]);
-            }
-            let y = 1.0 / x.sqrt();
-            let bound = -0.5 * y / x * dx - self.jerk_wider * self.jerk_unit[end];
-            for i in third_rows {
-                let row = &self.thirds[i];
-                let by = row.alpha * dw + row.beta * du + row.gamma * dx;
-                visit(thirds + i, [bound + by, bound - by]);
-            }
-        }
-        for (i, end) in [0, x.len() - 1].into_iter().enumerate() {
-            let y = 1.0 / x[end].sqrt();
-            let slope = self.rest[i] + 0.5 * y / x[end];
-            visit(rest + i, [0.0, -slope * dx[end] - self.jerk_wider * self.jerk_unit[end]]);
-        }
     }
 }

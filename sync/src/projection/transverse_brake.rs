@@ -1,12 +1,13 @@
-//! One coordinate of the part of the motion that fades away: a brake to rest, wherever that is.
+//! One coordinate of the motion across the line: a brake to rest, wherever that is.
 
-use arcfeed_feedrate::{MotionLaw, MotionLimits, MotionState, SpeedChange};
+use arcfeed_feedrate::{AxisLimits, MotionLaw, MotionState, SpeedChange};
 
-/// Ranges of velocity, acceleration and jerk over some time, zero included, and a bound of the displacement.
+/// Ranges of velocity, acceleration and jerk over some time, zero included, and a bound of the
+/// displacement.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Ranges {
-    /// Zero also where all coordinates that belong together keep to one direction. It does not shrink: what has been covered
-    /// remains.
+    /// Zero also where all coordinates that belong together keep to one direction. It does not
+    /// shrink: what has been covered remains.
     pub p: f64,
     pub v: (f64, f64),
     pub a: (f64, f64),
@@ -22,25 +23,27 @@ fn widen(range: &mut (f64, f64), x: f64) {
 pub(super) struct BrakeLimits {
     pub a: f64,
     pub j: f64,
-    /// Whether the coordinates that belong together all brake in proportion, so that their direction stays.
+    /// True if the coordinates that belong together all brake in proportion, so that their
+    /// direction stays.
     pub in_proportion: bool,
 }
 
 /// A brake from velocity and acceleration to rest.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Fade {
+pub(super) struct TransverseBrake {
     brake: Option<SpeedChange>,
     /// Bound of the displacement; see [`Ranges::p`].
     reach: f64,
 }
 
-impl Fade {
-    /// `None` if the limits leave nothing to brake with, or if the numbers leave the range of `f64`.
+impl TransverseBrake {
+    /// `None` if the limits leave nothing to brake with, or if the numbers leave the range of
+    /// `f64`.
     pub fn new(v: f64, a: f64, limits: BrakeLimits) -> Option<Self> {
         if v == 0.0 && a == 0.0 {
             return Some(Self::default());
         }
-        let brake = MotionLimits::new(1.0, limits.a, limits.j).and_then(|l| SpeedChange::brake(v, a, &l)).ok()?;
+        let brake = AxisLimits::symmetric(1.0, limits.a, limits.j).and_then(|l| SpeedChange::brake(v, a, &l)).ok()?;
         let (low, high) = (brake.lowest_speed(), brake.highest_speed());
         let reach = match limits.in_proportion {
             true => 0.0,
@@ -65,19 +68,17 @@ impl Fade {
         self.brake.as_ref().map_or(MotionState::default(), |brake| brake.at(t))
     }
 
-    /// What velocity, acceleration and jerk still run through after time `t`.
+    /// The ranges of velocity, acceleration and jerk after time `t`.
     pub fn ranges_after(&self, t: f64) -> Ranges {
         let mut ranges = Ranges { p: self.reach, ..Ranges::default() };
         let Some(brake) = &self.brake else { return ranges };
-        let phases = brake.phases();
-        for (i, phase) in phases.iter().enumerate() {
-            let end = phases.get(i + 1).map_or(brake.duration(), |next| next.t);
-            if end <= t || end <= phase.t {
+        for (phase, dt) in brake.phases() {
+            let from = (t - phase.t).max(0.0);
+            if from >= dt {
                 continue;
             }
-            let (from, to) = ((t - phase.t).max(0.0), end - phase.t);
-            let turn = -phase.a / phase.j;
-            for x in [from, to, if turn > from && turn < to { turn } else { from }] {
+            let turn = phase.turn(dt).filter(|turn| *turn > from);
+            for x in [from, dt, turn.unwrap_or(from)] {
                 let s = phase.after(x);
                 widen(&mut ranges.v, s.v);
                 widen(&mut ranges.a, s.a);

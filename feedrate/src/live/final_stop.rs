@@ -2,17 +2,18 @@
 
 use super::curve::VelocityLimitCurve;
 use crate::error::FeedError;
-use crate::online::{FeedLimits, FeedScheduler, FeedStep};
-use crate::state_to_state::AxisState;
+use crate::limits::AxisLimits;
+use crate::online::{FeedScheduler, FeedStep};
+use crate::state::AxisState;
 
 /// Parts in which an exact plan to an end is held against the caps.
 const PARTS: usize = 24;
 
 /// An exact plan to a standstill at a known place.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Landing {
+pub(super) struct FinalStop {
     scheduler: FeedScheduler,
-    /// Where it started, and `1` or `-1` for the way forward or back.
+    /// Position of the start, and `1` or `-1` for the way forward or back.
     pub origin: f64,
     pub direction: f64,
     pub place: f64,
@@ -22,9 +23,9 @@ pub(super) struct Landing {
     asked: f64,
 }
 
-impl Landing {
-    /// The plan from position, speed and acceleration to rest at `place`, at the speed `asked` for, if there is one under the
-    /// curve.
+impl FinalStop {
+    /// The plan from position, speed and acceleration to rest at `place`, at the speed `asked` for,
+    /// if there is one under the curve.
     pub fn plan(
         curve: &VelocityLimitCurve,
         (s, v, a): (f64, f64, f64),
@@ -56,12 +57,12 @@ impl Landing {
     }
 }
 
-fn limits(curve: &VelocityLimitCurve, v: f64) -> Result<FeedLimits, FeedError> {
-    let (a, j) = (curve.acceleration(), curve.jerk());
-    FeedLimits::new(v, (-a, a), (-j, j))
+fn limits(curve: &VelocityLimitCurve, v: f64) -> Result<AxisLimits, FeedError> {
+    let limits = curve.limits();
+    AxisLimits::forward(v, limits.a, limits.j)
 }
 
-/// Whether a plan from `s` keeps the caps, between its samples too.
+/// Returns true if a plan from `s` keeps the caps, between its samples too.
 fn keeps_caps(curve: &VelocityLimitCurve, s: f64, mut plan: FeedScheduler) -> bool {
     let dt = plan.remaining() / PARTS as f64;
     // By so much at most the speed is above the straight line between two samples.

@@ -1,12 +1,13 @@
 //! Limits of a tool: a ball for the linear and one for the angular part of every derivative.
 //!
-//! Both parts of the motion are planned in a frame whose first axis is the error (by Gram-Schmidt, as in Liu et al. 2024, section 4.2;
-//! the second follows the velocity). Within a ball of radius `B` the line has along the first axis what the
-//! fading part leaves: from `-sqrt(B² - m²) - low` to `sqrt(B² - m²) - high`, where `m` bounds it across the line and
-//! `low`, `high` along it.
+//! Both parts of the motion are planned in a frame whose first axis is the error (by Gram-Schmidt,
+//! as in Liu et al. 2024, section 4.2; the second follows the velocity). Within a ball of radius
+//! `B` the line has along the first axis what the transverse part leaves: from
+//! `-sqrt(B² - m²) - low` to `sqrt(B² - m²) - high`, where `m` bounds it across the line and `low`,
+//! `high` along it.
 //!
-//! **Rotations** are composed, `R(t) = exp(u x(t)) exp(w(t)) R0`, so that the line is a turn about one axis throughout. Then, with
-//! `E = exp(u x)` and `omega_w` the angular velocity of `exp(w)`,
+//! **Rotations** are composed, `R(t) = exp(u x(t)) exp(w(t)) R0`, so that the line is a turn about
+//! one axis throughout. Then, with `E = exp(u x)` and `omega_w` the angular velocity of `exp(w)`,
 //!
 //! ```text
 //! omega   = u x'   + E omega_w
@@ -14,14 +15,16 @@
 //! omega'' = u x''' + E omega_w'' + u x'' × E omega_w + 2 u x' × E omega_w' + u x' × (u x' × E omega_w)
 //! ```
 //!
-//! `E` turns about the first axis and so leaves `m`, `low` and `high` as they are, and every product is across the line: it adds to
-//! `m`. A part of what is left is set aside for the products ([`ASIDE`]), and `x'` and `x''` are bounded so that it suffices. Where `w`
-//! keeps to one axis, its derivatives are those of `omega_w`; otherwise they differ by no more than what [`turning`] says.
+//! `E` turns about the first axis and so leaves `m`, `low` and `high` as they are, and every
+//! product is across the line: it adds to `m`. A part of what is left is set aside for the products
+//! ([`RESERVED_SHARE`]), and `x'` and `x''` are bounded so that it suffices. Where `w` keeps to one
+//! axis, its derivatives are those of `omega_w`; otherwise they differ by no more than what
+//! [`turning`] says.
 
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
-use super::fade::{BrakeLimits, Ranges};
-use super::room::{NONE, Order, RESERVE, Room, Rooms, SLACK, WIDEST};
+use super::feasible_set::{FeasibleSet, NONE, Order, RESERVE, SLACK, ScalarBounds, WIDEST};
+use super::transverse_brake::{BrakeLimits, Ranges};
 use crate::error::SyncError;
 
 /// Bounds of the norm of velocity, acceleration and jerk of a tool.
@@ -76,8 +79,8 @@ fn block(x: &Vector6<f64>, first: usize) -> Vector3<f64> {
     x.fixed_rows::<3>(first).into_owned()
 }
 
-/// Gram-Schmidt over the given directions and the base axes; what is nearly dependent is left out. Right-handed, as
-/// products of angular rates are formed in these axes.
+/// Gram-Schmidt over the given directions and the base axes; what is nearly dependent is left out.
+/// Right-handed, as products of angular rates are formed in these axes.
 fn axes(directions: [Vector3<f64>; 3]) -> Matrix3<f64> {
     let mut frame = Matrix3::zeros();
     let mut count = 0;
@@ -105,16 +108,17 @@ fn axes(directions: [Vector3<f64>; 3]) -> Matrix3<f64> {
     frame
 }
 
-/// Part of what the fading motion leaves that is set aside for each product of angular rates.
-const ASIDE: f64 = 0.2;
+/// Part of what the transverse motion leaves that is set aside for each product of angular rates.
+const RESERVED_SHARE: f64 = 0.2;
 
-/// Velocity, acceleration, jerk of the fading part of a block: range along the line and bound across it.
-struct Fading {
+/// Velocity, acceleration, jerk of the transverse part of a block: range along the line and bound
+/// across it.
+struct Transverse {
     along: [(f64, f64); 3],
     across: [f64; 3],
 }
 
-impl Fading {
+impl Transverse {
     fn new(ranges: &[Ranges]) -> Self {
         let size = |r: (f64, f64)| r.1.max(-r.0);
         let along = [ranges[0].v, ranges[0].a, ranges[0].j];
@@ -128,33 +132,35 @@ impl Fading {
 
     /// As angular rates.
     fn angular(ranges: &[Ranges]) -> Self {
-        let mut fading = Self::new(ranges);
+        let mut transverse = Self::new(ranges);
         for (i, more) in turning(ranges).into_iter().enumerate() {
-            fading.across[i] += more;
-            fading.along[i].0 -= more;
-            fading.along[i].1 += more;
+            transverse.across[i] += more;
+            transverse.along[i].0 -= more;
+            transverse.along[i].1 += more;
         }
-        fading
+        transverse
     }
 
-    /// What it leaves along the line inside a ball.
-    fn room(&self, i: usize, bound: f64, aside: f64) -> (f64, f64) {
+    /// The range that it leaves along the line inside a ball.
+    fn left(&self, i: usize, bound: f64, aside: f64) -> (f64, f64) {
         let across = self.across[i] + aside;
         let (low, high) = self.along[i];
         let most = high.max(-low).hypot(across);
         if most > bound * (1.0 + SLACK) || most.is_nan() {
             return NONE;
         }
-        // Alone it fits, so that nought is left at least: the root is sensitive to round-off where it vanishes.
+        // Alone it fits, so that nought is left at least: the root is sensitive to round-off where
+        // it vanishes.
         let half = ((bound - across) * (bound + across)).max(0.0).sqrt();
         ((-half - low).min(0.0), (half - high).max(0.0))
     }
 }
 
-/// How much the angular rates of `exp(w)` may differ from the derivatives of `w`.
+/// Bounds of the difference between the angular rates of `exp(w)` and the derivatives of `w`.
 ///
-/// `omega_w` is the integral of `exp(s w) w'` over `s` in `[0, 1]`, and `exp(s w)` itself turns at most at `s |w'|`. With bounds
-/// `p, v, a, j` of `w` and its derivatives that gives `p v/2`; `p a/2 + v²/2 min(1, p)`; `p j/2 + 3/2 v a + v³/2`.
+/// `omega_w` is the integral of `exp(s w) w'` over `s` in `[0, 1]`, and `exp(s w)` itself turns at
+/// most at `s |w'|`. With bounds `p, v, a, j` of `w` and its derivatives that gives `p v/2`;
+/// `p a/2 + v²/2 min(1, p)`; `p j/2 + 3/2 v a + v³/2`.
 fn turning(ranges: &[Ranges]) -> [f64; 3] {
     let active = ranges.iter().filter(|r| r.p > 0.0).count();
     let norm = |f: fn(&Ranges) -> f64| ranges.iter().map(|r| f(r) * f(r)).sum::<f64>().sqrt();
@@ -168,7 +174,7 @@ fn turning(ranges: &[Ranges]) -> [f64; 3] {
     [0.5 * p * v, 0.5 * (p * a + v * v * p.min(1.0)), 0.5 * (p * j + v * (3.0 * a + v * v))]
 }
 
-impl Room<6> for PoseLimits {
+impl FeasibleSet<6> for PoseLimits {
     fn frame(&self, u: &Vector6<f64>, v: &Vector6<f64>, a: &Vector6<f64>) -> Matrix6<f64> {
         let mut frame = Matrix6::zeros();
         for i in BLOCKS {
@@ -216,7 +222,7 @@ impl Room<6> for PoseLimits {
         share
     }
 
-    fn fading(&self, line: &Vector6<f64>, v: &Vector6<f64>, own: &Vector6<f64>, share: f64) -> [BrakeLimits; 6] {
+    fn brake_limits(&self, line: &Vector6<f64>, v: &Vector6<f64>, own: &Vector6<f64>, share: f64) -> [BrakeLimits; 6] {
         let mut limits = [BrakeLimits::default(); 6];
         let square = |x: f64| x * x;
         for (i, bounds) in BLOCKS.into_iter().zip([self.linear, self.angular]) {
@@ -232,7 +238,8 @@ impl Room<6> for PoseLimits {
                 }
                 continue;
             }
-            // Across the line: each at least its own acceleration, both together inside the ball with the line.
+            // Across the line: each at least its own acceleration, both together inside the ball
+            // with the line.
             let free = square(a) - square(line + own[0].abs()) - square(own[1]) - square(own[2]);
             // All three at once make little more than the share.
             let jerk = 0.6 * share * j;
@@ -247,37 +254,37 @@ impl Room<6> for PoseLimits {
         limits
     }
 
-    fn rooms(&self, u: &Vector6<f64>, ranges: &[Ranges; 6]) -> Rooms {
-        let mut rooms = Rooms { v: (-WIDEST, WIDEST), a: (-WIDEST, WIDEST), j: (-WIDEST, WIDEST) };
+    fn scalar_bounds(&self, u: &Vector6<f64>, ranges: &[Ranges; 6]) -> ScalarBounds {
+        let mut bounds = ScalarBounds { v: (-WIDEST, WIDEST), a: (-WIDEST, WIDEST), j: (-WIDEST, WIDEST) };
         let mut narrow = |size: f64, v: (f64, f64), a: (f64, f64), j: (f64, f64)| {
-            for (room, (lower, upper)) in [(&mut rooms.v, v), (&mut rooms.a, a), (&mut rooms.j, j)] {
+            for (range, (lower, upper)) in [(&mut bounds.v, v), (&mut bounds.a, a), (&mut bounds.j, j)] {
                 if lower > upper {
-                    *room = NONE;
+                    *range = NONE;
                 } else if size > 0.0 {
-                    *room = (room.0.max(lower / size), room.1.min(upper / size));
+                    *range = (range.0.max(lower / size), range.1.min(upper / size));
                 }
             }
         };
-        let linear = Fading::new(&ranges[..3]);
+        let linear = Transverse::new(&ranges[..3]);
         let [v, a, j] = self.linear;
-        narrow(u[0].abs(), linear.room(0, v, 0.0), linear.room(1, a, 0.0), linear.room(2, j, 0.0));
+        narrow(u[0].abs(), linear.left(0, v, 0.0), linear.left(1, a, 0.0), linear.left(2, j, 0.0));
 
-        let angular = Fading::angular(&ranges[3..]);
+        let angular = Transverse::angular(&ranges[3..]);
         let [v, a, j] = self.angular;
         let size = u[3].abs();
         let [slow, second, third] = angular.across;
         let (left_a, left_j) = ((a - second).max(0.0), (j - third).max(0.0));
         // Products: at most what full velocity and acceleration would make of them.
-        let one = (2.0 * ASIDE * left_a).min(v * slow);
-        let two = (ASIDE * left_j).min(a * slow);
-        let three = (ASIDE * left_j).min(2.0 * v * second);
-        let four = (ASIDE * left_j).min(v * v * slow);
+        let one = (2.0 * RESERVED_SHARE * left_a).min(v * slow);
+        let two = (RESERVED_SHARE * left_j).min(a * slow);
+        let three = (RESERVED_SHARE * left_j).min(2.0 * v * second);
+        let four = (RESERVED_SHARE * left_j).min(v * v * slow);
         let ratio = |x: f64, y: f64| if y > 0.0 { x / y } else { f64::INFINITY };
         let most_v = v.min(ratio(one, slow)).min(ratio(three, 2.0 * second)).min(ratio(four, slow).sqrt());
         let most_a = a.min(ratio(two, slow));
-        let cap = |room: (f64, f64), most: f64| (room.0.max(-most), room.1.min(most));
-        let (line_v, line_a) = (cap(angular.room(0, v, 0.0), most_v), cap(angular.room(1, a, one), most_a));
-        narrow(size, line_v, line_a, angular.room(2, j, two + three + four));
-        rooms
+        let cap = |range: (f64, f64), most: f64| (range.0.max(-most), range.1.min(most));
+        let (line_v, line_a) = (cap(angular.left(0, v, 0.0), most_v), cap(angular.left(1, a, one), most_a));
+        narrow(size, line_v, line_a, angular.left(2, j, two + three + four));
+        bounds
     }
 }

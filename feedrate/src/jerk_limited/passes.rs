@@ -1,0 +1,183 @@
+//! The passes of the planner: solve every part, check between the grid points, and solve again with
+//! less.
+
+use super::barrier_problem::BarrierProblem;
+use super::between::largest_scale;
+use super::interior_point::Solver;
+use super::parts::{Part, Prepared, prepare};
+use super::solution::{JerkLimitedPlan, NotSolved, Solution, assemble};
+use super::start;
+use crate::error::FeedError;
+use crate::problem::FeedProblem;
+use crate::speed_law::SpeedLaw;
+
+/// Rows far from their bounds are dropped on stretches of as many intervals. On finer ones
+/// acceleration builds up over many intervals, whose rows all are distant at one time or another,
+/// and dropping them means solving twice.
+const DROP_UP_TO: usize = 2500;
+
+/// If more than this has to be taken off the speed at the end, something was left out.
+const LARGE_REDUCTION: f64 = 1e-3;
+
+/// Reduction of the speed that round-off alone can require.
+const ROUND_OFF: f64 = 1e-12;
+
+/// Times that something too fast between the grid points is dealt with, and how many of them by
+/// slowing down.
+const ATTEMPTS: usize = 8;
+const SLOWED_ATTEMPTS: usize = 4;
+
+/// Slowing down at last: with friction each time takes off half of what is too much.
+const LAST_SLOWED_ATTEMPTS: usize = 60;
+
+/// Largest excess over a limit between the grid points of a motion that cannot be slowed down.
+const LARGEST_EXCESS: f64 = 1e-7;
+
+/// Settings for solving one part.
+#[derive(Debug, Clone, Copy)]
+struct Attempt<'a> {
+    drop_distant: bool,
+    /// By which all bounds are lowered.
+    factor: f64,
+    /// A solution that is too fast between the grid points: margins follow it from the start.
+    before: Option<&'a Solution>,
+}
+
+/// The passes with one tolerance on the duration.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Passes {
+    pub tolerance: f64,
+}
+
+impl Passes {
+    /// The fastest iterate inside all bounds, of one stretch.
+    fn solve(
+        &self,
+        prepared: &Prepared,
+        solver: &mut Solver,
+        part: &Part,
+        attempt: Attempt<'_>,
+    ) -> Result<Solution, NotSolved> {
+        let Prepared { problem, fastest, .. } = prepared;
+        let fresh = || {
+            let mut barrier_problem =
+                BarrierProblem::new(problem, [part.grid.start, part.grid.end], part.speeds, fastest);
+            if attempt.factor < 1.0 {
+                barrier_problem.tighten(attempt.factor);
+            }
+            barrier_problem
+        };
+        let mut barrier_problem = fresh();
+        if let Some(before) = attempt.before {
+            barrier_problem.knots.evaluate(&before.c, &mut solver.values);
+            barrier_problem.demand_margins(problem, &solver.values);
+        }
+        let start = start::start(problem, &mut barrier_problem, fastest);
+        let outcome = solver.minimise(problem, &mut barrier_problem, start, self.tolerance, attempt.drop_distant);
+        if outcome.wider <= 10.0 * self.tolerance {
+            // Inside all bounds: a motion, however far it is from the optimum.
+            return Ok(Solution { barrier_problem, c: solver.c.clone(), converged: outcome.is_close() });
+        }
+        if part.slows(problem) {
+            // The bounds were widened for the start and could not be taken back: from a start that
+            // is inside.
+            let mut barrier_problem = fresh();
+            if let Some(start) = start::inside(problem, &barrier_problem, fastest) {
+                let outcome = solver.minimise(problem, &mut barrier_problem, start, self.tolerance, false);
+                return Ok(Solution { barrier_problem, c: solver.c.clone(), converged: outcome.is_close() });
+            }
+        }
+        let error = FeedError::NotConverged {
+            what: "the jerk-limited planner",
+            iterations: outcome.iterations,
+            residual: outcome.wider,
+        };
+        let binding = solver.binding(&barrier_problem).filter(|_| !attempt.drop_distant);
+        let binding = binding.and_then(|i| barrier_problem.limit(problem, i));
+        Err(NotSolved { error, binding })
+    }
+
+    /// The plan, or why there is none, with all rows.
+    pub fn plan(&self, problem: &FeedProblem) -> Result<JerkLimitedPlan, NotSolved> {
+        self.plan_with(problem, DROP_UP_TO).or_else(|why| match why.error {
+            FeedError::NotConverged { .. } => self.plan_with(problem, 0),
+            _ => Err(why),
+        })
+    }
+
+    /// The plan. Rows far from their bounds are dropped on stretches of up to `drop_up_to`
+    /// intervals.
+    fn plan_with(&self, problem: &FeedProblem, drop_up_to: usize) -> Result<JerkLimitedPlan, NotSolved> {
+        let prepared = &prepare(problem)?;
+        let Prepared { problem, parts, .. } = prepared;
+        let mut solver = Solver::default();
+        let mut solutions = Vec::with_capacity(parts.len());
+        for part in parts {
+            let attempt = Attempt { drop_distant: part.grid.len() <= drop_up_to, factor: 1.0, before: None };
+            solutions.push(self.solve(prepared, &mut solver, part, attempt)?);
+        }
+        let mut plan = assemble(problem, &solutions)?;
+        let mut factors = vec![1.0; parts.len()];
+        for attempt in 0..ATTEMPTS {
+            let mut changed = false;
+            for ((part, solution), factor) in parts.iter().zip(&mut solutions).zip(&mut factors) {
+                let scale = largest_scale(problem, &plan, part.grid.clone());
+                if scale >= 1.0 - ROUND_OFF {
+                    continue;
+                }
+                changed = true;
+                if scale < 1.0 - LARGE_REDUCTION && attempt == 0 {
+                    let careful = Attempt { drop_distant: false, factor: 1.0, before: Some(solution) };
+                    *solution = self.solve(prepared, &mut solver, part, careful)?;
+                } else if part.slows(problem) && attempt < SLOWED_ATTEMPTS {
+                    solution.scale(scale);
+                } else {
+                    // With less for all rows: friction gains on the rest where the motion is slowed
+                    // down.
+                    *factor *= 1.0 - 2.0 * (1.0 - scale);
+                    let lower = Attempt { drop_distant: false, factor: *factor, before: None };
+                    *solution = self.solve(prepared, &mut solver, part, lower)?;
+                }
+            }
+            if !changed {
+                return Ok(JerkLimitedPlan::of(plan, &solutions));
+            }
+            plan = assemble(problem, &solutions)?;
+        }
+        self.slow_down(prepared, solutions, plan)
+    }
+
+    /// Takes off the speed what is still too much, as long as that helps.
+    fn slow_down(
+        &self,
+        prepared: &Prepared,
+        mut solutions: Vec<Solution>,
+        mut plan: SpeedLaw,
+    ) -> Result<JerkLimitedPlan, NotSolved> {
+        let Prepared { problem, parts, .. } = prepared;
+        for _ in 0..LAST_SLOWED_ATTEMPTS {
+            let mut changed = false;
+            for (part, solution) in parts.iter().zip(&mut solutions) {
+                let scale = largest_scale(problem, &plan, part.grid.clone());
+                if scale < 1.0 - ROUND_OFF && scale > 0.0 && part.slows(problem) {
+                    solution.scale(scale);
+                    changed = true;
+                }
+            }
+            if !changed {
+                break;
+            }
+            plan = assemble(problem, &solutions)?;
+        }
+        let left = 1.0 - largest_scale(problem, &plan, 0..problem.intervals());
+        if left <= LARGEST_EXCESS {
+            return Ok(JerkLimitedPlan::of(plan, &solutions));
+        }
+        Err(FeedError::NotConverged {
+            what: "the jerk-limited planner between the grid points",
+            iterations: ATTEMPTS,
+            residual: left,
+        }
+        .into())
+    }
+}

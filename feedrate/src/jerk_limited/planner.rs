@@ -1,0 +1,71 @@
+//! The planner as a user sees it.
+
+use super::end_speed::explain;
+use super::passes::Passes;
+use super::solution::JerkLimitedPlan;
+use crate::error::{FeedError, positive};
+use crate::problem::{FeedPlanner, FeedProblem};
+use crate::speed_law::SpeedLaw;
+
+/// The jerk-limited planner: velocity, acceleration, torque and jerk, kept between the grid points
+/// too, in the least time that a quadratic spline on the grid allows.
+///
+/// Needs [`FeedProblem::between_points`] with at least one jerk row, and four intervals between two
+/// stops. Where the path starts or ends in motion the acceleration there is 0. It stops at grid
+/// points whose cap is 0. Put the knots of a spline path on the grid.
+///
+/// Time and memory grow with the number of rows, the iterations slowly with the number of intervals
+/// (about 12 for 1000, 20 for 10 000, 25 to 45 for 100 000). More than 200 000 intervals or five
+/// million rows (some 160 000 intervals of a six-axis arm) are refused: such a path is better
+/// planned on a coarser grid, which keeps the limits between its points as well.
+///
+/// ```
+/// use arcfeed_feedrate::constraint::{Feed, TangentialAcceleration, TangentialJerk};
+/// use arcfeed_feedrate::{FeedPlanner, FeedProblem, JerkLimited, MotionLaw};
+///
+/// // A straight path of 0.2 m: the answer is nearly the seven-phase profile, which takes 1.15 s.
+/// let grid: Vec<f64> = (0..=200).map(|i| 0.001 * f64::from(i)).collect();
+/// let feed = Feed::new(&[0.2; 200])?;
+/// let (acceleration, jerk) = (TangentialAcceleration::new(2.0)?, TangentialJerk::new(40.0)?);
+/// let problem = FeedProblem::between_points(&grid, &[&feed, &acceleration, &jerk])?;
+/// let plan = JerkLimited::default().plan(&problem)?;
+/// assert!((plan.duration() - 1.15).abs() < 0.005, "{}", plan.duration());
+/// # Ok::<(), arcfeed_feedrate::FeedError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JerkLimited {
+    tolerance: f64,
+}
+
+impl Default for JerkLimited {
+    /// Stops within 2e-4 of the optimal duration.
+    fn default() -> Self {
+        Self { tolerance: 2e-4 }
+    }
+}
+
+impl JerkLimited {
+    /// Stops once the duration is within this fraction of the optimum of its problem; 1e-8 at the
+    /// least is used.
+    ///
+    /// # Errors
+    /// [`FeedError::NotFinite`], [`FeedError::NotPositive`].
+    pub fn new(tolerance: f64) -> Result<Self, FeedError> {
+        Ok(Self { tolerance: positive("tolerance", tolerance)?.clamp(1e-8, 1e-2) })
+    }
+
+    /// The law, and whether the iterations converged.
+    ///
+    /// # Errors
+    /// As [`FeedPlanner::plan`].
+    pub fn plan_noting_convergence(&self, problem: &FeedProblem) -> Result<JerkLimitedPlan, FeedError> {
+        let passes = Passes { tolerance: self.tolerance };
+        passes.plan(problem).map_err(|why| explain(&passes, problem, why))
+    }
+}
+
+impl FeedPlanner for JerkLimited {
+    fn plan(&self, problem: &FeedProblem) -> Result<SpeedLaw, FeedError> {
+        self.plan_noting_convergence(problem).map(|plan| plan.law)
+    }
+}

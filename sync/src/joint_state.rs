@@ -1,0 +1,31 @@
+//! The state of several axes.
+
+use nalgebra::SVector;
+
+/// Position of all axes and its first three derivatives by time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointState<const N: usize> {
+    /// Position (rad).
+    pub q: SVector<f64, N>,
+    /// Velocity (rad/s).
+    pub qd: SVector<f64, N>,
+    /// Acceleration (rad/s²).
+    pub qdd: SVector<f64, N>,
+    /// Jerk (rad/s³).
+    pub qddd: SVector<f64, N>,
+}
+
+impl<const N: usize> JointState<N> {
+    /// At rest at a position (rad).
+    pub fn rest(q: SVector<f64, N>) -> Self {
+        let still = SVector::zeros();
+        Self { q, qd: still, qdd: still, qddd: still }
+    }
+}
+
+impl<const N: usize> Default for JointState<N> {
+    fn default() -> Self {
+        let zero = SVector::zeros();
+        Self { q: zero, qd: zero, qdd: zero, qddd: zero }
+    }
+}
