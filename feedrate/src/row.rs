@@ -42,6 +42,12 @@ pub enum Quantity {
     /// Difference between the tool of a setpoint and the tool of its joints, in units of what
     /// counts as zero.
     SetpointAgreement,
+    /// Distance of a joint from the position asked for at the start or at the end.
+    EndPosition,
+    /// Difference from the velocity asked for at the start or at the end.
+    EndVelocity,
+    /// Difference from the acceleration asked for at the start or at the end.
+    EndAcceleration,
     /// A corner or a jump of curvature that a limit on acceleration or jerk cannot pass in motion.
     Corner,
     /// The speed asked for at the start.
@@ -75,6 +81,9 @@ impl Quantity {
             Self::Continuity => "continuity",
             Self::Ends => "state at both ends",
             Self::SetpointAgreement => "setpoint agreement",
+            Self::EndPosition => "position at both ends",
+            Self::EndVelocity => "velocity at both ends",
+            Self::EndAcceleration => "acceleration at both ends",
             Self::Corner => "corner",
             Self::StartSpeed => "start speed",
             Self::EndSpeed => "end speed",
@@ -86,9 +95,9 @@ impl Quantity {
     /// SI unit of its values, where the path's parameter is in metres.
     pub const fn unit(self) -> &'static str {
         match self {
-            Self::JointPosition | Self::OrientationDeviation => "rad",
-            Self::JointVelocity | Self::AngularSpeed => "rad/s",
-            Self::JointAcceleration => "rad/s^2",
+            Self::JointPosition | Self::OrientationDeviation | Self::EndPosition => "rad",
+            Self::JointVelocity | Self::AngularSpeed | Self::EndVelocity => "rad/s",
+            Self::JointAcceleration | Self::EndAcceleration => "rad/s^2",
             Self::JointJerk => "rad/s^3",
             Self::JointTorque => "N m",
             Self::Feed | Self::Corner | Self::StartSpeed | Self::EndSpeed | Self::ControllableSet => "m/s",

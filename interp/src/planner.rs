@@ -376,7 +376,10 @@ fn lowerable(verification: &Verification, jerk_limited: bool) -> Option<Vec<(Lim
             | Quantity::PathDeviation
             | Quantity::OrientationDeviation
             | Quantity::Ends
-            | Quantity::SetpointAgreement => return None,
+            | Quantity::SetpointAgreement
+            | Quantity::EndPosition
+            | Quantity::EndVelocity
+            | Quantity::EndAcceleration => return None,
             Quantity::Continuity if jerk_limited => LimitId { quantity: Quantity::JointJerk, ..check.id },
             Quantity::Continuity => LimitId { quantity: Quantity::JointAcceleration, ..check.id },
             _ => check.id,

@@ -11,7 +11,7 @@ impl<const N: usize> LivePath<'_, N> {
     /// Holds the recorded setpoints of a motion, one a control period, against every limit: those of
     /// the joints all the time, those of the tool while it is on the path.
     ///
-    /// `start` is the setpoint before the first cycle. Each cycle comes with whether the tool is on
+    /// `start` is the setpoint before the first cycle; the motion is at rest there and after the last. Each cycle comes with whether the tool is on
     /// the path at its end.
     pub fn verify<'s>(
         &self,
@@ -33,6 +33,7 @@ impl<const N: usize> LivePath<'_, N> {
         let mut before = Sample::new(&requirement, *start);
         let (mut was_on_path, mut samples) = (true, 1);
         tally.look(&before);
+        tally.end(&before, start.s, 0.0);
         for (setpoint, on_path) in cycles {
             let sample = Sample::new(&requirement, *setpoint);
             samples += 1;
@@ -46,10 +47,11 @@ impl<const N: usize> LivePath<'_, N> {
                 let middle = self.path().pose_path().curve().point(0.5 * (before.at.s + sample.at.s));
                 tally.chord_at(middle, [&before, &sample]);
             } else {
-                tally.compare_joints([&before, &before, &sample]);
+                tally.compare_joints([&before, &before, &sample], false);
             }
             (before, was_on_path) = (sample, on_path);
         }
+        tally.end(&before, before.at.s, 0.0);
         tally.finish(samples)
     }
 }

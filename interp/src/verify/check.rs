@@ -71,12 +71,18 @@ impl Verification {
         self.bindings.iter().find(|binding| binding.id == id).map_or(&[], |binding| &binding.intervals)
     }
 
-    /// The check with the largest ratio.
+    /// The check with the largest ratio; one that is not a number where nothing was checked.
     pub fn worst(&self) -> Check {
-        self.checks
-            .iter()
-            .copied()
-            .fold(self.checks[0], |m, c| if c.ratio > m.ratio || c.ratio.is_nan() { c } else { m })
+        let nothing = Check {
+            id: LimitId::path(Quantity::Continuity),
+            value: f64::NAN,
+            limit: f64::NAN,
+            ratio: f64::NAN,
+            s: 0.0,
+            t: 0.0,
+        };
+        let checks = self.checks.iter().copied();
+        checks.reduce(|m, c| if c.ratio > m.ratio || c.ratio.is_nan() { c } else { m }).unwrap_or(nothing)
     }
 
     /// The check of one limit, where it was looked at.
@@ -92,8 +98,8 @@ impl Verification {
 
     /// True where no ratio exceeds `1 + tolerance`.
     pub fn holds(&self, tolerance: f64) -> bool {
-        // NaN does not hold.
-        self.checks.iter().all(|check| check.ratio <= 1.0 + tolerance)
+        // NaN does not hold, and neither does nothing.
+        !self.checks.is_empty() && self.checks.iter().all(|check| check.ratio <= 1.0 + tolerance)
     }
 
     /// Number of setpoints looked at.

@@ -12,6 +12,12 @@ const END_POSITION: f64 = 1e-9;
 /// And by this much of the limit on velocity and on acceleration.
 const END_RATE: f64 = 1e-6;
 
+/// What is asked of both ends.
+const ENDS: [Quantity; 3] = [Quantity::EndPosition, Quantity::EndVelocity, Quantity::EndAcceleration];
+
+/// Rounding of a velocity in a file or a controller, absolute and relative.
+const SPEED: [f64; 2] = [1e-14, 1e-14];
+
 /// Holds a recorded joint motion against the limits, without the help of whatever made it.
 ///
 /// Every sample is held against the limits on position, velocity and acceleration, and against the
@@ -41,7 +47,7 @@ const END_RATE: f64 = 1e-6;
 #[derive(Debug, Clone)]
 pub struct JointCheck<const N: usize> {
     tally: JointTally<N>,
-    ends: EachJoint,
+    ends: [EachJoint; 3],
     before: Option<(JointSample<N>, JointRates<N>)>,
     excesses: [Excess; N],
     samples: usize,
@@ -54,7 +60,7 @@ impl<const N: usize> JointCheck<N> {
         let rates = JointRates { velocity: none, acceleration: none, jerk: none };
         Self {
             tally: JointTally::new(range, &rates, true),
-            ends: each::<N>(Quantity::Ends, &Joints::repeat(1.0)),
+            ends: ENDS.map(|quantity| each::<N>(quantity, &none)),
             before: None,
             excesses: [Excess::default(); N],
             samples: 0,
@@ -70,7 +76,10 @@ impl<const N: usize> JointCheck<N> {
         match self.before {
             Some((before, during)) if dt > 0.0 => self.compare(&before, sample, dt, &during),
             Some(_) => {}
-            None => self.change(sample, rates),
+            None => {
+                self.change(sample, rates);
+                self.look(sample, rates);
+            }
         }
         if self.before.is_some_and(|(_, during)| during != *rates) {
             self.change(sample, rates);
@@ -84,19 +93,24 @@ impl<const N: usize> JointCheck<N> {
         let (velocity, acceleration) =
             self.before.map_or((Joints::zeros(), Joints::zeros()), |(_, r)| (r.velocity, r.acceleration));
         for (k, (s, w)) in states.iter().zip(wanted).enumerate() {
-            for (off, zero) in [
+            let misses = [
                 (s.p - w.p, END_POSITION.max(4.0 * f64::EPSILON * w.p.abs())),
                 (s.v - w.v, END_RATE * velocity[k]),
                 (s.a - w.a, END_RATE * acceleration[k]),
-            ] {
-                self.ends[k].see(if off == 0.0 { 0.0 } else { off / zero }, Moment::at_time(t));
+            ];
+            for (each, (miss, zero)) in self.ends.iter_mut().zip(misses) {
+                each[k].see_against(miss, zero, Moment::at_time(t));
             }
         }
     }
 
     /// For every limit the place where the motion comes closest to it.
     pub fn finish(self) -> Verification {
-        sum_up(self.tally.into_all().chain(self.ends), self.samples)
+        // Of the joints the one that misses its state most.
+        let ends = self.ends.into_iter().filter_map(|each| {
+            each.into_iter().reduce(|m, w| if w.ratio() > m.ratio() || w.ratio().is_nan() { w } else { m })
+        });
+        sum_up(self.tally.into_all().chain(ends), self.samples)
     }
 
     /// Checks the motion of the joints at `now`, and from `before` to it, under the rates `during` that time.
@@ -123,8 +137,22 @@ impl<const N: usize> JointCheck<N> {
                 jerk[k].see_against(beyond(now.qdd[k] - before.qdd[k], noise), during.jerk[k], at);
             }
         }
-        let rounding = || Joints::from_fn(|k, _| noise_q(k));
-        self.tally.see_step([before, now], (dt, 0.0), &rates, rounding, at);
+        // `see_step` adds that of the clock.
+        let rounding = || Joints::from_fn(|k, _| 1e-14 * (1.0 + size(&before.q, &now.q, k)));
+        self.tally.see_step([before, now], (dt, 0.0), &rates, (rounding, SPEED), at);
+    }
+
+    /// Velocity and acceleration of the first sample.
+    fn look(&mut self, sample: &JointSample<N>, rates: &JointRates<N>) {
+        let at = Moment::at_time(sample.t);
+        for k in 0..N {
+            let [velocity, acceleration] = self.excesses[k].limits(sample.t, rates.velocity[k], rates.acceleration[k]);
+            self.tally.velocity[k].see_against(sample.qd[k], velocity, at);
+            self.tally.acceleration[k].see_against(sample.qdd[k], acceleration, at);
+            if let Some(jerk) = &mut self.tally.jerk {
+                jerk[k].see_against(0.0, rates.jerk[k], at);
+            }
+        }
     }
 
     /// New limits are in force from `sample` on.

@@ -8,8 +8,6 @@ use super::worst::{Moment, Worst};
 /// Rounding moves a joint by less than this between two samples, rad (m): at the least singular
 /// value that a plan comes to, an arm of 20 m is off by less.
 const MOST_ROUNDING: f64 = 1e-9;
-/// Relative rounding of a speed: where a motion ends at one, its law and that speed need not agree in every digit.
-const SPEED: f64 = 1e-10;
 
 /// The limits of each joint.
 pub(super) type EachJoint = Vec<Worst>;
@@ -85,13 +83,14 @@ impl<const N: usize> JointTally<N> {
     /// `|v1 - v0 - dt (a0 + a1) / 2| <= J dt^2 / 4`; one with acceleration below A satisfies
     /// `|q1 - q0 - dt (v0 + v1) / 2| <= A dt^2 / 4` and `|v1 - v0| <= A dt`. Where the acceleration may
     /// step within a time `step` (s), the step counts as a jerk J over it. `rounding` gives what
-    /// rounding adds to a difference of positions; it is asked for where it decides.
+    /// rounding adds to a difference of positions; it is asked for where it decides. `speed` and
+    /// `of_speed` are the absolute and the relative rounding of velocities.
     pub fn see_step(
         &mut self,
         [a, b]: [&JointSample<N>; 2],
         (dt, step): (f64, f64),
         rates: &JointRates<N>,
-        rounding: impl Fn() -> Joints<N>,
+        (rounding, [speed, of_speed]): (impl Fn() -> Joints<N>, [f64; 2]),
         at: Moment,
     ) {
         let mut rounded: Option<Joints<N>> = None;
@@ -101,15 +100,18 @@ impl<const N: usize> JointTally<N> {
             let v = (b.qd[k] - a.qd[k] - 0.5 * dt * (a.qdd[k] + b.qdd[k])).abs();
             let allowed_q = (jerk * (dt / 12.0 + step / 8.0)).min(0.25 * acceleration) * dt * dt;
             let worse = q > allowed_q * self.continuity[k].ratio().max(1.0);
+            // The time at which a sample is taken is rounded, too.
+            let clock = 2.0 * f64::EPSILON * b.t;
+            let noise_q = clock * (a.qd[k].abs() + b.qd[k].abs());
             let ratio_q = match worse && q < allowed_q + MOST_ROUNDING {
-                true => q / (allowed_q + rounded.get_or_insert_with(&rounding)[k]),
+                true => q / (allowed_q + noise_q + rounded.get_or_insert_with(&rounding)[k]),
                 false => q / allowed_q,
             };
-            // Rounding of v, which is a sum of terms larger than itself, and of the time it is taken at.
-            let clock = 2.0 * f64::EPSILON * b.t;
-            let noise_v = 1e-12 + SPEED * b.qd[k].abs() + clock * (a.qdd[k].abs() + b.qdd[k].abs());
+            let noise_v = speed + of_speed * b.qd[k].abs() + clock * (a.qdd[k].abs() + b.qdd[k].abs());
             let ratio_v = v / ((jerk * (dt / 4.0 + step / 2.0)).min(2.0 * acceleration) * dt + noise_v);
-            self.continuity[k].see(ratio_q.max(ratio_v), at);
+            // One by one, so that a NaN of either stays.
+            self.continuity[k].see(ratio_q, at);
+            self.continuity[k].see(ratio_v, at);
             if jerk == f64::INFINITY {
                 let change = (b.qd[k] - a.qd[k]).abs();
                 self.continuity[k].see(change / (acceleration * dt + noise_v), at);

@@ -13,7 +13,9 @@ pub(crate) struct Sample<const N: usize> {
     pub velocity: Vector3<f64>,
     /// Angular speed.
     pub turning: f64,
-    /// Acceleration of the tool point along its motion and across it.
+    /// True if the tool moves; its direction is that of the path otherwise.
+    pub moves: bool,
+    /// Acceleration of the tool point along its direction and across it.
     pub tangential: f64,
     pub normal: f64,
     /// Distance from the path and angle to its orientation, where the path prescribes the tool.
@@ -39,7 +41,8 @@ impl<const N: usize> Sample<N> {
             Some(tool) => linear(tool.d1).try_normalize(0.5),
             None => r.path.jet(at.s, &at.q).ok().and_then(|jet| linear(jacobian * jet.d1).try_normalize(1e-9)),
         };
-        let direction = velocity.try_normalize(1e-9).or_else(of_path);
+        let of_motion = velocity.try_normalize(1e-9);
+        let direction = of_motion.or_else(of_path);
         let tangential = direction.map_or(0.0, |direction| acceleration.dot(&direction));
         let normal = direction.map_or(0.0, |direction| (acceleration - direction * tangential).norm());
         let stated = (at.pose.translation.vector - position).norm() + at.pose.rotation.angle_to(&pose.rotation);
@@ -48,6 +51,7 @@ impl<const N: usize> Sample<N> {
             misstated: stated,
             position,
             velocity,
+            moves: of_motion.is_some(),
             turning: Vector3::new(twist[3], twist[4], twist[5]).norm(),
             tangential,
             normal,

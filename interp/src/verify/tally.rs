@@ -21,6 +21,9 @@ const JOINT_TOLERANCE: f64 = 1e-9;
 /// The value that counts as zero, relative to a limit or to the length of the path: speed at the ends, and the difference between
 /// what a setpoint says of the tool and what its joints do.
 const ZERO: f64 = 1e-6;
+/// Rounding of a joint velocity, absolute and relative: it is a sum of terms larger than itself, and where a motion ends at
+/// a speed, its law and that speed need not agree in every digit.
+const SPEED: [f64; 2] = [1e-12, 1e-10];
 /// Rounding of an acceleration of the tool, m/s^2.
 const ROUNDING: f64 = 1e-11;
 /// Intervals of the path's length over which a limit may be let go without that being a gap.
@@ -168,7 +171,7 @@ impl<'a, const N: usize> Tally<'a, N> {
 
     /// Limits on what happens from one sample to the next; the first sample is the one a control period ago.
     pub fn compare(&mut self, samples: [&Sample<N>; 3]) {
-        self.compare_joints(samples);
+        self.compare_joints(samples, true);
         let [_, before, now] = samples;
         let dt = now.at.t - before.at.t;
         if let Some(worst) = self.tangential_jerk.as_mut().filter(|_| dt > 0.0) {
@@ -178,14 +181,14 @@ impl<'a, const N: usize> Tally<'a, N> {
         }
     }
 
-    /// The same, for the joints alone.
-    pub fn compare_joints(&mut self, [first, before, now]: [&Sample<N>; 3]) {
+    /// The same, for the joints alone; `on_path` tells whether they follow the path all the time.
+    pub fn compare_joints(&mut self, [first, before, now]: [&Sample<N>; 3], on_path: bool) {
         let (a, b) = (&before.at, &now.at);
         let dt = b.t - a.t;
         if dt <= 0.0 {
             return;
         }
-        let crosses = |from: f64, to: f64| self.jumps.iter().any(|&s| from <= s && s <= to);
+        let crosses = |a: f64, b: f64| on_path && self.jumps.iter().any(|&s| a.min(b) <= s && s <= a.max(b));
         // Where the curvature itself jumps, acceleration has to step; a controller sees it spread over its period.
         let (base, span) = if crosses(a.s, b.s) { (first, self.r.period) } else { (before, dt) };
         let jumped = crosses(first.at.s, b.s);
@@ -202,7 +205,7 @@ impl<'a, const N: usize> Tally<'a, N> {
         let path = self.r.path;
         let rounding = || path.rounding(&a.q) + path.rounding(&b.q);
         let samples = [a, b].map(|at| JointSample { t: at.t, q: at.q, qd: at.qd, qdd: at.qdd });
-        self.joints.see_step([&samples[0], &samples[1]], (dt, step), &self.rates, rounding, b.into());
+        self.joints.see_step([&samples[0], &samples[1]], (dt, step), &self.rates, (rounding, SPEED), b.into());
     }
 
     /// One place of the path, reached within a control cycle, against the straight line between the cycle's samples.
@@ -261,9 +264,8 @@ fn misfit<const N: usize>(r: &Requirement<'_, N>, sample: &Sample<N>) -> f64 {
         PathParameter::ArcLength => {
             let speed = sample.velocity.norm();
             // A tool that steps back moves against the direction of the path.
-            let forward = if at.feed < 0.0 { -1.0 } else { 1.0 };
-            pose + (forward * at.feed - speed).abs() / r.feed_at(at.s).min(fast)
-                + (forward * at.acceleration - sample.tangential).abs() / strong
+            let along = if at.feed < 0.0 && sample.moves { -sample.tangential } else { sample.tangential };
+            pose + (at.feed.abs() - speed).abs() / r.feed_at(at.s).min(fast) + (at.acceleration - along).abs() / strong
         }
         PathParameter::RotationAngle => pose + (at.feed - sample.turning).abs() / r.limits.joints().velocity().min(),
         // The parameter is no measure of the tool.

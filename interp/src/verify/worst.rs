@@ -53,7 +53,7 @@ impl Worst {
     /// The same, for a limit that is not the same everywhere.
     pub fn see_against(&mut self, value: f64, limit: f64, at: impl Into<Moment>) {
         let at = at.into();
-        let ratio = if value == 0.0 { 0.0 } else { value.abs() / limit };
+        let ratio = if value == 0.0 && !limit.is_nan() { 0.0 } else { value.abs() / limit };
         // A NaN, once seen, stays.
         if self.check.ratio.is_nan() {
             return;
@@ -87,8 +87,12 @@ impl Worst {
 
 /// The result, from the worst places of all limits.
 pub(super) fn sum_up(all: impl Iterator<Item = Worst>, samples: usize) -> Verification {
-    // An infinite limit is none.
-    let all: Vec<Worst> = all.filter(|worst| worst.check.limit != f64::INFINITY).collect();
+    // An infinite limit is none. What is not a number stays, whatever its limit.
+    let mut all: Vec<Worst> = all.filter(|w| w.check.limit != f64::INFINITY || w.check.ratio.is_nan()).collect();
+    if samples == 0 {
+        // What nobody has looked at does not hold.
+        all.iter_mut().for_each(|worst| worst.check.ratio = f64::NAN);
+    }
     Verification {
         checks: all.iter().map(Worst::check).collect(),
         bindings: all.into_iter().filter_map(Worst::binding).collect(),

@@ -141,3 +141,30 @@ fn a_joint_outside_lowered_limits_has_the_time_of_its_brake_and_no_more() {
     assert!(judged(0) <= 1.0 + 1e-6, "{}", judged(0));
     assert!(judged(50) > 1.02, "{}", judged(50));
 }
+
+#[test]
+fn what_nobody_has_looked_at_does_not_hold() {
+    let nothing = JointCheck::new(&range()).finish();
+    assert!(!nothing.holds(1e-6) && nothing.worst().ratio.is_nan(), "{:?}", nothing.checks());
+    let no_joints = JointRange::<0>::new(Joints::zeros(), Joints::zeros()).expect("an empty range");
+    assert!(!JointCheck::new(&no_joints).finish().holds(1e-6));
+    assert!(JointCheck::new(&no_joints).finish().worst().ratio.is_nan());
+}
+
+#[test]
+fn one_sample_is_held_against_every_limit() {
+    let limits = rates(3.0, 100.0);
+    let sample = |qd: f64, qdd: f64| JointSample { t: 0.0, q: [0.0].into(), qd: [qd].into(), qdd: [qdd].into() };
+    let rest = judged(&[sample(0.0, 0.0)], PERIOD, &limits);
+    assert!(rest.holds(1e-6));
+    for quantity in [Quantity::JointVelocity, Quantity::JointAcceleration, Quantity::JointJerk] {
+        assert_eq!(ratio(&rest, quantity), 0.0, "{quantity}");
+    }
+    // Not a number, whatever the limit.
+    let free = JointRates { jerk: [f64::INFINITY].into(), ..limits };
+    for (qd, qdd) in [(f64::NAN, 0.0), (0.0, f64::NAN)] {
+        assert!(!judged(&[sample(qd, qdd)], PERIOD, &free).holds(1e-6), "{qd} {qdd}");
+    }
+    let unknown = JointRates { velocity: [f64::NAN].into(), ..limits };
+    assert!(!judged(&[sample(0.0, 0.0)], PERIOD, &unknown).holds(1e-6));
+}

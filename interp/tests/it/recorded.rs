@@ -104,3 +104,18 @@ fn a_live_motion_holds_and_each_spoilt_one_is_named() {
         assert!(ratio.is_nan() || ratio > 1.0 + 1e-6, "{name}: {ratio}");
     }
 }
+
+#[test]
+fn a_late_motion_is_no_false_alarm() {
+    let arm = common::arm();
+    let planner = Planner::new(&arm, Limits::new(common::limits(&arm)).with_tool(common::tool()));
+    let path = ToolPath::new(&arm, common::tool_down(common::knotted()), arm.range()).expect("in reach");
+    let live = planner.live(path).expect("in reach");
+    let mut motion = HybridMotion::new(&live, 0.8 * common::FEED).expect("a feed");
+    let start = motion.setpoint().q;
+    let mut record = played(&mut motion, start + Joints::from([1.2, -0.4, 0.5, 0.1, 0.1, 1.2]));
+    // The same motion after a day.
+    record.iter_mut().for_each(|(p, _)| p.t += 86_400.0);
+    let late = live.verify(&record[0].0, record[1..].iter().map(|(p, on_path)| (p, *on_path)));
+    assert!(late.holds(1e-6), "{:?}", late.worst());
+}

@@ -21,10 +21,10 @@ pub fn limit_lines(verification: &Verification, parameter: PathParameter) -> Vec
 
 fn unit(quantity: Quantity, joint: Option<usize>) -> LimitUnit {
     match quantity {
-        Quantity::JointPosition | Quantity::OrientationDeviation => LimitUnit::Radian,
-        Quantity::JointVelocity | Quantity::AngularSpeed => LimitUnit::RadianPerSecond,
+        Quantity::JointPosition | Quantity::OrientationDeviation | Quantity::EndPosition => LimitUnit::Radian,
+        Quantity::JointVelocity | Quantity::AngularSpeed | Quantity::EndVelocity => LimitUnit::RadianPerSecond,
         Quantity::JointTorque => LimitUnit::NewtonMetre,
-        Quantity::JointAcceleration => LimitUnit::RadianPerSecond2,
+        Quantity::JointAcceleration | Quantity::EndAcceleration => LimitUnit::RadianPerSecond2,
         Quantity::JointJerk => LimitUnit::RadianPerSecond3,
         Quantity::Feed => LimitUnit::MetrePerSecond,
         Quantity::TangentialAcceleration | Quantity::NormalAcceleration => LimitUnit::MetrePerSecond2,

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use arcfeed_interp::PathArm;
 use arcfeed_kinematics::{AnalyticInverse, JointLimits};
 use robot_cr7::plot::run_pictures;
-use robot_cr7::{Clock, Cr7, Cr7Error, RunReport, Scenario, Staging};
+use robot_cr7::{Clock, Cr7, Cr7Error, LimitsHold, RunReport, Scenario, Staging};
 
 use crate::Failure;
 use crate::output::{REPORTS, conclude, say_as_is};
@@ -105,11 +105,13 @@ where
     let played = stage.play(if args.real_time { Clock::RealTime } else { Clock::Simulated })?;
     progress.step("measuring");
     let report = RunReport::new(&stage, &played);
-    progress.step("writing");
-    staging.write_trajectory("trajectory.csv", played.rows())?;
-    staging.write_trajectory("simulated.csv", stage.simulated_rows(&played))?;
-    for (name, svg) in run_pictures(&stage, &played, &report) {
-        staging.write(name, &svg.map_err(|source| staging.failed(name, source))?)?;
+    if LimitsHold::of(&report.limits).is_ok() {
+        progress.step("writing");
+        staging.write_trajectory("trajectory.csv", played.rows())?;
+        staging.write_trajectory("simulated.csv", stage.simulated_rows(&played))?;
+        for (name, svg) in run_pictures(&stage, &played, &report) {
+            staging.write(name, &svg.map_err(|source| staging.failed(name, source))?)?;
+        }
     }
     drop(progress);
     conclude(report, staging, args.json, "lower the feed, or take another path or start")

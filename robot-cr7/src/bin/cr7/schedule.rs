@@ -5,7 +5,9 @@ use std::path::PathBuf;
 use arcfeed_interp::Method;
 use clap::ValueEnum;
 use robot_cr7::plot::{shares_picture, speed_picture};
-use robot_cr7::{Cr7Error, Robot, ScheduleFile, ScheduleRun, ScheduleWay, SpeedTask, Staging, TrajectoryWriter};
+use robot_cr7::{
+    Cr7Error, LimitsHold, Robot, ScheduleFile, ScheduleRun, ScheduleWay, SpeedTask, Staging, TrajectoryWriter,
+};
 
 use crate::Failure;
 use crate::joint_space::for_joints;
@@ -123,8 +125,10 @@ fn finish<const N: usize>(args: &Args, mut staging: Staging, task: &SpeedTask<'_
     let mut trajectory = TrajectoryWriter::new(staging.create(name)?).map_err(|e| staging.failed(name, e))?;
     let run = ScheduleRun::of(task, |row| trajectory.write(row).map_err(|e| staging.failed(name, e)))?;
     trajectory.finish().map_err(|e| staging.failed(name, e))?;
-    for (name, svg) in [(FILES[1], speed_picture(&run.speed)), (FILES[2], shares_picture(&run.shares))] {
-        staging.write(name, &svg.map_err(|source| staging.failed(name, source))?)?;
+    if LimitsHold::of(&run.report.limits).is_ok() {
+        for (name, svg) in [(FILES[1], speed_picture(&run.speed)), (FILES[2], shares_picture(&run.shares))] {
+            staging.write(name, &svg.map_err(|source| staging.failed(name, source))?)?;
+        }
     }
     drop(progress);
     let remedy = "take --planner jerk-limited, more intervals, or lower start_speed and end_speed";
