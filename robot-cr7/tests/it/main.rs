@@ -17,9 +17,12 @@ mod pinned;
 #[cfg(feature = "cli")]
 mod random_jobs;
 #[cfg(feature = "cli")]
+mod reproduce;
+#[cfg(feature = "cli")]
 mod robots;
 #[cfg(feature = "cli")]
 mod run;
+mod sabotage;
 mod scenarios;
 #[cfg(feature = "cli")]
 mod schedule;
