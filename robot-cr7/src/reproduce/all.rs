@@ -11,6 +11,21 @@ pub type Paper = (&'static str, fn() -> Result<Reproduced, Cr7Error>);
 /// The papers that are reproduced.
 pub const PAPERS: &[Paper] = &[("pn", liu_2023), ("hs", || Ok(liu_2024())), ("qb", || Ok(huang_2025()))];
 
+/// What stands before the tables in Markdown.
+const INTRODUCTION: &str = "# The numbers of the papers beside ours
+
+`cr7 reproduce all --markdown` wrote this page. Each row has a kind:
+
+* **independent**: recomputed from samples, by finite differences, or by another method than the one that is judged.
+* **print**: equal to a printed number within the rounding of the print.
+* **fitted**: the printed number was used to make a stand-in, so agreement shows nothing.
+* **information**: shown, and not judged.
+
+Only the first two count. `robot-cr7/tests/it/sabotage.rs` spoils the results on purpose and names the row that each
+mutation breaks. [papers.md](papers.md) lists every part of the papers.
+
+";
+
 /// The rows of several papers.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Overview {
@@ -50,7 +65,7 @@ impl Overview {
 
     /// Every row, as tables in Markdown, paper by paper.
     pub fn to_markdown(&self) -> String {
-        let mut text = String::new();
+        let mut text = INTRODUCTION.to_owned();
         for paper in &self.papers {
             text += &format!("## {}\n\n{}.\n", paper.paper, paper.tally());
             let mut place = "";

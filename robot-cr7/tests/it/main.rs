@@ -11,6 +11,7 @@ mod hostile_numbers;
 mod joint_space;
 #[cfg(feature = "cli")]
 mod limits_and_files;
+mod papers;
 #[cfg(feature = "plot")]
 mod pictures;
 mod pinned;

@@ -17,6 +17,7 @@ fn every_paper_is_reproduced_with_its_figures_and_a_page() {
     }
     let tally = &overview["tally"];
     assert!(tally["independent"].as_u64() > Some(200) && tally["print"].as_u64() > Some(30), "{tally}");
+    has_the_rows_of_the_page(papers);
     let page = std::fs::read_to_string(desk.folder.join("figures/index.html")).expect("a page");
     let pn =
         ["01a", "01b", "02a", "02b", "03a", "03b", "04", "06_acceleration", "06_deceleration", "10a", "10b", "10c"];
@@ -34,7 +35,29 @@ fn every_paper_is_reproduced_with_its_figures_and_a_page() {
         assert!(desk.folder.join("figures").join(&file).exists(), "{file}");
         assert!(page.contains(&format!("src=\"{file}\"")), "{file}");
     }
+    let named = include_str!("../../../docs/papers.md");
+    for file in named.split('`').filter(|name| name.ends_with(".svg")) {
+        assert!(desk.folder.join("figures").join(file).exists(), "docs/papers.md names {file}");
+    }
     assert!(page.matches("<figcaption>").count() >= 55 && !page.contains("BROKEN<td>"), "{}", page.len());
+}
+
+/// The page in `docs` has these rows, with these kinds; numbers of ours such as times may differ.
+fn has_the_rows_of_the_page(papers: &[serde_json::Value]) {
+    let page = include_str!("../../../docs/reproduction.md");
+    let on_page: Vec<(String, String)> = page
+        .lines()
+        .filter(|l| l.starts_with("| ") && !l.starts_with("| what"))
+        .map(|l| l.trim_matches('|').split(" | ").map(|c| c.trim().to_owned()).collect::<Vec<_>>())
+        .map(|cells| (cells[0].clone(), cells[3].clone()))
+        .collect();
+    let text = |c: &serde_json::Value, key: &str| c[key].as_str().expect("a text").to_owned();
+    let claims = papers.iter().flat_map(|p| p["claims"].as_array().expect("a list"));
+    let measured: Vec<(String, String)> = claims.map(|c| (text(c, "what"), text(c, "kind"))).collect();
+    for (page, ours) in on_page.iter().zip(&measured) {
+        assert_eq!(page, ours, "write docs/reproduction.md anew: cr7 reproduce all --markdown");
+    }
+    assert_eq!(on_page.len(), measured.len());
 }
 
 #[test]

@@ -51,9 +51,12 @@ fn panels_picture(figure: &PaperFigure, panels: &[PanelPlot]) -> Result<String, 
             for (place, name) in plot.marks.iter().filter(|m| (x.0..=x.1).contains(&m.0)) {
                 panel.series(canvas, &[(*place, y.0), (*place, y.1)], Pen::dashed(PALETTE[5], 0.9))?;
                 let px = panel.place((*place, 0.0)).0;
-                if px - last > 6.0 * name.chars().count() as f64 + 12.0 {
-                    canvas.text(name, (px, at - 9.0), Anchor::Middle)?;
-                    last = px;
+                // Names keep clear of each other and of the edge.
+                let width = 6.0 * name.chars().count() as f64;
+                let middle = px.min(RIGHT - 0.5 * width);
+                if middle - last > width + 12.0 {
+                    canvas.text(name, (middle, at - 9.0), Anchor::Middle)?;
+                    last = middle;
                 }
             }
             for limit in &plot.limits {
@@ -102,7 +105,8 @@ fn plane_picture(figure: &PaperFigure, plane: &PlanePlot) -> Result<String, io::
             let (px, py) = panel.place((point[0], point[1]));
             canvas.rectangle((px - 3.0, py - 3.0), (px + 3.0, py + 3.0), PALETTE[5])?;
             if !name.is_empty() {
-                canvas.text(name, (px + 8.0, py - 9.0), Anchor::Left)?;
+                let (anchor, beside) = if px > RIGHT - 90.0 { (Anchor::Right, -8.0) } else { (Anchor::Left, 8.0) };
+                canvas.text(name, (px + beside, py - 9.0), anchor)?;
             }
         }
         Ok(())

@@ -81,6 +81,17 @@ pub struct Quality {
 }
 
 impl MethodRun {
+    /// Arc length reached less arc length asked for at the end of each cycle, m.
+    pub fn drifts(&self) -> Vec<f64> {
+        let (mut reached, mut before) = (0.0, self.curve.domain().0);
+        let drift = |(u, asked): (&f64, &f64)| {
+            reached += self.curve.length(before, *u, 16);
+            before = *u;
+            reached - asked
+        };
+        self.parameters.iter().zip(&self.asked).map(drift).collect()
+    }
+
     /// Measures the run.
     pub fn quality(&self) -> Quality {
         let (from, to) = self.curve.domain();

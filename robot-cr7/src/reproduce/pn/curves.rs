@@ -43,11 +43,17 @@ pub fn chords(curve: &Spline, methods: &[(&str, &[f64])]) -> PlanePlot {
     let mut curves =
         vec![PlaneCurve { name: "the curve".to_owned(), colour: 5, thin: true, points: curve.drawn(a, b, 6000) }];
     for (i, (name, breaks)) in methods.iter().enumerate() {
-        let at = |u: &f64| {
-            let p = curve.point(*u);
+        let at = |u: f64| {
+            let p = curve.point(u);
             [p.x * 1e3, p.y * 1e3]
         };
-        let points = breaks.iter().map(at).collect();
+        // Points along each chord, so that a cut-out still shows it.
+        let along = |w: &[f64]| {
+            let (a, b) = (at(w[0]), at(w[1]));
+            let between = move |i: i32| [0, 1].map(|k| a[k] + (b[k] - a[k]) * f64::from(i) / 100.0);
+            (0..=100).map(between).collect::<Vec<_>>()
+        };
+        let points = breaks.windows(2).flat_map(along).collect();
         curves.push(PlaneCurve { name: (*name).to_owned(), colour: i, thin: true, points });
     }
     plane(curves, Vec::new())

@@ -14,7 +14,7 @@ use crate::reproduce::spline::Spline;
 fn figure(number: &str, title: &str, facts: String, caption: &str, drawing: Drawing) -> PaperFigure {
     PaperFigure {
         file: format!("pn_figure_{number}.svg"),
-        title: format!("Figure {}: {title}", number.trim_start_matches('0')),
+        title: format!("Figure {}: {title}", number.trim_start_matches('0').split('_').next().unwrap_or_default()),
         facts,
         caption: caption.to_owned(),
         drawing,
@@ -118,8 +118,8 @@ pub fn profiles() -> Vec<PaperFigure> {
         ));
     }
     let cases = [
-        ("06_acceleration", "change to a higher speed", (0.02, 0.4, 0.09)),
-        ("06_deceleration", "change to a lower speed", (0.08, 0.4, 0.02)),
+        ("06_acceleration", "(a to c) change to a higher speed", (0.02, 0.4, 0.09)),
+        ("06_deceleration", "(d to f) change to a lower speed", (0.08, 0.4, 0.02)),
     ];
     for (number, title, (v, a, target)) in cases {
         let direct = SpeedChange::new(v, a, target, &limits);
@@ -268,27 +268,24 @@ pub fn compared(run: &Table2Run) -> Vec<PaperFigure> {
     };
     let shape = curve.drawn(curve.domain().0, curve.domain().1, 2000);
     let end = shape[0];
-    let left = shape.iter().copied().fold(end, |l, p| if p[0] < l[0] { p } else { l });
-    let top = shape.iter().copied().fold(end, |t, p| if p[1] > t[1] { p } else { t });
+    // Area A: where a chord of the open loop lies farthest from the curve. Area B: the sharpest bend.
+    let farthest = run
+        .open_loop
+        .windows(2)
+        .max_by(|a, b| curve.deviation(a[0], a[1], 60).total_cmp(&curve.deviation(b[0], b[1], 60)));
+    let place = |u: f64| {
+        let p = curve.point(u);
+        [p.x * 1e3, p.y * 1e3]
+    };
+    let left = farthest.map_or(end, |w| place(0.5 * (w[0] + w[1])));
+    let bend = run.open_loop[1..run.open_loop.len() - 1].iter().copied();
+    let top = bend.max_by(|a, b| curve.curvature(*a).abs().total_cmp(&curve.curvature(*b).abs())).map_or(end, place);
     let near = |p: [f64; 2], half: f64| window((p[0] - half, p[0] + half), (p[1] - half, p[1] + half));
-    let drift: Vec<FigureLine> = run
-        .methods
-        .iter()
-        .map(|m| {
-            let over = if m.method == Compared::Lh { &run.refitted } else { curve };
-            let (_, b) = over.domain();
-            let n = m.parameters.len() as f64;
-            FigureLine::new(
-                m.method.name(),
-                m.parameters
-                    .iter()
-                    .enumerate()
-                    .skip(m.parameters.len().saturating_sub(200))
-                    .map(|(i, u)| (i as f64 / n, b - u))
-                    .collect(),
-            )
-        })
-        .collect();
+    let drift = run.methods.iter().map(|m| {
+        let log = |(i, d): (usize, f64)| (i as f64 * 1e-3, (d.abs() * 1e3).max(1e-13).log10());
+        FigureLine::new(m.method.name(), m.drifts().into_iter().enumerate().map(log).collect())
+    });
+    let drift: Vec<FigureLine> = drift.collect();
     let facts = ours.map_or(String::new(), |m| {
         let q = m.quality();
         format!("ours: chord error {:.6} mm, end of u {}", q.chord * 1e3, q.end)
@@ -304,24 +301,24 @@ pub fn compared(run: &Table2Run) -> Vec<PaperFigure> {
         ),
         figure(
             "11b",
-            "methods compared, area A at the left",
+            "methods compared, area A",
             "enlarged".to_owned(),
             &format!("The paper enlarges a bend. {READING}"),
-            Drawing::Plane(near(left, 4.0)),
+            Drawing::Plane(near(left, 5.0)),
         ),
         figure(
             "11c",
-            "methods compared, area B at the top",
+            "methods compared, area B",
             "enlarged".to_owned(),
             &format!("The paper enlarges another bend. {READING}"),
-            Drawing::Plane(near(top, 4.0)),
+            Drawing::Plane(near(top, 0.4)),
         ),
         figure(
             "11d",
-            "methods compared, area C at the end",
-            "distance of u from its end over the last 200 cycles".to_owned(),
-            "The paper shows that open-loop Taylor steps do not close the curve. Here the distance of u from its end is drawn.",
-            Drawing::Panels(vec![panel("share of the cycles", "1 - u", drift, Vec::new())]),
+            "methods compared, area C: accumulated error",
+            "arc length reached less arc length asked for".to_owned(),
+            "The paper shows that open-loop Taylor steps do not close the curve. Here the accumulated error of the arc length is drawn over the whole motion.",
+            Drawing::Panels(vec![panel("time t [s]", "log10 of the error [mm]", drift, Vec::new())]),
         ),
     ]
 }

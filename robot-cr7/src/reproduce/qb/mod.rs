@@ -202,6 +202,7 @@ impl QbRun {
         all.extend(self.figures.iter().cloned());
         all.push(figures::time_domain(&self.composite));
         all.extend(figures::experiment(&self.experiment));
+        all.sort_by(|a, b| a.file.cmp(&b.file));
         all
     }
 }
