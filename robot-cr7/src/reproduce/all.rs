@@ -53,7 +53,8 @@ impl Overview {
         Ok(Self::of(papers))
     }
 
-    /// Exit code of a command that shows these rows: 1 where a row that counts does not hold, else 0.
+    /// Exit code of a command that shows these rows: 1 where a row that counts does not hold, else
+    /// 0.
     pub fn exit_code(&self) -> u8 {
         u8::from(self.broken > 0)
     }
@@ -72,7 +73,10 @@ impl Overview {
             for c in &paper.claims {
                 if c.place != place {
                     place = &c.place;
-                    text += &format!("\n### {place}\n\n| what | paper | ours | kind | note |\n|---|---|---|---|---|\n");
+                    text += &format!(
+                        "\n### {place}\n\n| what | paper | ours | kind | note \
+                     |\n|---|---|---|---|---|\n"
+                    );
                 }
                 let cells = [&c.what, &c.paper, &c.ours, kind(c), &c.note].map(|cell| cell.replace('|', "\\|"));
                 text += &format!("| {} |\n", cells.join(" | "));

@@ -1,8 +1,9 @@
 //! Judges a sampled motion from its samples alone.
 //!
-//! Every rule follows from the limits: over a cycle of length h with a jerk of at most J, velocity and acceleration at the
-//! start of the cycle give the next position within J h^3 / 6 and the next velocity within J h^2 / 2. The mean of a
-//! derivative over a cycle is a difference quotient of the samples, and the mean of values inside limits is inside them.
+//! Every rule follows from the limits: over a cycle of length h with a jerk of at most J, velocity
+//! and acceleration at the start of the cycle give the next position within J h^3 / 6 and the next
+//! velocity within J h^2 / 2. The mean of a derivative over a cycle is a difference quotient of the
+//! samples, and the mean of values inside limits is inside them.
 
 use super::Reproduction;
 
@@ -55,8 +56,9 @@ pub struct SampledMotion {
     pub t: Vec<f64>,
     /// Axes.
     pub axes: Vec<SampledAxis>,
-    /// Whether the motion reported its end before the cap on its cycles.
-    pub arrived: bool,
+    /// Whether the motion reported its end before the cap on its cycles; `None` for a motion that is
+    /// sampled over a known duration.
+    pub arrived: Option<bool>,
     /// Largest error of the state at the start and at the end.
     pub tolerance: f64,
 }
@@ -66,7 +68,8 @@ pub struct SampledMotion {
 pub struct Findings {
     /// Shortest step of time, s.
     pub shortest_step: f64,
-    /// Largest error of a position that velocity and acceleration predict, as a share of what the jerk limit allows.
+    /// Largest error of a position that velocity and acceleration predict, as a share of what the
+    /// jerk limit allows.
     pub position: f64,
     /// The same for velocity.
     pub velocity: f64,
@@ -144,7 +147,8 @@ impl SampledAxis {
 }
 
 impl SampledMotion {
-    /// What the samples show. A motion without two samples, or with rows of different lengths, breaks every rule.
+    /// What the samples show. A motion without two samples, or with rows of different lengths,
+    /// breaks every rule.
     pub fn findings(&self) -> Findings {
         let whole = |axis: &SampledAxis| [&axis.p, &axis.v, &axis.a].iter().all(|x| x.len() == self.t.len());
         if self.t.len() < 2 || self.axes.is_empty() || !self.axes.iter().all(|x| whole(x) && !x.bounds.is_empty()) {
@@ -162,7 +166,9 @@ impl SampledMotion {
     pub fn judge(&self, r: &mut Reproduction, place: &str, of: &str) {
         let found = self.findings();
         let duration = self.t.last().copied().unwrap_or(f64::NAN);
-        r.independent(place, format!("{of}: arrives, in s"), "", format!("{duration:.4}"), self.arrived);
+        if let Some(arrived) = self.arrived {
+            r.independent(place, format!("{of}: arrives, in s"), "", format!("{duration:.4}"), arrived);
+        }
         let step = format!("{:.2e}", found.shortest_step);
         r.independent(place, format!("{of}: shortest step of time, s"), "above 0", step, found.shortest_step > 0.0);
         let shares = [
@@ -198,7 +204,7 @@ mod tests {
             end: [1.0 / 6.0, 0.5, 1.0],
             bounds: vec![(0.0, AxisBounds::symmetric(0.5, 1.0, 1.0))],
         };
-        SampledMotion { t, axes: vec![axis], arrived: true, tolerance: 1e-12 }
+        SampledMotion { t, axes: vec![axis], arrived: None, tolerance: 1e-12 }
     }
 
     #[test]

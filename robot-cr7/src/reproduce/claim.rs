@@ -10,7 +10,8 @@ use super::printed::Printed;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
-    /// Recomputed from samples, by finite differences, or by another method than the one that is judged.
+    /// Recomputed from samples, by finite differences, or by another method than the one that is
+    /// judged.
     Independent,
     /// Equal to a printed number within the rounding of the print.
     Print,
@@ -116,7 +117,8 @@ impl fmt::Display for Tally {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{} of {} checks hold ({} independent, {} agree with the print); not counted: {} fitted, {} for information",
+            "{} of {} checks hold ({} independent, {} agree with the print); not counted: {} fitted, {} for \
+             information",
             self.counted() - self.broken,
             self.counted(),
             self.independent,
@@ -160,7 +162,8 @@ impl Reproduction {
         self.add(place, (what.into(), paper.into(), ours.into()), Kind::Independent, Some(holds))
     }
 
-    /// Adds a row that compares `ours` with a printed number, within the rounding of the print. A text that is no number is broken.
+    /// Adds a row that compares `ours` with a printed number, within the rounding of the print. A
+    /// text that is no number is broken.
     pub fn print(&mut self, place: &str, what: impl Into<String>, printed: &str, ours: f64) -> &mut Claim {
         let parsed = Printed::parse(printed);
         let holds = parsed.is_some_and(|printed| printed.agrees(ours));

@@ -1,8 +1,10 @@
-//! Forward kinematics of the CR7 from its Denavit-Hartenberg table: a second path beside the library's chain.
+//! Forward kinematics of the CR7 from its Denavit-Hartenberg table: a second path beside the
+//! library's chain.
 
 use nalgebra::{Matrix4, Vector3};
 
-/// a (m), alpha (rad), d (m), offset of the angle (rad): the standard table of the maker's description.
+/// a (m), alpha (rad), d (m), offset of the angle (rad): the standard table of the maker's
+/// description.
 const TABLE: [[f64; 4]; 6] = {
     use std::f64::consts::FRAC_PI_2 as Q;
     [

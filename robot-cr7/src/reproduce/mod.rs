@@ -1,8 +1,8 @@
 //! The papers' numbers beside what this library measures.
 //!
-//! Each part of a paper is a run with public fields: `measure` computes it, `judge` adds its rows to a [`Reproduction`], and
-//! `figures` gives its figures. A row is an independent check, agrees with a printed number, is fitted, or is for
-//! information ([`Kind`]); only the first two count.
+//! Each part of a paper is a run with public fields: `measure` computes it, `judge` adds its rows
+//! to a [`Reproduction`], and `figures` gives its figures. A row is an independent check, agrees
+//! with a printed number, is fitted, or is for information ([`Kind`]); only the first two count.
 
 mod all;
 pub mod checker;

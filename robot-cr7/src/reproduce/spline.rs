@@ -1,4 +1,5 @@
-//! Evaluation of NURBS curves by de Boor's algorithm: a second path beside the library's power-basis pieces.
+//! Evaluation of NURBS curves by de Boor's algorithm: a second path beside the library's
+//! power-basis pieces.
 
 use arcfeed_geometry::NurbsCurve;
 use nalgebra::{Vector3, Vector4};
@@ -39,7 +40,8 @@ impl Spline {
         (self.degree..last).find(|&i| u < self.knots[i + 1]).unwrap_or(last)
     }
 
-    /// The polar form with one argument for each level of de Boor's scheme, in the span of `inside`.
+    /// The polar form with one argument for each level of de Boor's scheme, in the span of
+    /// `inside`.
     fn blossom(&self, inside: f64, arguments: &[f64]) -> Vec<Vector4<f64>> {
         let (k, span) = (self.degree, self.span(inside));
         let mut d: Vec<Vector4<f64>> = self.points[span - k..=span].to_vec();

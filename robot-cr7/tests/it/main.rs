@@ -29,5 +29,6 @@ mod scenarios;
 mod schedule;
 mod trajectory_csv;
 
+#[cfg(feature = "cli")]
 #[path = "common/keeps.rs"]
 mod keeps;

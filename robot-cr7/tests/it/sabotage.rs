@@ -51,8 +51,8 @@ fn peak(values: &[f64]) -> usize {
     (0..values.len()).max_by(|&i, &j| values[i].total_cmp(&values[j])).unwrap_or(0)
 }
 
-/// All positions from sample `from` on are moved, so that the mean velocity of one cycle is 2 % above the limit while
-/// every sampled velocity stays.
+/// All positions from sample `from` on are moved, so that the mean velocity of one cycle is 2 %
+/// above the limit while every sampled velocity stays.
 fn over_between_samples(motion: &mut SampledMotion, axis: usize, from: usize, limit: f64) {
     let step = 0.02 * limit * (motion.t[from + 1] - motion.t[from]);
     motion.axes[axis].p[from + 1..].iter_mut().for_each(|p| *p += step);
@@ -72,7 +72,7 @@ fn table_3_of_hs() {
         ("stale velocity", |r| stale(&mut r.motion.axes[0].v), "velocity from acceleration"),
         ("stale acceleration", |r| stale(&mut r.motion.axes[0].a), "velocity from acceleration"),
         ("a moment twice", |r| r.motion.t[100] = r.motion.t[99], "shortest step of time"),
-        ("no arrival", |r| r.motion.arrived = false, "arrives"),
+        ("no arrival", |r| r.motion.arrived = Some(false), "arrives"),
         (
             "2 % over the velocity limit between samples",
             |r| {

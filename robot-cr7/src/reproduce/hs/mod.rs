@@ -7,7 +7,9 @@ pub mod table_1;
 pub mod table_3;
 pub mod table_4;
 pub mod table_6;
+mod table_6_figures;
 pub mod table_8;
+mod tool;
 
 use arcfeed_sync::nalgebra::SVector;
 

@@ -1,8 +1,9 @@
 //! The online feed rate of Liu et al. 2024, section 3, as printed and as corrected.
 //!
-//! Eqs. 2 to 16. As corrected: eqs. 3 and 4 use the largest velocity and acceleration and predict with the jerk that
-//! ends the present acceleration; the acceleration of eq. 5 is reached with a bounded jerk; the situation is chosen when
-//! limits change; the branch of the brake follows the sign of ve - v; eqs. 14 to 16 start from v0 and s0.
+//! Eqs. 2 to 16. As corrected: eqs. 3 and 4 use the largest velocity and acceleration and predict
+//! with the jerk that ends the present acceleration; the acceleration of eq. 5 is reached with a
+//! bounded jerk; the situation is chosen when limits change; the branch of the brake follows the
+//! sign of ve - v; eqs. 14 to 16 start from v0 and s0.
 
 use super::table_3::{END, START, TABLE_3, Window};
 
@@ -76,7 +77,8 @@ impl Brake {
     }
 }
 
-/// Runs the scheme over the way `length` (mm) with cycles of `period` (s), for at most `longest` (s).
+/// Runs the scheme over the way `length` (mm) with cycles of `period` (s), for at most `longest`
+/// (s).
 pub fn run(scheme: Scheme, length: f64, period: f64, longest: f64) -> FeedOutcome {
     let mut outcome = FeedOutcome { samples: vec![(0.0, START)], arrived: false };
     let (mut window, mut slow) = (&TABLE_3[0], START[1] <= TABLE_3[0].v.1);

@@ -1,7 +1,8 @@
 //! The projection on the error of Liu et al. 2024, section 4.2, as printed and as corrected.
 //!
-//! The corrected limits are s+ = min over joints k of (P_ki > 0 ? max_k / P_ki : min_k / P_ki). The planner of each axis
-//! is reference 37 of the paper, which it does not print; the shortest motion to rest stands in its place.
+//! The corrected limits are s+ = min over joints k of (P_ki > 0 ? max_k / P_ki : min_k / P_ki). The
+//! planner of each axis is reference 37 of the paper, which it does not print; the shortest motion
+//! to rest stands in its place.
 
 use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, StateToState};
 use nalgebra::{Matrix6, Vector6};
@@ -18,8 +19,8 @@ pub struct ProjectionOutcome {
     pub used: [f64; 3],
 }
 
-/// Orthogonal matrix whose first column is the direction of the error: Schmidt's method on the columns of the identity,
-/// without the one nearest to the error.
+/// Orthogonal matrix whose first column is the direction of the error: Schmidt's method on the
+/// columns of the identity, without the one nearest to the error.
 pub fn frame(error: &Vector6<f64>) -> Matrix6<f64> {
     let first = error.normalize();
     let dropped = first.iamax();
@@ -50,7 +51,8 @@ fn corrected_bound(column: &Vector6<f64>, limit: &Vector6<f64>) -> f64 {
     used.map(|(p, l)| l / p.abs()).fold(f64::INFINITY, f64::min)
 }
 
-/// Runs the corrected scheme from a state (position, velocity, acceleration) with cycles of `ts` (s), for at most 10 s.
+/// Runs the corrected scheme from a state (position, velocity, acceleration) with cycles of `ts`
+/// (s), for at most 10 s.
 pub fn corrected(from: &[Vector6<f64>; 3], to: &Vector6<f64>, limits: &Limits6, ts: f64) -> ProjectionOutcome {
     let [mut p, mut v, mut a] = *from;
     let mut used = [0.0f64; 3];

@@ -2,12 +2,11 @@
 
 use std::time::Instant;
 
-use arcfeed_sync::nalgebra::{Isometry3, Quaternion, SVector, UnitQuaternion, Vector3};
-use arcfeed_sync::{
-    AxisLimits, JointState, PoseLimits, PoseProjectionSync, PoseState, ProjectionStatus, ProjectionSync, SyncError,
-};
+use arcfeed_sync::nalgebra::{SVector, Vector3};
+use arcfeed_sync::{AxisLimits, JointState, ProjectionStatus, ProjectionSync, SyncError};
 
 use super::printed_projection::{Limits6, ProjectionOutcome, corrected, frame, printed_bounds};
+use super::tool::{FROM_POINT, FROM_QUATERNION, TO_POINT, TO_QUATERNION, tool_run};
 use super::{CYCLES, PERIOD, V6};
 use crate::output::paper_figure::{Drawing, FigureLine, PanelPlot, PaperFigure};
 use crate::reproduce::checker::{AxisBounds, SampledAxis, SampledMotion};
@@ -21,9 +20,6 @@ pub(super) const ACCELERATION: [f64; 6] = [10.0, 12.0, 14.0, 16.0, 18.0, 20.0];
 /// Table 5.
 const FROM: [f64; 6] = [0.0, -5.0, 3.0, -2.0, 6.0, 0.0];
 const TO: [f64; 6] = [-3.0, 3.0, -5.0, 6.0, 5.0, -6.0];
-/// Limits of the tool, of which the paper prints none: velocity, acceleration, jerk in m and in rad.
-const LINEAR: [f64; 3] = [0.5, 3.0, 40.0];
-const ANGULAR: [f64; 3] = [1.5, 8.0, 100.0];
 /// Random starts of the corrected scheme.
 const STARTS: usize = 20;
 
@@ -76,7 +72,8 @@ fn limits() -> Limits6 {
     [V6::from(VELOCITY), acceleration, 10.0 * acceleration]
 }
 
-/// Bounds of joint `k`; a start beyond an acceleration limit `a0` widens it for as long as the jerk needs.
+/// Bounds of joint `k`; a start beyond an acceleration limit `a0` widens it for as long as the jerk
+/// needs.
 fn bounds(k: usize, a0: f64) -> Vec<(f64, AxisBounds)> {
     let (a, j) = (ACCELERATION[k], 10.0 * ACCELERATION[k]);
     let kept = AxisBounds::symmetric(VELOCITY[k], a, j);
@@ -122,7 +119,7 @@ fn project(start: &JointState<6>, targets: &[(f64, [f64; 6])]) -> Result<JointRu
         bounds: bounds(k, start.qdd[k]),
     };
     Ok(JointRun {
-        motion: SampledMotion { axes: (0..6).map(axis).collect(), t, arrived, tolerance: 1e-9 },
+        motion: SampledMotion { axes: (0..6).map(axis).collect(), t, arrived: Some(arrived), tolerance: 1e-9 },
         cycle_times,
     })
 }
@@ -212,7 +209,8 @@ impl Table5Run {
         self.judge_scheme(r);
     }
 
-    /// Orientations between two on one axis lie in the plane of these two as vectors of four numbers.
+    /// Orientations between two on one axis lie in the plane of these two as vectors of four
+    /// numbers.
     fn tilt(&self) -> f64 {
         let vector = |q: [f64; 4]| SVector::<f64, 4>::from(q).normalize();
         let first = vector(FROM_QUATERNION);
@@ -228,8 +226,19 @@ impl Table5Run {
     fn judge_scheme(&self, r: &mut Reproduction) {
         let column = frame(&(V6::from(TO) - V6::from(FROM))).column(0).into_owned();
         let (lo, hi) = printed_bounds(&column, &limits()[0]);
-        r.information(PLACE_5, "section 4.2 as printed, velocity along the error, rad/s", "", format!("{lo:.2} to {hi:.2}"))
-            .note("no velocity towards the target is allowed, so nothing moves; the table prints no limits, those of Table 7 are taken");
+        r.information(
+            PLACE_5,
+            "section 4.2 as printed, velocity along the error, rad/s",
+            "",
+            format!(
+                "{lo:.2} \
+         to {hi:.2}"
+            ),
+        )
+        .note(
+            "no velocity towards the target is allowed, so nothing moves; the table prints no limits, \
+             those of Table 7 are taken",
+        );
         let shown = |o: &ProjectionOutcome| o.arrival.map_or("no arrival".to_owned(), |t| format!("{t:.3}"));
         let [v, a, j] = self.corrected.used;
         r.information(PLACE_5, "section 4.2 as corrected, arrival, s", "", shown(&self.corrected))
@@ -291,14 +300,16 @@ impl Table5Run {
                 "hs_figure_09a.svg",
                 "Figure 9a: joint space, point to point",
                 format!("Table 5, limits of Table 7 (the highest are drawn); {end:.4} s"),
-                "The paper shows slight oscillations of its online mode. Ours moves on a straight line and does not oscillate.",
+                "The paper shows slight oscillations of its online mode. Ours moves on a straight line and does \
+                 not oscillate.",
                 self.joints.panels(),
             ),
             figure(
                 "hs_figure_09b.svg",
                 "Figure 9b: task space, point to point",
                 "Table 5; limits 0.5 m/s and 1.5 rad/s, which the paper does not print".to_owned(),
-                "The paper shows position and orientation of the tool. Its limits are not printed, so the duration differs.",
+                "The paper shows position and orientation of the tool. Its limits are not printed, so the \
+                 duration differs.",
                 tool,
             ),
             figure(
@@ -310,69 +321,6 @@ impl Table5Run {
             ),
         ]
     }
-}
-
-const FROM_POINT: [f64; 3] = [0.1463, -0.4679, -0.0066];
-const TO_POINT: [f64; 3] = [-0.35, -0.35, 0.1];
-/// x y z w.
-const FROM_QUATERNION: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
-const TO_QUATERNION: [f64; 4] = [0.4711, 0.7322, 0.4668, -0.1551];
-
-type ToolRun = (SampledMotion, Vec<[f64; 3]>, Vec<[f64; 4]>);
-
-fn tool_run() -> Result<ToolRun, SyncError> {
-    let pose = |p: [f64; 3], [x, y, z, w]: [f64; 4]| {
-        Isometry3::from_parts(SVector::from(p).into(), UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z)))
-    };
-    let (from, to) = (pose(FROM_POINT, FROM_QUATERNION), pose(TO_POINT, TO_QUATERNION));
-    let mut sync = PoseProjectionSync::new(&PoseState::rest(from), to, &PoseLimits::new(LINEAR, ANGULAR)?)?;
-    let (mut t, mut states, mut arrived) = (vec![0.0], vec![PoseState::rest(from)], false);
-    for cycle in 1..=CYCLES {
-        let step = sync.step(PERIOD)?;
-        let unused = if let ProjectionStatus::Reached { unused } = step.status { Some(unused) } else { None };
-        t.push(PERIOD * f64::from(cycle) - unused.unwrap_or(0.0));
-        states.push(step.state);
-        arrived = unused.is_some();
-        if arrived {
-            break;
-        }
-    }
-    let length = Vector3::from(TO_POINT) - Vector3::from(FROM_POINT);
-    let way = length.normalize();
-    // Angle from the scalar product of quaternions, axis from the cross product of two half-way pictures.
-    let dot = SVector::<f64, 4>::from(TO_QUATERNION).normalize().dot(&SVector::from(FROM_QUATERNION));
-    let angle = 2.0 * dot.abs().min(1.0).acos();
-    let axis = {
-        let q = to.rotation * from.rotation.inverse();
-        q.vector().normalize() * q.w.signum()
-    };
-    let turned = |s: &PoseState| {
-        let q = s.pose.rotation * from.rotation.inverse();
-        2.0 * q.vector().norm().atan2(q.w.abs())
-    };
-    let of = |f: &dyn Fn(&PoseState) -> f64| states.iter().map(f).collect::<Vec<f64>>();
-    let bounds = |l: [f64; 3]| vec![(0.0, AxisBounds::symmetric(l[0], l[1], l[2]))];
-    let linear = SampledAxis {
-        name: "way".to_owned(),
-        p: of(&|s| (s.pose.translation.vector - Vector3::from(FROM_POINT)).dot(&way)),
-        v: of(&|s| s.velocity.fixed_rows::<3>(0).dot(&way)),
-        a: of(&|s| s.acceleration.fixed_rows::<3>(0).dot(&way)),
-        start: [0.0; 3],
-        end: [length.norm(), 0.0, 0.0],
-        bounds: bounds(LINEAR),
-    };
-    let angular = SampledAxis {
-        name: "angle".to_owned(),
-        p: of(&turned),
-        v: of(&|s| s.velocity.fixed_rows::<3>(3).dot(&axis)),
-        a: of(&|s| s.acceleration.fixed_rows::<3>(3).dot(&axis)),
-        start: [0.0; 3],
-        end: [angle, 0.0, 0.0],
-        bounds: bounds(ANGULAR),
-    };
-    let points = states.iter().map(|s| s.pose.translation.vector.into()).collect();
-    let orientations = states.iter().map(|s| s.pose.rotation.coords.into()).collect();
-    Ok((SampledMotion { t, axes: vec![linear, angular], arrived, tolerance: 1e-9 }, points, orientations))
 }
 
 impl Table7Run {
@@ -390,7 +338,8 @@ impl Table7Run {
         self.joints.judge(r, PLACE_7);
         let beyond = (QDD[1].abs() - ACCELERATION[1]) / (10.0 * ACCELERATION[1]);
         r.information(PLACE_7, "acceleration limit of joint 2 kept from, s", "", format!("{beyond:.3}")).note(
-            "joint 2 starts beyond its limit: no motion keeps it sooner; the jerk is ten times the acceleration (none printed)",
+            "joint 2 starts beyond its limit: no motion keeps it sooner; the jerk is ten times the acceleration \
+             (none printed)",
         );
     }
 

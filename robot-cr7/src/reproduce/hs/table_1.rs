@@ -132,7 +132,8 @@ impl Section2Run {
                 "02b",
                 "Figure 2b: methods compared",
                 "chords; the open loop splits at extremes of curvature".to_owned(),
-                "The paper compares with three open-loop methods. One stands for them: split at extremes of curvature.",
+                "The paper compares with three open-loop methods. One stands for them: split at extremes of \
+                 curvature.",
                 Drawing::Plane(chords(&self.curve, &[("open loop", &self.open_loop), ("ours", &self.hull.breaks)])),
             ),
         ]

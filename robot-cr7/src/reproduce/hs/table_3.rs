@@ -9,7 +9,8 @@ use crate::reproduce::Reproduction;
 use crate::reproduce::checker::{AxisBounds, SampledAxis, SampledMotion};
 
 const PLACE: &str = "Table 3, figure 5: online feed rate, limits changed at 3 and 6 s (mm, s)";
-/// Position, velocity, acceleration at the start and at the end (mm, s), from the text before Table 3.
+/// Position, velocity, acceleration at the start and at the end (mm, s), from the text before Table
+/// 3.
 pub(super) const START: [f64; 3] = [0.0, -1.0, -10.0];
 pub(super) const END: [f64; 3] = [200.0, 5.0, 6.0];
 
@@ -40,7 +41,8 @@ pub struct Table3Run {
     pub printed: FeedOutcome,
     /// Section 3 as corrected.
     pub corrected: FeedOutcome,
-    /// Largest error of position, velocity, acceleration at the end as corrected, over 41 ways from 190 to 210 mm.
+    /// Largest error of position, velocity, acceleration at the end as corrected, over 41 ways from
+    /// 190 to 210 mm.
     pub corrected_errors: [f64; 3],
 }
 
@@ -87,7 +89,7 @@ impl Table3Run {
             }
         }
         Ok(Self {
-            motion: SampledMotion { t, axes: vec![axis], arrived, tolerance: 1e-9 },
+            motion: SampledMotion { t, axes: vec![axis], arrived: Some(arrived), tolerance: 1e-9 },
             jerk,
             printed: run(Scheme::Printed, END[0], 1e-3, 12.0),
             corrected: run(Scheme::Corrected, END[0], 1e-3, 30.0),

@@ -79,7 +79,7 @@ impl EventRun {
                 joints: SampledMotion {
                     t: points.iter().map(|p| p.t).collect(),
                     axes: (0..6).map(axis).collect(),
-                    arrived: done,
+                    arrived: Some(done),
                     tolerance: 1e-9,
                 },
                 states: std::iter::once("task path").chain(cycles.iter().map(|c| c.state.name())).collect(),

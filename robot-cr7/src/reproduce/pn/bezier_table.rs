@@ -9,7 +9,8 @@ use crate::reproduce::spline::Spline;
 /// Four control points as printed, x and y.
 pub type PrintedBezier = [(&'static str, &'static str); 4];
 
-/// Misprints of the two tables, as the first and second point of a piece are printed with their place.
+/// Misprints of the two tables, as the first and second point of a piece are printed with their
+/// place.
 const MISPRINTS: [(&str, &str); 2] = [("8.5", "12"), ("5.3333", "6.3333")];
 
 /// The Bezier pieces of a curve.

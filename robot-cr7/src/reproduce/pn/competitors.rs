@@ -27,16 +27,20 @@ const EQUAL: f64 = 1e-12;
 /// The methods.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Compared {
-    /// First-order Taylor steps, split at extremes of curvature. Not in Table 2; the paper cites it for its error.
+    /// First-order Taylor steps, split at extremes of curvature. Not in Table 2; the paper cites it
+    /// for its error.
     FirstOrder,
-    /// X.D. (its reference 14): split at extremes of curvature, second-order Taylor steps, open loop.
+    /// X.D. (its reference 14): split at extremes of curvature, second-order Taylor steps, open
+    /// loop.
     Xd,
-    /// L.H. (reference 8): the curve is laid anew through more and more of its points until it deviates by less than
-    /// 0.03 mm; second-order Taylor steps on the new curve.
+    /// L.H. (reference 8): the curve is laid anew through more and more of its points until it
+    /// deviates by less than 0.03 mm; second-order Taylor steps on the new curve.
     Lh,
-    /// L.F. (reference 32): split at extremes of curvature; u by bisection on the arc length by Simpson's rule.
+    /// L.F. (reference 32): split at extremes of curvature; u by bisection on the arc length by
+    /// Simpson's rule.
     Lf,
-    /// The paper: type C by halving, second-order Taylor steps with compensation (eqs. 37 to 39, corrected).
+    /// The paper: type C by halving, second-order Taylor steps with compensation (eqs. 37 to 39,
+    /// corrected).
     Paper,
     /// This library: longest pieces, u from the arc-length map.
     Ours,
@@ -66,7 +70,8 @@ pub struct MethodRun {
 /// The columns of quality, measured by de Boor's algorithm and Simpson's rule.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Quality {
-    /// Largest distance of the chords from the curve, m. For L.H. the sum of refit and chord deviation, a bound of it.
+    /// Largest distance of the chords from the curve, m. For L.H. the sum of refit and chord
+    /// deviation, a bound of it.
     pub chord: f64,
     /// End of u as a share of the domain.
     pub end: f64,
@@ -76,7 +81,8 @@ pub struct Quality {
     pub drift: f64,
     /// Largest error of the way of one cycle, m.
     pub cycle: f64,
-    /// Largest relative error of the way of a cycle; cycles below a thousandth of the longest are left out.
+    /// Largest relative error of the way of a cycle; cycles below a thousandth of the longest are
+    /// left out.
     pub fluctuation: f64,
 }
 
@@ -144,7 +150,8 @@ impl Compared {
         }
     }
 
-    /// Rounds, largest chord error (mm), end of u, truncation (mm), time of interpolation (s), as Table 2 prints them.
+    /// Rounds, largest chord error (mm), end of u, truncation (mm), time of interpolation (s), as
+    /// Table 2 prints them.
     fn printed(self) -> [&'static str; 5] {
         match self {
             Self::Xd => ["0", "1.8", "0.997", "0.001", "9"],

@@ -53,7 +53,8 @@ impl CountRun {
             _ => greedy(&curve, &curve.breaks(), tolerance),
         };
         let least = match method {
-            // A walk that stops at the first failure may be longer than the best one: its reach is not monotone.
+            // A walk that stops at the first failure may be longer than the best one: its reach is
+            // not monotone.
             SegmentationMethod::Greedy { .. } => count(tolerance * 1.1),
             _ => count(tolerance * (1.0 + SMALL)),
         };
@@ -129,7 +130,8 @@ fn greedy(curve: &Spline, breaks: &[f64], tolerance: f64) -> usize {
         let (mut u, end) = (w[0], w[1]);
         let mut step = end - u;
         while u < end {
-            // Grow from a step that keeps the tolerance, then halve the interval between good and bad.
+            // Grow from a step that keeps the tolerance, then halve the interval between good and
+            // bad.
             while curve.deviation(u, (u + step).min(end), SAMPLES) > tolerance {
                 step *= 0.5;
             }

@@ -123,7 +123,8 @@ pub fn profiles() -> Vec<PaperFigure> {
     ];
     for (number, title, (v, a, target)) in cases {
         let direct = SpeedChange::new(v, a, target, &limits);
-        // The paper first brings the acceleration to zero (eqs. 14 and 15), then changes the speed (eqs. 17 and 18).
+        // The paper first brings the acceleration to zero (eqs. 14 and 15), then changes the speed
+        // (eqs. 17 and 18).
         let free = v + a * a / (2.0 * 20.0);
         let after = SpeedChange::new(free, 0.0, target, &limits);
         let (Ok(direct), Ok(after)) = (direct, after) else { continue };
@@ -131,7 +132,8 @@ pub fn profiles() -> Vec<PaperFigure> {
         let panels = law_panels(&[("ours", &direct), ("the paper, in two steps", &paper)], 1e3, shown);
         out.push(figure(number, title, format!("from {} mm/s and {} mm/s² to {} mm/s: {:.4} s; in two steps {:.4} s",
                 v * 1e3, a * 1e3, target * 1e3, direct.duration(), paper.duration()),
-            "The paper shows feed rate, acceleration and jerk of a change in two steps: acceleration to zero, then the change. \
+            "The paper shows feed rate, acceleration and jerk of a change in two steps: acceleration to zero, \
+             then the change. \
              Ours goes straight to the peak acceleration and takes less time when the speed has to change in that direction.",
             Drawing::Panels(panels)));
     }
@@ -208,7 +210,8 @@ pub fn butterfly(count: &CountRun, motion: &MotionRun) -> Vec<PaperFigure> {
             "10d",
             "chord error with and without the constraint",
             facts,
-            "The paper says that the chord error is a hundred times larger without the constraint. Without it, only the pieces of type C are used here.",
+            "The paper says that the chord error is a hundred times larger without the constraint. Without it, \
+             only the pieces of type C are used here.",
             Drawing::Panels(vec![panel(
                 "parameter u",
                 "log10 of the chord error [mm]",
@@ -232,7 +235,8 @@ pub fn butterfly(count: &CountRun, motion: &MotionRun) -> Vec<PaperFigure> {
             "10f",
             "feed rate",
             duration,
-            "The paper shows the feed rate of the bidirectional scan. It prints neither feed nor limits, so the duration differs.",
+            "The paper shows the feed rate of the bidirectional scan. It prints neither feed nor limits, so the \
+             duration differs.",
             Drawing::Panels(vec![panel(
                 "time t [s]",
                 "v [mm/s]",
@@ -268,7 +272,8 @@ pub fn compared(run: &Table2Run) -> Vec<PaperFigure> {
     };
     let shape = curve.drawn(curve.domain().0, curve.domain().1, 2000);
     let end = shape[0];
-    // Area A: where a chord of the open loop lies farthest from the curve. Area B: the sharpest bend.
+    // Area A: where a chord of the open loop lies farthest from the curve. Area B: the sharpest
+    // bend.
     let farthest = run
         .open_loop
         .windows(2)
@@ -317,7 +322,8 @@ pub fn compared(run: &Table2Run) -> Vec<PaperFigure> {
             "11d",
             "methods compared, area C: accumulated error",
             "arc length reached less arc length asked for".to_owned(),
-            "The paper shows that open-loop Taylor steps do not close the curve. Here the accumulated error of the arc length is drawn over the whole motion.",
+            "The paper shows that open-loop Taylor steps do not close the curve. Here the accumulated error of \
+             the arc length is drawn over the whole motion.",
             Drawing::Panels(vec![panel("time t [s]", "log10 of the error [mm]", drift, Vec::new())]),
         ),
     ]
@@ -331,14 +337,16 @@ pub fn fan(count: &CountRun, feed: &[(f64, f64)]) -> Vec<PaperFigure> {
             "13a",
             "the fan at 0.001 mm",
             format!("{n} pieces; the paper has 1454"),
-            "The paper has 1454 pieces. It does not print its fan; a public one of the same kind stands for it and may be another curve.",
+            "The paper has 1454 pieces. It does not print its fan; a public one of the same kind stands for it \
+             and may be another curve.",
             Drawing::Plane(plane(pieces(&count.curve, &count.breaks), Vec::new())),
         ),
         figure(
             "13b",
             "feed rate on the fan",
             "defaults of `cr7 plan`, scanned".to_owned(),
-            "The paper shows the feed rate of the scan without its limits. Figures 13c and 13d are photographs of the part and have no counterpart.",
+            "The paper shows the feed rate of the scan without its limits. Figures 13c and 13d are photographs \
+             of the part and have no counterpart.",
             Drawing::Panels(vec![panel(
                 "path length s [mm]",
                 "v [mm/s]",

@@ -80,7 +80,8 @@ fn fan_feed() -> Result<Vec<(f64, f64)>, Cr7Error> {
 /// [`Cr7Error`] when an embedded path cannot be planned.
 pub fn liu_2023() -> Result<Reproduced, Cr7Error> {
     let mut r = Reproduction::new(
-        "X. Liu et al., A High-Precision Planar NURBS Interpolation System Based on Segmentation Method for Industrial \
+        "X. Liu et al., A High-Precision Planar NURBS Interpolation System Based on Segmentation Method for \
+         Industrial \
          Robot, Appl. Sci. 2023, 13, 13210",
     );
     let six = curve_of(SamplePath::SixPoint)?;

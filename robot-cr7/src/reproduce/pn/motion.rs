@@ -1,4 +1,5 @@
-//! Liu et al. 2023, sections 4 and 6.1: the butterfly scanned, its samples, and what the joining of segments saves.
+//! Liu et al. 2023, sections 4 and 6.1: the butterfly scanned, its samples, and what the joining of
+//! segments saves.
 
 use arcfeed_geometry::{NurbsCurve, SegmentationMethod};
 use arcfeed_interp::{Method, PlanError};
@@ -101,8 +102,8 @@ impl MotionRun {
         };
         let timings = plan.timings();
         Ok(Self {
-            path: SampledMotion { t: t.clone(), axes: vec![axis], arrived: true, tolerance: 1e-8 },
-            joints: SampledMotion { t, axes: (0..6).map(joint).collect(), arrived: true, tolerance: 1e-8 },
+            path: SampledMotion { t: t.clone(), axes: vec![axis], arrived: None, tolerance: 1e-8 },
+            joints: SampledMotion { t, axes: (0..6).map(joint).collect(), arrived: None, tolerance: 1e-8 },
             tool: points.iter().map(|p| cr7_dh::position(&p.q.into()).into()).collect(),
             curve: spline,
             breaks: plan.segmentation().map_or_else(

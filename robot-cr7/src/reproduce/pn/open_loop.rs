@@ -5,8 +5,9 @@ use crate::reproduce::spline::Spline;
 /// Places of a scan for extremes.
 const SCAN: u32 = 4000;
 
-/// Ends of the curve and places where the curvature is a local maximum (the reading taken of X.D. and L.F. in Liu et al.
-/// 2023, and of M.L., X.D. and W.L. in Liu et al. 2024: critical points by a scan of the curvature).
+/// Ends of the curve and places where the curvature is a local maximum (the reading taken of X.D.
+/// and L.F. in Liu et al. 2023, and of M.L., X.D. and W.L. in Liu et al. 2024: critical points by a
+/// scan of the curvature).
 pub fn curvature_split(curve: &Spline) -> Vec<f64> {
     let (from, to) = curve.domain();
     let at = |i: u32| from + (to - from) * (f64::from(i) + 0.5) / f64::from(SCAN);

@@ -1,4 +1,5 @@
-//! Huang et al. 2025, Figures 12 to 14, as a simulated experiment: drives with lag, encoders and torque sensors with noise.
+//! Huang et al. 2025, Figures 12 to 14, as a simulated experiment: drives with lag, encoders and
+//! torque sensors with noise.
 
 use arcfeed_interp::{DriveLag, LimitError};
 use arcfeed_kinematics::{Arm, Dynamics, Joints};

@@ -133,7 +133,8 @@ fn joints(plans: &[Plan<'_>; 2], name: &str, numbers: [u8; 3]) -> Result<Vec<Pap
             title: title.clone(),
             facts: facts.clone(),
             caption: format!(
-                "The paper shows {what} inside their limits. The arm is a stand-in. The published scan exceeds limits \
+                "The paper shows {what} inside their limits. The arm is a stand-in. The published scan exceeds \
+                 limits \
                  between its grid points; our plan does not."
             ),
             drawing: Drawing::Joints(JointFigure {
@@ -166,7 +167,9 @@ pub(super) fn time_domain(run: &PoseRun) -> PaperFigure {
         file: "qb_figure_11.svg".to_owned(),
         title: "Figure 11: tangential speed and acceleration of the composite motion".to_owned(),
         facts: format!("{:.4} s; from differences of the path parameter", run.duration),
-        caption: "The paper shows both in the time domain. The arm is a stand-in, so the duration differs.".to_owned(),
+        caption: "The paper shows both in the time domain. The arm is a stand-in, so the duration \
+         differs."
+            .to_owned(),
         drawing: Drawing::Panels(vec![panel("speed [m/s]", speed), panel("acceleration [m/s²]", acceleration)]),
     }
 }
@@ -187,7 +190,8 @@ pub(super) fn experiment(run: &Experiment) -> Vec<PaperFigure> {
             title: title.clone(),
             facts: facts.clone(),
             caption: format!(
-                "The paper shows {what} measured on a Delta DRV70L. No arm was moved here: the setpoints run on a drive \
+                "The paper shows {what} measured on a Delta DRV70L. No arm was moved here: the setpoints run on \
+                 a drive \
                  model with lag, and the sensors have seeded noise."
             ),
             drawing: Drawing::Joints(JointFigure {

@@ -1,5 +1,5 @@
-//! Joint torques from positions alone, by Lagrange's equation with finite differences: a second path beside the
-//! library's recursive inverse dynamics.
+//! Joint torques from positions alone, by Lagrange's equation with finite differences: a second
+//! path beside the library's recursive inverse dynamics.
 
 use arcfeed_kinematics::{Arm, Joints};
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
@@ -93,7 +93,8 @@ impl Links {
         self.links.iter().zip(&self.frames(q)).map(height).sum()
     }
 
-    /// Generalised momentum: energy is quadratic in the velocities, so a central difference of 1 rad/s is exact.
+    /// Generalised momentum: energy is quadratic in the velocities, so a central difference of 1
+    /// rad/s is exact.
     fn momentum(&self, q: &Joints<6>, qd: &Joints<6>) -> Joints<6> {
         Joints::from_fn(|k, _| {
             let mut unit = Joints::zeros();

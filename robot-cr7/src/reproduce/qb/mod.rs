@@ -1,7 +1,8 @@
-//! Huang, Wong, Cheng 2025, "Quaternion-Based Velocity Scheduling for Robotic Systems" (Electronics 14, 3869).
+//! Huang, Wong, Cheng 2025, "Quaternion-Based Velocity Scheduling for Robotic Systems" (Electronics
+//! 14, 3869).
 //!
-//! The paper's arm is not published; `data/qb_arm.json` says what stands in its place. Where dynamics matter the rows are
-//! fitted, because the stand-in was made from the printed numbers.
+//! The paper's arm is not published; `data/qb_arm.json` says what stands in its place. Where
+//! dynamics matter the rows are fitted, because the stand-in was made from the printed numbers.
 
 pub mod data;
 pub mod experiment;
@@ -165,7 +166,8 @@ impl QbRun {
         self.judge_scan(r, COMPOSITE, 1);
         r.information(COMPOSITE, "time to plan, forward-backward, ms", "5.63", format!("{:.2}", self.planning * 1e3))
             .note(format!(
-                "{COARSE} intervals (the paper states no grid), inverse kinematics and dynamics included; best of five"
+                "{COARSE} intervals (the paper states no grid), inverse kinematics and dynamics included; best \
+                 of five"
             ));
     }
 

@@ -1,4 +1,5 @@
-//! One motion of Huang et al. 2025, planned and sampled, and judged from the joint positions of its samples.
+//! One motion of Huang et al. 2025, planned and sampled, and judged from the joint positions of its
+//! samples.
 
 use arcfeed_feedrate::{FeedPlanner, FeedProblem, PublishedScan, SpeedLaw};
 use arcfeed_interp::{Limits, Method, PathProblem, Planner, PoseMove, Setpoint};
@@ -14,11 +15,12 @@ use crate::reproduce::spline::off_segment;
 
 /// The grid of the plans whose places are compared: fine enough for three digits.
 pub(super) const FINE: usize = 500;
-/// What may be left between the grid points of a certified plan at 500 intervals: the inverse kinematics is no
-/// polynomial, and the error of its interpolation falls with the third power of the interval.
+/// What may be left between the grid points of a certified plan at 500 intervals: the inverse
+/// kinematics is no polynomial, and the error of its interpolation falls with the third power of
+/// the interval.
 const BETWEEN: f64 = 1e-5;
-/// Error of the torque from differences, as a share of the limit: the mean over 4 ms moves by this much where the
-/// acceleration jumps.
+/// Error of the torque from differences, as a share of the limit: the mean over 4 ms moves by this
+/// much where the acceleration jumps.
 const TORQUE: f64 = 5e-3;
 
 /// A motion of the paper, ready to be planned by any planner.
@@ -215,7 +217,8 @@ impl PoseRun {
         Some((self.s[*places.first()?], self.s[*places.last()? + 1]))
     }
 
-    /// Share of the samples before `from` and after `to` at which a joint has at least 99 % of its acceleration limit.
+    /// Share of the samples before `from` and after `to` at which a joint has at least 99 % of its
+    /// acceleration limit.
     pub fn acceleration_binds(&self, joint: usize, (from, to): (f64, f64)) -> f64 {
         let (limit, h) = (self.limits.1[joint], self.period);
         let outside = (1..self.q.len() - 1).filter(|&i| self.s[i + 1] < from || self.s[i - 1] > to);
@@ -228,8 +231,8 @@ impl PoseRun {
     }
 }
 
-/// Largest difference between the scan of the paper, written a second time, and the library's speeds, as a share of the
-/// highest speed.
+/// Largest difference between the scan of the paper, written a second time, and the library's
+/// speeds, as a share of the highest speed.
 pub fn scan_difference(scan: &ScanRun, speeds: &[f64]) -> f64 {
     let most = speeds.iter().copied().fold(0.0, f64::max);
     let off = speeds.iter().enumerate().map(|(i, v)| (scan.speed(i) - v).abs() / most);

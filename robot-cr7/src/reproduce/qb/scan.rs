@@ -1,4 +1,5 @@
-//! The scan of Huang et al. 2025 (Appendix A), written a second time from the paper, with its curves beta and alpha.
+//! The scan of Huang et al. 2025 (Appendix A), written a second time from the paper, with its
+//! curves beta and alpha.
 
 use arcfeed_feedrate::{FeedProblem, Row};
 
@@ -15,7 +16,8 @@ pub struct ScanRun {
     pub backward: Vec<f64>,
 }
 
-/// Relative slack of a row, so that a row that is tight at the start of a step is not broken by rounding.
+/// Relative slack of a row, so that a row that is tight at the start of a step is not broken by
+/// rounding.
 const SLACK: f64 = 1e-12;
 
 fn holds(row: &Row, u: f64, v: f64) -> bool {
@@ -76,7 +78,8 @@ impl ScanRun {
         self.forward[i].min(self.backward[i])
     }
 
-    /// Where the final speed lies on the initial limit: ends of the clamps longer than a hundredth of the motion.
+    /// Where the final speed lies on the initial limit: ends of the clamps longer than a hundredth
+    /// of the motion.
     pub fn clamps(&self) -> Vec<(f64, f64)> {
         let end = self.s[self.s.len() - 1];
         let mut clamps: Vec<(f64, f64)> = Vec::new();
