@@ -1,5 +1,6 @@
 //! Liu et al. 2024, "online trajectory generation in task and joint spaces" (Actuators 13, 108).
 
+pub mod printed_cases;
 pub mod printed_feed;
 pub mod printed_projection;
 pub mod projection;
