@@ -18,7 +18,7 @@ use robot_cr7::reproduce::qb::QbRun;
 /// A mutation by name, what it does, and the row that it must break.
 type Mutation<T> = (&'static str, fn(&mut T), &'static str);
 
-/// Judges `run` as it is, then with each mutation.
+/// Judges `run` as it is, then with each mutation. Every row that counts is broken by some mutation.
 fn sabotage<T: Clone>(run: &T, judge: impl Fn(&T, &mut Reproduction), mutations: &[Mutation<T>]) {
     let judged = |run: &T| {
         let mut r = Reproduction::new("spoiled");
@@ -27,13 +27,17 @@ fn sabotage<T: Clone>(run: &T, judge: impl Fn(&T, &mut Reproduction), mutations:
     };
     let sound = judged(run);
     assert_eq!(sound.broken().count(), 0, "{sound}");
+    let counts = sound.claims.iter().filter(|c| c.holds.is_some());
+    let mut never: Vec<&str> = counts.map(|c| c.what.as_str()).collect();
     for (name, mutate, row) in mutations {
         let mut spoiled = run.clone();
         mutate(&mut spoiled);
         let r = judged(&spoiled);
         let broken: Vec<&str> = r.broken().map(|c| c.what.as_str()).collect();
+        never.retain(|what| !broken.contains(what));
         assert!(broken.iter().any(|what| what.contains(row)), "{name} should break \"{row}\", breaks {broken:?}");
     }
+    assert!(never.is_empty(), "no mutation breaks {never:?}");
 }
 
 /// Samples of `values` as they were one cycle before.
@@ -56,6 +60,20 @@ fn peak(values: &[f64]) -> usize {
 fn over_between_samples(motion: &mut SampledMotion, axis: usize, from: usize, limit: f64) {
     let step = 0.02 * limit * (motion.t[from + 1] - motion.t[from]);
     motion.axes[axis].p[from + 1..].iter_mut().for_each(|p| *p += step);
+}
+
+/// Breaks every rule of the checker at once; table 3 breaks them one by one.
+fn wreck(motion: &mut SampledMotion) {
+    let (last, middle) = (motion.t.len() - 1, motion.t.len() / 2);
+    motion.t[1] = motion.t[0];
+    motion.t[last] += 0.01;
+    motion.arrived = motion.arrived.map(|_| false);
+    for axis in &mut motion.axes {
+        axis.p[0] += 1.0;
+        axis.p[last] += 1.0;
+        axis.v[middle] += 1e3;
+        axis.a[middle] += 1e6;
+    }
 }
 
 #[test]
@@ -103,7 +121,7 @@ fn table_3_of_hs() {
 #[test]
 fn table_4_of_hs() {
     let run = Table4Run::measure().expect("the numbers of the table");
-    let mutations: [Mutation<Table4Run>; 6] = [
+    let mutations: [Mutation<Table4Run>; 8] = [
         (
             "motion scaled by 0.5",
             |r| {
@@ -138,6 +156,8 @@ fn table_4_of_hs() {
             "joint 2 alone: velocity from acceleration",
         ),
         ("a value that is no number", |r| r.alone[5].axes[0].v[7] = f64::NAN, "joint 6 alone: velocity / limit"),
+        ("every rule broken, together", |r| wreck(&mut r.together), "all joints together: velocity / limit"),
+        ("every rule broken, alone", |r| r.alone.iter_mut().for_each(wreck), "joint 3 alone: jerk / limit"),
     ];
     sabotage(&run, Table4Run::judge, &mutations);
 }
@@ -145,7 +165,7 @@ fn table_4_of_hs() {
 #[test]
 fn tables_5_and_7_of_hs() {
     let run = Table5Run::measure().expect("the numbers of the table");
-    let mutations: [Mutation<Table5Run>; 6] = [
+    let mutations: [Mutation<Table5Run>; 8] = [
         (
             "a bend beside the line",
             |r| {
@@ -163,10 +183,12 @@ fn tables_5_and_7_of_hs() {
             "tool, way and angle: error at the start",
         ),
         ("stale angular velocity", |r| stale(&mut r.tool.axes[1].v), "tool, way and angle: velocity from acceleration"),
+        ("every rule broken, joints", |r| wreck(&mut r.joints.motion), "joints: velocity / limit"),
+        ("every rule broken, tool", |r| wreck(&mut r.tool), "tool, way and angle: jerk / limit"),
     ];
     sabotage(&run, Table5Run::judge, &mutations);
     let run = Table7Run::measure().expect("the numbers of the table");
-    let mutations: [Mutation<Table7Run>; 3] = [
+    let mutations: [Mutation<Table7Run>; 4] = [
         (
             "one joint late",
             |r| {
@@ -185,6 +207,7 @@ fn tables_5_and_7_of_hs() {
             |r| r.joints.motion.axes[5].p.iter_mut().for_each(|p| *p -= 1.0),
             "joints: error at the end",
         ),
+        ("every rule broken", |r| wreck(&mut r.joints.motion), "joints: velocity / limit"),
     ];
     sabotage(&run, Table7Run::judge, &mutations);
 }
@@ -192,7 +215,7 @@ fn tables_5_and_7_of_hs() {
 #[test]
 fn table_6_of_hs() {
     let run = Table6Run::measure().expect("an embedded scenario");
-    let mutations: [Mutation<Table6Run>; 5] = [
+    let mutations: [Mutation<Table6Run>; 8] = [
         (
             "sections swapped",
             |r| {
@@ -219,6 +242,16 @@ fn table_6_of_hs() {
             "largest chord error of a segment",
         ),
         ("positions halved", |r| halved(&mut r.motion.axes[0]), "path: position from velocity"),
+        ("every rule broken", |r| wreck(&mut r.motion), "path: velocity / limit"),
+        ("a tenth faster", |r| r.motion.t.iter_mut().for_each(|t| *t *= 0.9), "highest feed elsewhere"),
+        (
+            "one cycle of 400",
+            |r| {
+                r.cycles = r.cycles.iter().copied().step_by(400).collect();
+                r.motion.t = r.motion.t.iter().copied().step_by(400).collect();
+            },
+            "chord error of a cycle",
+        ),
     ];
     sabotage(&run, Table6Run::judge, &mutations);
 }
@@ -226,7 +259,7 @@ fn table_6_of_hs() {
 #[test]
 fn table_8_of_hs() {
     let run = EventRun::measure().expect("an embedded scenario").remove(0);
-    let mutations: [Mutation<EventRun>; 5] = [
+    let mutations: [Mutation<EventRun>; 7] = [
         ("point 3 missed", |r| r.joints.axes[2].p.iter_mut().for_each(|p| *p += 1e-6), "passes point 3"),
         (
             "wrong branch of joint 6",
@@ -248,6 +281,8 @@ fn table_8_of_hs() {
             |r| *r.joints.axes[0].p.last_mut().expect("a sample") += 1e-4,
             "joints: position from velocity",
         ),
+        ("every rule broken", |r| wreck(&mut r.joints), "joints: velocity / limit"),
+        ("point 4 missed", |r| r.joints.axes[3].p.iter_mut().for_each(|p| *p += 1e-6), "passes point 4"),
     ];
     sabotage(&run, EventRun::judge, &mutations);
 }
@@ -279,10 +314,24 @@ fn counts_of_pn_and_control_points() {
     ];
     sabotage(&run, |run, r| run.judge(r, "counts", "1579"), &mutations);
     let run = Section2Run::measure().expect("an embedded curve");
-    let mutations: [Mutation<Section2Run>; 3] = [
+    let mutations: [Mutation<Section2Run>; 5] = [
         ("a control point moved", |r| r.table.points[1][2][0] += 1e-3, "Bezier 2, point 3"),
         ("pieces swapped", |r| r.table.points.swap(0, 1), "control points beside the polar form"),
         ("a control point moved by 1e-6 mm", |r| r.table.points[3][1][1] += 1e-6, "pieces by de Casteljau"),
+        (
+            "all control points moved",
+            |r| {
+                for p in r.table.points.iter_mut().flatten() {
+                    *p = p.map(|x| x + 1.0);
+                }
+            },
+            "Bezier 4, point 4",
+        ),
+        (
+            "not cut at all",
+            |r| r.hull.breaks = vec![r.hull.breaks[0], r.hull.breaks[r.hull.breaks.len() - 1]],
+            "below the open loop",
+        ),
     ];
     sabotage(&run, Section2Run::judge, &mutations);
 }
@@ -309,11 +358,13 @@ fn table_2_and_the_motion_of_pn() {
         ("arc length missing", |r| *r.methods[5].asked.last_mut().expect("a cycle") += 1e-9, "truncation error"),
     ];
     sabotage(&table, Table2Run::judge, &mutations);
-    let mutations: [Mutation<MotionRun>; 4] = [
+    let mutations: [Mutation<MotionRun>; 6] = [
         ("positions halved", |r| halved(&mut r.path.axes[0]), "path: position from velocity"),
         ("one joint late", |r| stale(&mut r.joints.axes[2].p), "joints: position from velocity"),
         ("tool beside the curve", |r| r.tool[3000][0] += 1e-9, "tool off the curve"),
         ("every second break dropped", |r| r.breaks = r.breaks.iter().copied().step_by(2).collect(), "chord error"),
+        ("every rule broken, path", |r| wreck(&mut r.path), "path: velocity / limit"),
+        ("every rule broken, joints", |r| wreck(&mut r.joints), "joints: jerk / limit"),
     ];
     sabotage(&motion, MotionRun::judge, &mutations);
 }
@@ -321,7 +372,7 @@ fn table_2_and_the_motion_of_pn() {
 #[test]
 fn motions_of_qb() {
     let run = QbRun::measure().expect("the embedded data");
-    let mutations: [Mutation<QbRun>; 10] = [
+    let mutations: [Mutation<QbRun>; 13] = [
         ("2 % faster", |r| r.pure.period *= 0.98, "without torque: velocity by differences"),
         ("a jump of 1e-6 rad", |r| r.pure.q[40][4] += 1e-6, "without torque: acceleration by differences"),
         ("2 % faster under torque limits", |r| r.composite.period *= 0.98, "composite: torque by Lagrange"),
@@ -344,6 +395,30 @@ fn motions_of_qb() {
             "velocity of joint 5 binds from",
         ),
         ("scan 1 % too slow", |r| r.speeds[1].iter_mut().for_each(|v| *v *= 0.99), "Appendix A by a second program"),
+        (
+            "a tenth faster",
+            |r| {
+                for run in [&mut r.pure, &mut r.pure_torque, &mut r.composite, &mut r.jerk] {
+                    run.period *= 0.9;
+                }
+            },
+            "composite with jerk: acceleration by differences",
+        ),
+        (
+            "the way back, in another place",
+            |r| {
+                for run in [&mut r.pure, &mut r.pure_torque, &mut r.composite, &mut r.jerk] {
+                    run.s.reverse();
+                    run.q.iter_mut().for_each(|q| q[0] += 0.1);
+                }
+            },
+            "with torque: tool off its line",
+        ),
+        (
+            "both scans 1 % too slow",
+            |r| r.speeds.iter_mut().flatten().for_each(|v| *v *= 0.99),
+            "Appendix A by a second program",
+        ),
     ];
     sabotage(&run, QbRun::judge, &mutations);
 }
