@@ -2,6 +2,7 @@
 
 pub(crate) mod joint_report;
 pub(crate) mod limit_table;
+pub(crate) mod paper_figure;
 #[cfg(feature = "plot")]
 pub mod plot;
 pub(crate) mod report;

@@ -253,27 +253,6 @@ fn forward_of_inverse_gives_the_pose_back() {
 }
 
 #[test]
-fn the_paper_is_reproduced() {
-    let desk = Desk::new("reproduce");
-    let run = desk.run(&["reproduce", "pn"]).done();
-    for part in ["143", "1579", "1454", "holds"] {
-        assert!(run.stdout.contains(part), "{part}: {run:?}");
-    }
-    assert!(!run.stdout.contains("BROKEN"), "{run:?}");
-    let run = desk.run(&["reproduce", "hs", "--out", "figures"]).done();
-    for part in ["0.914486", "Table 3", "Table 5", "Table 7", "holds"] {
-        assert!(run.stdout.contains(part), "{part}: {run:?}");
-    }
-    assert!(!run.stdout.contains("BROKEN"), "{run:?}");
-    for figure in
-        ["figure_5_feed", "figure_7a_velocity", "figure_7b_velocity", "figure_9b_position", "figure_13_velocity"]
-    {
-        assert!(desk.folder.join("figures").join(figure).with_extension("svg").exists(), "{figure}");
-    }
-    desk.run(&["reproduce", "xy"]).refused(2, &["xy", "pn", "hs"]);
-}
-
-#[test]
 fn bad_usage_ends_with_two_and_shows_the_way() {
     let desk = Desk::new("usage");
     for args in [&["plan", "--frobnicate"][..], &["fly"], &["plan", "a.json", "b.json"], &["plan", "--job"]] {

@@ -11,19 +11,24 @@ mod hostile_numbers;
 mod joint_space;
 #[cfg(feature = "cli")]
 mod limits_and_files;
+mod papers;
 #[cfg(feature = "plot")]
 mod pictures;
 mod pinned;
 #[cfg(feature = "cli")]
 mod random_jobs;
 #[cfg(feature = "cli")]
+mod reproduce;
+#[cfg(feature = "cli")]
 mod robots;
 #[cfg(feature = "cli")]
 mod run;
+mod sabotage;
 mod scenarios;
 #[cfg(feature = "cli")]
 mod schedule;
 mod trajectory_csv;
 
+#[cfg(feature = "cli")]
 #[path = "common/keeps.rs"]
 mod keeps;

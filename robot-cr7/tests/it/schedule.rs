@@ -1,4 +1,4 @@
-//! `cr7 schedule` and `cr7 reproduce qb` as a person runs them.
+//! `cr7 schedule` as a person runs it.
 #![cfg(feature = "cli")]
 
 use crate::common;
@@ -266,40 +266,4 @@ fn bad_files_name_the_line_and_the_rule() {
     let fast = format!("[motion]\nstart_speed = 9000\n{ways}");
     desk.write("s.toml", &fast);
     desk.run(&["schedule", "s.toml"]).refused(1, &["start speed", "cannot be had: 0.000000 to"]);
-}
-
-#[test]
-fn the_paper_on_scheduling_is_reproduced() {
-    let desk = Desk::new("reproduce_qb");
-    let report = desk.run(&["reproduce", "qb", "--out", "figures", "--json"]).done().json();
-    let claims = report["claims"].as_array().expect("a list");
-    let of = |what: &str| {
-        claims.iter().find(|c| c["what"].as_str().is_some_and(|w| w.contains(what))).unwrap_or_else(|| panic!("{what}"))
-    };
-    assert!(claims.iter().filter(|c| c["holds"] == true).count() >= 18 && claims.iter().all(|c| c["holds"] != false));
-    for (what, printed) in [("velocity of joint 5 binds from", 0.11), ("velocity of joint 5 binds to", 0.54)] {
-        let ours: f64 = of(what)["ours"].as_str().expect("a text").parse().expect("a number");
-        assert!((ours - printed).abs() < 5e-3, "{what}: {ours}");
-        assert!(of(what)["note"].as_str().is_some_and(|note| note.contains("full angle")));
-    }
-    for source in ["acceleration of joint 3", "torque of joint 1", "torque of joint 3"] {
-        assert_eq!(of(&format!("{source} binds"))["holds"], true);
-    }
-    // The published scan breaks its limits in both motions.
-    let broken: Vec<&str> = claims
-        .iter()
-        .filter(|c| c["what"].as_str().is_some_and(|w| w.starts_with("published scan")))
-        .map(|c| c["ours"].as_str().expect("a text"))
-        .collect();
-    assert_eq!(broken.len(), 2);
-    for excess in broken {
-        let percent: f64 = excess.trim_end_matches(" %").parse().expect("a number");
-        assert!(percent > 0.5, "{excess}");
-    }
-    for figure in 2..=9 {
-        let found = std::fs::read_dir(desk.folder.join("figures")).expect("a folder").any(|entry| {
-            entry.expect("readable").file_name().to_string_lossy().starts_with(&format!("figure_{figure}_"))
-        });
-        assert!(found, "figure {figure}");
-    }
 }

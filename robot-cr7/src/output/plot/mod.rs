@@ -6,6 +6,7 @@
 mod canvas;
 mod compare;
 mod decimate;
+mod paper;
 mod run;
 mod schedule;
 
@@ -16,6 +17,7 @@ use crate::input::error::InputError;
 use crate::output::whole_file::write_whole;
 use crate::run::limit_line::TOLERANCE;
 use crate::text::{number, percent};
+pub use paper::paper_picture;
 pub use run::{Picture, run_pictures};
 pub use schedule::{joint_panels_picture, shares_picture, speed_picture};
 
