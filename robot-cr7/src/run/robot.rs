@@ -9,6 +9,7 @@ use nalgebra::{Isometry3, Matrix3};
 
 use super::cr7::{ACCELERATION, JERK, VELOCITY};
 use super::error::Cr7Error;
+use super::stand_in;
 use crate::input::error::read_text;
 use crate::input::job::Job;
 use crate::input::joint_values::{JointOverrides, JointValues};
@@ -43,7 +44,10 @@ pub struct Robot {
 
 impl Robot {
     /// Names of the built-in robots.
-    pub const NAMES: [&'static str; 6] = models::NAMES;
+    pub const NAMES: [&'static str; 7] = {
+        let [a, b, c, d, e, f] = models::NAMES;
+        [a, b, c, d, e, f, stand_in::NAME]
+    };
 
     /// A built-in robot by its name, or the robot of a `.urdf` or `.json` file. Of a URDF with several ends, the links
     /// `base` and `tip` say where the arm begins and ends.
@@ -57,6 +61,7 @@ impl Robot {
         let description = match extension.as_str() {
             "urdf" => ArmDescription::from_urdf(&read_text(file, EXPECTED)?, base, tip).map_err(wrong)?,
             "json" => ArmDescription::from_json(&read_text(file, EXPECTED)?).map_err(wrong)?,
+            _ if name == stand_in::NAME => stand_in::description().map_err(wrong)?,
             _ => models::description(name)
                 .ok_or_else(|| Cr7Error::NoSuchRobot { name: name.to_owned(), known: &Self::NAMES })?,
         };

@@ -89,7 +89,7 @@ fn one_configuration_of_any_robot() {
         assert!(text.contains(part), "{part}: {text}");
     }
     let list = desk.run(&["robots", "--json"]).done().json();
-    assert_eq!(list["robots"].as_array().expect("a list").len(), 6);
+    assert_eq!(list["robots"].as_array().expect("a list").len(), 7);
 }
 
 #[test]

@@ -267,3 +267,33 @@ fn bad_files_name_the_line_and_the_rule() {
     desk.write("s.toml", &fast);
     desk.run(&["schedule", "s.toml"]).refused(1, &["start speed", "cannot be had: 0.000000 to"]);
 }
+
+#[test]
+fn the_motions_of_huang_2025_run_on_the_stand_in_for_its_arm() {
+    let desk = Desk::new("huang");
+    let schedules = concat!(env!("CARGO_MANIFEST_DIR"), "/schedules/huang_");
+    // Durations of the same planner in `cr7 reproduce qb`, whose rows hold them against the paper.
+    for (name, kind, duration) in [
+        ("po", "pure orientation", Some(1.2489)),
+        ("to", "composite motion", Some(4.9844)),
+        ("pt", "pure translation", None),
+    ] {
+        let file = format!("{schedules}{name}.toml");
+        let certified =
+            ["schedule", &file, "--robot", "drv70l_stand_in", "--planner", "interpolated-reachability", "--json"];
+        let run = desk.run(&certified);
+        assert_eq!(run.code, 0, "{name}: {run:?}");
+        let report = run.json();
+        assert_eq!(report["motion"], kind);
+        if let Some(duration) = duration {
+            let ours = report["duration_s"].as_f64().expect("a duration");
+            assert!((ours - duration).abs() < 1e-4, "{name}: {ours}");
+        }
+        // With jerk it takes longer, and every limit holds.
+        let run = desk.run(&["schedule", &file, "--robot", "drv70l_stand_in", "--json"]);
+        assert_eq!(run.code, 0, "{name}: {run:?}");
+        assert!(run.json()["duration_s"].as_f64() > report["duration_s"].as_f64());
+    }
+    let robots = desk.run(&["robots"]);
+    assert!(robots.stdout.contains("drv70l_stand_in") && robots.stdout.contains("fitted"), "{robots:?}");
+}

@@ -2,32 +2,17 @@
 
 use arcfeed_geometry::{GeometryError, PoseMotion};
 use arcfeed_interp::{LimitError, PathError, PlanError, SpeedError};
-use arcfeed_kinematics::{Arm, Inertial, JointLimits, Joints, KinematicsError, models};
+use arcfeed_kinematics::{Arm, JointLimits, Joints, KinematicsError};
 use nalgebra::{Isometry3, Translation3};
 use serde::Deserialize;
 use thiserror::Error;
 
 use crate::input::toml_check::rotation;
+use crate::run::stand_in;
 
-/// Jerk limit of the motion that the paper does not have, rad/s^3.
-pub(super) const JERK: f64 = 40.0;
-
+/// The motions of the paper.
 #[derive(Debug, Deserialize)]
 pub(super) struct Data {
-    arm: String,
-    inertial_scale: f64,
-    #[serde(rename = "coulomb_Nm")]
-    coulomb: [f64; 6],
-    #[serde(rename = "viscous_Nms_per_rad")]
-    viscous: [f64; 6],
-    #[serde(rename = "rotor_inertia_kgm2")]
-    rotor: [f64; 6],
-    #[serde(rename = "velocity_rad_s")]
-    velocity: [f64; 6],
-    #[serde(rename = "acceleration_rad_s2")]
-    acceleration: [f64; 6],
-    #[serde(rename = "torque_Nm")]
-    torque: [f64; 6],
     pub(super) po: Way,
     pub(super) to: Way,
 }
@@ -71,34 +56,24 @@ pub enum QbError {
     /// A speed.
     #[error("{0}")]
     Speed(#[from] SpeedError),
+    /// Limits or links of the stand-in.
+    #[error("limits or links of the stand-in are missing")]
+    StandIn,
     /// Limits along the path.
     #[error("{0}")]
     Feed(#[from] arcfeed_feedrate::FeedError),
-    /// The arm of the data.
-    #[error("the arm {0} is not built in, or its links are unknown")]
-    Model(String),
 }
 
 impl Data {
     pub(super) fn load() -> Result<Self, QbError> {
-        Ok(serde_json::from_str(include_str!("../../../data/qb_arm.json"))?)
+        Ok(serde_json::from_str(stand_in::DATA)?)
     }
+}
 
-    pub(super) fn arm(&self) -> Result<Arm<6>, QbError> {
-        let model = || QbError::Model(self.arm.clone());
-        let mut description = models::description(&self.arm).ok_or_else(model)?;
-        for (i, joint) in description.joints.iter_mut().enumerate() {
-            let link = joint.inertial.ok_or_else(model)?;
-            let scale = self.inertial_scale;
-            joint.inertial = Some(Inertial::new(link.mass() * scale, *link.centre(), *link.tensor() * scale)?);
-            joint.rotor_inertia = Some(self.rotor[i]);
-            joint.friction = Some([self.viscous[i], self.coulomb[i], self.coulomb[i]]);
-        }
-        Ok(description.build::<6>()?)
-    }
-
-    pub(super) fn limits(&self, arm: &Arm<6>) -> Result<(JointLimits<6>, Joints<6>), QbError> {
-        let (v, a) = (Joints::from(self.velocity), Joints::from(self.acceleration));
-        Ok((arm.range().with_rates(v, a, Joints::repeat(JERK))?, Joints::from(self.torque)))
-    }
+/// The stand-in for the arm of the paper, with its limits on rates and on torque.
+pub(super) fn arm() -> Result<(Arm<6>, JointLimits<6>, Joints<6>), QbError> {
+    let arm = stand_in::description()?.build::<6>()?;
+    let joints = arm.limits().ok_or(QbError::StandIn)?;
+    let torque = arm.drive_limits().torque.ok_or(QbError::StandIn)?;
+    Ok((arm, joints, torque))
 }

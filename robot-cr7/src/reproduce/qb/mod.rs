@@ -15,12 +15,13 @@ use arcfeed_feedrate::FeedPlanner;
 use arcfeed_interp::Method;
 use arcfeed_kinematics::Joints;
 
-use self::data::{Data, JERK, QbError};
+use self::data::{Data, QbError};
 use self::experiment::Experiment;
 use self::motion::{Case, FINE, PoseRun, pose_of, scan_difference};
 use self::scan::ScanRun;
 use super::{Reproduced, Reproduction};
 use crate::output::paper_figure::PaperFigure;
+use crate::run::stand_in::JERK;
 
 /// The grid of the plans whose violations are shown; the paper does not state its own.
 const COARSE: usize = 100;
@@ -64,8 +65,7 @@ impl QbRun {
     /// [`QbError`] when the embedded data cannot be planned.
     pub fn measure() -> Result<Self, QbError> {
         let data = Data::load()?;
-        let arm = data.arm()?;
-        let (joints, torque) = data.limits(&arm)?;
+        let (arm, joints, torque) = data::arm()?;
         let kinematic = Case::new(&arm, &data.po, joints, None)?;
         let case_po = Case::new(&arm, &data.po, joints, Some(torque))?;
         let case_to = Case::new(&arm, &data.to, joints, Some(torque))?;

@@ -135,7 +135,7 @@ impl PoseRun {
             torque: points.iter().filter_map(|p| problem.torque_at(p)).collect(),
             limits: (*limits.joints().velocity(), *limits.joints().acceleration(), torque),
             jerk: None,
-            links: Links::new(arm).ok_or_else(|| QbError::Model("of the data".to_owned()))?,
+            links: Links::new(arm).ok_or(QbError::StandIn)?,
             poses: [way.start, way.goal],
             duration: arcfeed_feedrate::MotionLaw::duration(law),
         })
