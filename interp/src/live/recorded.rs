@@ -43,11 +43,11 @@ impl<const N: usize> LivePath<'_, N> {
                 tally.look_at_joints(&sample);
             }
             if on_path && was_on_path {
-                tally.compare([&before, &before, &sample]);
+                tally.compare([&before, &before, &sample], self.period());
                 let middle = self.path().pose_path().curve().point(0.5 * (before.at.s + sample.at.s));
                 tally.chord_at(middle, [&before, &sample]);
             } else {
-                tally.compare_joints([&before, &before, &sample], false);
+                tally.compare_joints([&before, &before, &sample], self.period(), false);
             }
             (before, was_on_path) = (sample, on_path);
         }

@@ -15,9 +15,6 @@ const END_RATE: f64 = 1e-6;
 /// What is asked of both ends.
 const ENDS: [Quantity; 3] = [Quantity::EndPosition, Quantity::EndVelocity, Quantity::EndAcceleration];
 
-/// Rounding of a velocity in a file or a controller, absolute and relative.
-const SPEED: [f64; 2] = [1e-14, 1e-14];
-
 /// Holds a recorded joint motion against the limits, without the help of whatever made it.
 ///
 /// Every sample is held against the limits on position, velocity and acceleration, and against the
@@ -137,9 +134,8 @@ impl<const N: usize> JointCheck<N> {
                 jerk[k].see_against(beyond(now.qdd[k] - before.qdd[k], noise), during.jerk[k], at);
             }
         }
-        // `see_step` adds that of the clock.
-        let rounding = || Joints::from_fn(|k, _| 1e-14 * (1.0 + size(&before.q, &now.q, k)));
-        self.tally.see_step([before, now], (dt, 0.0), &rates, (rounding, SPEED), at);
+        let rounding = || Joints::from_fn(|k, _| noise_q(k));
+        self.tally.see_step([before, now], (dt, 0.0), &rates, (rounding, noise_v), at);
     }
 
     /// Velocity and acceleration of the first sample.

@@ -83,14 +83,14 @@ impl<const N: usize> JointTally<N> {
     /// `|v1 - v0 - dt (a0 + a1) / 2| <= J dt^2 / 4`; one with acceleration below A satisfies
     /// `|q1 - q0 - dt (v0 + v1) / 2| <= A dt^2 / 4` and `|v1 - v0| <= A dt`. Where the acceleration may
     /// step within a time `step` (s), the step counts as a jerk J over it. `rounding` gives what
-    /// rounding adds to a difference of positions; it is asked for where it decides. `speed` and
-    /// `of_speed` are the absolute and the relative rounding of velocities.
+    /// rounding adds to a difference of positions; it is asked for where it decides. `of_speed`
+    /// gives what it adds to a difference of velocities of a joint.
     pub fn see_step(
         &mut self,
         [a, b]: [&JointSample<N>; 2],
         (dt, step): (f64, f64),
         rates: &JointRates<N>,
-        (rounding, [speed, of_speed]): (impl Fn() -> Joints<N>, [f64; 2]),
+        (rounding, of_speed): (impl Fn() -> Joints<N>, impl Fn(usize) -> f64),
         at: Moment,
     ) {
         let mut rounded: Option<Joints<N>> = None;
@@ -100,14 +100,11 @@ impl<const N: usize> JointTally<N> {
             let v = (b.qd[k] - a.qd[k] - 0.5 * dt * (a.qdd[k] + b.qdd[k])).abs();
             let allowed_q = (jerk * (dt / 12.0 + step / 8.0)).min(0.25 * acceleration) * dt * dt;
             let worse = q > allowed_q * self.continuity[k].ratio().max(1.0);
-            // The time at which a sample is taken is rounded, too.
-            let clock = 2.0 * f64::EPSILON * b.t;
-            let noise_q = clock * (a.qd[k].abs() + b.qd[k].abs());
             let ratio_q = match worse && q < allowed_q + MOST_ROUNDING {
-                true => q / (allowed_q + noise_q + rounded.get_or_insert_with(&rounding)[k]),
+                true => q / (allowed_q + rounded.get_or_insert_with(&rounding)[k]),
                 false => q / allowed_q,
             };
-            let noise_v = speed + of_speed * b.qd[k].abs() + clock * (a.qdd[k].abs() + b.qdd[k].abs());
+            let noise_v = of_speed(k);
             let ratio_v = v / ((jerk * (dt / 4.0 + step / 2.0)).min(2.0 * acceleration) * dt + noise_v);
             // One by one, so that a NaN of either stays.
             self.continuity[k].see(ratio_q, at);

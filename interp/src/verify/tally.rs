@@ -170,10 +170,11 @@ impl<'a, const N: usize> Tally<'a, N> {
     }
 
     /// Limits on what happens from one sample to the next; the first sample is the one a control period ago.
-    pub fn compare(&mut self, samples: [&Sample<N>; 3]) {
-        self.compare_joints(samples, true);
+    ///
+    /// The last two are `dt` apart, s.
+    pub fn compare(&mut self, samples: [&Sample<N>; 3], dt: f64) {
+        self.compare_joints(samples, dt, true);
         let [_, before, now] = samples;
-        let dt = now.at.t - before.at.t;
         if let Some(worst) = self.tangential_jerk.as_mut().filter(|_| dt > 0.0) {
             // Accelerations that differ by rounding alone are no jerk.
             let change = now.tangential - before.tangential;
@@ -182,9 +183,8 @@ impl<'a, const N: usize> Tally<'a, N> {
     }
 
     /// The same, for the joints alone; `on_path` tells whether they follow the path all the time.
-    pub fn compare_joints(&mut self, [first, before, now]: [&Sample<N>; 3], on_path: bool) {
+    pub fn compare_joints(&mut self, [first, before, now]: [&Sample<N>; 3], dt: f64, on_path: bool) {
         let (a, b) = (&before.at, &now.at);
-        let dt = b.t - a.t;
         if dt <= 0.0 {
             return;
         }
@@ -204,8 +204,9 @@ impl<'a, const N: usize> Tally<'a, N> {
         let step = if jumped { self.r.period } else { 0.0 };
         let path = self.r.path;
         let rounding = || path.rounding(&a.q) + path.rounding(&b.q);
+        let of_speed = |k: usize| SPEED[0] + SPEED[1] * b.qd[k].abs();
         let samples = [a, b].map(|at| JointSample { t: at.t, q: at.q, qd: at.qd, qdd: at.qdd });
-        self.joints.see_step([&samples[0], &samples[1]], (dt, step), &self.rates, (rounding, SPEED), b.into());
+        self.joints.see_step([&samples[0], &samples[1]], (dt, step), &self.rates, (rounding, of_speed), b.into());
     }
 
     /// One place of the path, reached within a control cycle, against the straight line between the cycle's samples.

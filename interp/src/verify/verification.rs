@@ -75,7 +75,7 @@ pub fn verify<const N: usize>(
             tally.end(&sample, requirement.path.length(), requirement.end_speeds[1]);
         }
         if let (Some(first), Some(before)) = (ring.front(), ring.back()) {
-            tally.compare([first, before, &sample]);
+            tally.compare([first, before, &sample], sample.at.t - before.at.t);
         }
         if ring.len() > density {
             ring.pop_front();
