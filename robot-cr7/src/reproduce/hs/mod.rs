@@ -1,5 +1,6 @@
 //! Liu et al. 2024, "online trajectory generation in task and joint spaces" (Actuators 13, 108).
 
+mod conditions;
 pub mod printed_cases;
 pub mod printed_feed;
 pub mod printed_projection;
@@ -12,21 +13,7 @@ mod table_6_figures;
 pub mod table_8;
 mod tool;
 
-use arcfeed_sync::nalgebra::SVector;
-
 use super::Reproduced;
-use crate::input::scenario::Scenario;
-use crate::run::cr7::Cr7;
-use crate::run::error::Cr7Error;
-use crate::run::play::{Clock, Played};
-use crate::run::stage::Stage;
-
-type V6 = SVector<f64, 6>;
-
-/// The paper's controller samples every 2 ms.
-const PERIOD: f64 = 2e-3;
-/// Cap on the cycles of every loop: 40 s.
-const CYCLES: u32 = 20_000;
 
 /// Tables 1 to 8 beside ours, and Figures 1, 2, 5, 7, 9 and 11 to 14.
 pub fn liu_2024() -> Reproduced {
@@ -54,13 +41,4 @@ pub fn liu_2024() -> Reproduced {
         |runs| runs.iter().zip(names).flat_map(|(run, (file, title))| run.figures(file, title)).collect(),
     );
     out
-}
-
-/// Plays a scenario on the CR7 and hands over what was played.
-fn played<T>(text: &str, name: &str, look: impl FnOnce(&Stage<'_>, &Played) -> T) -> Result<T, Cr7Error> {
-    let scenario = Scenario::parse(text, name.as_ref())?;
-    let cr7 = Cr7::of(scenario.job())?;
-    let stage = scenario.stage(cr7.arm(), cr7.limits())?;
-    let played = stage.play(Clock::Simulated)?;
-    Ok(look(&stage, &played))
 }

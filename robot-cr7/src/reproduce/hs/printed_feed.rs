@@ -5,7 +5,7 @@
 //! bounded jerk; the situation is chosen when limits change; the branch of the brake follows the
 //! sign of ve - v; eqs. 14 to 16 start from v0 and s0.
 
-use super::table_3::{END, START, TABLE_3, Window};
+use super::conditions::{END, START, TABLE_3, Window};
 
 /// Which equations are taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

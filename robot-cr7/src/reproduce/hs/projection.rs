@@ -5,9 +5,9 @@ use std::time::Instant;
 use arcfeed_sync::nalgebra::{SVector, Vector3};
 use arcfeed_sync::{JointState, ProjectionStatus, ProjectionSync, SyncError, symmetric_limits};
 
+use super::conditions::{CYCLES, PERIOD, V6};
 use super::printed_projection::{Limits6, ProjectionOutcome, corrected, frame, printed_bounds};
 use super::tool::{FROM_POINT, FROM_QUATERNION, TO_POINT, TO_QUATERNION, tool_run};
-use super::{CYCLES, PERIOD, V6};
 use crate::output::paper_figure::{Drawing, FigureLine, PanelPlot, PaperFigure};
 use crate::reproduce::checker::{AxisBounds, SampledAxis, SampledMotion};
 use crate::reproduce::{Random, Reproduction};

@@ -2,33 +2,13 @@
 
 use arcfeed_feedrate::{AxisLimits, AxisState, FeedError, FeedScheduler, FeedStatus};
 
+use super::conditions::{CYCLES, END, PERIOD, START, TABLE_3, Window};
 use super::printed_feed::{FeedOutcome, Scheme, run};
-use super::{CYCLES, PERIOD};
 use crate::output::paper_figure::{Drawing, FigureLine, PanelPlot, PaperFigure};
 use crate::reproduce::Reproduction;
 use crate::reproduce::checker::{AxisBounds, SampledAxis, SampledMotion};
 
 const PLACE: &str = "Table 3, figure 5: online feed rate, limits changed at 3 and 6 s (mm, s)";
-/// Position, velocity, acceleration at the start and at the end (mm, s), from the text before Table
-/// 3.
-pub(super) const START: [f64; 3] = [0.0, -1.0, -10.0];
-pub(super) const END: [f64; 3] = [200.0, 5.0, 6.0];
-
-/// Limits from a time on (s): velocity, acceleration, jerk in mm and s.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Window {
-    pub(super) from: f64,
-    pub(super) v: (f64, f64),
-    pub(super) a: (f64, f64),
-    pub(super) j: (f64, f64),
-}
-
-/// Table 3.
-pub(super) const TABLE_3: [Window; 3] = [
-    Window { from: 0.0, v: (-6.0, 5.0), a: (-12.0, 10.0), j: (-25.0, 20.0) },
-    Window { from: 3.0, v: (-13.0, 15.0), a: (-15.0, 12.0), j: (-100.0, 90.0) },
-    Window { from: 6.0, v: (-50.0, 30.0), a: (-20.0, 30.0), j: (-80.0, 70.0) },
-];
 
 /// The motion of Table 3, and what the printed equations make of it.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,7 +4,7 @@
 use arcfeed_feedrate::{AxisState, MotionLaw, StateToState};
 use arcfeed_sync::{MotionOptions, SyncError, Synchronisation, Trajectory, symmetric_limits};
 
-use super::V6;
+use super::conditions::V6;
 use super::printed_cases::{CaseCounts, counts};
 use crate::output::paper_figure::{Drawing, FigureLine, PanelPlot, PaperFigure};
 use crate::reproduce::Reproduction;

@@ -5,7 +5,7 @@ use arcfeed_geometry::SegmentationMethod;
 use arcfeed_interp::HybridState;
 use nalgebra::Vector3;
 
-use super::played;
+use super::conditions::played;
 use crate::reproduce::checker::{AxisBounds, SampledAxis, SampledMotion};
 use crate::reproduce::spline::{Spline, off_segment};
 use crate::reproduce::{Reproduction, cr7_dh};

@@ -3,7 +3,7 @@
 use arcfeed_interp::HybridState;
 use nalgebra::Vector3;
 
-use super::played;
+use super::conditions::played;
 use super::projection::{ACCELERATION, VELOCITY};
 use crate::input::scenario::Scenario;
 use crate::output::paper_figure::{Drawing, FigureLine, PanelPlot, PaperFigure, PlaneCurve, PlanePlot};

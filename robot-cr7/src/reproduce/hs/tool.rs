@@ -3,7 +3,7 @@
 use arcfeed_sync::nalgebra::{Isometry3, Quaternion, SVector, UnitQuaternion, Vector3};
 use arcfeed_sync::{PoseLimits, PoseProjectionSync, PoseState, ProjectionStatus, SyncError};
 
-use super::{CYCLES, PERIOD};
+use super::conditions::{CYCLES, PERIOD};
 use crate::reproduce::checker::{AxisBounds, SampledAxis, SampledMotion};
 
 /// Limits of the tool, of which the paper prints none: velocity, acceleration, jerk in m and in
