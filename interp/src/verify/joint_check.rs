@@ -107,7 +107,8 @@ impl<const N: usize> JointCheck<N> {
         let ends = self.ends.into_iter().filter_map(|each| {
             each.into_iter().reduce(|m, w| if w.ratio() > m.ratio() || w.ratio().is_nan() { w } else { m })
         });
-        sum_up(self.tally.into_all().chain(ends), self.samples)
+        let (limits, continuity) = self.tally.into_parts();
+        sum_up(limits.chain(continuity).chain(ends), self.samples)
     }
 
     /// Checks the motion of the joints at `now`, and from `before` to it, under the rates `during` that time.

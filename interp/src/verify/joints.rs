@@ -116,10 +116,9 @@ impl<const N: usize> JointTally<N> {
         }
     }
 
-    pub fn into_all(self) -> impl Iterator<Item = Worst> {
-        [Some(self.position), Some(self.velocity), Some(self.acceleration), self.jerk, Some(self.continuity)]
-            .into_iter()
-            .flatten()
-            .flatten()
+    /// The limits of position, velocity, acceleration and jerk; and continuity.
+    pub fn into_parts(self) -> (impl Iterator<Item = Worst>, EachJoint) {
+        let limits = [Some(self.position), Some(self.velocity), Some(self.acceleration), self.jerk];
+        (limits.into_iter().flatten().flatten(), self.continuity)
     }
 }

@@ -237,9 +237,10 @@ impl<'a, const N: usize> Tally<'a, N> {
             self.off_path,
             self.turned,
         ];
-        let each = [self.torque, self.off_joints].into_iter().flatten().flatten();
-        let all = self.joints.into_all().chain(tool.into_iter().flatten()).chain(each);
-        sum_up(all.chain([self.ends, self.agreement]), samples)
+        let (limits, continuity) = self.joints.into_parts();
+        let joints = limits.chain(self.torque.into_iter().flatten());
+        let rest = self.off_joints.into_iter().flatten().chain(continuity).chain([self.ends, self.agreement]);
+        sum_up(joints.chain(tool.into_iter().flatten()).chain(rest), samples)
     }
 }
 
