@@ -16,5 +16,6 @@ mod spherical_wrist;
 #[cfg(feature = "urdf")]
 mod urdf;
 
+#[cfg(feature = "urdf")]
 #[path = "common/damaged_urdf.rs"]
 mod damaged_urdf;
