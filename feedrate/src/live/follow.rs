@@ -21,8 +21,7 @@ const APPROACH: (f64, f64) = (0.4, 5.0);
 
 /// The motion over one cycle.
 #[derive(Debug, Clone, Copy)]
-// A few per cycle, none is stored.
-#[allow(clippy::large_enum_variant)]
+#[allow(clippy::large_enum_variant, reason = "a few per cycle, none is stored")]
 enum Way {
     /// By a change of speed, and at its target speed after it.
     Change(SpeedChange, f64),

@@ -11,8 +11,9 @@ impl<const N: usize> LivePath<'_, N> {
     /// Holds the recorded setpoints of a motion, one a control period, against every limit: those of
     /// the joints all the time, those of the tool while it is on the path.
     ///
-    /// `start` is the setpoint before the first cycle; the motion is at rest there and after the last. Each cycle comes with whether the tool is on
-    /// the path at its end.
+    /// `start` is the setpoint before the first cycle; the motion is at rest there and after the
+    /// last. Each cycle comes with whether the tool is on the path at its end. Times that are not one
+    /// control period apart count as a setpoint that does not agree with itself.
     pub fn verify<'s>(
         &self,
         start: &Setpoint<N>,
@@ -37,6 +38,7 @@ impl<const N: usize> LivePath<'_, N> {
         for (setpoint, on_path) in cycles {
             let sample = Sample::new(&requirement, *setpoint);
             samples += 1;
+            tally.look_at_clock((sample.at.t - before.at.t) / self.period() - 1.0, &sample);
             if on_path {
                 tally.look(&sample);
             } else {

@@ -116,6 +116,8 @@ impl<const N: usize> JointCheck<N> {
         let at = Moment::at_time(now.t);
         // The resolution of the time at which a sample is taken, and of its values.
         let clock = 2.0 * f64::EPSILON * now.t;
+        // The times of the samples are `dt` apart, too.
+        let off = (now.t - before.t - dt) / (END_RATE * dt + 2.0 * clock);
         let size = |a: &Joints<N>, b: &Joints<N>, k: usize| a[k].abs() + b[k].abs();
         let noise_q = |k: usize| 1e-14 * (1.0 + size(&before.q, &now.q, k)) + clock * size(&before.qd, &now.qd, k);
         let noise_v = |k: usize| 1e-14 * (1.0 + size(&before.qd, &now.qd, k)) + clock * size(&before.qdd, &now.qdd, k);
@@ -125,6 +127,7 @@ impl<const N: usize> JointCheck<N> {
             let [velocity, acceleration] =
                 self.excesses[k].limits(before.t, during.velocity[k], during.acceleration[k]);
             rates.acceleration[k] = acceleration;
+            self.tally.continuity[k].see(off, at);
             let tally = &mut self.tally;
             tally.velocity[k].see_against(now.qd[k], velocity, at);
             tally.velocity[k].see_against(beyond(now.q[k] - before.q[k], noise_q(k)), velocity, at);

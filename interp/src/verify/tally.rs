@@ -139,6 +139,11 @@ impl<'a, const N: usize> Tally<'a, N> {
         self.agreement.see(misfit(r, sample) / ZERO, at);
     }
 
+    /// By how much of a control period the time of a sample is off.
+    pub fn look_at_clock(&mut self, off: f64, sample: &Sample<N>) {
+        self.agreement.see(off / ZERO, &sample.at);
+    }
+
     /// The jerk that a setpoint states at a knot of the law, between the regular samples. Along a curve of the tool the third derivatives
     /// of the joints have peaks that last for less than the time between two samples: there its mean over that time counts.
     pub fn look_at_jerk(&mut self, at: &Setpoint<N>) {

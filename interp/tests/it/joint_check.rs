@@ -58,7 +58,7 @@ fn a_good_motion_holds_and_each_spoilt_one_is_named() {
     assert!(untouched.holds(1e-6), "{:?}", untouched.worst());
     assert!(ratio(&untouched, Quantity::JointJerk) > 0.999_999);
     type Spoil = fn(&mut Vec<JointSample<1>>);
-    let spoilt: [(&str, Quantity, Spoil); 7] = [
+    let spoilt: [(&str, Quantity, Spoil); 8] = [
         ("a jump", Quantity::Continuity, |rows| rows[120..].iter_mut().for_each(|r| r.q[0] += 1e-6)),
         ("a jump in the last sample", Quantity::Continuity, |rows| rows[198].q[0] += 1e-6),
         ("positions halved", Quantity::Continuity, |rows| rows.iter_mut().for_each(|r| r.q[0] *= 0.5)),
@@ -70,6 +70,7 @@ fn a_good_motion_holds_and_each_spoilt_one_is_named() {
         ("acceleration 20 % larger for a sample", Quantity::JointJerk, |rows| rows[30].qdd[0] *= 1.2),
         ("out of range", Quantity::JointPosition, |rows| rows.iter_mut().for_each(|r| r.q[0] += 10.0)),
         ("not a number", Quantity::JointVelocity, |rows| rows[77].qd[0] = f64::NAN),
+        ("a time stamp twice", Quantity::Continuity, |rows| rows[60].t = rows[59].t),
     ];
     for (name, quantity, spoil) in spoilt {
         let mut rows = good()[..199].to_vec();

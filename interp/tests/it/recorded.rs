@@ -86,6 +86,8 @@ fn a_live_motion_holds_and_each_spoilt_one_is_named() {
         ),
         ("the feed of another place", Quantity::SetpointAgreement, Box::new(move |r| r[moving].0.feed *= 1.01)),
         ("not a number", Quantity::JointVelocity, Box::new(move |r| r[middle].0.qd[2] = f64::NAN)),
+        ("an end in motion", Quantity::Ends, Box::new(|r| r.truncate(r.len() - 20))),
+        ("a time stamp twice", Quantity::SetpointAgreement, Box::new(move |r| r[middle].0.t = r[middle - 1].0.t)),
         (
             "a cycle lost",
             Quantity::Continuity,

@@ -9,7 +9,7 @@ use arcfeed_interp::{Extent, FeedSection, Method};
 use nalgebra::{Isometry3, Unit, UnitQuaternion, Vector3};
 
 use super::error::{InputError, read_text, text_of};
-use super::job_file::{RawJob, RawMode, RawOrientation, RawPlan, RawSection, RawTorque};
+use super::job_file::{RawFeed, RawJob, RawMode, RawOrientation, RawPlan, RawSection, RawTorque};
 use super::joint_values::{JointOverrides, JointValues};
 use super::toml_check::{Check, read_toml, rotation};
 use super::unit::LengthUnit;
@@ -183,37 +183,7 @@ impl JobCheck<'_> {
             })
         });
         let mm = 1e3;
-        let feed = FeedLimits {
-            feed: self.feed("feed.feed_mm_s", raw.feed.feed_mm_s)?.unwrap_or(default.feed.feed),
-            tangential_acceleration: self.0.limit_or(
-                "feed.tangential_acceleration_mm_s2",
-                raw.feed.tangential_acceleration_mm_s2,
-                mm,
-                default.feed.tangential_acceleration,
-            )?,
-            tangential_jerk: self.0.limit_or(
-                "feed.tangential_jerk_mm_s3",
-                raw.feed.tangential_jerk_mm_s3,
-                mm,
-                default.feed.tangential_jerk,
-            )?,
-            normal_acceleration: self.0.limit_or(
-                "feed.normal_acceleration_mm_s2",
-                raw.feed.normal_acceleration_mm_s2,
-                mm,
-                default.feed.normal_acceleration,
-            )?,
-            normal_jerk: self.0.limit("feed.normal_jerk_mm_s3", raw.feed.normal_jerk_mm_s3, mm)?,
-            angular_speed: self.0.limit(
-                "feed.angular_speed_deg_s",
-                raw.feed.angular_speed_deg_s,
-                180.0 / std::f64::consts::PI,
-            )?,
-            end_speeds: [
-                self.speed("feed.start_mm_s", raw.feed.start_mm_s)?,
-                self.speed("feed.end_mm_s", raw.feed.end_mm_s)?,
-            ],
-        };
+        let feed = self.feeds(&raw.feed, &default.feed)?;
         if raw.feed.feed_mm_s.is_some_and(|v| v < 1.0) {
             self.0.warn("feed.feed_mm_s", feed.feed * 1e3, "mm/s is very slow: did you mean m/s? Write 1000 for 1 m/s");
         }
@@ -251,6 +221,39 @@ impl JobCheck<'_> {
             );
         }
         Ok(Job { warnings: self.0.warnings, ..job })
+    }
+
+    /// The limits along the path, `default` where the job gives none.
+    fn feeds(&self, raw: &RawFeed, default: &FeedLimits) -> Result<FeedLimits, InputError> {
+        let mm = 1e3;
+        Ok(FeedLimits {
+            feed: self.feed("feed.feed_mm_s", raw.feed_mm_s)?.unwrap_or(default.feed),
+            tangential_acceleration: self.0.limit_or(
+                "feed.tangential_acceleration_mm_s2",
+                raw.tangential_acceleration_mm_s2,
+                mm,
+                default.tangential_acceleration,
+            )?,
+            tangential_jerk: self.0.limit_or(
+                "feed.tangential_jerk_mm_s3",
+                raw.tangential_jerk_mm_s3,
+                mm,
+                default.tangential_jerk,
+            )?,
+            normal_acceleration: self.0.limit_or(
+                "feed.normal_acceleration_mm_s2",
+                raw.normal_acceleration_mm_s2,
+                mm,
+                default.normal_acceleration,
+            )?,
+            normal_jerk: self.0.limit("feed.normal_jerk_mm_s3", raw.normal_jerk_mm_s3, mm)?,
+            angular_speed: self.0.limit(
+                "feed.angular_speed_deg_s",
+                raw.angular_speed_deg_s,
+                180.0 / std::f64::consts::PI,
+            )?,
+            end_speeds: [self.speed("feed.start_mm_s", raw.start_mm_s)?, self.speed("feed.end_mm_s", raw.end_mm_s)?],
+        })
     }
 
     /// A speed at an end of the path, m/s.

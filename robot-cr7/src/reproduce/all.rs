@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::{Claim, Kind, Reproduced, Reproduction, Tally, huang_2025, liu_2023, liu_2024};
 use crate::run::error::Cr7Error;
+use crate::text::json;
 
 /// A paper: its short name, and what reproduces it.
 pub type Paper = (&'static str, fn() -> Result<Reproduced, Cr7Error>);
@@ -61,7 +62,7 @@ impl Overview {
 
     /// One JSON object on one line.
     pub fn to_json(&self) -> String {
-        serde_json::to_string(self).unwrap_or_else(|e| serde_json::json!({ "error": e.to_string() }).to_string())
+        json(self)
     }
 
     /// Every row, as tables in Markdown, paper by paper.

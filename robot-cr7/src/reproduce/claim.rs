@@ -5,6 +5,7 @@ use std::fmt;
 use serde::Serialize;
 
 use super::printed::Printed;
+use crate::text::json;
 
 /// What a row is worth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -147,7 +148,7 @@ impl Reproduction {
 
     /// One JSON object on one line.
     pub fn to_json(&self) -> String {
-        serde_json::to_string(self).unwrap_or_else(|e| serde_json::json!({ "error": e.to_string() }).to_string())
+        json(self)
     }
 
     /// Adds an independent check.

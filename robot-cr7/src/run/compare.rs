@@ -14,7 +14,7 @@ use serde::Serialize;
 use super::error::Cr7Error;
 use super::limit_line::TOLERANCE;
 use super::task::Task;
-use crate::text::clip;
+use crate::text::{clip, json};
 
 /// Places of the path at which profiles are drawn.
 const DRAWN: usize = 3000;
@@ -233,8 +233,7 @@ fn worst(verification: &Verification) -> Vec<Use> {
 impl Comparison {
     /// The whole comparison as one JSON object on one line.
     pub fn to_json(&self) -> String {
-        // As for the report: plain fields and lists.
-        serde_json::to_string(self).unwrap_or_else(|e| serde_json::json!({ "error": e.to_string() }).to_string())
+        json(self)
     }
 }
 

@@ -223,8 +223,8 @@ impl<const N: usize> OnlineGenerator<N> {
         Ok(())
     }
 
-    /// Brings the motion of a group of axes, which belong together, in line with an order; whether
-    /// it is a new plan. What is to be followed goes to `next`.
+    /// Plans the motion of a group of axes that move together for an order, and puts it into `next`
+    /// where it is a new plan. Returns true if it is.
     fn change<const M: usize>(
         &self,
         group: [usize; M],

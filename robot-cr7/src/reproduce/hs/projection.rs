@@ -119,7 +119,7 @@ fn project(start: &JointState<6>, targets: &[(f64, [f64; 6])]) -> Result<JointRu
         bounds: bounds(k, start.qdd[k]),
     };
     Ok(JointRun {
-        motion: SampledMotion { axes: (0..6).map(axis).collect(), t, arrived: Some(arrived), tolerance: 1e-9 },
+        motion: SampledMotion { axes: (0..6).map(axis).collect(), t, arrived: Some(arrived), tolerance: 0.0 },
         cycle_times,
     })
 }

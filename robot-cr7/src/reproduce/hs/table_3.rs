@@ -69,7 +69,7 @@ impl Table3Run {
             }
         }
         Ok(Self {
-            motion: SampledMotion { t, axes: vec![axis], arrived: Some(arrived), tolerance: 1e-9 },
+            motion: SampledMotion { t, axes: vec![axis], arrived: Some(arrived), tolerance: 0.0 },
             jerk,
             printed: run(Scheme::Printed, END[0], 1e-3, 12.0),
             corrected: run(Scheme::Corrected, END[0], 1e-3, 30.0),

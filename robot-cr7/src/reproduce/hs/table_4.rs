@@ -63,13 +63,13 @@ impl Table4Run {
                 .map_err(|source| SyncError::State { axis: k, source })?;
             let t = times(motion.duration());
             let states = t.iter().map(|&t| motion.at(t)).map(|s| [s.p, s.v, s.a]).collect();
-            alone.push(SampledMotion { t, axes: vec![axis(k, states)], arrived: None, tolerance: 1e-12 });
+            alone.push(SampledMotion { t, axes: vec![axis(k, states)], arrived: None, tolerance: 0.0 });
         }
         let motion = Trajectory::new(&start, &end, &axes, &MotionOptions::new(Synchronisation::Time))?;
         let t = times(motion.duration());
         let at = |k: usize| t.iter().map(|&t| motion.at(t)).map(|s| [s.q[k], s.qd[k], s.qdd[k]]).collect();
         let joints = (0..6).map(|k| axis(k, at(k))).collect();
-        let together = SampledMotion { axes: joints, arrived: None, tolerance: 1e-12, t };
+        let together = SampledMotion { axes: joints, arrived: None, tolerance: 0.0, t };
         Ok(Self { alone, together, cases: counts() })
     }
 

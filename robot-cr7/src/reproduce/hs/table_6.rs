@@ -143,7 +143,7 @@ impl Table6Run {
                     t,
                     axes: vec![axis],
                     arrived: Some(played.cycles().last().is_some_and(|c| c.state == HybridState::Done)),
-                    tolerance: 1e-8,
+                    tolerance: 1e-12,
                 },
                 sections,
                 curve: spline,

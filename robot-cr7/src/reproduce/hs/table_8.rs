@@ -80,7 +80,7 @@ impl EventRun {
                     t: points.iter().map(|p| p.t).collect(),
                     axes: (0..6).map(axis).collect(),
                     arrived: Some(done),
-                    tolerance: 1e-9,
+                    tolerance: 1e-12,
                 },
                 states: std::iter::once("task path").chain(cycles.iter().map(|c| c.state.name())).collect(),
                 tool: points.iter().map(|p| cr7_dh::position(&p.q.into()).into()).collect(),

@@ -73,9 +73,5 @@ pub(super) fn tool_run() -> Result<ToolRun, SyncError> {
     };
     let points = states.iter().map(|s| s.pose.translation.vector.into()).collect();
     let orientations = states.iter().map(|s| s.pose.rotation.coords.into()).collect();
-    Ok((
-        SampledMotion { t, axes: vec![linear, angular], arrived: Some(arrived), tolerance: 1e-9 },
-        points,
-        orientations,
-    ))
+    Ok((SampledMotion { t, axes: vec![linear, angular], arrived: Some(arrived), tolerance: 0.0 }, points, orientations))
 }

@@ -102,8 +102,8 @@ impl MotionRun {
         };
         let timings = plan.timings();
         Ok(Self {
-            path: SampledMotion { t: t.clone(), axes: vec![axis], arrived: None, tolerance: 1e-8 },
-            joints: SampledMotion { t, axes: (0..6).map(joint).collect(), arrived: None, tolerance: 1e-8 },
+            path: SampledMotion { t: t.clone(), axes: vec![axis], arrived: None, tolerance: 1e-12 },
+            joints: SampledMotion { t, axes: (0..6).map(joint).collect(), arrived: None, tolerance: 1e-12 },
             tool: points.iter().map(|p| cr7_dh::position(&p.q.into()).into()).collect(),
             curve: spline,
             breaks: plan.segmentation().map_or_else(
