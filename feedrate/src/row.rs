@@ -204,11 +204,11 @@ impl Row {
     }
 }
 
-/// `|(alpha w + beta u + gamma x) sqrt(x)| <= limit` with `w = du/ds`: a limit on the third
+/// `|(alpha w + beta u + gamma x) sqrt(x)| + step x <= limit` with `w = du/ds`: a limit on the third
 /// derivative in time.
 ///
 /// Joint jerk has `alpha = q'`, `beta = 3 q''`, `gamma = q'''`; tangential jerk `alpha = 1` and
-/// nothing else.
+/// nothing else. Where `q''` jumps nearby, `step` is the jump over the time that it is spread over.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JerkRow {
     /// Factor of `w`.
@@ -217,6 +217,8 @@ pub struct JerkRow {
     pub beta: f64,
     /// Factor of `x`.
     pub gamma: f64,
+    /// Jump of the second derivative nearby over the time that it is spread over, not negative.
+    pub step: f64,
     /// Greatest magnitude allowed, above 0; may be `inf`.
     pub limit: f64,
     /// The limit that the row states.
@@ -224,7 +226,7 @@ pub struct JerkRow {
 }
 
 impl JerkRow {
-    /// The value at `(w, u, x)`.
+    /// The value at `(w, u, x)`, without the step.
     pub fn value(&self, w: f64, u: f64, x: f64) -> f64 {
         (self.alpha * w + self.beta * u + self.gamma * x) * x.sqrt()
     }

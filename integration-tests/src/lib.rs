@@ -4,6 +4,7 @@
 #[doc = include_str!("../../README.md")]
 struct Readme;
 
+pub mod cnc_curves;
 pub mod counting;
 pub mod hybrid_scenario;
 pub mod tight_bends;

@@ -215,15 +215,16 @@ impl PathConstraint for JointJerk<'_> {
     }
 
     fn rows(&self, place: Place, out: &mut RowSink<'_>) {
-        // Where the acceleration of a joint would jump, only standing still keeps its jerk.
+        // Where the acceleration of a joint would jump, only standing still keeps its jerk, unless the
+        // jump is spread over some time.
         let Place::Point(i) = place else { return };
         let jump = |before: Option<&[f64]>, after: &[f64]| {
             before.is_some_and(|before| {
                 before.iter().zip(after).zip(self.limits).any(|((p, q), limit)| p != q && limit.is_finite())
             })
         };
-        if jump(self.path.first_before(i), self.path.first(i)) || jump(self.path.second_before(i), self.path.second(i))
-        {
+        let steps = !self.path.has_steps() && jump(self.path.second_before(i), self.path.second(i));
+        if steps || jump(self.path.first_before(i), self.path.first(i)) {
             out.cap(0.0, LimitId::path(Quantity::Corner));
         }
     }
@@ -236,7 +237,8 @@ impl PathConstraint for JointJerk<'_> {
                 Within::End => self.path.end(k + 1, j),
             };
             let source = LimitId::joint(Quantity::JointJerk, j);
-            out.push(JerkRow { alpha: p, beta: 3.0 * s, gamma: t, limit: self.used * limit, source });
+            let step = self.path.step(k, j);
+            out.push(JerkRow { alpha: p, beta: 3.0 * s, gamma: t, step, limit: self.used * limit, source });
         }
     }
 

@@ -115,14 +115,14 @@ impl<'a> PathDerivatives<'a> {
         Ok(self)
     }
 
-    /// Gives the magnitude by which the second derivatives jump at every grid point, over the time
-    /// (s) that a controller spreads the jump over. Only scans take such jumps while the path is in
-    /// motion.
+    /// Gives, for every interval, the magnitude of the jumps of the second derivatives over the time
+    /// (s) that a controller spreads a jump over; 0 where none is within that time. With it the path
+    /// may be in motion where they jump; without it the motion has to stop there.
     ///
     /// # Errors
     /// [`FeedError::LengthMismatch`].
     pub fn with_steps(mut self, steps: &'a [f64]) -> Result<Self, FeedError> {
-        self.check("steps of the second derivatives", steps)?;
+        self.check_intervals("steps of the second derivatives", steps)?;
         self.steps = Some(steps);
         Ok(self)
     }
@@ -151,9 +151,14 @@ impl<'a> PathDerivatives<'a> {
         [enclose(p0, s0, p1, s1), enclose(s0, t0, s1, t1), t0.abs().max(t1.abs())]
     }
 
-    /// The larger step of axis `j` at both ends of interval `k`.
+    /// The step of axis `j` on interval `k`.
     pub(super) fn step(&self, k: usize, j: usize) -> f64 {
-        self.steps.map_or(0.0, |steps| steps[k * self.axes + j].max(steps[(k + 1) * self.axes + j]))
+        self.steps.map_or(0.0, |steps| steps[k * self.axes + j])
+    }
+
+    /// Returns true if jumps of the second derivatives are spread over some time.
+    pub(super) fn has_steps(&self) -> bool {
+        self.steps.is_some()
     }
 
     fn check(&self, what: &'static str, values: &[f64]) -> Result<(), FeedError> {

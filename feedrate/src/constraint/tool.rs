@@ -172,7 +172,7 @@ impl PathConstraint for TangentialJerk {
 
     fn jerk_rows(&self, _k: usize, _h: f64, _within: Within, out: &mut Vec<JerkRow>) {
         let source = LimitId::path(Quantity::TangentialJerk);
-        out.push(JerkRow { alpha: 1.0, beta: 0.0, gamma: 0.0, limit: self.0, source });
+        out.push(JerkRow { alpha: 1.0, beta: 0.0, gamma: 0.0, step: 0.0, limit: self.0, source });
     }
 }
 

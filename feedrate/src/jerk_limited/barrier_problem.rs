@@ -20,13 +20,14 @@ pub(super) struct PointRow {
     pub wider: Sides,
 }
 
-/// `|alpha w + beta u + gamma x| <= 1 / sqrt(x)`: a jerk row in units of the part of its limit that
-/// is used.
+/// `|alpha w + beta u + gamma x| <= 1 / sqrt(x) - step sqrt(x)`: a jerk row in units of the part of
+/// its limit that is used. The right side is convex.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ThirdRow {
     pub alpha: f64,
     pub beta: f64,
     pub gamma: f64,
+    pub step: f64,
     /// That part, at most 1; the rest is a margin for what happens between the knots.
     pub part: f64,
     /// Index of the jerk row in the problem.
@@ -153,6 +154,7 @@ impl BarrierProblem {
                     alpha: row.alpha / row.limit,
                     beta: row.beta / row.limit,
                     gamma: row.gamma / row.limit,
+                    step: row.step / row.limit,
                     part: 1.0,
                     id,
                 }));
@@ -241,6 +243,11 @@ impl BarrierProblem {
             for row in &self.thirds[thirds] {
                 let value = row.alpha * w[k] + row.beta * u[end] + row.gamma * x[end];
                 square = square.max(value * value * x[end]);
+                if row.step > 0.0 {
+                    // The step grows with the power 1.
+                    let sum = value.abs() * x[end].sqrt() + row.step * x[end];
+                    square = square.max(if sum > 1.0 { sum.powi(3) } else { sum * sum });
+                }
             }
         }
         for (rest, x) in self.rest.iter().zip([x[0], x[x.len() - 1]]) {
@@ -266,6 +273,7 @@ impl BarrierProblem {
         let up = factor.powf(-1.5);
         for row in &mut self.thirds {
             (row.alpha, row.beta, row.gamma) = (up * row.alpha, up * row.beta, up * row.gamma);
+            row.step *= up;
             row.part /= up;
         }
         self.most /= up;
@@ -357,7 +365,7 @@ impl BarrierProblem {
                 let row = self.thirds[i];
                 let end = p / 2 + p % 2;
                 let value = row.alpha * w[p / 2] + row.beta * u[end] + row.gamma * x[end];
-                let bound = 1.0 / x[end].sqrt();
+                let bound = 1.0 / x[end].sqrt() - row.step * x[end].sqrt();
                 let stays = near(value, -bound, bound);
                 keep(stays);
                 if stays {

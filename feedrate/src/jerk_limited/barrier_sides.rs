@@ -93,10 +93,12 @@ impl BarrierProblem {
                 let [low, high] = row.wider;
                 visit(inner + i, [value - row.lo + low, row.hi + high - value]);
             }
-            let bound = 1.0 / x.sqrt() + self.jerk_wider * self.jerk_unit[end];
+            let root = x.sqrt();
+            let least = 1.0 / root + self.jerk_wider * self.jerk_unit[end];
             for i in third_rows {
                 let row = &self.thirds[i];
                 let value = row.alpha * w + row.beta * u + row.gamma * x;
+                let bound = least - row.step * root;
                 visit(thirds + i, [bound + value, bound - value]);
             }
         }
@@ -128,9 +130,11 @@ impl BarrierProblem {
                 visit(inner + i, [by - row.wider[0], -by - row.wider[1]]);
             }
             let y = 1.0 / x.sqrt();
-            let bound = -0.5 * y / x * dx - self.jerk_wider * self.jerk_unit[end];
+            let least = -0.5 * y / x * dx - self.jerk_wider * self.jerk_unit[end];
+            let half = 0.5 * y * dx;
             for i in third_rows {
                 let row = &self.thirds[i];
+                let bound = least - row.step * half;
                 let by = row.alpha * dw + row.beta * du + row.gamma * dx;
                 visit(thirds + i, [bound + by, bound - by]);
             }

@@ -10,7 +10,7 @@ use super::barrier_problem::BarrierProblem;
 use super::spline::Values;
 use crate::constraint::Within;
 use crate::problem::{FeedProblem, matching, quadratic};
-use crate::row::Row;
+use crate::row::{JerkRow, Row};
 use crate::speed_law::SpeedLaw;
 use crate::state::MotionState;
 
@@ -119,12 +119,14 @@ impl BarrierProblem {
                     row.value(w, states[i].0, states[i].1) / row.limit
                 };
                 let [low, high] = parabola_overshoot(value(0), value(1), value(2));
-                let here = value(end).abs();
+                let here = value(end).abs()
+                    + rows[end][row.id as usize].step * states[end].1 / rows[end][row.id as usize].limit;
                 let part = (self.most - low.max(high)).max(least(here, row.part)).min(self.most);
                 let factor = row.part / part;
                 row.alpha *= factor;
                 row.beta *= factor;
                 row.gamma *= factor;
+                row.step *= factor;
                 row.part = part;
             }
         }
@@ -295,6 +297,10 @@ impl<'a> Inside<'a> {
             };
             let sample = |i: usize| value(i as f64 / SAMPLES as f64, &states[i]);
             let [start, mid, end] = [sample(0), sample(SAMPLES / 2), sample(SAMPLES)];
+            if row.step > 0.0 {
+                self.keep_jerk_with_step(scale, row, value);
+                continue;
+            }
             // The hull of the parabola through three of them.
             let bound = start.abs().max(end.abs()).max((2.0 * mid - 0.5 * (start + end)).abs());
             if bound < 0.5 * row.limit {
@@ -306,6 +312,19 @@ impl<'a> Inside<'a> {
             // Jerk grows with the power 3/2.
             let ratio = most.max(-least) / row.limit;
             scale.keep((ratio * ratio).cbrt(), 1.0);
+        }
+    }
+
+    /// A jerk row next to a jump, `value` by fraction of the interval and state.
+    fn keep_jerk_with_step(&self, scale: &mut Scale, row: &JerkRow, value: impl Fn(f64, &MotionState) -> f64) {
+        let states = self.states();
+        for sign in [1.0, -1.0] {
+            let sum = |fraction: f64, at: &MotionState| sign * value(fraction, at) + row.step * at.v * at.v;
+            let samples = std::array::from_fn(|i| sum(i as f64 / SAMPLES as f64, &states[i]));
+            let of = |fraction: f64| sum(fraction, &self.state(fraction));
+            let [_, most] = extremes(&samples, of, |peak| peak > 0.9 * row.limit);
+            // The step grows with the power 1 of the scale, the rest with a higher one.
+            scale.keep(most, row.limit);
         }
     }
 }

@@ -170,12 +170,13 @@ fn demand_rows(
         demand(program, units, at_knot(knots, k, [0.0, 0.0, 1.0]), (f64::NEG_INFINITY, barrier_problem.caps[k][0]));
     }
     // |value| <= y (1.5 - x / 2 x0) with y = x0^(-1/2).
-    let jerk = |program: &mut Program, k: usize, within: Within, factors: [f64; 3], x0: f64| {
+    // Of the step likewise: step sqrt(x) <= step sqrt(x0) (0.5 + x / 2 x0).
+    let jerk = |program: &mut Program, k: usize, within: Within, (factors, step): ([f64; 3], f64), x0: f64| {
         let y = 1.0 / x0.sqrt();
         for sign in [1.0, -1.0] {
             let [alpha, beta, gamma] = factors.map(|factor| sign * factor / y);
-            let row = terms(knots, k, within, [alpha, beta, gamma + 0.5 / x0]);
-            program.at_most(1.5, &row.map(|(column, value)| (column, value * units.x)));
+            let row = terms(knots, k, within, [alpha, beta, gamma + 0.5 / x0 + 0.5 * step]);
+            program.at_most(1.5 - 0.5 * step * x0, &row.map(|(column, value)| (column, value * units.x)));
         }
     };
     for (k, end, inner, thirds) in barrier_problem.places() {
@@ -184,13 +185,13 @@ fn demand_rows(
             demand(program, units, terms(knots, k, within, [row.alpha, row.beta, row.gamma]), (row.lo, row.hi));
         }
         for row in &barrier_problem.thirds[thirds] {
-            jerk(program, k, within, [row.alpha, row.beta, row.gamma], values.x[end]);
+            jerk(program, k, within, ([row.alpha, row.beta, row.gamma], row.step), values.x[end]);
         }
     }
     for k in 0..knots.intervals() {
         for row in problem.jerk_rows(barrier_problem.from + k, Within::Middle) {
             let factors = [row.alpha, row.beta, row.gamma].map(|factor| factor / row.limit);
-            jerk(program, k, Within::Middle, factors, values.middle[k]);
+            jerk(program, k, Within::Middle, (factors, row.step / row.limit), values.middle[k]);
         }
     }
 }

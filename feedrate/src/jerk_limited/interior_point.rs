@@ -352,6 +352,7 @@ impl Solver {
             {
                 sum.add(low.weight() + high.weight(), [row.gamma, row.beta, row.alpha]);
             }
+            let rise = 0.5 / x.sqrt();
             // Sums of weights, and of their differences between both sides times the row.
             let (mut weights, mut dx, mut du, mut dw) = (0.0, 0.0, 0.0, 0.0);
             for (row, [low, high]) in
@@ -359,18 +360,20 @@ impl Solver {
             {
                 let (low, high) = (low.weight(), high.weight());
                 sum.add(low + high, [row.gamma, row.beta, row.alpha]);
-                weights += low + high;
-                dx += (high - low) * row.gamma;
-                du += (high - low) * row.beta;
-                dw += (high - low) * row.alpha;
+                let fall = fall + rise * row.step;
+                let difference = fall * (high - low);
+                weights += fall * fall * (low + high);
+                dx += difference * row.gamma;
+                du += difference * row.beta;
+                dw += difference * row.alpha;
             }
             let at = &mut self.at[end];
-            at.xx += sum.xx + fall * (2.0 * dx + fall * weights);
-            at.xu += sum.xu + fall * du;
+            at.xx += sum.xx + 2.0 * dx + weights;
+            at.xu += sum.xu + du;
             at.uu += sum.uu;
             let on = &mut self.on[k];
             let cross = if place % 2 == 0 { &mut on.start } else { &mut on.end };
-            cross[0] += sum.xw + fall * dw;
+            cross[0] += sum.xw + dw;
             cross[1] += sum.uw;
             on.ww += sum.ww;
         }
@@ -432,9 +435,9 @@ impl Solver {
                 sx += (high - low) * row.gamma;
                 su += (high - low) * row.beta;
                 sw += (high - low) * row.alpha;
-                forces += high + low;
+                forces += (fall + 0.5 * y * row.step) * (high + low);
             }
-            self.at[end].x += sx + fall * forces;
+            self.at[end].x += sx + forces;
             self.at[end].u += su;
             self.on[k].w += sw;
         }

@@ -189,18 +189,6 @@ impl FeedProblem {
         Ok((0..self.intervals()).map(|k| live_speed(self.bounds.of(k), acceleration, jerk)).collect())
     }
 
-    /// The first grid point at which the acceleration of a joint has to jump while the path is in
-    /// motion: there no jerk-limited law exists, and only the scans go on, the jump being spread
-    /// over a control period.
-    pub fn first_acceleration_step(&self) -> Option<usize> {
-        let steps = |k: &usize| {
-            let jumps = |bound: &IntervalBound| matches!(bound, IntervalBound::Jerk { step, .. } if *step > 0.0);
-            self.bounds.of(*k).iter().any(jumps)
-        };
-        // A jump belongs to both intervals at its point.
-        (0..self.intervals()).find(steps).map(|k| if k == 0 && !steps(&1) { 0 } else { k + 1 })
-    }
-
     fn holds_still(&self) -> Result<(), FeedError> {
         // The rows name a place, the bounds an interval.
         for i in 0..self.grid().len() {

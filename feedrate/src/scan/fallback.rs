@@ -25,12 +25,6 @@ pub struct JerkLimitedOrScan {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Fallback {
-    /// At a place where the motion does not stop the joints' accelerations have to step, which no
-    /// jerk limit allows in zero time.
-    AccelerationStep {
-        /// Position of the place.
-        s: f64,
-    },
     /// Its law was slower than the scan's.
     Slower {
         /// Duration of its law (s).
@@ -43,10 +37,6 @@ pub enum Fallback {
 impl fmt::Display for Fallback {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::AccelerationStep { s } => write!(
-                f,
-                "the joints' accelerations have to step at s = {s:.6}, where the curvature or the turning of the tool jumps"
-            ),
             Self::Slower { duration } => write!(f, "its plan takes {duration:.6} s, no less than the scan's"),
             Self::Failed(error) => error.fmt(f),
         }
@@ -73,10 +63,6 @@ impl JerkLimitedOrScan {
     /// is named first.
     pub fn choose(&self, problem: &FeedProblem) -> Result<ChosenLaw, FeedError> {
         let scan = || ContinuousAccelerationScan.plan(problem);
-        if let Some(i) = problem.first_acceleration_step() {
-            let fallback = Some(Fallback::AccelerationStep { s: problem.grid()[i] });
-            return Ok(ChosenLaw { law: scan()?, fallback, converged: true });
-        }
         match self.jerk_limited.plan_noting_convergence(problem) {
             Ok(JerkLimitedPlan { law, converged }) => {
                 let scanned = if problem.intervals() > COARSE_INTERVALS && converged { None } else { scan().ok() };

@@ -17,30 +17,27 @@ use arcfeed_geometry::PoseJet;
 use arcfeed_kinematics::{Joints, Twist};
 use nalgebra::Vector3;
 
+use super::jumps::{Jump, near_jumps};
 use crate::path::{JointJet, JointPath, MotionPath};
 
 /// Bounds of the derivatives of joints and tool on every interval.
 #[derive(Debug, Clone)]
 pub(crate) struct DerivativeBounds<const N: usize> {
     intervals: Vec<IntervalDerivatives<N>>,
-    /// Jump of `q''` at every grid point.
-    steps: Vec<Joints<N>>,
+    /// Jumps of `q''` that an interval is near to, added up.
+    jumps: Vec<Joints<N>>,
 }
 
 impl<const N: usize> DerivativeBounds<N> {
-    /// At the grid points `stops` the tool stands, so that a jump of the derivatives there needs no bound.
-    pub fn of(path: &dyn MotionPath<N>, joints: &JointPath<N>, stops: &[usize]) -> Self {
-        let mut steps = acceleration_steps(joints);
-        for &i in stops {
-            steps[i] = Joints::zeros();
-        }
+    /// With the jumps of the second derivatives in motion.
+    pub fn of(path: &dyn MotionPath<N>, joints: &JointPath<N>, jumps: &[Jump<N>]) -> Self {
         let intervals = (0..joints.intervals())
             .map(|i| {
                 let (start, end) = joints.interval(i);
                 IntervalDerivatives::of(path, start, end)
             })
             .collect();
-        Self { intervals, steps }
+        Self { intervals, jumps: near_jumps(joints, jumps) }
     }
 
     /// Magnitudes of first, second and third joint derivatives, joint by joint, interval by interval.
@@ -51,9 +48,9 @@ impl<const N: usize> DerivativeBounds<N> {
         [flat(|interval| &interval.d1), flat(|interval| &interval.d2), flat(|interval| &interval.d3)]
     }
 
-    /// Jumps of the second joint derivatives, joint by joint, point by point, spread over `period` (s).
+    /// Jumps of the second joint derivatives, joint by joint, interval by interval, spread over `period` (s).
     pub fn steps(&self, period: f64) -> Vec<f64> {
-        self.steps.iter().flat_map(|step| step.iter().map(|jump| jump / period)).collect()
+        self.jumps.iter().flat_map(|jumps| jumps.iter().map(|jump| jump / period)).collect()
     }
 
     /// The highest speed that `at_curvature` allows at each grid point, so that between two points the square of the speed may lie on
@@ -88,21 +85,6 @@ impl<const N: usize> DerivativeBounds<N> {
         }
         squares.into_iter().map(f64::sqrt).collect()
     }
-}
-
-/// Where the curvature of the joint path jumps (a path that is only tangent-continuous), joint acceleration steps by
-/// `|jump of q''| v^2`. No jerk limit can allow that in zero time, so it is spread over one control period. Returns the
-/// jump at every grid point, zero where there is none.
-fn acceleration_steps<const N: usize>(joints: &JointPath<N>) -> Vec<Joints<N>> {
-    (0..joints.nodes().len())
-        .map(|i| {
-            let (left, right) = joints.sides(i);
-            let jump = (right.d2 - left.d2).abs();
-            let size = left.d2.abs().zip_map(&right.d2.abs(), f64::max);
-            // Below this it is rounding.
-            jump.zip_map(&size, |j, s| if j > 1e-7 * (s + 1.0) { j } else { 0.0 })
-        })
-        .collect()
 }
 
 /// Bounds of the path's derivatives on one interval.

@@ -12,8 +12,6 @@ const WRONG: f64 = 0.014;
 const HALVINGS: u32 = 30;
 /// At least so many intervals, so that the arm's own nonlinearity is seen on straight paths.
 const LEAST: usize = 100;
-/// Time within which an interval beside a jump of the curvature is passed, s.
-const PASSED: f64 = 0.1;
 /// Borders this close to a knot or to each other are one, as a part of the length.
 const CLOSE: f64 = 1e-9;
 /// Places this close together are the same knot, as a part of the length.
@@ -28,8 +26,6 @@ pub(crate) struct Measure {
     pub normal_acceleration: f64,
     /// Jerk of the tool, m/s^3.
     pub jerk: f64,
-    /// Step of acceleration that a jump of the curvature may take, m/s^2.
-    pub step: f64,
 }
 
 /// Values from 0 to `length` in equal steps between the knots, about `intervals` in all.
@@ -61,9 +57,6 @@ pub(crate) fn refined(grid: &[f64], parts: usize) -> Vec<f64> {
 /// The measure is the speed that curvature and its derivative allow, capped at the feed: where the feed is the limit
 /// anyway no points are spent. It is looked at wherever the arc length of the curve needed a piece of its own, so that no
 /// bend hides between two points.
-///
-/// Where the curvature jumps, the speed is capped on the whole of both intervals beside the knot, which are short enough to be
-/// passed soon at that speed.
 pub(crate) fn along_curve(path: &PosePath, knots: &[f64], breaks: &[f64], measure: &Measure) -> Vec<f64> {
     let length = path.length();
     let merged = borders(knots, breaks, length);
@@ -74,14 +67,8 @@ pub(crate) fn along_curve(path: &PosePath, knots: &[f64], breaks: &[f64], measur
         before = end;
     }
     let mut grid = Refinement { path, measure, probes, out: vec![0.0] };
-    // How long the interval beside a place may be; any where the curvature does not jump.
-    let beside = |s: f64| {
-        let jump = (path.jet(s).d2 - path.jet_left(s).d2).fixed_rows::<3>(0).norm();
-        PASSED * (measure.step / jump).sqrt()
-    };
     for pair in merged.windows(2) {
         let (a, b) = (pair[0], pair[1]);
-        let (first, last) = (beside(a), beside(b));
         let parts = ((b - a) / length * LEAST as f64).ceil().max(1.0) as usize;
         // Inside the knots, so that one-sided derivatives belong to this interval.
         let inset = (CLOSE * length).min(0.25 * (b - a));
@@ -89,8 +76,7 @@ pub(crate) fn along_curve(path: &PosePath, knots: &[f64], breaks: &[f64], measur
         for i in 1..=parts {
             let end = if i == parts { b } else { a + (b - a) * i as f64 / parts as f64 };
             let right = Place { s: end, ..grid.look(end - inset) };
-            let longest = [if i == 1 { first } else { f64::INFINITY }, if i == parts { last } else { f64::INFINITY }];
-            grid.refine(&left, &right, longest, HALVINGS);
+            grid.refine(&left, &right, HALVINGS);
             left = right;
         }
     }
@@ -172,8 +158,8 @@ impl Refinement<'_> {
         Place::at(self.path, s, self.measure)
     }
 
-    /// Appends the points after `a` up to `b`; the first and the last interval are no longer than `longest` says.
-    fn refine(&mut self, a: &Place, b: &Place, longest: [f64; 2], halvings: u32) {
+    /// Appends the points after `a` up to `b`.
+    fn refine(&mut self, a: &Place, b: &Place, halvings: u32) {
         let m = self.look(0.5 * (a.s + b.s));
         // Not at the ends, where the derivatives may jump.
         let close = (SAME * self.path.length()).min(0.25 * (b.s - a.s));
@@ -190,11 +176,10 @@ impl Refinement<'_> {
             most.max((p.third - (a.third * (1.0 - x) + b.third * x)).norm() * p.pace.powi(3))
         });
         let jerk = self.measure.jerk.max(self.measure.normal_acceleration.powi(2) / self.measure.feed);
-        let long = b.s - a.s > longest[0].min(longest[1]);
-        let coarse = long || (fastest / slowest).ln() > RATIO || wrong > WRONG * jerk;
+        let coarse = (fastest / slowest).ln() > RATIO || wrong > WRONG * jerk;
         if coarse && halvings > 0 && a.s < m.s && m.s < b.s {
-            self.refine(a, &m, [longest[0], f64::INFINITY], halvings - 1);
-            self.refine(&m, b, [f64::INFINITY, longest[1]], halvings - 1);
+            self.refine(a, &m, halvings - 1);
+            self.refine(&m, b, halvings - 1);
         } else {
             self.out.push(b.s);
         }

@@ -3,6 +3,7 @@
 mod bounds;
 mod fractions;
 mod grid;
+mod jumps;
 mod needs;
 mod path_grid;
 mod path_problem;

@@ -8,8 +8,6 @@ use crate::error::{LimitError, PathError, PlanError};
 use crate::limits::{self, Feeds, Section};
 use crate::path::MotionPath;
 
-/// Motion of the tool per motion of a joint, m/rad, times the part of jerk that is left for a step of acceleration: a low estimate.
-const STEP: f64 = 0.03;
 /// Motion of the tool per motion of a joint, m/rad, where a limit of the tool itself is not set.
 const REACH: f64 = 1.0;
 
@@ -74,6 +72,5 @@ fn measure<const N: usize>(
         feed: Feeds { elsewhere, sections }.highest().min(settings.reachable(curve.length())),
         normal_acceleration: tool.normal_acceleration().unwrap_or(REACH * joints.acceleration().min()),
         jerk: tool.tangential_jerk().unwrap_or(REACH * joints.jerk().min()),
-        step: STEP * joints.jerk().min() * settings.period,
     })
 }

@@ -14,6 +14,7 @@ use arcfeed_kinematics::Joints;
 use super::bounds::{BendLimits, DerivativeBounds};
 use super::fractions::LimitFractions;
 use super::grid;
+use super::jumps::{Jump, jumps};
 use super::needs::RowsNeeded;
 use super::path_grid::PathGrid;
 use super::settings::Settings;
@@ -111,6 +112,9 @@ impl<'p, const N: usize> PathProblem<'p, N> {
         if settings.limits.torque().is_some() && path.get().tool_curve().is_none() {
             joints.insert_turning_points(path.get())?;
         }
+        let found = jumps_of(settings, path.get(), &joints);
+        let beside: Vec<(usize, f64)> = found.iter().map(|jump| (jump.at, jump.reach)).collect();
+        joints.insert_beside(path.get(), &beside)?;
         let mut problem = Self::of(settings, path, layout, joints, needs);
         problem.times[1] = begin.elapsed();
         Ok(problem)
@@ -128,7 +132,7 @@ impl<'p, const N: usize> PathProblem<'p, N> {
         let stops = grid::stops(&layout.grid, path.get().corners().iter().copied());
         let feeds = feeds(settings, path.get(), &layout);
         let middles = if needs > RowsNeeded::Points { middles(path.get(), &joints) } else { Vec::new() };
-        let [after, before] = sides(&joints, &stops, needs);
+        let [after, before] = sides(&joints, &stops);
         let flat = |of: fn(&JointJet<N>) -> &Joints<N>| -> Vec<f64> {
             middles.iter().flat_map(|jet| of(jet).iter().copied()).collect()
         };
@@ -136,7 +140,7 @@ impl<'p, const N: usize> PathProblem<'p, N> {
         let by_joints = path.get().tool(0.0).is_none();
         let tool_limited = by_joints && (tool.feed().is_some() || tool.angular_speed().is_some());
         Self {
-            bounds: DerivativeBounds::of(path.get(), &joints, &stops),
+            bounds: DerivativeBounds::of(path.get(), &joints, &jumps_of(settings, path.get(), &joints)),
             tool_rates: tool_limited.then(|| ToolRates::of(settings.arm, &joints, &middles)),
             torque: torque.map(|torque| TorquePath::of(&joints, &middles, torque)),
             middle: [flat(|jet| &jet.d1), flat(|jet| &jet.d2), flat(|jet| &jet.d3)],
@@ -383,17 +387,32 @@ fn feeds<const N: usize>(settings: &Settings<'_, N>, path: &dyn MotionPath<N>, l
     layout.grid.windows(2).map(|pair| feeds.at(0.5 * (pair[0] + pair[1])).min(reachable)).collect()
 }
 
+/// The jumps of the second derivatives in motion.
+fn jumps_of<const N: usize>(
+    settings: &Settings<'_, N>,
+    path: &dyn MotionPath<N>,
+    joints: &JointPath<N>,
+) -> Vec<Jump<N>> {
+    let (period, limits) = (settings.period, settings.limits.joints());
+    let grid: Vec<f64> = joints.grid().collect();
+    let stops = grid::stops(&grid, path.corners().iter().copied());
+    let fastest = match path.parameter() {
+        PathParameter::ArcLength => settings.limits.tool().feed().unwrap_or(f64::INFINITY),
+        _ => f64::INFINITY,
+    };
+    jumps(joints, &stops, &(limits.jerk() * period), (fastest, period))
+}
+
 /// Joint derivatives just after and just before every grid point.
-fn sides<const N: usize>(joints: &JointPath<N>, stops: &[usize], needs: RowsNeeded) -> [[Vec<f64>; 3]; 2] {
+fn sides<const N: usize>(joints: &JointPath<N>, stops: &[usize]) -> [[Vec<f64>; 3]; 2] {
     let points = joints.nodes().len();
     let empty = || std::array::from_fn(|_| Vec::with_capacity(points * N));
     let (mut after, mut before): ([Vec<f64>; 3], [Vec<f64>; 3]) = (empty(), empty());
     for i in 0..points {
         let (left, right) = joints.sides(i);
-        // At a smooth knot both sides are the same but for rounding, which must not count as a corner or a jump. Where acceleration
-        // jumps and jerk is limited, the scans spread the jump over a control period; without such a limit both sides count.
+        // At a smooth knot both sides are the same but for rounding, which must not count as a corner or a jump.
         let jumps = (left.d2 - right.d2).amax() > 1e-7 * (1.0 + left.d2.amax());
-        let (first, second) = match (stops.contains(&i), needs < RowsNeeded::Jerk && jumps) {
+        let (first, second) = match (stops.contains(&i), jumps) {
             (true, _) => (&left.d1, &left.d2),
             (false, true) => (&right.d1, &left.d2),
             (false, false) => (&right.d1, &right.d2),

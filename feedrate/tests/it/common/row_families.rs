@@ -313,7 +313,14 @@ impl PathConstraint for Further<'_> {
         let s = self.path.grid[k] + [0.0, 0.5, 1.0][within as usize] * h;
         for (id, row) in self.path.case.thirds.iter().enumerate().filter(|_| self.jerk) {
             let [alpha, beta, gamma, _] = self.path.coefficients(&row[..9], s);
-            out.push(JerkRow { alpha, beta, gamma, limit: row[9], source: LimitId::joint(Quantity::Other, id) });
+            out.push(JerkRow {
+                alpha,
+                beta,
+                gamma,
+                step: 0.0,
+                limit: row[9],
+                source: LimitId::joint(Quantity::Other, id),
+            });
         }
     }
 }

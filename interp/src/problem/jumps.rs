@@ -1,0 +1,54 @@
+//! Places where the curvature of the joint path jumps while it is in motion.
+
+use arcfeed_kinematics::Joints;
+
+use crate::path::JointPath;
+
+/// A jump of the second joint derivatives at a grid point.
+///
+/// There the acceleration of the joints steps by `|jump of q''| v^2` (the path is only tangent-continuous). No jerk limit allows that in
+/// zero time, so it is spread over one control period: within that time of the jump the step takes its part of the jerk.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Jump<const N: usize> {
+    /// Grid point.
+    pub at: usize,
+    /// Magnitudes.
+    pub of: Joints<N>,
+    /// The way within a control period at the greatest speed at which the step keeps the jerk, units of the parameter.
+    pub reach: f64,
+}
+
+/// The jumps at grid points other than `stops`, where the motion is at rest. A step of the acceleration is at most `step`, and the
+/// speed at most `fastest`.
+pub(crate) fn jumps<const N: usize>(
+    joints: &JointPath<N>,
+    stops: &[usize],
+    step: &Joints<N>,
+    (fastest, period): (f64, f64),
+) -> Vec<Jump<N>> {
+    let one = |i: usize| {
+        let (left, right) = joints.sides(i);
+        let size = left.d2.abs().zip_map(&right.d2.abs(), f64::max);
+        // Below this it is rounding.
+        let of =
+            (right.d2 - left.d2).abs().zip_map(&size, |jump, size| if jump > 1e-7 * (size + 1.0) { jump } else { 0.0 });
+        let square = step.component_div(&of).min();
+        (square < f64::INFINITY).then(|| Jump { at: i, of, reach: period * square.sqrt().min(fastest) })
+    };
+    (1..joints.intervals()).filter(|i| !stops.contains(i)).filter_map(one).collect()
+}
+
+/// For every interval the sum of the jumps that it is near to.
+pub(crate) fn near_jumps<const N: usize>(joints: &JointPath<N>, jumps: &[Jump<N>]) -> Vec<Joints<N>> {
+    let nodes = joints.nodes();
+    let mut near = vec![Joints::zeros(); joints.intervals()];
+    for jump in jumps {
+        let (s, reach) = (nodes[jump.at].s, jump.reach * (1.0 - 1e-6));
+        (0..jump.at)
+            .rev()
+            .take_while(|&k| k + 1 == jump.at || nodes[k + 1].s > s - reach)
+            .for_each(|k| near[k] += jump.of);
+        (jump.at..near.len()).take_while(|&k| k == jump.at || nodes[k].s < s + reach).for_each(|k| near[k] += jump.of);
+    }
+    near
+}
