@@ -11,7 +11,7 @@ use crate::error::{LimitError, PlanError, positive};
 use crate::limits::{FeedSection, Limits};
 use crate::method::Method;
 use crate::path::MotionPath;
-use crate::problem::{Held, LimitFractions, PathProblem, RowsNeeded, Settings};
+use crate::problem::{Held, LimitFractions, PathProblem, RowsNeeded, Settings, resolved};
 use crate::trajectory::{PlanInfo, Timings, Trajectory};
 use crate::verify::{Requirement, Verification, verify};
 
@@ -267,6 +267,9 @@ impl<'a, const N: usize> Planner<'a, N> {
         let mut problem = PathProblem::new(&self.settings, path, needs, on_breaks)?;
         let prepared = begin.elapsed();
         let mut used = LimitFractions::default();
+        if self.method == Method::JerkLimited && problem.path().tool_curve().is_some() {
+            problem = resolved(problem)?;
+        }
         let mut chosen = self.choose_over_grids(&mut problem)?;
         let (mut verifying, mut refined) = (Duration::ZERO, 1);
         let mut rounds = 0;
@@ -288,7 +291,7 @@ impl<'a, const N: usize> Planner<'a, N> {
             }
             let excess = verification.worst().ratio - 1.0;
             if excess > COARSE && problem.intervals() * FINER <= FINEST {
-                problem = problem.refined(FINER)?;
+                problem = problem.refined(|_| FINER)?;
                 refined *= FINER;
             } else if excess > COARSE {
                 // Far too much of one limit is a place that the grid does not see: a slower motion is slower there as well.

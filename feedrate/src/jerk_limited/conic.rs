@@ -24,26 +24,27 @@ const GAIN: f64 = 1e-5;
 /// The best plan of the sequence, and whether the solver was accurate in every program.
 pub(crate) fn solve(problem: &FeedProblem) -> Result<(SpeedLaw, bool), FeedError> {
     straight(problem)?;
-    let Prepared { problem, fastest, parts } = &prepare(problem)?;
+    let prepared = prepare(problem)?;
+    let Prepared { problem, parts, .. } = &prepared;
     let mut solutions = Vec::with_capacity(parts.len());
     let mut accurate = true;
     for part in parts {
-        let (solution, solved) = sequence(problem, fastest, part)?;
+        let (solution, solved) = sequence(&prepared, part)?;
         solutions.push(solution);
         accurate &= solved;
     }
     Ok((assemble(problem, &solutions)?, accurate))
 }
 
-fn sequence(problem: &FeedProblem, fastest: &[f64], part: &Part) -> Result<(Solution, bool), FeedError> {
+fn sequence(prepared: &Prepared<'_>, part: &Part) -> Result<(Solution, bool), FeedError> {
+    let Prepared { problem, fastest, .. } = prepared;
     let mut barrier_problem = BarrierProblem::new(problem, [part.grid.start, part.grid.end], part.speeds, fastest);
-    let mut c = start::start(problem, &mut barrier_problem, fastest);
+    let mut c = start::start(prepared, &mut barrier_problem);
     // The true bounds at once: a tangent may touch anywhere.
     barrier_problem.narrow(1.0);
     let grid = problem.grid();
     let length = grid[part.grid.end] - grid[part.grid.start];
-    let time: f64 = part.grid.clone().map(|k| 2.0 * problem.h(k) / (fastest[k].sqrt() + fastest[k + 1].sqrt())).sum();
-    let units = Units { length, x: (length / time).powi(2) };
+    let units = Units { length, x: (length / part.shortest(problem, fastest)).powi(2) };
     let (mut cost, mut accurate) = (f64::INFINITY, true);
     for _ in 0..MOST_PROGRAMS {
         let program = program(problem, &barrier_problem, &c, units);

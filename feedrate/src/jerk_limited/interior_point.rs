@@ -69,6 +69,26 @@ pub(super) struct Outcome {
     pub wider: f64,
 }
 
+/// When the iterations end.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Goal {
+    /// Possible gain, relative to the duration, of a motion most of which is spent on changes of speed.
+    pub tolerance: f64,
+    /// A duration that is not reached: that without limits on jerk.
+    pub shortest: f64,
+}
+
+impl Goal {
+    /// On a motion that mostly cruises the same part of what there is to gain is less.
+    fn at(self, duration: f64) -> f64 {
+        let part = MOSTLY * (1.0 - self.shortest / duration);
+        self.tolerance * if part < 1.0 { part.max(1e-4) } else { 1.0 }
+    }
+}
+
+/// A motion is mostly changes of speed if it takes longer than that without limits on jerk by one in so many parts.
+const MOSTLY: f64 = 5.0;
+
 /// A law that may be this far from its optimum has not converged.
 const CONVERGED_WITHIN: f64 = 0.02;
 
@@ -125,6 +145,9 @@ fn lesser(x: f64, y: f64) -> f64 {
 /// a small part of that.
 const LAST_STEP_GAIN: f64 = 10.0;
 
+/// Gap that is aimed at, in units of what the last step gained.
+const AHEAD_GAP: f64 = 0.1;
+
 /// Many times what is needed.
 const MOST_ITERATIONS: usize = 100;
 
@@ -137,9 +160,10 @@ impl Solver {
         problem: &FeedProblem,
         barrier_problem: &mut BarrierProblem,
         c: Vec<f64>,
-        tolerance: f64,
+        goal: Goal,
         drop_distant: bool,
     ) -> Outcome {
+        let mut tolerance = goal.tolerance;
         self.c = c;
         self.barrier.clear();
         self.barrier.resize(barrier_problem.offsets()[3] + 2, [Side::default(); 2]);
@@ -152,10 +176,11 @@ impl Solver {
             barrier_problem.knots.evaluate(&self.c, &mut self.values);
             // Once the shape shows, and not so late that every change would have to be caught up
             // with.
-            if outcome.gap < MARGINS_FROM && outcome.gap > 4.0 * tolerance {
+            let shown = outcome.gap.max(outcome.ahead);
+            if shown < MARGINS_FROM && outcome.gap > 4.0 * tolerance {
                 barrier_problem.set_margins(problem, &self.values);
             }
-            if to_drop && outcome.gap < DROP_BELOW && outcome.gap > tolerance {
+            if to_drop && shown < DROP_BELOW && outcome.gap > tolerance {
                 to_drop = false;
                 self.drop_distant(barrier_problem);
             }
@@ -173,6 +198,7 @@ impl Solver {
                 continue;
             }
             let duration = self.duration(barrier_problem);
+            tolerance = goal.at(duration);
             let centred = outcome.gap == f64::INFINITY;
             if centred {
                 sums.complementarity = START_GAP * duration;
@@ -186,7 +212,10 @@ impl Solver {
             if outcome.gap < tolerance && outcome.ahead < LAST_STEP_GAIN * tolerance && outcome.wider < tolerance {
                 break;
             }
-            steps = self.direction(barrier_problem, sums.complementarity / sums.count, outcome.wider > 0.0, centred);
+            // While the duration falls fast, complementarity must not fall faster, or the iterates creep along the bounds.
+            let least = if outcome.ahead.is_finite() { AHEAD_GAP * outcome.ahead * duration / sums.count } else { 0.0 };
+            let mu = [sums.complementarity / sums.count, least];
+            steps = self.direction(barrier_problem, mu, outcome.wider > 0.0, centred);
             self.c.iter_mut().zip(&self.step).for_each(|(c, d)| *c += steps[0] * d);
             if outcome.wider > 0.0 {
                 outcome.wider = barrier_problem.narrow(steps[0]);
@@ -268,7 +297,13 @@ impl Solver {
 
     /// Mehrotra's predictor and corrector, into `self.step`; how far to go along it for
     /// coefficients and multipliers.
-    fn direction(&mut self, barrier_problem: &BarrierProblem, mu: f64, wider: bool, centred: bool) -> Sides {
+    fn direction(
+        &mut self,
+        barrier_problem: &BarrierProblem,
+        [mu, least]: [f64; 2],
+        wider: bool,
+        centred: bool,
+    ) -> Sides {
         self.assemble(barrier_problem);
         to_coefficients(&barrier_problem.knots, &self.at, &self.on, &mut self.matrix);
         tie_matrix(barrier_problem.ends, barrier_problem.ratios(), &mut self.matrix);
@@ -284,7 +319,7 @@ impl Solver {
             let [slack, multiplier] = self.predict(barrier_problem);
             let far = slack.min(multiplier);
             let left = 1.0 - far;
-            mu *= (left * left * left).max(1e-3);
+            mu = (mu * (left * left * left).max(1e-3)).max(least);
             // Second-order terms of a step that cannot be taken mislead.
             let part = lesser(2.0 * far, 1.0);
             self.barrier.iter_mut().flatten().for_each(|side| side.change *= part);

@@ -1,13 +1,16 @@
 //! A problem made ready: checked, split next to rest, cut at its stops.
 
+use std::cell::OnceCell;
 use std::ops::Range;
 
 use super::refine::refined;
 use crate::constraint::Within;
 use crate::error::FeedError;
-use crate::problem::FeedProblem;
+use crate::problem::{FeedPlanner, FeedProblem};
 use crate::scan::forward_backward::{moves, squared_speeds};
+use crate::scan::on_problem::ContinuousAccelerationScan;
 use crate::scan::reachability::Reachability;
+use crate::speed_law::SpeedLaw;
 
 /// A stretch of grid between two stops, or an end of the path at a speed.
 #[derive(Debug, Clone)]
@@ -18,6 +21,11 @@ pub(super) struct Part {
 }
 
 impl Part {
+    /// Duration at the squared speeds `fastest`.
+    pub fn shortest(&self, problem: &FeedProblem, fastest: &[f64]) -> f64 {
+        self.grid.clone().map(|k| 2.0 * problem.h(k) / (fastest[k].sqrt() + fastest[k + 1].sqrt())).sum()
+    }
+
     /// Returns true if the motion can be slowed down as a whole: it starts and ends at rest, and
     /// every row holds at rest.
     pub fn slows(&self, problem: &FeedProblem) -> bool {
@@ -83,7 +91,10 @@ fn fits(problem: &FeedProblem) -> Result<(), FeedError> {
 
 /// A problem made ready.
 #[derive(Debug)]
-pub(super) struct Prepared {
+pub(super) struct Prepared<'a> {
+    /// As it was handed in.
+    pub original: &'a FeedProblem,
+    scanned: OnceCell<Option<SpeedLaw>>,
     /// With the intervals next to rest split.
     pub problem: FeedProblem,
     /// Squared speeds of a second-order planner.
@@ -91,7 +102,15 @@ pub(super) struct Prepared {
     pub parts: Vec<Part>,
 }
 
-pub(super) fn prepare(problem: &FeedProblem) -> Result<Prepared, FeedError> {
+impl Prepared<'_> {
+    /// The law of the scan with S-profiles; none where it finds none.
+    pub fn scanned(&self) -> Option<&SpeedLaw> {
+        self.scanned.get_or_init(|| ContinuousAccelerationScan.plan(self.original).ok()).as_ref()
+    }
+}
+
+pub(super) fn prepare(original: &FeedProblem) -> Result<Prepared<'_>, FeedError> {
+    let problem = original;
     if !problem.is_between_points() {
         return Err(FeedError::Empty { what: "rows between the grid points (FeedProblem::between_points)" });
     }
@@ -114,5 +133,5 @@ pub(super) fn prepare(problem: &FeedProblem) -> Result<Prepared, FeedError> {
             }
         }
     }
-    Ok(Prepared { problem, fastest, parts })
+    Ok(Prepared { original, scanned: OnceCell::new(), problem, fastest, parts })
 }

@@ -3,7 +3,7 @@
 
 use super::barrier_problem::BarrierProblem;
 use super::between::largest_scale;
-use super::interior_point::Solver;
+use super::interior_point::{Goal, Solver};
 use super::parts::{Part, Prepared, prepare};
 use super::solution::{JerkLimitedPlan, NotSolved, Solution, assemble};
 use super::start;
@@ -53,7 +53,7 @@ impl Passes {
     /// The fastest iterate inside all bounds, of one stretch.
     fn solve(
         &self,
-        prepared: &Prepared,
+        prepared: &Prepared<'_>,
         solver: &mut Solver,
         part: &Part,
         attempt: Attempt<'_>,
@@ -72,8 +72,10 @@ impl Passes {
             barrier_problem.knots.evaluate(&before.c, &mut solver.values);
             barrier_problem.demand_margins(problem, &solver.values);
         }
-        let start = start::start(problem, &mut barrier_problem, fastest);
-        let outcome = solver.minimise(problem, &mut barrier_problem, start, self.tolerance, attempt.drop_distant);
+        let again = attempt.before.and_then(|before| start::again(&barrier_problem, &before.c));
+        let start = again.unwrap_or_else(|| start::start(prepared, &mut barrier_problem));
+        let goal = Goal { tolerance: self.tolerance, shortest: part.shortest(problem, fastest) };
+        let outcome = solver.minimise(problem, &mut barrier_problem, start, goal, attempt.drop_distant);
         if outcome.wider <= 10.0 * self.tolerance {
             // Inside all bounds: a motion, however far it is from the optimum.
             return Ok(Solution { barrier_problem, c: solver.c.clone(), converged: outcome.is_close() });
@@ -83,7 +85,7 @@ impl Passes {
             // is inside.
             let mut barrier_problem = fresh();
             if let Some(start) = start::inside(problem, &barrier_problem, fastest) {
-                let outcome = solver.minimise(problem, &mut barrier_problem, start, self.tolerance, false);
+                let outcome = solver.minimise(problem, &mut barrier_problem, start, goal, false);
                 return Ok(Solution { barrier_problem, c: solver.c.clone(), converged: outcome.is_close() });
             }
         }
@@ -150,7 +152,7 @@ impl Passes {
     /// Takes off the speed what is still too much, as long as that helps.
     fn slow_down(
         &self,
-        prepared: &Prepared,
+        prepared: &Prepared<'_>,
         mut solutions: Vec<Solution>,
         mut plan: SpeedLaw,
     ) -> Result<JerkLimitedPlan, NotSolved> {

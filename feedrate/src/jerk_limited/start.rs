@@ -3,9 +3,14 @@
 use std::collections::VecDeque;
 
 use super::barrier_problem::BarrierProblem;
+use super::parts::Prepared;
 use super::spline::{End, Values};
 use crate::problem::FeedProblem;
 use crate::row::Row;
+use crate::speed_law::SpeedLaw;
+
+/// A start that is slowed down by more than this makes for many iterations.
+const POOR: f64 = 0.1;
 
 /// The part of the way to the nearest limit that the start takes.
 const START_FRACTION: f64 = 0.9;
@@ -20,10 +25,20 @@ const SHAPE_POINTS: usize = 1000;
 /// over a window, and kept below a jerk-limited departure from and approach to rest. Of several
 /// windows the one is taken that has to be slowed down least as a whole. Where a speed is given at
 /// an end, slowing down is no option; there the limits are widened instead.
-pub(super) fn start(problem: &FeedProblem, barrier_problem: &mut BarrierProblem, limit: &[f64]) -> Vec<f64> {
+pub(super) fn start(prepared: &Prepared<'_>, barrier_problem: &mut BarrierProblem) -> Vec<f64> {
+    let Prepared { problem, fastest: limit, .. } = prepared;
     let slowing =
         barrier_problem.ends.iter().all(|end| matches!(end, End::Rest { .. })) && at_rest_inside(barrier_problem);
-    let (mut values, c) = (Values::default(), shape(problem, barrier_problem, limit, slowing));
+    let (mut values, (factor, mut c)) = (Values::default(), shape(problem, barrier_problem, limit, slowing));
+    if slowing
+        && factor < POOR
+        && let Some(law) = prepared.scanned()
+    {
+        let along = along(problem, barrier_problem, law);
+        if time(barrier_problem, &along, &mut values) < time(barrier_problem, &c, &mut values) {
+            c = along;
+        }
+    }
     if !slowing {
         barrier_problem.knots.evaluate(&c, &mut values);
         let jerk_ratio = barrier_problem.largest_scales(&values)[1].powf(-1.5);
@@ -32,12 +47,25 @@ pub(super) fn start(problem: &FeedProblem, barrier_problem: &mut BarrierProblem,
     c
 }
 
+/// The coefficients of a motion that may exceed its bounds, slowed down as a whole to be strictly inside; none where that is no way
+/// back inside.
+pub(super) fn again(barrier_problem: &BarrierProblem, c: &[f64]) -> Option<Vec<f64>> {
+    let mut values = Values::default();
+    barrier_problem.knots.evaluate(c, &mut values);
+    let [scale, jerk_scale] = barrier_problem.largest_scales(&values);
+    let factor = START_FRACTION * scale.min(jerk_scale).min(1.0);
+    let slower: Vec<f64> = c.iter().map(|c| c * factor).collect();
+    barrier_problem.knots.evaluate(&slower, &mut values);
+    let rests = barrier_problem.ends.iter().all(|end| matches!(end, End::Rest { .. }));
+    (rests && factor > POOR && barrier_problem.is_inside(&values)).then_some(slower)
+}
+
 /// Coefficients from rest to rest that are strictly inside all bounds, slow as they may be; none
 /// where standing still is not.
 pub(super) fn inside(problem: &FeedProblem, barrier_problem: &BarrierProblem, limit: &[f64]) -> Option<Vec<f64>> {
     /// Friction falls with the root of the squared speed.
     const HALVINGS: usize = 200;
-    let (mut values, mut c) = (Values::default(), shape(problem, barrier_problem, limit, true));
+    let (mut values, (_, mut c)) = (Values::default(), shape(problem, barrier_problem, limit, true));
     for _ in 0..HALVINGS {
         barrier_problem.knots.evaluate(&c, &mut values);
         if barrier_problem.is_inside(&values) {
@@ -50,7 +78,7 @@ pub(super) fn inside(problem: &FeedProblem, barrier_problem: &BarrierProblem, li
 
 /// Coefficients of a smooth law of motion; with `slowing`, friction aside, inside all bounds that
 /// hold at rest.
-fn shape(problem: &FeedProblem, barrier_problem: &BarrierProblem, limit: &[f64], slowing: bool) -> Vec<f64> {
+fn shape(problem: &FeedProblem, barrier_problem: &BarrierProblem, limit: &[f64], slowing: bool) -> (f64, Vec<f64>) {
     let (m, a) = (barrier_problem.knots.intervals(), barrier_problem.from);
     let grid = problem.grid();
     let (first, last) =
@@ -99,7 +127,36 @@ fn shape(problem: &FeedProblem, barrier_problem: &BarrierProblem, limit: &[f64],
             best = (factor, c);
         }
     }
-    best.1
+    best
+}
+
+/// Coefficients along another law from rest to rest, slowed down as a whole to be strictly inside.
+fn along(problem: &FeedProblem, barrier_problem: &BarrierProblem, law: &SpeedLaw) -> Vec<f64> {
+    let (m, grid) = (barrier_problem.knots.intervals(), &problem.grid()[barrier_problem.from..]);
+    // A quadratic spline is about its coefficients in the middles of the intervals.
+    let mut c: Vec<f64> = std::iter::once(grid[0])
+        .chain((0..m).map(|k| 0.5 * (grid[k] + grid[k + 1])))
+        .chain([grid[m]])
+        .map(|s| law.at_position(s).v.powi(2))
+        .collect();
+    let ratios = barrier_problem.ratios();
+    for (i, (outer, inner)) in [(0, 1), (m + 1, m)].into_iter().enumerate() {
+        c[outer] = c[inner] / ratios[i];
+    }
+    let mut values = Values::default();
+    barrier_problem.knots.evaluate(&c, &mut values);
+    let [scale, jerk_scale] = barrier_problem.largest_scales(&values);
+    let factor = START_FRACTION * scale.min(jerk_scale).min(1.0);
+    c.iter_mut().for_each(|c| *c *= factor);
+    c
+}
+
+/// About the duration of the motion of coefficients `c`.
+fn time(barrier_problem: &BarrierProblem, c: &[f64], values: &mut Values) -> f64 {
+    barrier_problem.knots.evaluate(c, values);
+    let x = &values.x;
+    let one = |(k, h): (usize, &f64)| 2.0 * h / (x[k].sqrt() + x[k + 1].sqrt());
+    barrier_problem.knots.h.iter().enumerate().map(one).sum()
 }
 
 /// The least value within `reach(k)` of every `k`, with ends that never go back.

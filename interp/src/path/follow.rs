@@ -13,8 +13,8 @@ const SAME_BRANCH: f64 = 0.05;
 const ROUNDING: f64 = 1e-12;
 /// A turning point this near to a grid point (in parts of the interval) takes its place.
 const NEAR: f64 = 0.25;
-/// A point beside another one takes no more than this part of the interval between that and the next.
-const BESIDE: f64 = 0.7;
+/// Ratio of neighbouring intervals that are inserted.
+const GROWTH: f64 = 2.0;
 
 /// Joint values and derivatives at every point of a grid, on one branch of the inverse.
 #[derive(Debug, Clone)]
@@ -139,18 +139,23 @@ impl<const N: usize> JointPath<N> {
         Ok(())
     }
 
-    /// Puts grid points beside some of them, as many units of the parameter before and after as `beside` says for each; none where
-    /// the next grid point is about as near.
+    /// Puts grid points beside some of them, as many units of the parameter before and after as `beside` says for each, and more at
+    /// growing distances from there to the next grid point; none where that is about as near.
     pub(crate) fn insert_beside(&mut self, path: &dyn MotionPath<N>, beside: &[(usize, f64)]) -> Result<(), PathError> {
         let mut new = Vec::new();
         for &(i, distance) in beside {
-            if i > 0 && distance < BESIDE * (self.after[i].s - self.after[i - 1].s) {
-                new.push(self.before[i].s - distance);
-            }
-            if i + 1 < self.after.len() && distance < BESIDE * (self.after[i + 1].s - self.after[i].s) {
-                new.push(self.after[i].s + distance);
+            let s = self.after[i].s;
+            for (next, sign) in [(i.checked_sub(1), -1.0), (Some(i + 1), 1.0)] {
+                let Some(next) = next.and_then(|next| self.after.get(next)) else { continue };
+                let (mut away, mut step) = (distance, distance);
+                while away + 0.5 * step < (next.s - s).abs() {
+                    new.push(s + sign * away);
+                    step *= GROWTH;
+                    away += step;
+                }
             }
         }
+        new.sort_by(f64::total_cmp);
         for s in new {
             let i = self.after.partition_point(|jet| jet.s <= s).max(1);
             let last = &self.after[i - 1];

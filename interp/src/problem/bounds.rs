@@ -20,6 +20,9 @@ use nalgebra::Vector3;
 use super::jumps::{Jump, near_jumps};
 use crate::path::{JointJet, JointPath, MotionPath};
 
+/// A step of acceleration counts for so much, because the speed changes within the control period that it is spread over.
+const SPREAD: f64 = 1.005;
+
 /// Bounds of the derivatives of joints and tool on every interval.
 #[derive(Debug, Clone)]
 pub(crate) struct DerivativeBounds<const N: usize> {
@@ -50,7 +53,7 @@ impl<const N: usize> DerivativeBounds<N> {
 
     /// Jumps of the second joint derivatives, joint by joint, interval by interval, spread over `period` (s).
     pub fn steps(&self, period: f64) -> Vec<f64> {
-        self.jumps.iter().flat_map(|jumps| jumps.iter().map(|jump| jump / period)).collect()
+        self.jumps.iter().flat_map(|jumps| jumps.iter().map(|jump| jump * SPREAD / period)).collect()
     }
 
     /// The highest speed that `at_curvature` allows at each grid point, so that between two points the square of the speed may lie on

@@ -41,10 +41,11 @@ pub(crate) fn equal_steps(length: f64, knots: &[f64], intervals: usize) -> Vec<f
     grid
 }
 
-/// The same grid with every interval divided into `parts`.
-pub(crate) fn refined(grid: &[f64], parts: usize) -> Vec<f64> {
-    let mut fine = Vec::with_capacity(grid.len() * parts);
-    for pair in grid.windows(2) {
+/// The same grid with interval `k` divided into `parts(k)`.
+pub(crate) fn refined(grid: &[f64], parts: impl Fn(usize) -> usize) -> Vec<f64> {
+    let mut fine = Vec::with_capacity(2 * grid.len());
+    for (k, pair) in grid.windows(2).enumerate() {
+        let parts = parts(k);
         fine.extend((0..parts).map(|i| pair[0] + (pair[1] - pair[0]) * (i as f64 / parts as f64)));
     }
     fine.extend(grid.last());

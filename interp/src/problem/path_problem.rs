@@ -88,9 +88,14 @@ impl<'p, const N: usize> PathProblem<'p, N> {
         Ok(problem)
     }
 
-    /// The same on a grid whose intervals are divided into `parts`.
-    pub(crate) fn refined(&self, parts: usize) -> Result<Self, PlanError> {
-        let layout = PathGrid { grid: grid::refined(&self.layout.grid, parts), ..self.layout.clone() };
+    /// The same on a grid whose interval `k` is divided into `parts(k)`.
+    pub(crate) fn refined(&self, parts: impl Fn(usize) -> usize) -> Result<Self, PlanError> {
+        self.on_grid(grid::refined(&self.layout.grid, parts))
+    }
+
+    /// The same on another grid, which keeps the knots of the path.
+    pub(crate) fn on_grid(&self, grid: Vec<f64>) -> Result<Self, PlanError> {
+        let layout = PathGrid { grid, ..self.layout.clone() };
         let mut problem = Self::on(&self.settings, self.path.clone(), layout, self.needs)?;
         problem.times = [self.times[0], self.times[1] + problem.times[1]];
         Ok(problem)
@@ -205,6 +210,17 @@ impl<'p, const N: usize> PathProblem<'p, N> {
     pub fn feed_at(&self, s: f64) -> f64 {
         let elsewhere = self.settings.limits.tool().feed().unwrap_or(f64::INFINITY);
         Feeds { elsewhere, sections: &self.layout.sections }.at(s)
+    }
+
+    /// How far the third derivatives of the joints in the middle of interval `k` are from the mean of both ends, in units of the limits
+    /// on jerk.
+    pub(crate) fn third_misfit(&self, k: usize) -> f64 {
+        let jerk = self.settings.limits.joints().jerk();
+        let one = |j: usize| {
+            let [a, m, b] = [self.after[2][k * N + j], self.middle[2][k * N + j], self.before[2][(k + 1) * N + j]];
+            (m - 0.5 * (a + b)).abs() / jerk[j]
+        };
+        (0..N).map(one).fold(0.0, f64::max)
     }
 
     /// Time spent on laying the grid, and on following the path.

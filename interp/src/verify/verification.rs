@@ -74,11 +74,12 @@ pub fn verify<const N: usize>(
         if i > steps {
             tally.end(&sample, requirement.path.length(), requirement.end_speeds[1]);
         }
-        if let (Some(first), Some(before)) = (ring.front(), ring.back()) {
-            tally.compare([first, before, &sample], sample.at.t - before.at.t);
-        }
+        // The first of them is a whole control period ago.
         if ring.len() > density {
             ring.pop_front();
+        }
+        if let (Some(first), Some(before)) = (ring.front(), ring.back()) {
+            tally.compare([first, before, &sample], sample.at.t - before.at.t);
         }
         ring.push_back(sample);
         // One control cycle is complete: the path within it against its chord.

@@ -1,0 +1,118 @@
+//! A grid fine enough for a motion: intervals are short in time where the speed changes, and short where the third derivatives of the
+//! joints bend.
+
+use arcfeed_feedrate::{ContinuousAccelerationScan, FeedPlanner, MotionState, SpeedLaw};
+
+use super::fractions::LimitFractions;
+use super::grid;
+use super::needs::RowsNeeded;
+use super::path_problem::PathProblem;
+use crate::error::PlanError;
+
+/// Part of the time in which a joint's acceleration builds up that an interval takes at the most where the speed changes.
+const OF_BUILD_UP: f64 = 0.1;
+/// And part of the whole motion.
+const OF_MOTION: f64 = 1.0 / 400.0;
+/// Part of a limit on jerk by which the middle of an interval may be off the mean of its ends: its middle is in the rows, and what is left
+/// is a tenth of that.
+const MISFIT: f64 = 2e-3;
+/// The fastest motion is so much faster than the scan's.
+const FASTER: f64 = 1.3;
+/// No interval is divided into more parts.
+const MOST_PARTS: f64 = 100.0;
+/// As many intervals are made, about, where times are short.
+const MOST: f64 = 4000.0;
+
+/// Two grid points are no closer together than this part of that time.
+const CLOSEST: f64 = 0.5;
+
+/// And part of the time from one constant speed to the next.
+const OF_CHANGE: f64 = 1.0 / 24.0;
+/// But not less than this part of the longest time.
+const LEAST_PART: f64 = 0.1;
+
+/// A place of a law.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    s: f64,
+    v: f64,
+    /// Time to its neighbours that is aimed at, s.
+    apart: f64,
+}
+
+impl Place {
+    /// True if the other one comes later, and not too soon.
+    fn is_apart(&self, later: &Self) -> bool {
+        later.s - self.s > CLOSEST * self.apart.max(later.apart) * 0.5 * (self.v + later.v)
+    }
+}
+
+/// The problem on a finer grid, by the law of the continuous-acceleration scan; the same problem where that finds none.
+pub(crate) fn resolved<const N: usize>(problem: PathProblem<'_, N>) -> Result<PathProblem<'_, N>, PlanError> {
+    let rows = problem.rows_within(&LimitFractions::default(), RowsNeeded::Jerk)?;
+    let Ok(law) = ContinuousAccelerationScan.plan(&rows) else { return Ok(problem) };
+    let joints = problem.settings.limits.joints();
+    let build_up = joints.acceleration().component_div(joints.jerk());
+    let build_up = build_up.iter().copied().filter(|time| *time > 0.0).fold(f64::INFINITY, f64::min);
+    let longest = (OF_BUILD_UP * build_up).min(OF_MOTION * law.duration());
+    let mut grid = with_changes(rows.grid(), &law, longest);
+    let speeds: Vec<f64> = rows.grid().iter().map(|&s| law.v_at_s(s)).collect();
+    let mut k = 0;
+    let parts: Vec<usize> = grid
+        .windows(2)
+        .map(|pair| {
+            while rows.grid()[k + 1] <= pair[0] {
+                k += 1;
+            }
+            let fastest = FASTER * speeds[k].max(speeds[k + 1]);
+            let of = (pair[1] - pair[0]) / rows.h(k);
+            let by_bend = of * (problem.third_misfit(k) * fastest.powi(3) / MISFIT).sqrt();
+            by_bend.ceil().max(1.0).min(MOST_PARTS) as usize
+        })
+        .collect();
+    grid = grid::refined(&grid, |k| parts[k]);
+    problem.on_grid(grid)
+}
+
+/// The grid with places of the law in between, where its speed changes: at most `longest` (s) apart, or a little more on a motion that
+/// changes its speed for long.
+fn with_changes(grid: &[f64], law: &SpeedLaw, longest: f64) -> Vec<f64> {
+    let knots: Vec<(f64, MotionState)> = law.knots().collect();
+    let changes = |pair: &[(f64, MotionState)]| pair[0].1.a != 0.0 || pair[1].1.a != 0.0 || pair[0].1.j != 0.0;
+    let changing: f64 = knots.windows(2).filter(|pair| changes(pair)).map(|pair| pair[1].0 - pair[0].0).sum();
+    let longest = longest.max(changing / MOST);
+    let mut places: Vec<Place> = Vec::new();
+    let mut cursor = law.cursor();
+    // From one constant speed or rest to the next.
+    for change in
+        knots.windows(2).collect::<Vec<_>>().chunk_by(|a, b| changes(a) == changes(b)).filter(|run| changes(run[0]))
+    {
+        let (from, to) = (change[0][0].0, change[change.len() - 1][1].0);
+        let apart = longest.min(OF_CHANGE * (to - from)).max(LEAST_PART * longest);
+        for pair in change {
+            let time = pair[1].0 - pair[0].0;
+            let parts = (time / apart).ceil().max(1.0);
+            let mut part = 0.0;
+            while part <= parts {
+                let state = cursor.at(pair[0].0 + time * (part / parts));
+                places.push(Place { s: state.p, v: state.v, apart });
+                part += 1.0;
+            }
+        }
+    }
+    let mut fine = Vec::with_capacity(grid.len() + places.len());
+    let mut places = places.into_iter().peekable();
+    for pair in grid.windows(2) {
+        fine.push(pair[0]);
+        let at = |s: f64| Place { s, v: law.v_at_s(s), apart: 0.0 };
+        let (mut last, end) = (at(pair[0]), at(pair[1]));
+        while let Some(place) = places.next_if(|place| place.s < end.s) {
+            if last.is_apart(&place) && place.is_apart(&end) {
+                fine.push(place.s);
+                last = place;
+            }
+        }
+    }
+    fine.extend(grid.last());
+    fine
+}
