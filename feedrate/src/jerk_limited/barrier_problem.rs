@@ -83,6 +83,9 @@ pub(super) type Sides = [f64; 2];
 /// this measure.
 const DISTANT_FROM_BOUND: f64 = 0.6;
 
+/// But not a jerk row of a limit that is near its bound so many places before or after.
+const BESIDE_NEAR: usize = 8;
+
 /// Returns true if a row holds whatever the motion: that of a joint that stands still. It has no
 /// inside where its limit is 0.
 pub(super) fn is_nothing(row: &Row) -> bool {
@@ -359,17 +362,36 @@ impl BarrierProblem {
             self.inner_first[p + 1] = write;
         }
         self.inner.truncate(write);
-        let (mut write, mut start) = (0, 0);
+        // Where jerk changes its sign it is far from its bounds for a moment, and would change at once without its rows.
+        let rows = self.thirds_first.get(1).copied().unwrap_or(0);
+        let mut far = vec![true; self.thirds.len()];
+        let mut lasts = vec![None; rows];
+        let mut mark = |far: &mut [bool], p: usize, i: usize, is_near: bool| {
+            // Returns true within a few places after one that is near; marks those before it.
+            let row = i - p * rows;
+            if is_near {
+                let from = p.saturating_sub(BESIDE_NEAR);
+                (from..=p).for_each(|p| far[p * rows + row] = false);
+                lasts[row] = Some(p);
+            } else if lasts[row].is_some_and(|last| p - last <= BESIDE_NEAR) {
+                far[i] = false;
+            }
+        };
         for p in 0..2 * w.len() {
-            for i in start..self.thirds_first[p + 1] {
+            for i in self.thirds_first[p]..self.thirds_first[p + 1] {
                 let row = self.thirds[i];
                 let end = p / 2 + p % 2;
                 let value = row.alpha * w[p / 2] + row.beta * u[end] + row.gamma * x[end];
                 let bound = 1.0 / x[end].sqrt() - row.step * x[end].sqrt();
-                let stays = near(value, -bound, bound);
-                keep(stays);
-                if stays {
-                    self.thirds[write] = row;
+                mark(&mut far, p, i, row.step > 0.0 || near(value, -bound, bound));
+            }
+        }
+        let (mut write, mut start) = (0, 0);
+        for p in 0..2 * w.len() {
+            for i in start..self.thirds_first[p + 1] {
+                keep(!far[i]);
+                if !far[i] {
+                    self.thirds[write] = self.thirds[i];
                     write += 1;
                 }
             }

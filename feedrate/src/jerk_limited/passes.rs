@@ -14,7 +14,7 @@ use crate::speed_law::SpeedLaw;
 /// Rows far from their bounds are dropped on stretches of as many intervals. On finer ones
 /// acceleration builds up over many intervals, whose rows all are distant at one time or another,
 /// and dropping them means solving twice.
-const DROP_UP_TO: usize = 2500;
+const DROP_UP_TO: usize = 1_000_000;
 
 /// If more than this has to be taken off the speed at the end, something was left out.
 const LARGE_REDUCTION: f64 = 1e-3;

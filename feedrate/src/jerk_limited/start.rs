@@ -9,7 +9,10 @@ use crate::problem::FeedProblem;
 use crate::row::Row;
 use crate::speed_law::SpeedLaw;
 
-/// A start that is slowed down by more than this makes for many iterations.
+/// A start that takes so many times the time of the second-order law makes for many iterations.
+const SLOW: f64 = 2.5;
+
+/// A motion that has to be slowed down by more than this, on its squared speeds, is no start.
 const POOR: f64 = 0.1;
 
 /// The part of the way to the nearest limit that the start takes.
@@ -29,9 +32,11 @@ pub(super) fn start(prepared: &Prepared<'_>, barrier_problem: &mut BarrierProble
     let Prepared { problem, fastest: limit, .. } = prepared;
     let slowing =
         barrier_problem.ends.iter().all(|end| matches!(end, End::Rest { .. })) && at_rest_inside(barrier_problem);
-    let (mut values, (factor, mut c)) = (Values::default(), shape(problem, barrier_problem, limit, slowing));
+    let (mut values, (_, mut c)) = (Values::default(), shape(problem, barrier_problem, limit, slowing));
+    let last = barrier_problem.from + barrier_problem.knots.intervals();
+    let shortest = duration(&limit[barrier_problem.from..=last], &barrier_problem.knots.h);
     if slowing
-        && factor < POOR
+        && time(barrier_problem, &c, &mut values) > SLOW * shortest
         && let Some(law) = prepared.scanned()
     {
         let along = along(problem, barrier_problem, law);
@@ -154,9 +159,12 @@ fn along(problem: &FeedProblem, barrier_problem: &BarrierProblem, law: &SpeedLaw
 /// About the duration of the motion of coefficients `c`.
 fn time(barrier_problem: &BarrierProblem, c: &[f64], values: &mut Values) -> f64 {
     barrier_problem.knots.evaluate(c, values);
-    let x = &values.x;
-    let one = |(k, h): (usize, &f64)| 2.0 * h / (x[k].sqrt() + x[k + 1].sqrt());
-    barrier_problem.knots.h.iter().enumerate().map(one).sum()
+    duration(&values.x, &barrier_problem.knots.h)
+}
+
+/// Duration at squared speeds `x` between intervals of length `h`.
+fn duration(x: &[f64], h: &[f64]) -> f64 {
+    h.iter().enumerate().map(|(k, h)| 2.0 * h / (x[k].sqrt() + x[k + 1].sqrt())).sum()
 }
 
 /// The least value within `reach(k)` of every `k`, with ends that never go back.

@@ -89,7 +89,14 @@ fn with_changes(grid: &[f64], law: &SpeedLaw, longest: f64) -> Vec<f64> {
     {
         let (from, to) = (change[0][0].0, change[change.len() - 1][1].0);
         let apart = longest.min(OF_CHANGE * (to - from)).max(LEAST_PART * longest);
+        let rests = |state: &MotionState| state.v == 0.0;
         for pair in change {
+            if rests(&pair[0].1) || rests(&pair[1].1) {
+                // With constant jerk from or to rest: the planner does that in one interval.
+                let place = if rests(&pair[0].1) { &pair[1].1 } else { &pair[0].1 };
+                places.push(Place { s: place.p, v: place.v, apart });
+                continue;
+            }
             let time = pair[1].0 - pair[0].0;
             let parts = (time / apart).ceil().max(1.0);
             let mut part = 0.0;
