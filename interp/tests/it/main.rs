@@ -2,6 +2,7 @@
 
 mod allocation;
 mod common;
+mod compiled;
 mod joint_check;
 mod joint_path;
 mod limits;

@@ -1,0 +1,17 @@
+//! Compiled joint trajectories: polynomials of the time, and a certificate of what they do between samples.
+
+mod bernstein;
+mod certificate;
+mod compile;
+mod error;
+mod fit;
+mod joint_trajectory;
+mod nodes;
+mod piece;
+mod sampling;
+mod steps;
+
+pub use certificate::{Certificate, CertifiedBound, CertifiedJump, certify};
+pub use error::{CompileError, JointTrajectoryError};
+pub use joint_trajectory::{Deviation, Interpolation, JointSetpoint, JointTrajectory};
+pub use sampling::{JointCursor, JointSetpoints};
