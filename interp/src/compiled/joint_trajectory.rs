@@ -244,7 +244,7 @@ impl<const N: usize> JointTrajectory<N> {
             if !((before - after).abs() <= SAME_PLACE) {
                 return Err(JointTrajectoryError::Elsewhere { joint, end: before, start: after });
             }
-            let ends = [("the first motion: ", &end, &self, last), ("the next motion: ", &start, &&*next, 0)];
+            let ends = [("the first motion:", &end, &self, last), ("the next motion:", &start, &&*next, 0)];
             for (which, state, motion, piece) in ends {
                 let values =
                     [(Quantity::JointVelocity, state.qd[joint], 1), (Quantity::JointAcceleration, state.qdd[joint], 2)];

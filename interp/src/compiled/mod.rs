@@ -6,6 +6,8 @@ mod compile;
 mod error;
 mod fit;
 mod joint_trajectory;
+#[cfg(feature = "json")]
+mod json;
 mod nodes;
 mod piece;
 mod sampling;
