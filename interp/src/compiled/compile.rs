@@ -16,8 +16,11 @@ use arcfeed_kinematics::Joints;
 const EXCESS: f64 = 1e-6;
 /// Samples in one piece, at most.
 const MOST_SAMPLES: usize = 2048;
-/// Numbers of samples that are tried where one does not do.
-const TRIED: [usize; 10] = [2, 3, 4, 6, 8, 12, 16, 24, 32, 48];
+/// Numbers of samples that are tried until one does. Where a short piece does not do, a longer one may: rounding and offsets count
+/// less.
+const TRIED: [usize; 11] = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48];
+/// The search for a longer piece goes up to twice the length that doubling found, and so many samples beyond.
+const BEYOND: usize = 8;
 
 impl<const N: usize> Trajectory<'_, N> {
     /// The motion as polynomials of degree 5, without path and arm: [`Trajectory::compile_with`] for [`Interpolation::Quintic`].
@@ -49,8 +52,9 @@ impl<const N: usize> Trajectory<'_, N> {
     ///
     /// The result keeps the limits on position, velocity and acceleration that the trajectory was planned for at all times, and with
     /// [`Interpolation::Quintic`] the limit on jerk, by the same 1e-6 as the plan. It was certified. Each piece is the longest one
-    /// that the search by doubling and halving finds from where the last one ends, among the knots of the speed law and samples
-    /// between them. Where the planned acceleration steps, because the curvature of the path jumps, the piece around the step has
+    /// that the search finds from where the last one ends: it doubles the length as long as that does, and then tries all lengths up to
+    /// twice that from the longest downwards. Pieces end at knots of the speed law or at samples between them, 1 ms apart at most.
+    /// Pieces that end at knots alone are more. Where the planned acceleration steps, because the curvature of the path jumps, the piece around the step has
     /// constant jerk over one control period, and the next piece takes up the offset.
     ///
     /// With [`Interpolation::Cubic`] the acceleration jumps from piece to piece. Each piece keeps the limit on acceleration at both
@@ -162,50 +166,37 @@ impl<const N: usize> Compiler<'_, '_, N> {
         Ok(Some(begin + MOST_SAMPLES))
     }
 
-    /// The longest piece from `begin` to `last` at the most that doubling and halving finds.
+    /// The longest piece from `begin` to `last` at the most that the search finds.
     fn longest(&mut self, begin: usize, last: usize, from: &State<N>) -> Result<Fit<N>, CompileError> {
         let most = last - begin;
-        let mut best: Option<Fit<N>> = None;
+        let (mut length, mut best) = match self.first(begin, most, from) {
+            Ok(first) => first,
+            Err(least) => return self.partial(begin, last, from).map_err(|_| least.error),
+        };
+        while 2 * length <= most {
+            let Ok(fit) = self.attempt(begin, begin + 2 * length, from, Shape::Full) else { break };
+            (length, best) = (2 * length, fit);
+        }
+        // A piece may do although shorter ones do not, as the steps of the planned jerk lie differently in it.
+        for longer in (length + 1..=(2 * length + BEYOND).min(most)).rev() {
+            if let Ok(fit) = self.attempt(begin, begin + longer, from, Shape::Full) {
+                return Ok(fit);
+            }
+        }
+        Ok(best)
+    }
+
+    /// A short piece from `begin` over `most` samples at the most, and its length; otherwise what comes closest.
+    fn first(&mut self, begin: usize, most: usize, from: &State<N>) -> Result<(usize, Fit<N>), Misfit> {
         let mut least: Option<Misfit> = None;
-        let (mut good, mut bad) = (0, most + 1);
-        let mut length = 1;
-        loop {
+        for length in TRIED.into_iter().filter(|length| *length <= most) {
             match self.attempt(begin, begin + length, from, Shape::Full) {
-                Ok(fit) => (good, best) = (length, Some(fit)),
-                Err(misfit) => {
-                    // Where a short piece does not do, a longer one may: rounding and offsets count less.
-                    let longer = TRIED.into_iter().find(|n| *n > length && *n <= most);
-                    let closer = least.as_ref().is_none_or(|least| misfit.excess < least.excess);
-                    if closer {
-                        least = Some(misfit);
-                    }
-                    match longer {
-                        Some(longer) if good == 0 => {
-                            length = longer;
-                            continue;
-                        }
-                        _ => bad = length,
-                    }
-                    break;
-                }
-            }
-            if good == most {
-                break;
-            }
-            length = (2 * length).min(most);
-        }
-        while best.is_some() && bad - good > 1 {
-            let middle = good + (bad - good) / 2;
-            match self.attempt(begin, begin + middle, from, Shape::Full) {
-                Ok(fit) => (good, best) = (middle, Some(fit)),
-                Err(_) => bad = middle,
+                Ok(fit) => return Ok((length, fit)),
+                Err(misfit) if least.as_ref().is_none_or(|least| misfit.excess < least.excess) => least = Some(misfit),
+                Err(_) => {}
             }
         }
-        match (best, least) {
-            (Some(fit), _) => Ok(fit),
-            (None, Some(least)) => self.partial(begin, last, from).map_err(|_| least.error),
-            (None, None) => Err(CompileError::AccelerationSteps),
-        }
+        Err(least.unwrap_or(Misfit { excess: f64::INFINITY, error: CompileError::AccelerationSteps }))
     }
 
     /// A short piece that does not end in the planned state: the next one makes up for it.

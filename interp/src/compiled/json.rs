@@ -104,7 +104,9 @@ impl<const N: usize> JointTrajectory<N> {
             }
             (None, None) => None,
             _ => {
-                return Err(wrong("deviations come in pairs, the measured one at least 0 and at most the bound".into()));
+                return Err(wrong(
+                    "deviations come in pairs, the measured one at least 0 and at most the bound".into(),
+                ));
             }
         };
         let interpolation = match file.interpolation {
