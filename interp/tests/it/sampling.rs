@@ -231,3 +231,23 @@ fn limits_that_are_none_are_refused() {
         }
     }
 }
+
+/// Jumps in time led the sampler to another solution of the inverse: it took the Taylor series of the last place as a guess wherever
+/// the first derivatives there were small.
+#[test]
+fn times_in_any_order_give_the_same_setpoints() {
+    let arm = arm();
+    let mut random = crate::random::Random::new(5);
+    for curve in [analytic(), knotted(), line_and_arc(0.1, 0.05)] {
+        let trajectory = plan(&arm, curve).expect("a plan");
+        let (mut jumping, mut fresh) = (trajectory.setpoints(1e-3).expect("a period"), trajectory.setpoints(1e-3));
+        let fresh = fresh.as_mut().expect("a period");
+        let in_order: Vec<_> =
+            (0..=2000).map(|i| fresh.at(trajectory.duration() * f64::from(i) / 2000.0).expect("on the path")).collect();
+        for _ in 0..20_000 {
+            let expected = &in_order[random.between(0.0, 2000.0) as usize];
+            let got = jumping.at(expected.t).expect("on the path");
+            assert!((got.q - expected.q).amax() < 1e-9, "at {}: {} is not {}", got.t, got.q, expected.q);
+        }
+    }
+}
