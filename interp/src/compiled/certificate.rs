@@ -209,13 +209,13 @@ pub(super) fn rounding<const N: usize>(
 
 /// Pieces and the times between them.
 #[derive(Clone, Copy)]
-struct Motion<'a, const N: usize> {
-    times: &'a [f64],
-    pieces: &'a [[Joints<N>; SIZE]],
+pub(super) struct Motion<'a, const N: usize> {
+    pub times: &'a [f64],
+    pub pieces: &'a [[Joints<N>; SIZE]],
 }
 
 impl<const N: usize> Motion<'_, N> {
-    fn duration(&self, piece: usize) -> f64 {
+    pub fn duration(&self, piece: usize) -> f64 {
         self.times[piece + 1] - self.times[piece]
     }
 
@@ -233,7 +233,8 @@ impl<const N: usize> Motion<'_, N> {
         powers
     }
 
-    fn bernstein(&self, piece: usize, joint: usize, order: usize, middle: f64) -> Bernstein {
+    /// The derivative `order` of one joint on a piece, less `middle`.
+    pub fn bernstein(&self, piece: usize, joint: usize, order: usize, middle: f64) -> Bernstein {
         Bernstein::from_powers(&self.powers(piece, joint, order, middle), SIZE - 1 - order)
     }
 

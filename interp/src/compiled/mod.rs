@@ -10,10 +10,13 @@ mod joint_trajectory;
 mod json;
 mod nodes;
 mod piece;
+mod reach;
 mod sampling;
 mod steps;
+mod tool_certificate;
 
 pub use certificate::{Certificate, CertifiedBound, CertifiedJump, certify};
 pub use error::{CompileError, JointTrajectoryError};
 pub use joint_trajectory::{Deviation, Interpolation, JointSetpoint, JointTrajectory};
 pub use sampling::{JointCursor, JointSetpoints};
+pub use tool_certificate::{ToolBound, ToolCertificate};

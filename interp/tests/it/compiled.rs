@@ -7,7 +7,7 @@ use arcfeed_interp::{
     CompileError, Interpolation, JointRates, JointSpline, JointTrajectory, JointTrajectoryError, Limits, Method,
     Planner, Quantity, Trajectory,
 };
-use arcfeed_kinematics::{Joints, ParallelAxisArm};
+use arcfeed_kinematics::{ForwardKinematics, Joints, ParallelAxisArm};
 
 use crate::common::{analytic, arm, knotted, limits, line_and_arc, plan};
 use crate::random::Random;
@@ -250,5 +250,44 @@ fn json_gives_the_same_motion_back_and_refuses_what_is_none() {
     }
     for cut in (0..text.len()).step_by(97) {
         assert!(JointTrajectory::<6>::from_json(&text[..cut]).is_err());
+    }
+}
+
+#[test]
+fn the_tool_keeps_its_bounds_between_samples() {
+    let arm = shared_arm();
+    for (name, trajectory) in plans() {
+        let compiled = trajectory.compile(1e-6).expect("compiles");
+        let tool = compiled.certify_tool(arm);
+        let [off, turned] = tool.deviation().expect("of a plan");
+        let mut planned = trajectory.setpoints(1e-3).expect("a period");
+        let mut most = [0.0_f64; 4];
+        let steps = 40_000;
+        for i in 0..=steps {
+            let at = compiled.at(compiled.duration() * f64::from(i) / f64::from(steps));
+            let (pose, jacobian) = arm.forward_jacobian(&at.q);
+            let twist = jacobian * at.qd;
+            let change = jacobian * at.qdd + arm.jacobian_dot_qd(&at.q, &at.qd);
+            let (v, a) = (twist.fixed_rows::<3>(0).into_owned(), change.fixed_rows::<3>(0).into_owned());
+            let along = a.dot(&v) / v.norm();
+            let across = v.cross(&a).norm() / v.norm();
+            for (most, size) in most.iter_mut().zip([v.norm(), twist.fixed_rows::<3>(3).norm(), along.abs(), across]) {
+                *most = most.max(size);
+            }
+            if i % 16 == 0 {
+                let plan = planned.at(at.t).expect("on the path").pose;
+                let distance = (plan.translation.vector - pose.translation.vector).norm();
+                assert!(distance <= off + 1e-12, "{name} at {}: {distance:e} > {off:e}", at.t);
+                let angle = plan.rotation.angle_to(&pose.rotation);
+                assert!(angle <= turned + 1e-7, "{name} at {}: {angle:e} > {turned:e}", at.t);
+            }
+        }
+        for (bound, most) in tool.bounds().iter().zip(most) {
+            assert!(most <= bound.bound, "{name}: {most} > {bound:?}");
+            assert!(bound.attained <= bound.bound, "{name}: {bound:?}");
+            if bound.quantity == Quantity::Feed || bound.quantity == Quantity::AngularSpeed {
+                assert!(bound.bound <= bound.attained * (1.0 + 1.1e-3) + 1e-3, "{name}: {bound:?}");
+            }
+        }
     }
 }
