@@ -12,7 +12,9 @@ use crate::verify::JointRates;
 
 /// Positions at which one motion ends and the next one starts may differ by this, rad: the next one is moved by the difference.
 const SAME_PLACE: f64 = 1e-9;
-/// Buckets of the table that finds the piece of a time, at most.
+/// Buckets of the table that finds the piece of a time, for each piece: most of them lie in one piece.
+const BUCKETS: usize = 8;
+/// Buckets in all, at most.
 const MOST_BUCKETS: usize = 1 << 20;
 
 /// How the pieces of a joint trajectory join.
@@ -134,7 +136,7 @@ impl<const N: usize> JointTrajectory<N> {
     /// With the table of pieces, for times and pieces that fit.
     fn assemble(times: Vec<f64>, pieces: Vec<Coefficients<N>>, interpolation: Interpolation) -> Self {
         let duration = times[times.len() - 1];
-        let count = (2 * pieces.len()).clamp(1, MOST_BUCKETS);
+        let count = (BUCKETS * pieces.len()).clamp(1, MOST_BUCKETS);
         let per_second = count as f64 / duration;
         // A duration near the smallest numbers has one bucket.
         let (count, buckets_per_second) = if per_second.is_finite() { (count, per_second) } else { (1, 0.0) };
@@ -281,7 +283,7 @@ impl<const N: usize> JointTrajectory<N> {
     #[inline]
     pub(super) fn find(&self, t: f64) -> usize {
         // A NaN and negative times become bucket 0.
-        let bucket = ((t * self.buckets_per_second) as usize).min(self.buckets.len() - 2);
+        let bucket = ((t * self.buckets_per_second) as u32 as usize).min(self.buckets.len() - 2);
         // Rounding may put a time into the bucket beside its own.
         let mut piece = self.buckets[bucket] as usize;
         let until = self.buckets[bucket + 1] as usize;

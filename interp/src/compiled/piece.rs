@@ -52,18 +52,28 @@ pub(super) fn constant_jerk<const N: usize>(a: &State<N>, qdd: &Joints<N>, h: f6
     [a.q, a.qd, a.qdd * 0.5, (qdd - a.qdd) / (6.0 * h), zero, zero]
 }
 
-/// Position, velocity, acceleration and jerk a time `tau` (s) after the start.
+/// Position, velocity, acceleration and jerk a time `tau` (s) after the start, by Horner's scheme for a polynomial and its derivatives.
 #[inline]
 pub(super) fn evaluate<const N: usize>(c: &Coefficients<N>, tau: f64) -> [Joints<N>; 4] {
-    let mut out = [Joints::zeros(); 4];
+    let [c0, c1, c2, c3, c4, c5] = c.each_ref().map(|c| &c.data.0[0]);
+    let mut out = [[0.0; N]; 4];
     for j in 0..N {
-        let [c0, c1, c2, c3, c4, c5] = [c[0][j], c[1][j], c[2][j], c[3][j], c[4][j], c[5][j]];
-        out[0][j] = c0 + tau * (c1 + tau * (c2 + tau * (c3 + tau * (c4 + tau * c5))));
-        out[1][j] = c1 + tau * (2.0 * c2 + tau * (3.0 * c3 + tau * (4.0 * c4 + tau * (5.0 * c5))));
-        out[2][j] = 2.0 * c2 + tau * (6.0 * c3 + tau * (12.0 * c4 + tau * (20.0 * c5)));
-        out[3][j] = 6.0 * c3 + tau * (24.0 * c4 + tau * (60.0 * c5));
+        let p4 = c4[j] + tau * c5[j];
+        let p3 = c3[j] + tau * p4;
+        let p2 = c2[j] + tau * p3;
+        let p1 = c1[j] + tau * p2;
+        let v3 = p4 + tau * c5[j];
+        let v2 = p3 + tau * v3;
+        let v1 = p2 + tau * v2;
+        let a2 = v3 + tau * c5[j];
+        let a1 = v2 + tau * a2;
+        let j1 = a2 + tau * c5[j];
+        out[0][j] = c0[j] + tau * p1;
+        out[1][j] = p1 + tau * v1;
+        out[2][j] = 2.0 * (v1 + tau * a1);
+        out[3][j] = 6.0 * (a1 + tau * j1);
     }
-    out
+    out.map(Joints::from)
 }
 
 /// The state a time `tau` (s) after the start.
