@@ -194,8 +194,11 @@ pub(super) fn unexplained_jump<const N: usize>(
         let (jump, t, rounding) = motion.jump(joint, order);
         CertifiedJump { id: LimitId::joint(QUANTITIES[order], joint), jump, t, rounding, limited: true }
     })
-    // A NaN is not explained.
-    .find(|jump| !(jump.ratio() <= 1.0))
+    .find(|jump| {
+        // Not `> 1.0`: a NaN is not explained.
+        let explained = jump.ratio() <= 1.0;
+        !explained
+    })
 }
 
 /// What rounding explains of a velocity (`order` 1) or an acceleration (2) at an end of a piece.

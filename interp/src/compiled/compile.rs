@@ -57,6 +57,8 @@ impl<const N: usize> Trajectory<'_, N> {
     /// Pieces that end at knots alone are more. Where the planned acceleration steps, because the curvature of the path jumps, the piece around the step has
     /// constant jerk over one control period, and the next piece takes up the offset.
     ///
+    /// Limits of the tool are not looked at: [`JointTrajectory::certify_tool`] states what the tool does.
+    ///
     /// With [`Interpolation::Cubic`] the acceleration jumps from piece to piece. Each piece keeps the limit on acceleration at both
     /// its ends. Nothing is said about jerk.
     ///

@@ -5,7 +5,7 @@ use arcfeed_kinematics::{JointRange, Joints};
 
 use super::certificate::{Certificate, certify, rounding, unexplained_jump};
 use super::error::JointTrajectoryError;
-use super::piece::{Coefficients, evaluate, reversed, state};
+use super::piece::{Coefficients, State, evaluate, reversed, state};
 use super::sampling::{JointCursor, JointSetpoints};
 use crate::error::{LimitError, positive};
 use crate::verify::JointRates;
@@ -240,23 +240,17 @@ impl<const N: usize> JointTrajectory<N> {
     pub fn then(mut self, next: &Self) -> Result<Self, JointTrajectoryError> {
         let last = self.len() - 1;
         let (end, start) = (state(&self.pieces[last], self.span(last)), state(&next.pieces[0], 0.0));
-        let continuous = self.interpolation.continuous().min(next.interpolation.continuous());
         for joint in 0..N {
             let (before, after) = (end.q[joint], start.q[joint]);
-            if !((before - after).abs() <= SAME_PLACE) {
+            // Not `>`: a NaN has to show.
+            let same = (before - after).abs() <= SAME_PLACE;
+            if !same {
                 return Err(JointTrajectoryError::Elsewhere { joint, end: before, start: after });
             }
-            let ends = [("the first motion:", &end, &self, last), ("the next motion:", &start, &&*next, 0)];
-            for (which, state, motion, piece) in ends {
-                let values =
-                    [(Quantity::JointVelocity, state.qd[joint], 1), (Quantity::JointAcceleration, state.qdd[joint], 2)];
-                for (quantity, value, order) in values.into_iter().take(continuous - 1) {
-                    if !(value.abs() <= rounding(&motion.times, &motion.pieces, (piece, joint, order))) {
-                        return Err(JointTrajectoryError::NotAtRest { which, quantity, joint, value });
-                    }
-                }
-            }
         }
+        let continuous = self.interpolation.continuous().min(next.interpolation.continuous());
+        self.rests("the first motion:", &end, last, continuous)?;
+        next.rests("the next motion:", &start, 0, continuous)?;
         let offset = end.q - start.q;
         let begin = self.duration();
         self.times.extend(next.times[1..].iter().map(|t| begin + t));
@@ -272,6 +266,27 @@ impl<const N: usize> JointTrajectory<N> {
             measured: a.measured.max(b.measured + offset.amax()),
         });
         Ok(Self::from_pieces(self.times, self.pieces, interpolation)?.with_deviation(deviation))
+    }
+
+    /// Checks that `state` at an end of a piece is one of rest to rounding.
+    fn rests(
+        &self,
+        which: &'static str,
+        state: &State<N>,
+        piece: usize,
+        continuous: usize,
+    ) -> Result<(), JointTrajectoryError> {
+        let rates = [(Quantity::JointVelocity, &state.qd, 1), (Quantity::JointAcceleration, &state.qdd, 2)];
+        for (quantity, values, order) in rates.into_iter().take(continuous - 1) {
+            for joint in 0..N {
+                let value = values[joint];
+                let rests = value.abs() <= rounding(&self.times, &self.pieces, (piece, joint, order));
+                if !rests {
+                    return Err(JointTrajectoryError::NotAtRest { which, quantity, joint, value });
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Duration of a piece.
