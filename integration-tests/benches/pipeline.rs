@@ -11,6 +11,16 @@
 //! | verification of 5.8 s of motion on eight samples per cycle | 102 ms |
 //! | one cycle of sampling with inverse kinematics | 1.53 us |
 //! | one S-profile | 79 ns |
+//!
+//! Of the compiled motion, on the same machine while others worked on it (one S-profile took 94 ns in the same run):
+//!
+//! | | |
+//! |---|---|
+//! | compile the butterfly to 1e-6 rad: 181 pieces | 18 ms |
+//! | certificate of the joints | 0.82 ms |
+//! | certificate of the tool | 3.1 ms |
+//! | one sample of six joints by a cursor, in order | 21 ns |
+//! | the same at any time | 30 ns |
 
 use std::hint::black_box;
 use std::time::Duration;

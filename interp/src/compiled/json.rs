@@ -1,19 +1,4 @@
 //! Joint trajectories as JSON, format "joint-trajectory/1": s, rad and their quotients.
-//!
-//! ```json
-//! { "format": "joint-trajectory/1",
-//!   "interpolation": "quintic",
-//!   "joint_names": ["shoulder", "elbow"],
-//!   "deviation_bound_rad": 1e-6, "deviation_measured_rad": 9e-7,
-//!   "times_s": [0.0, 0.5],
-//!   "coefficients_rad_per_s_k": [
-//!     [[0.1, 0.0, 0.0, 0.5, -0.3, 0.0], [0.2, 0.0, 0.0, 0.1, 0.0, 0.0]]
-//!   ] }
-//! ```
-//!
-//! Piece `i` runs from `times_s[i]` to `times_s[i + 1]`. It holds one list for each joint: the coefficients `c` of
-//! `q(t) = sum c[k] (t - times_s[i])^k` for `k` from 0 to 5, in rad/s^k (m/s^k for joints that slide). Both deviations are absent or
-//! null where there is no plan. Keys that are not known are an error.
 
 use serde::{Deserialize, Serialize};
 
@@ -46,6 +31,21 @@ enum Name {
 
 impl<const N: usize> JointTrajectory<N> {
     /// The motion as JSON in the format "joint-trajectory/1", with the names of its joints. Reading it gives the same numbers.
+    ///
+    /// ```json
+    /// { "format": "joint-trajectory/1",
+    ///   "interpolation": "quintic",
+    ///   "joint_names": ["shoulder", "elbow"],
+    ///   "deviation_bound_rad": 1e-6, "deviation_measured_rad": 9e-7,
+    ///   "times_s": [0.0, 0.5],
+    ///   "coefficients_rad_per_s_k": [
+    ///     [[0.1, 0.0, 0.0, 0.5, -0.3, 0.0], [0.2, 0.0, 0.0, 0.1, 0.0, 0.0]]
+    ///   ] }
+    /// ```
+    ///
+    /// Piece `i` runs from `times_s[i]` to `times_s[i + 1]`. It holds one list for each joint: the coefficients `c` of
+    /// `q(t) = sum c[k] (t - times_s[i])^k` for `k` from 0 to 5, in rad/s^k (m/s^k for joints that slide). Both deviations are absent or
+    /// null where there is no plan. Keys that are not known are an error.
     pub fn to_json(&self, joint_names: &[String; N]) -> String {
         let piece = |c: &[Joints<N>; 6]| (0..N).map(|j| std::array::from_fn(|k| c[k][j])).collect();
         let file = File {

@@ -176,6 +176,35 @@ mod tests {
         }
     }
 
+    /// On a planar arm the sum of the sizes of all terms is that of `l exp(phi)` over the links, `phi` the sum of the joints up to each:
+    /// its derivatives come from `y' = phi' y` without a formula for them.
+    #[test]
+    fn the_sum_of_all_terms_is_that_of_the_exponential() {
+        let lengths = [0.5, 0.4, 0.3];
+        let rates = JointRateBounds {
+            velocity: [1.0, 0.7, 1.3],
+            acceleration: [0.4, 2.0, 0.9],
+            jerk: [3.0, 0.2, 1.7],
+            snap: [0.6, 5.0, 2.2],
+        };
+        let mut expected = [0.0; 2];
+        for link in 0..3 {
+            let of = [&rates.velocity, &rates.acceleration, &rates.jerk, &rates.snap];
+            let phi = of.map(|x| x[..=link].iter().sum::<f64>());
+            let choose = [[1.0, 0.0, 0.0, 0.0], [1.0, 1.0, 0.0, 0.0], [1.0, 2.0, 1.0, 0.0], [1.0, 3.0, 3.0, 1.0]];
+            let mut y = vec![1.0];
+            for n in 0..4 {
+                y.push((0..=n).map(|k| choose[n][k] * phi[k] * y[n - k]).sum::<f64>());
+            }
+            expected[0] += lengths[link] * y[3];
+            expected[1] += lengths[link] * y[4];
+        }
+        let bounds = reach(&planar(lengths)).point_rates(&rates);
+        for (bound, expected) in bounds.into_iter().zip(expected) {
+            assert!((bound - expected).abs() <= 1e-12 * expected, "{bound} is not {expected}");
+        }
+    }
+
     /// Arms in space at random states: jerk of the tool by the kinematics of the arm, within the bounds.
     #[test]
     fn tools_of_arms_in_space_keep_the_bounds() {
