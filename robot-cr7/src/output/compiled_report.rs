@@ -63,7 +63,7 @@ impl CompiledReport {
             .collect();
         [
             format!("{} pieces, {:.3e} rad from the plan at most", self.pieces, self.deviation_bound_rad),
-            format!("certified at all times: {}", parts.join(", ")),
+            format!("certified: {}", parts.join(", ")),
         ]
     }
 }
