@@ -37,6 +37,7 @@
 //! | `problem` | [`PathProblem`]: grid, bounds, torque |
 //! | `planner`, `method`, `trajectory` | [`Planner`], [`Method`], [`Trajectory`] |
 //! | `verify` | [`Verification`]: the independent check |
+//! | `compiled` | [`JointTrajectory`]: polynomials of the time; [`Certificate`]: what they do between samples |
 //! | `live` | motion that is changed, left and resumed while it runs: [`LivePath`], [`HybridMotion`] |
 //! | [`parameter`] | Taylor steps, closed-loop steps and the arc-length map behind one trait |
 //! | `error` | [`PlanError`], split by what a caller can do |
@@ -47,6 +48,7 @@
 #![forbid(unsafe_code)]
 
 mod arm;
+mod compiled;
 mod diagnosis;
 mod error;
 mod limits;
@@ -63,6 +65,10 @@ mod verify;
 
 pub use arcfeed_feedrate::{LimitId, Quantity};
 pub use arm::{MIN_SINGULAR_VALUE, PathArm};
+pub use compiled::{
+    Certificate, CertifiedBound, CertifiedJump, CompileError, Deviation, Interpolation, JointCursor, JointSetpoint,
+    JointSetpoints, JointTrajectory, JointTrajectoryError, ToolBound, ToolCertificate, certify,
+};
 pub use error::{Cause, Infeasibility, LimitError, PathEnd, PathError, PlanError, SpeedError};
 pub use limits::{Extent, FeedSection, Limits, Section, ToolLimits, TorqueLimits};
 pub use live::{

@@ -371,7 +371,10 @@ impl<'t, 'p, const N: usize> Setpoints<'t, 'p, N> {
     pub fn at(&mut self, t: f64) -> Result<Setpoint<N>, PlanError> {
         let state = self.cursor.at(t);
         // A jump in time goes back to the grid for a place to look from.
-        let far = (state.p - self.near.s).abs() * self.near.d1.amax() > 0.1;
+        // So does one after which the series of the last place is of no use.
+        let (h, near) = ((state.p - self.near.s).abs(), &self.near);
+        let moved = h * (near.d1.amax() + h * (near.d2.amax() / 2.0 + h * near.d3.amax() / 6.0));
+        let far = moved > 0.1;
         let near = if far { self.problem.joint_path().near(state.p) } else { self.near };
         let (setpoint, jet) = self.problem.setpoint(t, &state, &near)?;
         self.near = jet;

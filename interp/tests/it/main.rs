@@ -1,7 +1,9 @@
 //! Tests of paths, plans, verification and live motion, in one binary.
 
 mod allocation;
+mod certificate;
 mod common;
+mod compiled;
 mod joint_check;
 mod joint_path;
 mod limits;
@@ -18,5 +20,7 @@ mod verify;
 
 #[path = "common/qb.rs"]
 mod qb;
+#[path = "common/random.rs"]
+mod random;
 #[path = "common/six_joints.rs"]
 mod six_joints_cases;

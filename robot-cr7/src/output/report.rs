@@ -7,6 +7,7 @@ use std::time::Duration;
 use arcfeed_geometry::{Segmentation, SegmentationMethod};
 use serde::Serialize;
 
+use super::compiled_report::CompiledReport;
 use super::limit_table::{ending, limit_table};
 use crate::run::limit_line::{LimitLine, worst};
 use crate::run::limit_lines::limit_lines;
@@ -59,6 +60,8 @@ pub struct Report {
     pub motion_per_computing: f64,
     /// Every limit with its worst place.
     pub limits: Vec<LimitLine>,
+    /// The compiled motion, where one was asked for.
+    pub compiled: Option<CompiledReport>,
     /// Warnings.
     pub warnings: Vec<String>,
     /// Files written.
@@ -101,6 +104,7 @@ impl<const N: usize> Motion<'_, N> {
             sampling_time_s,
             motion_per_computing: plan.duration() / (planning_time_s + verification_time_s + sampling_time_s),
             limits: limit_lines(plan.verification(), plan.path().parameter()),
+            compiled: None,
             warnings: self.warnings().to_vec(),
             files: Vec::new(),
         }
@@ -180,15 +184,25 @@ impl Display for Report {
             number(self.motion_per_computing)
         )?;
         writeln!(f, "  {:<11}{}", "segments", clip(&segments, WIDTH - 13))?;
+        let compiled = self.compiled.as_ref().map(CompiledReport::lines);
+        for (name, line) in ["compiled", ""].into_iter().zip(compiled.iter().flatten()) {
+            writeln!(f, "  {name:<11}{}", clip(line, WIDTH - 13))?;
+        }
 
         limit_table(f, &self.limits)?;
-        ending(f, &self.warnings, &self.files, [MOST_WARNINGS - usize::from(second), MOST_FILES])
+        ending(
+            f,
+            &self.warnings,
+            &self.files,
+            [MOST_WARNINGS - usize::from(second) - 2 * usize::from(compiled.is_some()), MOST_FILES],
+        )
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::output::compiled_report::CertifiedRatio;
     use crate::run::limit_line::LimitUnit;
 
     fn line(name: &str, joint: Option<usize>, unit: LimitUnit, value: f64, limit: f64) -> LimitLine {
@@ -229,6 +243,7 @@ mod tests {
             sampling_time_s: 0.0045,
             motion_per_computing: 323.4,
             limits,
+            compiled: None,
             warnings: vec!["the path passes the wrist singularity at 3 deg".to_owned()],
             files: vec!["out/butterfly.csv".into(), "out/path.svg".into()],
         }
@@ -255,6 +270,14 @@ mod tests {
         r.warnings = vec!["w".repeat(500); 50];
         r.files = vec!["f".repeat(500).into(); 50];
         r.fallback = Some("because ".repeat(50));
+        let worst = CertifiedRatio { name: "q".repeat(50), joint: 9, ratio: f64::INFINITY, at_t_s: f64::NAN };
+        r.compiled = Some(CompiledReport {
+            tolerance_rad: 1e-300,
+            pieces: usize::MAX,
+            deviation_bound_rad: f64::NAN,
+            deviation_measured_rad: 1e300,
+            certified: vec![worst; 9],
+        });
         for i in 0..40 {
             r.limits.extend((1..=6).map(|j| line(&format!("kind {i}"), Some(j), LimitUnit::One, f64::NAN, 1e300)));
         }

@@ -40,6 +40,41 @@ fn the_default_plan_writes_report_trajectory_and_pictures() {
 }
 
 #[test]
+fn a_compiled_plan_is_written_and_reported() {
+    let desk = Desk::new("compiled");
+    desk.write("six.json", SamplePath::SixPoint.json());
+    let file = desk.folder.join("out/joint_trajectory.json");
+    let run = desk.run(&["plan", "six.json", "--compile-rad", "1e-6"]).done();
+    for part in ["compiled", "rad from the plan at most", "certified: position", ", jerk ", "joint_trajectory.json"] {
+        assert!(run.stdout.contains(part) || part.ends_with("json"), "{part}: {run:?}");
+    }
+    let text = std::fs::read_to_string(&file).expect("written");
+    let (motion, names) = arcfeed_interp::JointTrajectory::<6>::from_json(&text).expect("a joint trajectory");
+    assert!(names.iter().all(|name| !name.is_empty()), "{names:?}");
+    for row in desk.trajectory::<6>("out") {
+        let at = motion.at(row.t);
+        assert!(at.q.iter().zip(row.q).all(|(a, b)| (a - b).abs() <= 1e-6), "t = {}", row.t);
+    }
+    let report: Value = desk.run(&["plan", "six.json", "--compile-rad", "1e-6", "--json"]).done().json();
+    let compiled = &report["compiled"];
+    assert_eq!(compiled["pieces"], motion.len());
+    assert_eq!(compiled["deviation_bound_rad"].as_f64(), motion.deviation().map(|deviation| deviation.bound));
+    let certified = compiled["certified"].as_array().expect("a list");
+    assert_eq!(certified.len(), 4);
+    assert!(certified.iter().all(|line| line["ratio"].as_f64().is_some_and(|ratio| ratio <= 1.0 + 1e-6)));
+
+    // A file of an earlier run does not stay beside a plan that was not compiled, nor after a refusal.
+    desk.run(&["plan", "six.json"]).done();
+    assert!(!file.exists());
+    desk.run(&["plan", "six.json", "--compile-rad", "1e-6"]).done();
+    desk.run(&["plan", "six.json", "--compile-rad", "1e-300"]).refused(1, &["--compile-rad", "joint", "rad at t ="]);
+    assert!(!file.exists());
+    for bad in ["0", "-1", "NaN", "inf"] {
+        desk.run(&["plan", "six.json", &format!("--compile-rad={bad}")]).refused(2, &["--compile-rad", "above 0"]);
+    }
+}
+
+#[test]
 fn compare_runs_every_planner_on_a_job() {
     let desk = Desk::new("compare");
     desk.write("six.json", SamplePath::SixPoint.json());

@@ -5,7 +5,9 @@ use std::time::Instant;
 
 use arcfeed_interp::PathArm;
 use robot_cr7::plot::{Along, Bound, JointQuantity, feed_picture, joint_picture, path_picture};
-use robot_cr7::{Job, Motion, Series, Staging, Task, TrajectoryRow, TrajectoryWriter, drawn_segments, few_enough};
+use robot_cr7::{
+    CompiledReport, Job, Motion, Series, Staging, Task, TrajectoryRow, TrajectoryWriter, drawn_segments, few_enough,
+};
 
 use crate::Failure;
 use crate::output::{REPORTS, conclude};
@@ -21,6 +23,7 @@ use crate::tool_path::{OnToolPath, on_tool_path, read_path};
   cr7 plan points.csv --unit mm            a curve fitted to points
   cr7 plan --job robot-cr7/jobs/butterfly.toml --out butterfly
   cr7 plan --robot ur5e                    another robot: a name of `cr7 robots`, a .urdf or a .json file
+  cr7 plan --compile-rad 1e-6              the joints as polynomials of the time, too, within 1 urad
   cr7 plan --job job.toml --json | jq .duration_s")]
 pub struct Args {
     #[command(flatten)]
@@ -36,12 +39,18 @@ pub struct Args {
     /// Unit of a .csv file whose header names none: mm, cm, m or in
     #[arg(long)]
     unit: Option<String>,
+    /// Also write joint_trajectory.json: polynomials of the time that stay within this tolerance of the planned joints, in rad
+    #[arg(long, value_name = "TOLERANCE")]
+    compile_rad: Option<f64>,
     /// Print the report as one JSON object on stdout, and nothing else there
     #[arg(long)]
     json: bool,
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
+    if let Some(value) = args.compile_rad.filter(|value| !(value.is_finite() && *value > 0.0)) {
+        return Err(Failure::BadInput(format!("--compile-rad {value}: give a number above 0, such as 1e-6")));
+    }
     let inputs: Vec<&Path> = [&args.path, &args.job].into_iter().filter_map(|file| file.as_deref()).collect();
     let mut staging = Staging::new(&args.out, &FILES, &inputs)?;
     let job = match &args.job {
@@ -59,7 +68,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 }
 
 /// The files of the command.
-const FILES: [&str; 9] = [
+const FILES: [&str; 10] = [
     "trajectory.csv",
     "path.svg",
     "feed.svg",
@@ -67,9 +76,12 @@ const FILES: [&str; 9] = [
     "joint_velocity.svg",
     "joint_acceleration.svg",
     "joint_jerk.svg",
+    COMPILED,
     REPORTS[0],
     REPORTS[1],
 ];
+/// The file of the compiled motion, where one is asked for.
+const COMPILED: &str = "joint_trajectory.json";
 /// The keys that make a motion faster that has too many samples.
 const LEVERS: &str = "feed.feed_mm_s and the limits of the job";
 
@@ -111,10 +123,33 @@ impl OnToolPath for Plan<'_> {
         for (name, svg) in pictures(&motion, job, &series)? {
             staging.write(name, &svg.map_err(|source| staging.failed(name, source))?)?;
         }
+        let compiled = match args.compile_rad {
+            Some(tolerance) => Some(write_compiled(&motion, tolerance, &args.robot, &mut staging)?),
+            None => None,
+        };
         drop(progress);
         let remedy = "lower the feed, or give the limits of the job more distance";
-        conclude(motion.report(samples, sampling), staging, args.json, remedy)
+        let mut report = motion.report(samples, sampling);
+        report.compiled = compiled;
+        conclude(report, staging, args.json, remedy)
     }
+}
+
+/// Compiles a motion and writes it.
+fn write_compiled<const N: usize>(
+    motion: &Motion<'_, N>,
+    tolerance: f64,
+    robot: &RobotArgs,
+    staging: &mut Staging,
+) -> Result<CompiledReport, Failure> {
+    let trajectory = motion.trajectory();
+    let compiled = trajectory.compile(tolerance).map_err(|e| Failure::Undoable(format!("--compile-rad: {e}")))?;
+    let limits = trajectory.limits().joints();
+    let certificate = compiled.certify(limits.range(), &limits.into());
+    let robot = robot.load()?;
+    let names = std::array::from_fn(|k| robot.any().joint_names().get(k).cloned().unwrap_or_default());
+    staging.write(COMPILED, &(compiled.to_json(&names) + "\n"))?;
+    Ok(CompiledReport::new(tolerance, &compiled, &certificate))
 }
 
 type Picture = (&'static str, Result<String, std::io::Error>);

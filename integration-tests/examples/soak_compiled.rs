@@ -1,0 +1,126 @@
+//! Random motions, compiled: `soak_compiled [MOTIONS, else 100] [FIRST SEED]`.
+//!
+//! Curves with and without jumps of curvature and paths through way-points, three planners with limited jerk, tolerances from 1e-7
+//! to 1e-4 rad. A compiled motion has to keep the limits by its certificate, and to stay within its bound on samples that are denser
+//! than those of the compiler. A refusal is printed with its seed.
+
+use std::sync::Arc;
+
+use arcfeed_geometry::{ArcLengthCurve, NurbsCurve, OrientationPath, PosePath};
+use arcfeed_interp::{
+    CompileError, JointRates, JointSpline, Limits, Method, Planner, ToolLimits, ToolPath, Trajectory,
+};
+use arcfeed_kinematics::{Joints, ParallelAxisArm, models};
+use nalgebra::{UnitQuaternion, Vector3};
+
+/// The generator splitmix64.
+struct Random(u64);
+
+impl Random {
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        low + (high - low) * ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn log(&mut self, low: f64, high: f64) -> f64 {
+        self.between(low.ln(), high.ln()).exp()
+    }
+
+    fn below(&mut self, n: usize) -> usize {
+        self.between(0.0, n as f64) as usize
+    }
+}
+
+/// A random motion; `None` where the arm cannot follow or no plan is found.
+fn motion<'a>(random: &mut Random, arm: &'a ParallelAxisArm) -> Option<Trajectory<'a>> {
+    let rates = [random.log(1.0, 4.0), random.log(3.0, 30.0), random.log(30.0, 1000.0)].map(Joints::repeat);
+    let limits = arm.range().with_rates(rates[0], rates[1], rates[2]).ok()?;
+    let method =
+        [Method::JerkLimited, Method::ContinuousAcceleration, Method::PerSegment { window: None }][random.below(3)];
+    let period = random.log(1e-3, 4e-3);
+    if random.below(3) == 0 {
+        let points: Vec<Joints<6>> =
+            (0..2 + random.below(5)).map(|_| Joints::from_fn(|_, _| random.between(-1.0, 1.0))).collect();
+        let planner = Planner::new(arm, Limits::new(limits)).with_method(method).with_period(period).ok()?;
+        return planner.plan_shared(Arc::new(JointSpline::through(&points).ok()?)).ok();
+    }
+    let (degree, spans, rough) = (3 + random.below(3), 1 + random.below(6), random.below(3) == 0);
+    let repeated = if rough { degree - 1 } else { 1 };
+    let size = random.log(0.01, 0.12);
+    let centre = Vector3::new(0.4, random.between(-0.2, 0.2), random.between(0.15, 0.35));
+    let mut points: Vec<Vector3<f64>> = (0..degree + 1 + repeated * (spans - 1))
+        .map(|_| centre + Vector3::from_fn(|_, _| random.between(-size, size)))
+        .collect();
+    let mut knots = vec![0.0; degree + 1];
+    (1..spans).for_each(|i| knots.extend(std::iter::repeat_n(i as f64, repeated)));
+    knots.extend(std::iter::repeat_n(spans as f64, degree + 1));
+    if rough {
+        // The tangent is continuous where the point at a knot is between its neighbours.
+        for i in (repeated..points.len() - repeated).step_by(repeated) {
+            points[i] = 0.5 * (points[i - 1] + points[i + 1]);
+        }
+    }
+    let curve = ArcLengthCurve::new(NurbsCurve::bspline(degree, points, knots).ok()?, 1e-15).ok()?;
+    let down = UnitQuaternion::from_euler_angles(std::f64::consts::PI, 0.0, 0.0);
+    let path = ToolPath::new(arm, PosePath::new(curve, OrientationPath::Constant(down)), limits.range()).ok()?;
+    let tool = ToolLimits::new().with_feed(random.log(0.05, 0.5)).ok()?;
+    let tool = tool.with_tangential_acceleration(random.log(0.5, 5.0)).ok()?.with_normal_acceleration(1.0).ok()?;
+    let planner =
+        Planner::new(arm, Limits::new(limits).with_tool(tool)).with_method(method).with_period(period).ok()?;
+    planner.with_chord_tolerance(random.log(1e-6, 1e-4)).ok()?.plan_shared(Arc::new(path)).ok()
+}
+
+/// What is wrong with the compiled motion; its number of pieces otherwise.
+fn check(trajectory: &Trajectory<'_>, tolerance: f64, random: &mut Random) -> Result<usize, String> {
+    let compiled = trajectory.compile(tolerance).map_err(|error: CompileError| format!("refused: {error}"))?;
+    let limits = trajectory.limits().joints();
+    let certificate = compiled.certify(limits.range(), &JointRates::from(limits));
+    if !certificate.holds(1e-6) {
+        return Err(format!("WRONG: {certificate}"));
+    }
+    let deviation = compiled.deviation().ok_or("WRONG: no deviation")?;
+    let mut planned = trajectory.setpoints(trajectory.period()).map_err(|error| error.to_string())?;
+    let steps = 20_000;
+    for i in 0..steps {
+        let t = trajectory.duration() * (f64::from(i) + random.between(0.0, 1.0)) / f64::from(steps);
+        let off = (compiled.at(t).q - planned.at(t).map_err(|error| error.to_string())?.q).amax();
+        if !(off <= deviation.bound && off <= tolerance) {
+            return Err(format!("WRONG: {off:e} at {t}, {deviation:?}"));
+        }
+    }
+    Ok(compiled.len())
+}
+
+fn main() {
+    let mut arguments = std::env::args().skip(1).map(|text| text.parse::<u64>());
+    let count = arguments.next().and_then(Result::ok).unwrap_or(10);
+    let first = arguments.next().and_then(Result::ok).unwrap_or(0);
+    let arm = models::ur5e();
+    let (mut compiled, mut refused, mut none, mut wrong, mut pieces) = (0, 0, 0, 0, 0);
+    for seed in first..first + count {
+        let mut random = Random(seed.wrapping_mul(0x2545_f491_4f6c_dd1d));
+        let Some(trajectory) = motion(&mut random, &arm) else {
+            none += 1;
+            continue;
+        };
+        let tolerance = random.log(1e-7, 1e-4);
+        match check(&trajectory, tolerance, &mut random) {
+            Ok(number) => (compiled, pieces) = (compiled + 1, pieces + number),
+            Err(what) => {
+                let (path, planner) = (trajectory.path().parameter(), trajectory.info());
+                println!(
+                    "seed {seed}, {planner}, {path:?}, tolerance {tolerance:.2e}, period {}: {what}",
+                    trajectory.period()
+                );
+                if what.starts_with("WRONG") { wrong += 1 } else { refused += 1 }
+            }
+        }
+    }
+    println!("{compiled} compiled to {pieces} pieces, {refused} refused, {none} without a plan, {wrong} wrong");
+    if wrong > 0 {
+        std::process::exit(1);
+    }
+}

@@ -1,0 +1,22 @@
+//! Compiled joint trajectories: polynomials of the time, and a certificate of what they do between samples.
+
+mod bernstein;
+mod certificate;
+mod compile;
+mod error;
+mod fit;
+mod joint_trajectory;
+#[cfg(feature = "json")]
+mod json;
+mod nodes;
+mod piece;
+mod reach;
+mod sampling;
+mod steps;
+mod tool_certificate;
+
+pub use certificate::{Certificate, CertifiedBound, CertifiedJump, certify};
+pub use error::{CompileError, JointTrajectoryError};
+pub use joint_trajectory::{Deviation, Interpolation, JointSetpoint, JointTrajectory};
+pub use sampling::{JointCursor, JointSetpoints};
+pub use tool_certificate::{ToolBound, ToolCertificate};
