@@ -85,7 +85,7 @@ pub use problem::{FeedPlanner, FeedProblem, LimitPartition, live_speed};
 pub use row::{IntervalBound, JerkRow, LimitId, Quantity, Row};
 pub use scan::continuous_acceleration::{plan_continuous, plan_continuous_at_once};
 pub use scan::fallback::{ChosenLaw, Fallback, JerkLimitedOrScan};
-pub use scan::forward_backward::{ForwardBackwardScan, PublishedScan};
+pub use scan::forward_backward::ForwardBackwardScan;
 pub use scan::interpolated::InterpolatedReachability;
 pub use scan::on_problem::{ContinuousAccelerationScan, PerSegmentScan};
 pub use scan::per_segment::{boundary_speeds, plan_per_segment, plan_windowed};

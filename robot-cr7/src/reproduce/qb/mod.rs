@@ -9,6 +9,7 @@ pub mod experiment;
 mod figures;
 pub mod lagrange;
 pub mod motion;
+pub mod published;
 pub mod scan;
 
 use arcfeed_feedrate::FeedPlanner;
@@ -44,7 +45,7 @@ pub struct QbRun {
     pub jerk: PoseRun,
     /// The published scan, written a second time: pure, composite, on 500 intervals.
     pub scans: [ScanRun; 2],
-    /// The library's speeds at the same points.
+    /// The speeds of [`published::PublishedScan`] at the same points.
     pub speeds: [Vec<f64>; 2],
     /// The published scan on 100 intervals: pure, composite.
     pub published: [PoseRun; 2],
