@@ -166,11 +166,15 @@ impl Case {
     /// A stop between two segments of which the second one had arrived in time.
     fn false_stop(&self, run: &Run, breaks: &[f64]) -> Option<String> {
         for k in 1..self.segments.len() {
-            // Two samples within the boundary by round-off: the motion rested there.
-            let near = |p: f64| (p - breaks[k]).abs() <= 1e-13 * breaks[k];
-            let Some(rest) = run.p.windows(2).position(|w| near(w[0]) && near(w[1])) else { continue };
+            // Braking to rest at a boundary covers j t^3 / 6 in the last t, and so does leaving it from rest.
             let [_, _, a, j] = self.segments[k - 1];
-            let brake = (a / j / self.period).ceil() as usize + 2;
+            let rests = |w: &[f64]| {
+                let cube = self.period.powi(3) / 6.0 * (1.0 + 1e-6);
+                let (before, after) = (breaks[k] - w[0], w[1] - breaks[k]);
+                before >= 0.0 && after >= 0.0 && before <= j * cube && after <= self.segments[k][3] * cube
+            };
+            let Some(rest) = run.p.windows(2).position(rests) else { continue };
+            let brake = (1.5 * a / j / self.period).ceil() as usize + 4;
             if run.pushed[k] + brake < rest {
                 let pushed = run.pushed[k];
                 return Some(format!("rests at boundary {k}, cycle {rest}, though the next came at cycle {pushed}"));
