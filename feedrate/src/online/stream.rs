@@ -5,7 +5,7 @@ use super::window::Window;
 use crate::error::{FeedError, not_negative};
 use crate::limits::AxisLimits;
 use crate::scan::Segment;
-use crate::scan::per_segment::{check_first, forward};
+use crate::scan::per_segment::forward;
 use crate::scurve::phase::Phase;
 use crate::scurve::profile::{Adjusted, SProfile};
 use crate::state::{AxisState, MotionState};
@@ -49,15 +49,17 @@ pub struct StreamStep {
 ///
 /// Each segment has one S-profile with zero acceleration at both ends, as in
 /// [`plan_per_segment`](crate::plan_per_segment). The speed at the end of a segment is the highest
-/// from which the motion can stop within the segments that have arrived. A segment that arrives
-/// later raises it, also in the middle of the present segment.
+/// from which the motion can stop at the end of the last segment that has arrived. A segment that
+/// arrives later raises it, also in the middle of the present segment.
 ///
 /// **Guarantees**: speed, acceleration and jerk are inside the bounds of the segment in every
-/// moment, whatever arrives and whenever. The motion stops only at the end of the last segment that
-/// has arrived, and goes on as soon as another one arrives. With all segments pushed before the
-/// first step the motion is that of [`plan_per_segment`](crate::plan_per_segment). Nothing but
+/// moment, whatever arrives and whenever. The motion stops only where no other segment had arrived
+/// when it entered the last one, and goes on as soon as one arrives. With all segments pushed and
+/// [`SegmentStream::finish`] called before the first step the motion is that of
+/// [`plan_per_segment`](crate::plan_per_segment), without the stops on the way of the latter.
+/// Nothing but
 /// [`SegmentStream::new`] allocates. A cycle costs a few operations for each segment that it
-/// completes, and a push a few for each segment that waits, and at most 25 exact plans.
+/// completes, and a push a few for each segment that waits, and at most 26 exact plans.
 ///
 /// ```
 /// use arcfeed_feedrate::{Segment, SegmentStream, StreamStatus};
@@ -120,21 +122,19 @@ impl SegmentStream {
         if first.is_empty() && v_start > 0.0 {
             return Err(FeedError::Empty { what: "segments to start on with a speed" });
         }
-        if v_start > 0.0 {
-            check_first(first, v_start)?;
-        }
-        // The first segment is the present one, so that the others find the whole window free.
-        for (i, &segment) in first.iter().enumerate() {
+        let Some((&present, others)) = first.split_first() else { return Ok(stream) };
+        representable(&present)?;
+        stream.window.follows(&present);
+        for &segment in others {
             representable(&segment)?;
-            if i == 0 {
-                let plan = stream.profile(&segment, v_start, 0.0)?;
-                stream.present = Some((segment, plan));
-                stream.window.follows(&segment);
-            } else {
-                stream.window.push(segment)?;
-            }
+            stream.window.push(segment)?;
         }
-        stream.plan_exit(v_start)?;
+        let highest = present.v_max().min(stream.window.before(&present, stream.window.bound()));
+        if v_start > highest {
+            let (speed, allowed) = (v_start, highest);
+            return Err(FeedError::StartTooFast { speed, segment: 0, allowed, lowest: speed, highest_start: highest });
+        }
+        stream.enter(present, v_start);
         Ok(stream)
     }
 
@@ -147,14 +147,14 @@ impl SegmentStream {
     pub fn push(&mut self, segment: Segment) -> Result<(), FeedError> {
         representable(&segment)?;
         self.window.push(segment)?;
-        self.raise()
+        self.adjust();
+        Ok(())
     }
 
     /// States that no segment follows: the end of the last one is the end of the path.
     pub fn finish(&mut self) {
         self.window.finish();
-        // The end allows no more than before.
-        self.held_back &= self.window.stop() < self.window.free();
+        self.adjust();
     }
 
     /// Number of segments that [`SegmentStream::push`] takes now.
@@ -181,7 +181,7 @@ impl SegmentStream {
         loop {
             let Some((segment, plan)) = self.present else {
                 let Some(next) = self.window.pop() else { break };
-                self.enter(next, 0.0)?;
+                self.enter(next, 0.0);
                 continue;
             };
             let until = (self.t + left).min(plan.phases.duration);
@@ -198,7 +198,7 @@ impl SegmentStream {
             left -= plan.phases.duration - self.t;
             self.complete(&segment);
             if let Some(next) = self.window.pop() {
-                self.enter(next, plan.phases.end.v)?;
+                self.enter(next, plan.phases.end.v);
             }
         }
         let status = match (&self.present, self.window.is_finished()) {
@@ -230,43 +230,41 @@ impl SegmentStream {
         self.done += 1;
     }
 
-    fn enter(&mut self, segment: Segment, v: f64) -> Result<(), FeedError> {
-        self.present = Some((segment, self.profile(&segment, v, 0.0)?));
-        self.plan_exit(v)
+    fn enter(&mut self, segment: Segment, v: f64) {
+        self.present = Some((segment, self.profile(&segment, v)));
+        self.plan_exit(v);
     }
 
-    /// The profile over a whole segment to the highest speed at its end below `bound`.
-    fn profile(&self, segment: &Segment, v: f64, bound: f64) -> Result<Plan, FeedError> {
-        let exit = forward(segment, v, bound);
-        Ok(Plan::of(&SProfile::build(segment.length(), v, exit, &limits_of(segment), Adjusted::No)))
+    /// The profile over a whole segment to the highest speed at its end.
+    fn profile(&self, segment: &Segment, v: f64) -> Plan {
+        let exit = forward(segment, v, self.window.bound());
+        Plan::of(&SProfile::build(segment.length(), v, exit, &limits_of(segment), Adjusted::No))
     }
 
     /// Plans the present segment from its start, entered at speed `v`.
-    fn plan_exit(&mut self, v: f64) -> Result<(), FeedError> {
+    fn plan_exit(&mut self, v: f64) {
         (self.t, self.from_start) = (0.0, true);
-        let Some((segment, _)) = self.present else { return Ok(()) };
-        let plan = self.profile(&segment, v, self.window.stop())?;
+        let Some((segment, _)) = self.present else { return };
+        let plan = self.profile(&segment, v);
         self.held_back = plan.phases.end.v < forward(&segment, v, self.window.free()) * (1.0 - HIGHER);
         self.present = Some((segment, plan));
-        Ok(())
     }
 
     /// Raises the speed at the end of the present segment after another one has arrived.
-    fn raise(&mut self) -> Result<(), FeedError> {
-        let Some((segment, plan)) = self.present else { return Ok(()) };
+    fn adjust(&mut self) {
+        let Some((segment, plan)) = self.present else { return };
         if self.from_start && self.t == 0.0 {
             return self.plan_exit(plan.phases.at(0.0).v);
         }
-        let (bound, now) = (self.window.stop(), plan.phases.end.v);
-        if bound > now * (1.0 + HIGHER) {
-            if let Some(better) = self.highest(&segment, &plan, bound) {
-                (self.t, self.from_start) = (0.0, false);
-                self.present = Some((segment, better));
-            }
+        let (bound, now) = (self.window.bound(), plan.phases.end.v);
+        if bound > now * (1.0 + HIGHER)
+            && let Some(better) = self.highest(&segment, &plan, bound)
+        {
+            (self.t, self.from_start) = (0.0, false);
+            self.present = Some((segment, better));
         }
         let exit = self.present.map_or(0.0, |(_, plan)| plan.phases.end.v);
         self.held_back = exit >= bound * (1.0 - HIGHER) && bound < self.window.free() * (1.0 - HIGHER);
-        Ok(())
     }
 
     /// The motion from the present state to the highest speed at the end of the segment, at most
@@ -283,7 +281,13 @@ impl SegmentStream {
         if let Some(plan) = to(bound) {
             return Some(plan);
         }
-        let (mut low, mut high, mut best) = (plan.phases.end.v, bound, None);
+        // The speed that is left when the acceleration is taken off: from there upwards a higher
+        // speed takes more length. Below it a full stop takes less than braking to a third, so
+        // there the search begins at the present end speed.
+        let released = now.v + 0.5 * now.a * (now.a.abs() / limits.j_max());
+        let floor = released.min(bound).max(plan.phases.end.v);
+        let mut best = to(floor);
+        let (mut low, mut high) = if best.is_some() { (floor, bound) } else { (plan.phases.end.v, floor) };
         for _ in 0..HALVINGS {
             let middle = 0.5 * (low + high);
             match to(middle) {

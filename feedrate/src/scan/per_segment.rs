@@ -88,12 +88,6 @@ pub fn plan_windowed(segments: &[Segment], v_start: f64, window: usize) -> Resul
     assemble(segments, &speeds)
 }
 
-/// Returns an error unless a motion with speed `v_start` can stop within `segments`.
-pub(crate) fn check_first(segments: &[Segment], v_start: f64) -> Result<(), FeedError> {
-    let caps = checked_caps(segments, v_start, 0.0)?;
-    check_start(segments, &caps, &backward(segments, &caps, 0.0), v_start)
-}
-
 pub(super) fn checked_caps(segments: &[Segment], v_start: f64, v_end: f64) -> Result<Vec<f64>, FeedError> {
     not_negative("v_start", v_start)?;
     not_negative("v_end", v_end)?;
@@ -122,7 +116,7 @@ fn backward(segments: &[Segment], caps: &[f64], v_end: f64) -> Vec<f64> {
 /// The highest speed at the start of a segment from which a speed up to `bound` at its end can be
 /// reached. A full stop takes less distance than braking to a third of the speed, so it may allow
 /// more.
-pub(crate) fn backward_step(segment: &Segment, cap: f64, bound: f64, may_stop: bool) -> f64 {
+fn backward_step(segment: &Segment, cap: f64, bound: f64, may_stop: bool) -> f64 {
     let mut v = raise(bound, segment.length, segment.a_max, segment.j_max);
     if may_stop && bound > 0.0 {
         v = v.max(raise(0.0, segment.length, segment.a_max, segment.j_max));

