@@ -38,7 +38,7 @@
 //! | reference optimum (feature `clarabel`) | `ClarabelBaseline` |
 //! | the result of every planner | [`SpeedLaw`], sampled by time or by position |
 //! | limits that change while the motion runs | [`FeedScheduler`] |
-//! | segments that arrive while the motion runs | [`SegmentStream`] |
+//! | segments that arrive while the motion runs | [`SegmentStream`]; simulated on a problem [`StreamedScan`] |
 //! | an operator's override, hold and step back | [`FeedOverride`] under a [`VelocityLimitCurve`] |
 //!
 //! # Units
@@ -91,6 +91,7 @@ pub use scan::interpolated::InterpolatedReachability;
 pub use scan::on_problem::{ContinuousAccelerationScan, PerSegmentScan};
 pub use scan::per_segment::{boundary_speeds, plan_per_segment, plan_windowed};
 pub use scan::reachability::Reachability;
+pub use scan::streamed::{Streamed, StreamedScan};
 pub use scan::{Segment, boundaries};
 pub use scurve::change::SpeedChange;
 pub use scurve::phase::Phase;
