@@ -314,7 +314,7 @@ fn counts_of_pn_and_control_points() {
     ];
     sabotage(&run, |run, r| run.judge(r, "counts", "1579"), &mutations);
     let run = Section2Run::measure().expect("an embedded curve");
-    let mutations: [Mutation<Section2Run>; 5] = [
+    let mutations: [Mutation<Section2Run>; 7] = [
         ("a control point moved", |r| r.table.points[1][2][0] += 1e-3, "Bezier 2, point 3"),
         ("pieces swapped", |r| r.table.points.swap(0, 1), "control points beside the polar form"),
         ("a control point moved by 1e-6 mm", |r| r.table.points[3][1][1] += 1e-6, "pieces by de Casteljau"),
@@ -330,8 +330,10 @@ fn counts_of_pn_and_control_points() {
         (
             "not cut at all",
             |r| r.hull.breaks = vec![r.hull.breaks[0], r.hull.breaks[r.hull.breaks.len() - 1]],
-            "below the open loop",
+            "below X.D. in chord error",
         ),
+        ("W.L. cut as finely as ours", |r| r.others[2] = r.hull.breaks.clone(), "below W.L. in chord error"),
+        ("ours cut as M.L.", |r| r.hull.breaks = r.others[0].clone(), "below M.L. in chord error"),
     ];
     sabotage(&run, Section2Run::judge, &mutations);
 }
