@@ -31,7 +31,7 @@ pub struct StreamReport {
     pub look_ahead: usize,
     /// Time between two arrivals, in s; 0 where the window is filled in every cycle.
     pub gap_s: f64,
-    /// Duration with the whole path known before the start, by the same scan, in s.
+    /// Duration of the same stream with the whole path known before the start, in s.
     pub whole_duration_s: f64,
     /// Stretches of the path, in m, in which the look-ahead held the motion back.
     pub held_back_m: Vec<(f64, f64)>,

@@ -252,8 +252,10 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
         let planner = self.planner()?.with_method(scan);
         let problem = planner.prepare(path, scan.needs()).map_err(fail)?;
         let rows = problem.rows(scan.needs()).map_err(|e| fail(PlanError::Speed(e)))?;
-        let whole_duration_s = scan.plan(&rows).map_err(speed)?.duration();
-        let run = StreamedScan { look_ahead, gap, period: self.period }.run(&rows).map_err(speed)?;
+        let stream = StreamedScan { look_ahead, gap, period: self.period };
+        let run = stream.run(&rows).map_err(speed)?;
+        let known = StreamedScan { look_ahead: problem.intervals().max(1), gap: 0.0, ..stream };
+        let whole_duration_s = known.plan(&rows).map_err(speed)?.duration();
         let trajectory = planner.finish(problem, run.law, true).map_err(fail)?;
         let (held_back_m, waits_m_s) = (run.held_back, run.waits);
         let stream = Some(StreamReport { look_ahead, gap_s: gap, whole_duration_s, held_back_m, waits_m_s });

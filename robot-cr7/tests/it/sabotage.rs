@@ -374,7 +374,7 @@ fn table_2_and_the_motion_of_pn() {
 #[test]
 fn motions_of_qb() {
     let run = QbRun::measure().expect("the embedded data");
-    let mutations: [Mutation<QbRun>; 13] = [
+    let mutations: [Mutation<QbRun>; 17] = [
         ("2 % faster", |r| r.pure.period *= 0.98, "without torque: velocity by differences"),
         ("a jump of 1e-6 rad", |r| r.pure.q[40][4] += 1e-6, "without torque: acceleration by differences"),
         ("2 % faster under torque limits", |r| r.composite.period *= 0.98, "composite: torque by Lagrange"),
@@ -416,6 +416,14 @@ fn motions_of_qb() {
             },
             "with torque: tool off its line",
         ),
+        (
+            "integration 1 % too slow",
+            |r| r.integration.iter_mut().flat_map(|run| &mut run.x).for_each(|x| *x *= 0.98),
+            "duration by numerical integration",
+        ),
+        ("load lowered at half the speed", |r| r.completeness.by_hand.period *= 2.0, "a motion by hand: force"),
+        ("the same by reachability", |r| r.completeness.reachability.period *= 2.0, "reachability: force"),
+        ("a scan that is complete", |r| r.completeness.refused_at = None, "the scan of the paper finds"),
         (
             "both scans 1 % too slow",
             |r| r.speeds.iter_mut().flatten().for_each(|v| *v *= 0.99),
