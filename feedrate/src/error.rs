@@ -298,6 +298,15 @@ pub enum FeedError {
         /// End speed asked for (m/s).
         speed: f64,
     },
+    /// The look-ahead window of a stream has no place for another segment.
+    #[error("{most} segments wait already, as many as the look-ahead window holds; push again after a cycle")]
+    StreamFull {
+        /// Segments that the window holds.
+        most: usize,
+    },
+    /// A segment was pushed after the end of a stream.
+    #[error("the stream has ended; push every segment before finish")]
+    StreamEnded,
     /// Limits that must be the same in both directions differ.
     #[error(
         "the limits {lower} and {upper} on {what} differ in size; this motion needs the same limit in both directions"

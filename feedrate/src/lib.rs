@@ -38,6 +38,7 @@
 //! | reference optimum (feature `clarabel`) | `ClarabelBaseline` |
 //! | the result of every planner | [`SpeedLaw`], sampled by time or by position |
 //! | limits that change while the motion runs | [`FeedScheduler`] |
+//! | segments that arrive while the motion runs | [`SegmentStream`]; simulated on a problem [`StreamedScan`] |
 //! | an operator's override, hold and step back | [`FeedOverride`] under a [`VelocityLimitCurve`] |
 //!
 //! # Units
@@ -80,16 +81,17 @@ pub use error::{FeedError, PathEnd};
 pub use jerk_limited::{JerkLimited, JerkLimitedPlan};
 pub use limits::AxisLimits;
 pub use live::{FeedOverride, LiveSection, LiveStatus, LiveStep, MAX_SECTIONS, VelocityLimitCurve};
-pub use online::{Adoption, FeedScheduler, FeedStatus, FeedStep};
+pub use online::{Adoption, FeedScheduler, FeedStatus, FeedStep, SegmentStream, StreamStatus, StreamStep};
 pub use problem::{FeedPlanner, FeedProblem, LimitPartition, live_speed};
 pub use row::{IntervalBound, JerkRow, LimitId, Quantity, Row};
 pub use scan::continuous_acceleration::{plan_continuous, plan_continuous_at_once};
 pub use scan::fallback::{ChosenLaw, Fallback, JerkLimitedOrScan};
-pub use scan::forward_backward::{ForwardBackwardScan, PublishedScan};
+pub use scan::forward_backward::ForwardBackwardScan;
 pub use scan::interpolated::InterpolatedReachability;
 pub use scan::on_problem::{ContinuousAccelerationScan, PerSegmentScan};
 pub use scan::per_segment::{boundary_speeds, plan_per_segment, plan_windowed};
 pub use scan::reachability::Reachability;
+pub use scan::streamed::{Streamed, StreamedScan};
 pub use scan::{Segment, boundaries};
 pub use scurve::change::SpeedChange;
 pub use scurve::phase::Phase;

@@ -23,7 +23,7 @@ pub use output::compiled_report::{CertifiedRatio, CompiledReport};
 pub use output::joint_report::JointReport;
 #[cfg(feature = "plot")]
 pub use output::plot;
-pub use output::report::{Report, SegmentCount};
+pub use output::report::{Report, SegmentCount, StreamReport};
 pub use output::run_report::{Accuracy, DetourLine, EventLine, ExcursionLine, RunReport, StateSpan};
 pub use output::schedule_figure::{BindingBar, JointFigure, JointPanel, ShareFigure, SharePanel, SpeedFigure};
 pub use output::schedule_report::{BindingLine, ScheduleReport, ScheduleRun};

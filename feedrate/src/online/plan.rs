@@ -5,6 +5,7 @@ use crate::limits::AxisLimits;
 use crate::scurve::change::SpeedChange;
 use crate::scurve::phase::Phase;
 use crate::scurve::phases::Phases;
+use crate::scurve::profile::SProfile;
 use crate::state::{AxisState, MotionState};
 use crate::state_to_state::StateToState;
 
@@ -43,6 +44,16 @@ impl Plan {
             plan.phases.push(phase, dt);
         }
         plan.checked(start, end, limits, release)
+    }
+
+    /// An S-profile, which arrives at its end.
+    pub fn of(profile: &SProfile) -> Self {
+        let end = AxisState::new(profile.length(), profile.v_end(), 0.0);
+        let mut plan = Self::empty(&end);
+        for (phase, dt) in profile.phases() {
+            plan.phases.push(phase, dt);
+        }
+        plan
     }
 
     fn empty(end: &AxisState) -> Self {

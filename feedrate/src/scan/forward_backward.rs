@@ -31,37 +31,17 @@ use crate::speed_law::SpeedLaw;
 #[derive(Debug, Clone, Copy, Default)]
 pub struct ForwardBackwardScan;
 
-/// The bidirectional scan as published (Electronics 2025, 14, 3869, eqs. 16 to 19 and appendix A;
-/// backward pass with the sign of the acceleration corrected), for reproduction only: **it breaks
-/// the limits it is given.**
-///
-/// Forward it tests the right end of an accelerating interval alone, backward the left end of a
-/// decelerating one; the other ends exceed their acceleration by 4 % to 60 % in ordinary cases.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct PublishedScan;
-
 impl FeedPlanner for ForwardBackwardScan {
     fn plan(&self, problem: &FeedProblem) -> Result<SpeedLaw, FeedError> {
-        plan(problem, true)
+        let x = squared_speeds(problem)?;
+        moves(problem, &x)?;
+        SpeedLaw::from_squared_speeds(problem.grid(), &x)
     }
 }
 
-impl FeedPlanner for PublishedScan {
-    fn plan(&self, problem: &FeedProblem) -> Result<SpeedLaw, FeedError> {
-        plan(problem, false)
-    }
-}
-
-fn plan(problem: &FeedProblem, both_ends: bool) -> Result<SpeedLaw, FeedError> {
-    let limit = static_limits(problem)?;
-    let x = scan(problem, &limit, both_ends)?;
-    moves(problem, &x)?;
-    SpeedLaw::from_squared_speeds(problem.grid(), &x)
-}
-
-/// Squared speeds at the grid points, and the static limits they stay below.
+/// Squared speeds at the grid points.
 pub(crate) fn squared_speeds(problem: &FeedProblem) -> Result<Vec<f64>, FeedError> {
-    scan(problem, &static_limits(problem)?, true)
+    scan(problem, &static_limits(problem)?)
 }
 
 /// Smallest root above `from` (0 if not positive) of `p w^2 + c w = r` in `w = sqrt(x)`, squared;
@@ -150,28 +130,26 @@ struct Interval<'a> {
 }
 
 /// The greatest `y` at the far end of an interval for squared speed `x < limit` at its near end.
-fn step(x: f64, limit: f64, interval: &Interval<'_>, both_ends: bool) -> f64 {
+fn step(x: f64, limit: f64, interval: &Interval<'_>) -> f64 {
     let Interval { h, sign, near, far } = *interval;
     let per_u = sign * 0.5 / h;
     let mut y = limit;
-    if both_ends {
-        // What the limit asks for; most rows allow it, or what another row has left of it, without
-        // a division.
-        let most = per_u * (limit - x);
-        let mut u = most;
-        for row in near {
-            let friction = if row.c == 0.0 { 0.0 } else { row.c * x.sqrt() };
-            let rest = row.b * x + friction + row.d;
-            let value = row.a * u + rest;
-            if !((row.lo <= value) & (value <= row.hi)) {
-                // At u = 0 the row holds, so what is left is not negative but for round-off.
-                let left = if sign * row.a > 0.0 { row.hi - rest } else { rest - row.lo };
-                u = sign * lesser(sign * u, left / row.a.abs());
-            }
+    // What the limit asks for; most rows allow it, or what another row has left of it, without
+    // a division.
+    let most = per_u * (limit - x);
+    let mut u = most;
+    for row in near {
+        let friction = if row.c == 0.0 { 0.0 } else { row.c * x.sqrt() };
+        let rest = row.b * x + friction + row.d;
+        let value = row.a * u + rest;
+        if !((row.lo <= value) & (value <= row.hi)) {
+            // At u = 0 the row holds, so what is left is not negative but for round-off.
+            let left = if sign * row.a > 0.0 { row.hi - rest } else { rest - row.lo };
+            u = sign * lesser(sign * u, left / row.a.abs());
         }
-        if u != most {
-            y = lesser(y, x + 2.0 * h * (sign * u));
-        }
+    }
+    if u != most {
+        y = lesser(y, x + 2.0 * h * (sign * u));
     }
     for row in far {
         let a = row.a * per_u;
@@ -182,7 +160,7 @@ fn step(x: f64, limit: f64, interval: &Interval<'_>, both_ends: bool) -> f64 {
     y.max(x)
 }
 
-fn scan(problem: &FeedProblem, limit: &[f64], both_ends: bool) -> Result<Vec<f64>, FeedError> {
+fn scan(problem: &FeedProblem, limit: &[f64]) -> Result<Vec<f64>, FeedError> {
     let n = problem.intervals();
     let (x_start, x_end) = (problem.v_start().powi(2), problem.v_end().powi(2));
     for (end, i, x) in [(PathEnd::Start, 0, x_start), (PathEnd::End, n, x_end)] {
@@ -200,7 +178,7 @@ fn scan(problem: &FeedProblem, limit: &[f64], both_ends: bool) -> Result<Vec<f64
             cap
         } else {
             let (near, far) = (problem.rows(k), problem.rows(k + 1));
-            step(x, cap, &Interval { h: problem.h(k), sign: 1.0, near, far }, both_ends)
+            step(x, cap, &Interval { h: problem.h(k), sign: 1.0, near, far })
         };
         if x == f64::INFINITY {
             return Err(FeedError::Unbounded { index: k + 1, s: problem.grid()[k + 1] });
@@ -218,7 +196,7 @@ fn scan(problem: &FeedProblem, limit: &[f64], both_ends: bool) -> Result<Vec<f64
             cap
         } else {
             let (near, far) = (problem.rows(k + 1), problem.rows(k));
-            step(x, cap, &Interval { h: problem.h(k), sign: -1.0, near, far }, both_ends)
+            step(x, cap, &Interval { h: problem.h(k), sign: -1.0, near, far })
         };
         forward[k] = forward[k].min(x);
     }

@@ -12,5 +12,6 @@ mod pass;
 pub(crate) mod per_segment;
 pub(crate) mod reachability;
 mod segment;
+pub(crate) mod streamed;
 
 pub use segment::{Segment, boundaries};

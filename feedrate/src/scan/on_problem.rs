@@ -37,7 +37,7 @@ impl FeedPlanner for ContinuousAccelerationScan {
             }
             Ok(Some(SpeedLaw::chain(problem.grid()[0], laws)))
         };
-        if let Some(law) = fastest(problem, at_once)? {
+        if let Some(law) = fastest(problem, SpeedLaw::duration, at_once)? {
             return Ok(law);
         }
         let segments = problem.segments(&LimitPartition::ALL[0])?;
@@ -59,28 +59,32 @@ impl FeedPlanner for PerSegmentScan {
             Ok(Some(SpeedLaw::chain(problem.grid()[0], laws.collect::<Result<Vec<_>, _>>()?)))
         };
         // There always is one: a scan that fails says why.
-        fastest(problem, scan)?.ok_or(FeedError::Empty { what: "partitions of the limits" })
+        fastest(problem, SpeedLaw::duration, scan)?.ok_or(FeedError::Empty { what: "partitions of the limits" })
     }
 }
 
-/// The law of the partition with which it is shortest; `None` where `scan` finds none for any.
-fn fastest(
+/// The result of the partition with which it is shortest; `None` where `scan` finds none for any.
+pub(super) fn fastest<T>(
     problem: &FeedProblem,
-    scan: impl Fn(&[Segment]) -> Result<Option<SpeedLaw>, FeedError>,
-) -> Result<Option<SpeedLaw>, FeedError> {
-    let mut best: Option<SpeedLaw> = None;
+    duration: impl Fn(&T) -> f64,
+    scan: impl Fn(&[Segment]) -> Result<Option<T>, FeedError>,
+) -> Result<Option<T>, FeedError> {
+    let mut best: Option<T> = None;
     for partition in &LimitPartition::ALL {
-        if let Some(law) = scan(&problem.segments(partition)?)?
-            && best.as_ref().is_none_or(|best| law.duration() < best.duration())
+        if let Some(found) = scan(&problem.segments(partition)?)?
+            && best.as_ref().is_none_or(|best| duration(&found) < duration(best))
         {
-            best = Some(law);
+            best = Some(found);
         }
     }
     Ok(best)
 }
 
 /// The stretches between stops, each with the speeds at its ends.
-fn parts<'s>(problem: &FeedProblem, segments: &'s [Segment]) -> impl Iterator<Item = (&'s [Segment], [f64; 2])> {
+pub(super) fn parts<'s>(
+    problem: &FeedProblem,
+    segments: &'s [Segment],
+) -> impl Iterator<Item = (&'s [Segment], [f64; 2])> {
     let n = segments.len();
     let stops: Vec<usize> = (1..n).filter(|&i| problem.x_max(i) == 0.0).collect();
     let starts: Vec<(usize, f64)> =

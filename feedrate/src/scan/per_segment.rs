@@ -126,7 +126,7 @@ fn backward_step(segment: &Segment, cap: f64, bound: f64, may_stop: bool) -> f64
 
 /// The highest speed at the end of a segment, at most `bound`, that is reached from `v` at its
 /// start.
-fn forward(segment: &Segment, v: f64, bound: f64) -> f64 {
+pub(crate) fn forward(segment: &Segment, v: f64, bound: f64) -> f64 {
     let (a, j) = (segment.a_max, segment.j_max);
     if bound >= v {
         bound.min(raise(v, segment.length, a, j)).max(v)

@@ -130,6 +130,24 @@ pub(crate) fn raise(v0: f64, length: f64, a_max: f64, j_max: f64) -> f64 {
     }
 }
 
+/// Highest speed from which every speed between `v0` and it can be reached over `length`.
+///
+/// Braking takes the most length to a third of the speed, or to `a_max^2 / (2 j_max)` below the
+/// lower one of two speeds that reach `a_max`. Unlike [`raise`], the result never falls when `v0`
+/// rises.
+pub(crate) fn raise_from_any(v0: f64, length: f64, a_max: f64, j_max: f64) -> f64 {
+    let q = a_max * (a_max / j_max);
+    // The speed to which braking from `v` takes longest.
+    let worst = |v: f64| if v <= 1.5 * q { v / 3.0 } else { 0.5 * q };
+    let v = raise(v0, length, a_max, j_max);
+    if v0 >= worst(v) {
+        return v;
+    }
+    // (4 v / 3) sqrt(2 v / (3 j)) = length, or (v + q / 2)^2 / (2 a) = length.
+    let short = (0.75 * length * (1.5 * j_max).sqrt()).cbrt().powi(2);
+    if short <= 1.5 * q { short } else { (2.0 * a_max * length).sqrt() - 0.5 * q }
+}
+
 /// Lowest speed reachable from `v0` over `length` without using the shorter way to a full stop: the
 /// branch on which the reachable speed falls continuously from `v0`. 0 if the whole branch is
 /// reachable.

@@ -6,7 +6,7 @@ use arcfeed_feedrate::constraint::{
 };
 use arcfeed_feedrate::{
     FeedError, FeedPlanner, FeedProblem, ForwardBackwardScan, InterpolatedReachability, JerkLimited, MotionLaw,
-    PathEnd, PublishedScan, Quantity, Reachability, SpeedLaw,
+    PathEnd, Quantity, Reachability, SpeedLaw,
 };
 use proptest::prelude::*;
 
@@ -14,7 +14,6 @@ use proptest::prelude::*;
 fn planners() -> Vec<Box<dyn FeedPlanner>> {
     vec![
         Box::new(ForwardBackwardScan),
-        Box::new(PublishedScan),
         Box::new(Reachability),
         Box::new(InterpolatedReachability),
         Box::new(JerkLimited::default()),
@@ -365,8 +364,7 @@ fn a_million_points() {
     let grid = grid(n);
     let (acceleration, jerk) = (TangentialAcceleration::new(1.0).unwrap(), TangentialJerk::new(20.0).unwrap());
     let problem = FeedProblem::between_points(&grid, &[&acceleration, &jerk]).unwrap();
-    for planner in [&ForwardBackwardScan as &dyn FeedPlanner, &PublishedScan, &Reachability, &InterpolatedReachability]
-    {
+    for planner in [&ForwardBackwardScan as &dyn FeedPlanner, &Reachability, &InterpolatedReachability] {
         assert!((planner.plan(&problem).unwrap().duration() - 2.0).abs() < 1e-8);
     }
     // Seven phases without cruise: 2 sqrt(1 + (a / 2j)^2) + a / j. Where an interval is short beside the way on which the

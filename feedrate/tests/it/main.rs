@@ -19,6 +19,7 @@ mod scurve;
 mod speed_law;
 mod state_to_state;
 mod state_to_state_allocation;
+mod stream;
 mod time_constrained;
 mod velocity_targets;
 

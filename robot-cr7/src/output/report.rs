@@ -25,6 +25,33 @@ pub struct SegmentCount {
     pub max_deviation_m: f64,
 }
 
+/// A plan whose segments arrived while it ran.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct StreamReport {
+    /// Segments behind the present one that the controller holds.
+    pub look_ahead: usize,
+    /// Time between two arrivals, in s; 0 where the window is filled in every cycle.
+    pub gap_s: f64,
+    /// Duration of the same stream with the whole path known before the start, in s.
+    pub whole_duration_s: f64,
+    /// Stretches of the path, in m, in which the look-ahead held the motion back.
+    pub held_back_m: Vec<(f64, f64)>,
+    /// Place, in m, and duration, in s, of each wait for a segment.
+    pub waits_m_s: Vec<(f64, f64)>,
+}
+
+impl StreamReport {
+    /// Length, in m, on which the look-ahead held the motion back.
+    pub fn held_back(&self) -> f64 {
+        self.held_back_m.iter().map(|(from, to)| to - from).sum()
+    }
+
+    /// Time spent waiting, in s.
+    pub fn waited(&self) -> f64 {
+        self.waits_m_s.iter().map(|wait| wait.1).sum()
+    }
+}
+
 /// The report of a plan. Its fields are the keys of the JSON form, SI units in their names.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
@@ -62,6 +89,9 @@ pub struct Report {
     pub limits: Vec<LimitLine>,
     /// The compiled motion, where one was asked for.
     pub compiled: Option<CompiledReport>,
+    /// What the look-ahead cost, where segments arrived while the motion ran.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stream: Option<StreamReport>,
     /// Warnings.
     pub warnings: Vec<String>,
     /// Files written.
@@ -91,7 +121,7 @@ impl<const N: usize> Motion<'_, N> {
             path: self.name().to_owned(),
             length_m: plan.path().length(),
             duration_s: plan.duration(),
-            planner: info.method.map_or_else(String::new, |method| method.to_string()),
+            planner: info.method.map_or_else(|| STREAMED.to_owned(), |method| method.to_string()),
             fallback: info.fallback.map(|reason| reason.to_string()),
             planning_rounds: info.rounds,
             samples,
@@ -105,6 +135,7 @@ impl<const N: usize> Motion<'_, N> {
             motion_per_computing: plan.duration() / (planning_time_s + verification_time_s + sampling_time_s),
             limits: limit_lines(plan.verification(), plan.path().parameter()),
             compiled: None,
+            stream: self.stream().cloned(),
             warnings: self.warnings().to_vec(),
             files: Vec::new(),
         }
@@ -128,6 +159,8 @@ impl<const N: usize> Motion<'_, N> {
     }
 }
 
+/// Name of the planner of a streamed motion.
+const STREAMED: &str = "per-segment, streamed";
 /// Lines that warnings and files may take, so that all of the report stays on one screen of 40 lines.
 const MOST_WARNINGS: usize = 3;
 const MOST_FILES: usize = 2;
@@ -169,6 +202,17 @@ impl Display for Report {
             let rest: String = words.iter().skip(WIDTH - 13).collect();
             writeln!(f, "  {:<11}{}", "", clip(&rest, WIDTH - 13))?;
         }
+        if let Some(stream) = &self.stream {
+            let line = format!(
+                "{} ahead: held back {} times, on {} mm, waits {} s; whole path known: {} s",
+                stream.look_ahead,
+                stream.held_back_m.len(),
+                number(stream.held_back() * 1e3),
+                number(stream.waited()),
+                number(stream.whole_duration_s)
+            );
+            writeln!(f, "  {:<11}{}", "stream", clip(&line, WIDTH - 13))?;
+        }
         let mut segments = String::new();
         for (i, s) in self.segments.iter().enumerate() {
             let comma = if i == 0 { "" } else { ", " };
@@ -194,7 +238,12 @@ impl Display for Report {
             f,
             &self.warnings,
             &self.files,
-            [MOST_WARNINGS - usize::from(second) - 2 * usize::from(compiled.is_some()), MOST_FILES],
+            [
+                MOST_WARNINGS.saturating_sub(
+                    usize::from(second) + 2 * usize::from(compiled.is_some()) + usize::from(self.stream.is_some()),
+                ),
+                MOST_FILES,
+            ],
         )
     }
 }
@@ -244,6 +293,7 @@ mod tests {
             motion_per_computing: 323.4,
             limits,
             compiled: None,
+            stream: None,
             warnings: vec!["the path passes the wrist singularity at 3 deg".to_owned()],
             files: vec!["out/butterfly.csv".into(), "out/path.svg".into()],
         }
@@ -277,6 +327,13 @@ mod tests {
             deviation_bound_rad: f64::NAN,
             deviation_measured_rad: 1e300,
             certified: vec![worst; 9],
+        });
+        r.stream = Some(StreamReport {
+            look_ahead: usize::MAX,
+            gap_s: f64::NAN,
+            whole_duration_s: f64::MAX,
+            held_back_m: vec![(0.0, f64::MAX); 99],
+            waits_m_s: vec![(0.0, f64::MAX); 99],
         });
         for i in 0..40 {
             r.limits.extend((1..=6).map(|j| line(&format!("kind {i}"), Some(j), LimitUnit::One, f64::NAN, 1e300)));

@@ -7,13 +7,14 @@ use std::fmt::{self, Display, Formatter};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use arcfeed_feedrate::{FeedError, FeedPlanner, FeedProblem, PublishedScan, SpeedLaw};
+use arcfeed_feedrate::{FeedError, FeedPlanner, FeedProblem, SpeedLaw};
 use arcfeed_interp::{Method, MotionPath, PathArm, PathProblem, PlanError, Planner, Verification};
 use serde::Serialize;
 
 use super::error::Cr7Error;
 use super::limit_line::TOLERANCE;
 use super::task::Task;
+use crate::reproduce::qb::published::PublishedScan;
 use crate::text::{clip, json};
 
 /// Places of the path at which profiles are drawn.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use arcfeed_feedrate::{FeedError, FeedPlanner, StreamedScan};
 use arcfeed_geometry::{ArcLengthCurve, GeometryError, NurbsCurve, OrientationPath, PosePath, Spacing};
 use arcfeed_interp::{
     FeedSection, LimitError, Limits, LiveError, Method, MotionPath, PathArm, PathError, PlanError, Planner, Setpoints,
@@ -17,6 +18,7 @@ use super::robot::{Drives, Robot};
 use crate::input::error::InputError;
 use crate::input::job::{Job, ToolOrientation};
 use crate::input::path_file::{MOST_CONTROL_POINTS, PathFile};
+use crate::output::report::StreamReport;
 
 /// Positions along the path are good to this, m: far below what any encoder resolves.
 pub(crate) const ARC_LENGTH_TOLERANCE: f64 = 1e-15;
@@ -33,6 +35,7 @@ pub struct Motion<'t, const N: usize = 6> {
     name: &'t str,
     trajectory: Trajectory<'t, N>,
     preparation: Duration,
+    stream: Option<StreamReport>,
     warnings: Vec<String>,
 }
 
@@ -227,7 +230,37 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
         if corners > 0 {
             warnings.push(format!("the path has {corners} corners, where the tool stops"));
         }
-        Ok(Motion { name: &self.name, trajectory, preparation: self.preparation, warnings })
+        Ok(Motion { name: &self.name, trajectory, preparation: self.preparation, stream: None, warnings })
+    }
+}
+
+impl<A: PathArm<N>, const N: usize> Task<A, N> {
+    /// The verified motion of a controller that holds `look_ahead` segments behind the present one and gets another every `gap`
+    /// (s), or as soon as it can take one if that is 0. The planner of the job does not matter.
+    ///
+    /// # Errors
+    /// [`Cr7Error::Plan`], also for an end speed above 0, which a stream does not know in time.
+    pub fn plan_streamed<'t>(
+        &'t self,
+        path: &'t ToolPath<'t, N>,
+        look_ahead: usize,
+        gap: f64,
+    ) -> Result<Motion<'t, N>, Cr7Error> {
+        let fail = |source| self.error(source);
+        let speed = |error: FeedError| fail(PlanError::Speed(error.into()));
+        let scan = Method::PerSegment { window: None };
+        let planner = self.planner()?.with_method(scan);
+        let problem = planner.prepare(path, scan.needs()).map_err(fail)?;
+        let rows = problem.rows(scan.needs()).map_err(|e| fail(PlanError::Speed(e)))?;
+        let stream = StreamedScan { look_ahead, gap, period: self.period };
+        let run = stream.run(&rows).map_err(speed)?;
+        let known = StreamedScan { look_ahead: problem.intervals().max(1), gap: 0.0, ..stream };
+        let whole_duration_s = known.plan(&rows).map_err(speed)?.duration();
+        let trajectory = planner.finish(problem, run.law, true).map_err(fail)?;
+        let (held_back_m, waits_m_s) = (run.held_back, run.waits);
+        let stream = Some(StreamReport { look_ahead, gap_s: gap, whole_duration_s, held_back_m, waits_m_s });
+        let warnings = self.warnings.clone();
+        Ok(Motion { name: &self.name, trajectory, preparation: self.preparation, stream, warnings })
     }
 }
 
@@ -334,6 +367,11 @@ impl<'t, const N: usize> Motion<'t, N> {
     /// The trajectory: path, speed, limits, verification.
     pub fn trajectory(&self) -> &Trajectory<'t, N> {
         &self.trajectory
+    }
+
+    /// What the look-ahead cost, if the motion was streamed.
+    pub fn stream(&self) -> Option<&StreamReport> {
+        self.stream.as_ref()
     }
 
     /// Warnings about the motion.

@@ -101,6 +101,42 @@ fn compare_runs_every_planner_on_a_job() {
 }
 
 #[test]
+fn a_streamed_plan_tells_what_the_look_ahead_costs() {
+    let desk = Desk::new("stream");
+    desk.write("six.json", SamplePath::SixPoint.json());
+    desk.write("job.toml", "[path]\nfile = \"six.json\"\n[tolerance]\nchord_mm = 0.01\n");
+    let run = |out: &str, more: &[&str]| {
+        let args = [&["plan", "--job", "job.toml", "--json", "--out", out][..], more].concat();
+        let report = desk.run(&args).done().json();
+        let last = desk.trajectory::<6>(out).last().expect("a sample").t;
+        assert!((report["duration_s"].as_f64().expect("a number") - last).abs() < 1e-9, "{report}");
+        assert!(desk.folder.join(out).join("stream.svg").exists());
+        report
+    };
+    let number = |v: &Value| v.as_f64().expect("a number");
+    let sums = |report: &Value, key: &str, of: fn(f64, f64) -> f64| {
+        let pairs = report["stream"][key].as_array().expect("a list");
+        pairs.iter().map(|pair| of(number(&pair[0]), number(&pair[1]))).sum::<f64>()
+    };
+    let all = run("all", &["--stream", "1000"]);
+    let ratio = number(&all["duration_s"]) / number(&all["stream"]["whole_duration_s"]);
+    assert!((ratio - 1.0).abs() < 1e-9 && sums(&all, "held_back_m", |a, b| b - a) == 0.0, "{all}");
+    let few = run("few", &["--stream", "2"]);
+    let held = sums(&few, "held_back_m", |a, b| b - a);
+    assert!(held > 0.0 && held < number(&few["length_m"]) && sums(&few, "waits_m_s", |_, t| t) == 0.0, "{few}");
+    assert!(number(&few["duration_s"]) > 1.05 * number(&all["duration_s"]), "{few}");
+    let late = run("late", &["--stream", "2", "--stream-gap-ms", "150"]);
+    assert!(sums(&late, "waits_m_s", |_, t| t) > 0.5, "{late}");
+    assert!(number(&late["duration_s"]) > number(&few["duration_s"]), "{late}");
+    // Nothing of an earlier stream stays.
+    desk.run(&["plan", "--job", "job.toml", "--out", "late"]).done();
+    assert!(!desk.folder.join("late/stream.svg").exists());
+    for wrong in [&["--stream", "0"][..], &["--stream-gap-ms", "5"], &["--stream", "5", "--stream-gap-ms", "nan"]] {
+        desk.run(&[&["plan"], wrong].concat()).refused(2, &["--stream"]);
+    }
+}
+
+#[test]
 fn json_is_one_object_and_nothing_else() {
     let desk = Desk::new("json");
     desk.write("six.json", SamplePath::SixPoint.json());

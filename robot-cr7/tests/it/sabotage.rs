@@ -314,7 +314,7 @@ fn counts_of_pn_and_control_points() {
     ];
     sabotage(&run, |run, r| run.judge(r, "counts", "1579"), &mutations);
     let run = Section2Run::measure().expect("an embedded curve");
-    let mutations: [Mutation<Section2Run>; 5] = [
+    let mutations: [Mutation<Section2Run>; 7] = [
         ("a control point moved", |r| r.table.points[1][2][0] += 1e-3, "Bezier 2, point 3"),
         ("pieces swapped", |r| r.table.points.swap(0, 1), "control points beside the polar form"),
         ("a control point moved by 1e-6 mm", |r| r.table.points[3][1][1] += 1e-6, "pieces by de Casteljau"),
@@ -330,8 +330,10 @@ fn counts_of_pn_and_control_points() {
         (
             "not cut at all",
             |r| r.hull.breaks = vec![r.hull.breaks[0], r.hull.breaks[r.hull.breaks.len() - 1]],
-            "below the open loop",
+            "below X.D. in chord error",
         ),
+        ("W.L. cut as finely as ours", |r| r.others[2] = r.hull.breaks.clone(), "below W.L. in chord error"),
+        ("ours cut as M.L.", |r| r.hull.breaks = r.others[0].clone(), "below M.L. in chord error"),
     ];
     sabotage(&run, Section2Run::judge, &mutations);
 }
@@ -372,7 +374,7 @@ fn table_2_and_the_motion_of_pn() {
 #[test]
 fn motions_of_qb() {
     let run = QbRun::measure().expect("the embedded data");
-    let mutations: [Mutation<QbRun>; 13] = [
+    let mutations: [Mutation<QbRun>; 17] = [
         ("2 % faster", |r| r.pure.period *= 0.98, "without torque: velocity by differences"),
         ("a jump of 1e-6 rad", |r| r.pure.q[40][4] += 1e-6, "without torque: acceleration by differences"),
         ("2 % faster under torque limits", |r| r.composite.period *= 0.98, "composite: torque by Lagrange"),
@@ -414,6 +416,14 @@ fn motions_of_qb() {
             },
             "with torque: tool off its line",
         ),
+        (
+            "integration 1 % too slow",
+            |r| r.integration.iter_mut().flat_map(|run| &mut run.x).for_each(|x| *x *= 0.98),
+            "duration by numerical integration",
+        ),
+        ("load lowered at half the speed", |r| r.completeness.by_hand.period *= 2.0, "a motion by hand: force"),
+        ("the same by reachability", |r| r.completeness.reachability.period *= 2.0, "reachability: force"),
+        ("a scan that is complete", |r| r.completeness.refused_at = None, "the scan of the paper finds"),
         (
             "both scans 1 % too slow",
             |r| r.speeds.iter_mut().flatten().for_each(|v| *v *= 0.99),

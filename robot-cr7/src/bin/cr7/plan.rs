@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use arcfeed_interp::PathArm;
-use robot_cr7::plot::{Along, Bound, JointQuantity, feed_picture, joint_picture, path_picture};
+use robot_cr7::plot::{Along, Bound, JointQuantity, feed_picture, joint_picture, path_picture, speed_picture};
 use robot_cr7::{
-    CompiledReport, Job, Motion, Series, Staging, Task, TrajectoryRow, TrajectoryWriter, drawn_segments, few_enough,
+    BindingBar, CompiledReport, Job, Motion, Series, SpeedFigure, Staging, StreamReport, Task, TrajectoryRow,
+    TrajectoryWriter, drawn_segments, few_enough,
 };
 
 use crate::Failure;
@@ -24,6 +25,8 @@ use crate::tool_path::{OnToolPath, on_tool_path, read_path};
   cr7 plan --job robot-cr7/jobs/butterfly.toml --out butterfly
   cr7 plan --robot ur5e                    another robot: a name of `cr7 robots`, a .urdf or a .json file
   cr7 plan --compile-rad 1e-6              the joints as polynomials of the time, too, within 1 urad
+  cr7 plan --stream 20                     segments arrive while the motion runs, 20 of them known ahead
+  cr7 plan --stream 20 --stream-gap-ms 12  one every 12 ms: the motion waits where they come too late
   cr7 plan --job job.toml --json | jq .duration_s")]
 pub struct Args {
     #[command(flatten)]
@@ -42,9 +45,23 @@ pub struct Args {
     /// Also write joint_trajectory.json: polynomials of the time that stay within this tolerance of the planned joints, in rad
     #[arg(long, value_name = "TOLERANCE")]
     compile_rad: Option<f64>,
+    /// Run the motion as a controller does that gets its segments on the way, with N of them known behind the present one
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    stream: Option<u32>,
+    /// Time between two segments of the stream, ms; 0: as soon as the controller has a place for one
+    #[arg(long, value_name = "MS", default_value_t = 0.0, requires = "stream", value_parser = gap_ms)]
+    stream_gap_ms: f64,
     /// Print the report as one JSON object on stdout, and nothing else there
     #[arg(long)]
     json: bool,
+}
+
+/// A time between segments that a stream can be run with.
+fn gap_ms(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(ms) if (0.0..=1e7).contains(&ms) => Ok(ms),
+        _ => Err("it has to be a number of milliseconds from 0 to 1e7".to_owned()),
+    }
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
@@ -68,7 +85,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 }
 
 /// The files of the command.
-const FILES: [&str; 10] = [
+const FILES: [&str; 11] = [
     "trajectory.csv",
     "path.svg",
     "feed.svg",
@@ -77,6 +94,7 @@ const FILES: [&str; 10] = [
     "joint_acceleration.svg",
     "joint_jerk.svg",
     COMPILED,
+    "stream.svg",
     REPORTS[0],
     REPORTS[1],
 ];
@@ -99,7 +117,14 @@ impl OnToolPath for Plan<'_> {
         // A lower bound of the duration, before the work.
         let fastest = job.sections.iter().fold(job.feed.feed, |feed, section| feed.max(section.feed));
         few_enough(task.path().length() / fastest, job.period, LEVERS)?;
-        let mut motion = task.plan()?;
+        let path;
+        let mut motion = match args.stream {
+            None => task.plan()?,
+            Some(ahead) => {
+                path = task.tool_path()?;
+                task.plan_streamed(&path, ahead as usize, args.stream_gap_ms * 1e-3)?
+            }
+        };
         motion.warn(warnings);
         few_enough(motion.trajectory().duration(), motion.trajectory().period(), LEVERS)?;
 
@@ -175,13 +200,38 @@ fn pictures<const N: usize>(motion: &Motion<'_, N>, job: &Job, series: &Series) 
         joint_picture(name, quantity, t, &values, &limits.map(Bound::Constant), &[])
     };
     let rates = [joints.velocity(), joints.acceleration(), joints.jerk()].map(|limits| (*limits).into());
+    let streamed =
+        motion.stream().map(|stream| speed_picture(&stream_figure(name, stream, &series.pairs(1, 2), &limit)));
     let deviations = plan.segmentation().map_or(&[] as &[f64], |segmentation| segmentation.deviations());
-    Ok(vec![
+    let mut all = vec![
         ("path.svg", path_picture(name, &segments, deviations, plan.chord_tolerance())),
         ("feed.svg", feed_picture(name, Along::Length, &series.pairs(1, 2), &limit)),
         ("feed_time.svg", feed_picture(name, Along::Time, &series.pairs(0, 2), &limit_by_time)),
         ("joint_velocity.svg", picture(JointQuantity::Velocity, 3, rates[0])),
         ("joint_acceleration.svg", picture(JointQuantity::Acceleration, 3 + N, rates[1])),
         ("joint_jerk.svg", picture(JointQuantity::Jerk, 3 + 2 * N, rates[2])),
-    ])
+    ];
+    all.extend(streamed.map(|svg| ("stream.svg", svg)));
+    Ok(all)
+}
+
+/// The speed under its limit, with the stretches in which the look-ahead held it back.
+fn stream_figure(name: &str, stream: &StreamReport, speed: &[(f64, f64)], limit: &[(f64, f64)]) -> SpeedFigure {
+    let mm = |points: &[(f64, f64)]| points.iter().map(|p| (p.0 * 1e3, p.1 * 1e3)).collect::<Vec<_>>();
+    let bar = |name: &str, intervals| BindingBar { name: name.to_owned(), joint: None, intervals };
+    let waits = stream.waits_m_s.iter().map(|wait| (wait.0, wait.0)).collect::<Vec<_>>();
+    SpeedFigure {
+        file: "stream.svg".to_owned(),
+        title: format!("{name}, streamed with {} segments ahead", stream.look_ahead),
+        facts: format!("with the whole path known before: {:.4} s", stream.whole_duration_s),
+        x_label: "path length s [mm]".to_owned(),
+        y_label: "feed [mm/s]".to_owned(),
+        speeds: vec![("streamed".to_owned(), mm(speed))],
+        initial: mm(limit),
+        ceiling: Vec::new(),
+        bindings: vec![
+            bar("look-ahead", mm(&stream.held_back_m)),
+            bar("waits", mm(&waits).into_iter().map(|(s, _)| (s, s)).collect()),
+        ],
+    }
 }

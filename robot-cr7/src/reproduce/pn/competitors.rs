@@ -11,7 +11,7 @@ use arcfeed_interp::parameter::{
 };
 
 use super::curves::failed;
-use super::open_loop::curvature_split;
+use super::open_loop::{curvature_maxima, feed_sensitive_maxima, radius_extremes};
 use crate::reproduce::Reproduction;
 use crate::reproduce::spline::Spline;
 use crate::run::error::Cr7Error;
@@ -21,23 +21,25 @@ const PLACE: &str = "Table 2: methods compared, butterfly at 0.001 mm, all under
 const TOLERANCE: f64 = 1e-6;
 /// The deviation that the paper prints for L.H., m.
 const REFIT: f64 = 3e-5;
+/// Curvature from which on the feed of 100 mm/s has to be lowered, 1/m: there the normal acceleration is 1 m/s^2.
+const SHARP: f64 = 100.0;
 /// Difference that counts as equal in a column of quality: m, or a share of u.
 const EQUAL: f64 = 1e-12;
 
 /// The methods.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Compared {
-    /// First-order Taylor steps, split at extremes of curvature. Not in Table 2; the paper cites it
+    /// First-order Taylor steps, split at maxima of curvature. Not in Table 2; the paper cites it
     /// for its error.
     FirstOrder,
-    /// X.D. (its reference 14): split at extremes of curvature, second-order Taylor steps, open
-    /// loop.
+    /// X.D. (its reference 14): split at the extremes of the radius of curvature, second-order
+    /// Taylor steps, open loop.
     Xd,
     /// L.H. (reference 8): the curve is laid anew through more and more of its points until it
     /// deviates by less than 0.03 mm; second-order Taylor steps on the new curve.
     Lh,
-    /// L.F. (reference 32): split at extremes of curvature; u by bisection on the arc length by
-    /// Simpson's rule.
+    /// L.F. (reference 32): split at the maxima of curvature at which the feed has to be lowered; u
+    /// by bisection on the arc length by Simpson's rule.
     Lf,
     /// The paper: type C by halving, second-order Taylor steps with compensation (eqs. 37 to 39,
     /// corrected).
@@ -129,8 +131,8 @@ pub struct Table2Run {
     pub methods: Vec<MethodRun>,
     /// The butterfly.
     pub curve: Spline,
-    /// Breaks of the open-loop methods.
-    pub open_loop: Vec<f64>,
+    /// Breaks of X.D. and of L.F.
+    pub open_loop: [Vec<f64>; 2],
     /// The curve of L.H.
     pub refitted: Spline,
 }
@@ -246,7 +248,7 @@ impl Table2Run {
     pub fn measure(curve: &ArcLengthCurve<3>, law: &impl MotionLaw) -> Result<Self, Cr7Error> {
         let nurbs = curve.curve();
         let spline = Spline::new(nurbs);
-        let open_loop = curvature_split(&spline);
+        let open_loop = [radius_extremes(&spline), feed_sensitive_maxima(&spline, SHARP)];
         let (fitted, _, _) = refit(nurbs)?;
         let refitted = Spline::new(&fitted);
         let runs = Compared::ALL.iter().map(|&method| measure(method, curve, law));
@@ -328,7 +330,9 @@ fn measure(method: Compared, curve: &ArcLengthCurve<3>, law: &impl MotionLaw) ->
         (longest / shortest).log2().ceil() as usize
     };
     let breaks = match method {
-        Compared::FirstOrder | Compared::Xd | Compared::Lf => curvature_split(&own),
+        Compared::FirstOrder => curvature_maxima(&own),
+        Compared::Xd => radius_extremes(&own),
+        Compared::Lf => feed_sensitive_maxima(&own, SHARP),
         Compared::Lh => {
             let (fitted, n, deviation) = refit(nurbs)?;
             (rounds, off) = (n, deviation);

@@ -256,9 +256,9 @@ pub fn compared(run: &Table2Run) -> Vec<PaperFigure> {
         let points = parameters.iter().step_by(4).map(|u| over.point(*u)).map(|p| [p.x * 1e3, p.y * 1e3]).collect();
         PlaneCurve { name: name.to_owned(), colour, thin: true, points }
     };
-    let mut all = chords(curve, &[("X.D. and L.F.: chords", &run.open_loop)]);
-    all.curves.push(step("L.H.", 1, Compared::Lh, &run.refitted));
-    all.curves.push(step("ours", 2, Compared::Ours, curve));
+    let mut all = chords(curve, &[("X.D.: chords", &run.open_loop[0]), ("L.F.: chords", &run.open_loop[1])]);
+    all.curves.push(step("L.H.", 2, Compared::Lh, &run.refitted));
+    all.curves.push(step("ours", 3, Compared::Ours, curve));
     let window = |x: (f64, f64), y: (f64, f64)| {
         let cut = |c: &PlaneCurve| {
             let inside = |p: &&[f64; 2]| (x.0..=x.1).contains(&p[0]) && (y.0..=y.1).contains(&p[1]);
@@ -274,8 +274,7 @@ pub fn compared(run: &Table2Run) -> Vec<PaperFigure> {
     let end = shape[0];
     // Area A: where a chord of the open loop lies farthest from the curve. Area B: the sharpest
     // bend.
-    let farthest = run
-        .open_loop
+    let farthest = run.open_loop[0]
         .windows(2)
         .max_by(|a, b| curve.deviation(a[0], a[1], 60).total_cmp(&curve.deviation(b[0], b[1], 60)));
     let place = |u: f64| {
@@ -283,7 +282,7 @@ pub fn compared(run: &Table2Run) -> Vec<PaperFigure> {
         [p.x * 1e3, p.y * 1e3]
     };
     let left = farthest.map_or(end, |w| place(0.5 * (w[0] + w[1])));
-    let bend = run.open_loop[1..run.open_loop.len() - 1].iter().copied();
+    let bend = run.open_loop[1][1..run.open_loop[1].len() - 1].iter().copied();
     let top = bend.max_by(|a, b| curve.curvature(*a).abs().total_cmp(&curve.curvature(*b).abs())).map_or(end, place);
     let near = |p: [f64; 2], half: f64| window((p[0] - half, p[0] + half), (p[1] - half, p[1] + half));
     let drift = run.methods.iter().map(|m| {

@@ -4,19 +4,24 @@
 //! The paper's arm is not published; `data/qb_arm.json` says what stands in its place. Where
 //! dynamics matter the rows are fitted, because the stand-in was made from the printed numbers.
 
+pub mod completeness;
 pub mod data;
 pub mod experiment;
 mod figures;
+pub mod integration;
 pub mod lagrange;
 pub mod motion;
+pub mod published;
 pub mod scan;
 
 use arcfeed_feedrate::FeedPlanner;
 use arcfeed_interp::Method;
 use arcfeed_kinematics::Joints;
 
+use self::completeness::CompletenessRun;
 use self::data::{Data, QbError};
 use self::experiment::Experiment;
+use self::integration::IntegrationRun;
 use self::motion::{Case, FINE, PoseRun, pose_of, scan_difference};
 use self::scan::ScanRun;
 use super::{Reproduced, Reproduction};
@@ -44,10 +49,14 @@ pub struct QbRun {
     pub jerk: PoseRun,
     /// The published scan, written a second time: pure, composite, on 500 intervals.
     pub scans: [ScanRun; 2],
-    /// The library's speeds at the same points.
+    /// The speeds of [`published::PublishedScan`] at the same points.
     pub speeds: [Vec<f64>; 2],
     /// The published scan on 100 intervals: pure, composite.
     pub published: [PoseRun; 2],
+    /// Numerical integration on 500 intervals: pure, composite.
+    pub integration: [IntegrationRun; 2],
+    /// Theorem 3 with viscous friction.
+    pub completeness: CompletenessRun,
     /// The experiment.
     pub experiment: Experiment,
     /// Limits: velocity, acceleration, torque.
@@ -84,6 +93,10 @@ impl QbRun {
             let (problem, _, law) = case.published(COARSE)?;
             PoseRun::sampled(&arm, way, &problem, &law, SAMPLE)
         };
+        let integrated = |case: &Case<'_>| {
+            let (_, rows, _) = case.plan(Method::ForwardBackward, FINE)?;
+            Ok::<_, QbError>(IntegrationRun::measure(&rows)?)
+        };
         let composite = sampled(&case_to, &data.to, certified)?;
         let mut jerk = sampled(&case_to, &data.to, Method::JerkLimited)?;
         jerk.jerk = Some(JERK);
@@ -96,6 +109,8 @@ impl QbRun {
             pure: sampled(&kinematic, &data.po, certified)?,
             pure_torque: sampled(&case_po, &data.po, certified)?,
             published: [published(&case_po, &data.po)?, published(&case_to, &data.to)?],
+            integration: [integrated(&case_po)?, integrated(&case_to)?],
+            completeness: CompletenessRun::measure()?,
             experiment: Experiment::run(&arm, &composite.q, composite.period, limits)?,
             composite,
             jerk,
@@ -116,6 +131,7 @@ impl QbRun {
         }
         self.judge_pure(r);
         self.judge_composite(r);
+        self.completeness.judge(r);
         self.experiment.judge(r);
     }
 
@@ -193,6 +209,7 @@ impl QbRun {
             format!("{share:.4}"),
         )
         .note(format!("{what}, from differences of positions: the scan tests one end of each interval"));
+        self.integration[index].judge(r, place);
     }
 
     /// Figures 2 to 9 and 11 to 14.

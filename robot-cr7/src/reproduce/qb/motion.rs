@@ -1,13 +1,14 @@
 //! One motion of Huang et al. 2025, planned and sampled, and judged from the joint positions of its
 //! samples.
 
-use arcfeed_feedrate::{FeedPlanner, FeedProblem, PublishedScan, SpeedLaw};
+use arcfeed_feedrate::{FeedPlanner, FeedProblem, SpeedLaw};
 use arcfeed_interp::{Limits, Method, PathProblem, Planner, PoseMove, Setpoint};
 use arcfeed_kinematics::{Arm, JointLimits, Joints};
 use nalgebra::{Isometry3, Translation3};
 
 use super::data::{QbError, Way};
 use super::lagrange::Links;
+use super::published::PublishedScan;
 use super::scan::ScanRun;
 use crate::input::toml_check::rotation;
 use crate::reproduce::Reproduction;
@@ -53,7 +54,7 @@ impl<'a> Case<'a> {
         self.plan_with(&method, method, intervals)
     }
 
-    /// The same by the published scan of the library.
+    /// The same by the published scan.
     pub(super) fn published(&self, intervals: usize) -> Result<(PathProblem<'_>, FeedProblem, SpeedLaw), QbError> {
         self.plan_with(&PublishedScan, Method::ForwardBackward, intervals)
     }

@@ -27,7 +27,7 @@ fn holds(row: &Row, u: f64, v: f64) -> bool {
 }
 
 /// The first speed above `from` at which a row breaks, at most `to`: a walk, then halving.
-fn first_break(from: f64, to: f64, keeps: &dyn Fn(f64) -> bool) -> f64 {
+pub(super) fn first_break(from: f64, to: f64, keeps: &dyn Fn(f64) -> bool) -> f64 {
     const STEPS: u32 = 400;
     let at = |i: u32| from + (to - from) * f64::from(i) / f64::from(STEPS);
     let Some(i) = (1..=STEPS).find(|&i| !keeps(at(i))) else { return to };
