@@ -24,8 +24,12 @@ const ROUND_OFF: f64 = 1e-12;
 
 /// Times that something too fast between the grid points is dealt with, and how many of them by
 /// slowing down.
-const ATTEMPTS: usize = 8;
-const SLOWED_ATTEMPTS: usize = 4;
+const ATTEMPTS: usize = 9;
+const SLOWED_ATTEMPTS: usize = 5;
+
+/// Times that it is solved anew with margins from where it was: first with the rows that are near
+/// there, then with all.
+const CAREFUL_ATTEMPTS: usize = 2;
 
 /// Slowing down at last: with friction each time takes off half of what is too much.
 const LAST_SLOWED_ATTEMPTS: usize = 60;
@@ -75,7 +79,14 @@ impl Passes {
         let again = attempt.before.and_then(|before| start::again(&barrier_problem, &before.c));
         let start = again.unwrap_or_else(|| start::start(prepared, &mut barrier_problem));
         let goal = Goal { tolerance: self.tolerance, shortest: part.shortest(problem, fastest) };
-        let outcome = solver.minimise(problem, &mut barrier_problem, start, goal, attempt.drop_distant);
+        let mut to_drop = attempt.drop_distant;
+        if to_drop && attempt.before.is_some() {
+            // The shape is known.
+            barrier_problem.knots.evaluate(&start, &mut solver.values);
+            barrier_problem.drop_distant(&solver.values, |_| ());
+            to_drop = false;
+        }
+        let outcome = solver.minimise(problem, &mut barrier_problem, start, goal, to_drop);
         if outcome.wider <= 10.0 * self.tolerance {
             // Inside all bounds: a motion, however far it is from the optimum.
             return Ok(Solution { barrier_problem, c: solver.c.clone(), converged: outcome.is_close() });
@@ -128,8 +139,9 @@ impl Passes {
                     continue;
                 }
                 changed = true;
-                if scale < 1.0 - LARGE_REDUCTION && attempt == 0 {
-                    let careful = Attempt { drop_distant: false, factor: 1.0, before: Some(solution) };
+                if scale < 1.0 - LARGE_REDUCTION && attempt < CAREFUL_ATTEMPTS {
+                    let drop_distant = attempt == 0 && part.grid.len() <= drop_up_to;
+                    let careful = Attempt { drop_distant, factor: 1.0, before: Some(solution) };
                     *solution = self.solve(prepared, &mut solver, part, careful)?;
                 } else if part.slows(problem) && attempt < SLOWED_ATTEMPTS {
                     solution.scale(scale);

@@ -29,7 +29,7 @@ const CLOSEST: f64 = 0.5;
 /// And part of the time from one constant speed to the next.
 const OF_CHANGE: f64 = 1.0 / 24.0;
 /// But not less than this part of the longest time.
-const LEAST_PART: f64 = 0.1;
+const LEAST_PART: f64 = 0.3;
 
 /// A place of a law.
 #[derive(Debug, Clone, Copy)]
