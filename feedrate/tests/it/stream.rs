@@ -1,5 +1,5 @@
 //! Segments that arrive at random moments of the motion: judged by differences of the positions alone.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::neg_cmp_op_on_partial_ord)]
 use arcfeed_feedrate::{FeedError, Segment, SegmentStream, StreamStatus, boundaries, plan_per_segment, plan_windowed};
 
 use crate::allocations::allocations_in;
@@ -164,12 +164,12 @@ impl Case {
 
     /// A stop between two segments of which the second one had arrived in time.
     fn false_stop(&self, run: &Run, breaks: &[f64]) -> Option<String> {
-        for k in 1..self.segments.len() {
+        for (k, &at) in breaks.iter().enumerate().take(self.segments.len()).skip(1) {
             // Braking to rest at a boundary covers j t^3 / 6 in the last t, and so does leaving it from rest.
-            let [_, _, a, j] = self.segments[k - 1];
+            let j = self.segments[k - 1][3];
             let rests = |w: &[f64]| {
                 let cube = self.period.powi(3) / 6.0 * (1.0 + 1e-6);
-                let (before, after) = (breaks[k] - w[0], w[1] - breaks[k]);
+                let (before, after) = (at - w[0], w[1] - at);
                 before >= 0.0 && after >= 0.0 && before <= j * cube && after <= self.segments[k][3] * cube
             };
             let Some(rest) = run.p.windows(2).position(rests) else { continue };
