@@ -3,6 +3,7 @@
 mod allocation;
 mod any_arm;
 mod any_smooth_curve;
+mod cnc_curves;
 mod hybrid;
 mod regressions;
 mod tight_bends;

@@ -11,8 +11,6 @@ use crate::error::PlanError;
 
 /// Part of the time in which a joint's acceleration builds up that an interval takes at the most where the speed changes.
 const OF_BUILD_UP: f64 = 0.1;
-/// And part of the whole motion.
-const OF_MOTION: f64 = 1.0 / 400.0;
 /// Part of a limit on jerk by which the middle of an interval may be off the mean of its ends: its middle is in the rows, and what is left
 /// is a tenth of that.
 const MISFIT: f64 = 2e-3;
@@ -20,7 +18,8 @@ const MISFIT: f64 = 2e-3;
 const FASTER: f64 = 1.3;
 /// No interval is divided into more parts.
 const MOST_PARTS: f64 = 100.0;
-/// As many intervals are made, about, where times are short.
+/// As many intervals are made, about, at the least and at the most where the speed changes.
+const LEAST: f64 = 400.0;
 const MOST: f64 = 4000.0;
 
 /// Two grid points are no closer together than this part of that time.
@@ -54,8 +53,7 @@ pub(crate) fn resolved<const N: usize>(problem: PathProblem<'_, N>) -> Result<Pa
     let joints = problem.settings.limits.joints();
     let build_up = joints.acceleration().component_div(joints.jerk());
     let build_up = build_up.iter().copied().filter(|time| *time > 0.0).fold(f64::INFINITY, f64::min);
-    let longest = (OF_BUILD_UP * build_up).min(OF_MOTION * law.duration());
-    let mut grid = with_changes(rows.grid(), &law, longest);
+    let mut grid = with_changes(rows.grid(), &law, OF_BUILD_UP * build_up);
     let speeds: Vec<f64> = rows.grid().iter().map(|&s| law.v_at_s(s)).collect();
     let mut k = 0;
     let parts: Vec<usize> = grid
@@ -80,7 +78,7 @@ fn with_changes(grid: &[f64], law: &SpeedLaw, longest: f64) -> Vec<f64> {
     let knots: Vec<(f64, MotionState)> = law.knots().collect();
     let changes = |pair: &[(f64, MotionState)]| pair[0].1.a != 0.0 || pair[1].1.a != 0.0 || pair[0].1.j != 0.0;
     let changing: f64 = knots.windows(2).filter(|pair| changes(pair)).map(|pair| pair[1].0 - pair[0].0).sum();
-    let longest = longest.max(changing / MOST);
+    let longest = longest.min(changing / LEAST).max(changing / MOST);
     let mut places: Vec<Place> = Vec::new();
     let mut cursor = law.cursor();
     // From one constant speed or rest to the next.

@@ -1,0 +1,54 @@
+//! Curves of machine tools, nine of ten with jumps of curvature: the jerk-limited planner goes along all of them itself, no slower than
+//! the scan, and no limit that is raised makes a motion longer.
+
+use arcfeed_interp::Method;
+use integration_tests::cnc_curves::{ARMS, CncJob, NAMES};
+
+/// A duration may grow by so much of itself when a limit is raised: the grid depends on the limits.
+const LONGER: f64 = 1e-3;
+
+/// A number from 0 to 1 that depends on the seed alone.
+fn random(seed: &mut u64) -> f64 {
+    *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+    (*seed >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+fn planned(job: &CncJob, method: Method) -> f64 {
+    let plan = job.plan(method).unwrap_or_else(|why| panic!("{job:?}: {why}"));
+    if method == Method::JerkLimited {
+        assert_eq!(plan.fallback, None, "{job:?}");
+    }
+    plan.duration
+}
+
+#[test]
+fn no_curve_is_left_to_the_scan_and_none_is_slower_than_it() {
+    for (i, curve) in NAMES.into_iter().enumerate() {
+        let (size, feed) = ([0.01, 0.05, 0.2][i % 3], [0.05, 0.2][i % 2]);
+        let job = CncJob::new(curve, size, feed, ARMS[i % ARMS.len()].0);
+        let (best, scanned) = (planned(&job, Method::JerkLimited), planned(&job, Method::ContinuousAcceleration));
+        assert!(best < 0.99 * scanned, "{job:?}: {best} s, scanned {scanned} s");
+    }
+}
+
+#[test]
+fn a_higher_limit_never_makes_a_motion_longer() {
+    let mut seed = 20_261_128;
+    for case in 0..10 {
+        let curve = NAMES[case % NAMES.len()];
+        let size = 0.004 * 50_f64.powf(random(&mut seed));
+        let feed = 0.01 * 100_f64.powf(random(&mut seed));
+        let mut job = CncJob::new(curve, size, feed, ARMS[case % ARMS.len()].0);
+        job.factors = std::array::from_fn(|_| 0.3 + 0.7 * random(&mut seed));
+        let before = planned(&job, Method::JerkLimited);
+        let mut raised = job;
+        let which = (7.0 * random(&mut seed)) as usize;
+        let by = 1.0 + 2.0 * random(&mut seed);
+        match raised.factors.get_mut(which) {
+            Some(factor) => *factor *= by,
+            None => raised.feed *= by,
+        }
+        let after = planned(&raised, Method::JerkLimited);
+        assert!(after <= before * (1.0 + LONGER), "{job:?} takes {before} s, {raised:?} {after} s");
+    }
+}
