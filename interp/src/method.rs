@@ -13,8 +13,9 @@ use crate::problem::RowsNeeded;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Method {
-    /// The least time under all limits at once, jerk included, by an interior-point method. Where it finds no law, or where the joints'
-    /// accelerations have to step (the curvature of the path jumps, or the turning of the tool), the continuous-acceleration scan.
+    /// The least time under all limits at once, jerk included, by an interior-point method. Where the curvature of the path jumps, or the
+    /// turning of the tool, the joints' accelerations step by what the jerk limit allows within a control period. Where it finds no
+    /// law, or a longer one than the continuous-acceleration scan, the law of that scan.
     #[default]
     JerkLimited,
     /// One jerk-limited profile between the speed minima, each limit shared out between speed, acceleration and jerk

@@ -67,6 +67,8 @@ pub(super) struct Outcome {
     pub ahead: f64,
     /// Relative widening of the bounds; 0 when all are kept.
     pub wider: f64,
+    /// The gap that was aimed at in the end.
+    tolerance: f64,
 }
 
 /// When the iterations end.
@@ -89,13 +91,13 @@ impl Goal {
 /// A motion is mostly changes of speed if it takes longer than that without limits on jerk by one in so many parts.
 const MOSTLY: f64 = 5.0;
 
-/// A law that may be this far from its optimum has not converged.
-const CONVERGED_WITHIN: f64 = 0.02;
+/// A law that may be so many times what was aimed at from its optimum has not converged.
+const CONVERGED_WITHIN: f64 = 100.0;
 
 impl Outcome {
     /// Returns true if the solution is close to the optimum.
     pub fn is_close(&self) -> bool {
-        self.gap.max(self.ahead) < CONVERGED_WITHIN
+        self.gap.max(self.ahead) < CONVERGED_WITHIN * self.tolerance
     }
 }
 
@@ -163,12 +165,12 @@ impl Solver {
         goal: Goal,
         drop_distant: bool,
     ) -> Outcome {
-        let mut tolerance = goal.tolerance;
         self.c = c;
         self.barrier.clear();
         self.barrier.resize(barrier_problem.offsets()[3] + 2, [Side::default(); 2]);
         let start = f64::INFINITY;
-        let mut outcome = Outcome { iterations: 0, gap: start, ahead: start, wider: barrier_problem.narrow(0.0) };
+        let wider = barrier_problem.narrow(0.0);
+        let mut outcome = Outcome { iterations: 0, gap: start, ahead: start, wider, tolerance: goal.tolerance };
         let mut before = f64::NAN;
         let mut steps = [0.0; 2];
         let mut to_drop = drop_distant;
@@ -177,10 +179,10 @@ impl Solver {
             // Once the shape shows, and not so late that every change would have to be caught up
             // with.
             let shown = outcome.gap.max(outcome.ahead);
-            if shown < MARGINS_FROM && outcome.gap > 4.0 * tolerance {
+            if shown < MARGINS_FROM && outcome.gap > 4.0 * outcome.tolerance {
                 barrier_problem.set_margins(problem, &self.values);
             }
-            if to_drop && shown < DROP_BELOW && outcome.gap > tolerance {
+            if to_drop && shown < DROP_BELOW && outcome.gap > outcome.tolerance {
                 to_drop = false;
                 self.drop_distant(barrier_problem);
             }
@@ -198,7 +200,8 @@ impl Solver {
                 continue;
             }
             let duration = self.duration(barrier_problem);
-            tolerance = goal.at(duration);
+            outcome.tolerance = goal.at(duration);
+            let tolerance = outcome.tolerance;
             let centred = outcome.gap == f64::INFINITY;
             if centred {
                 sums.complementarity = START_GAP * duration;

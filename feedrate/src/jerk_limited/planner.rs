@@ -14,6 +14,10 @@ use crate::speed_law::SpeedLaw;
 /// stops. Where the path starts or ends in motion the acceleration there is 0. It stops at grid
 /// points whose cap is 0. Put the knots of a spline path on the grid.
 ///
+/// Where the second derivatives of a path jump and the jump is spread over some time
+/// ([`PathDerivatives::with_steps`](crate::constraint::PathDerivatives::with_steps)), the speed dips as
+/// far as the limits on jerk ask for.
+///
 /// Time and memory grow with the number of rows, the iterations slowly with the number of intervals
 /// (about 12 for 1000, 20 for 10 000, 25 to 45 for 100 000). More than 200 000 intervals or five
 /// million rows (some 160 000 intervals of a six-axis arm) are refused: such a path is better

@@ -10,6 +10,8 @@ const RATIO: f64 = 0.2;
 const WRONG: f64 = 0.014;
 /// An interval is halved at most this often for the sake of both: down to 1e-11 of the path.
 const HALVINGS: u32 = 30;
+/// Ratio of the lengths of neighbouring intervals.
+const STEEPEST: f64 = 3.0;
 /// At least so many intervals, so that the arm's own nonlinearity is seen on straight paths.
 const LEAST: usize = 100;
 /// Borders this close to a knot or to each other are one, as a part of the length.
@@ -50,6 +52,24 @@ pub(crate) fn refined(grid: &[f64], parts: impl Fn(usize) -> usize) -> Vec<f64> 
     }
     fine.extend(grid.last());
     fine
+}
+
+/// The grid with intervals halved until none is more than [`STEEPEST`] times as long as one next to it.
+pub(crate) fn graded(mut grid: Vec<f64>) -> Vec<f64> {
+    for _ in 0..HALVINGS {
+        let h = |k: usize| grid[k + 1] - grid[k];
+        let intervals = grid.len() - 1;
+        let beside = |k: usize| {
+            let before = if k > 0 { h(k - 1) } else { f64::INFINITY };
+            before.min(if k + 1 < intervals { h(k + 1) } else { f64::INFINITY })
+        };
+        let parts: Vec<usize> = (0..intervals).map(|k| 1 + usize::from(h(k) > STEEPEST * beside(k))).collect();
+        if parts.iter().all(|parts| *parts == 1) {
+            break;
+        }
+        grid = refined(&grid, |k| parts[k]);
+    }
+    grid
 }
 
 /// Increasing arc lengths from 0 to the path's length: `knots` and `breaks` (borders of sections, chord segments), refined where

@@ -53,7 +53,7 @@ pub(crate) fn resolved<const N: usize>(problem: PathProblem<'_, N>) -> Result<Pa
     let joints = problem.settings.limits.joints();
     let build_up = joints.acceleration().component_div(joints.jerk());
     let build_up = build_up.iter().copied().filter(|time| *time > 0.0).fold(f64::INFINITY, f64::min);
-    let mut grid = with_changes(rows.grid(), &law, OF_BUILD_UP * build_up);
+    let mut grid = grid::graded(with_changes(rows.grid(), &law, OF_BUILD_UP * build_up));
     let speeds: Vec<f64> = rows.grid().iter().map(|&s| law.v_at_s(s)).collect();
     let mut k = 0;
     let parts: Vec<usize> = grid
