@@ -151,147 +151,136 @@ fn planned(trajectory: &Trajectory<'_>) -> Planned {
     }
 }
 
-/// Degree, control points, weights and knots of a curve by name.
-fn shape(name: &str) -> (usize, Vec<[f64; 2]>, Vec<f64>, Vec<f64>) {
-    let polar = |n: usize, radius: &dyn Fn(usize) -> f64| -> Vec<[f64; 2]> {
-        let at = |i: usize| (radius(i), TAU * i as f64 / n as f64 + PI / 2.0);
-        (0..=n).map(|i| at(i % n)).map(|(r, angle)| [r * angle.cos(), r * angle.sin()]).collect()
-    };
-    let uniform = |degree: usize, points: Vec<[f64; 2]>, weights: Option<Vec<f64>>| {
-        let n = points.len();
-        let inner = n - degree - 1;
-        let mut knots = vec![0.0; degree + 1];
-        knots.extend((1..=inner).map(|i| i as f64));
-        knots.extend(vec![(inner + 1) as f64; degree + 1]);
-        let weights = weights.unwrap_or_else(|| vec![1.0; n]);
-        (degree, points, weights, knots)
-    };
+/// Degree, control points, weights and knots.
+type Shape = (usize, Vec<[f64; 2]>, Vec<f64>, Vec<f64>);
+
+/// A curve by name.
+fn shape(name: &str) -> Shape {
     match name {
-        "star" => uniform(2, polar(10, &|i| if i % 2 == 0 { 1.0 } else { 0.4 }), None),
-        "wm" => {
-            let points = [
-                [0.0, 6.0],
-                [1.0, 0.0],
-                [3.0, 4.0],
-                [5.0, 0.0],
-                [6.0, 6.0],
-                [7.0, 0.0],
-                [8.0, 6.0],
-                [10.0, 2.0],
-                [12.0, 6.0],
-                [13.0, 0.0],
-            ];
-            uniform(2, points.to_vec(), None)
+        "star" => uniform(2, ring(10, [1.0, 0.4]), &[]),
+        "wm" => uniform(2, WM.to_vec(), &[]),
+        "goggles" => uniform(2, GOGGLES.to_vec(), &[1.0, 1.0, 2.0, 1.0, 2.0, 1.0, 0.8, 1.0, 2.0, 1.0, 2.0, 1.0, 1.0]),
+        "omega" => uniform(2, OMEGA.to_vec(), &[]),
+        "diamond" => uniform(2, ring(8, [1.0, 0.6]), &[4.0, 1.0, 4.0, 1.0, 4.0, 1.0, 4.0, 1.0, 4.0]),
+        "trident" => uniform(2, TRIDENT.to_vec(), &[1.0, 2.0, 1.0, 1.5, 3.0, 1.5, 1.0, 2.0, 1.0]),
+        "serpentine" => serpentine(),
+        "slot" => slot(),
+        "wave" => {
+            let height = |i: i32| if i % 2 == 0 { 0.0 } else { 1.0 + 0.25 * f64::from(i) };
+            uniform(2, (0..16).map(|i| [f64::from(i), height(i)]).collect(), &[])
         }
-        "goggles" => {
-            let points = [
-                [0.0, 0.0],
-                [-2.0, 3.0],
-                [-5.0, 2.5],
-                [-6.0, 0.0],
-                [-5.0, -2.5],
-                [-2.0, -2.0],
-                [0.0, 0.6],
-                [2.0, -2.0],
-                [5.0, -2.5],
-                [6.0, 0.0],
-                [5.0, 2.5],
-                [2.0, 3.0],
-                [0.0, 0.0],
-            ];
-            uniform(2, points.to_vec(), Some(vec![1.0, 1.0, 2.0, 1.0, 2.0, 1.0, 0.8, 1.0, 2.0, 1.0, 2.0, 1.0, 1.0]))
-        }
-        "omega" => {
-            let points = [
-                [-4.0, 0.0],
-                [-2.0, 0.0],
-                [-0.8, 0.4],
-                [-3.2, 2.5],
-                [-2.6, 5.8],
-                [0.0, 7.0],
-                [2.6, 5.8],
-                [3.2, 2.5],
-                [0.8, 0.4],
-                [2.0, 0.0],
-                [4.0, 0.0],
-            ];
-            uniform(2, points.to_vec(), None)
-        }
-        "diamond" => uniform(
-            2,
-            polar(8, &|i| if i % 2 == 0 { 1.0 } else { 0.6 }),
-            Some((0..9).map(|i| if i % 2 == 0 { 4.0 } else { 1.0 }).collect()),
-        ),
-        "trident" => {
-            let points = [
-                [-3.0, 5.0],
-                [-3.2, 1.0],
-                [-1.0, 0.0],
-                [-0.6, 3.0],
-                [0.0, 6.5],
-                [0.6, 3.0],
-                [1.0, 0.0],
-                [3.2, 1.0],
-                [3.0, 5.0],
-            ];
-            uniform(2, points.to_vec(), Some(vec![1.0, 2.0, 1.0, 1.5, 3.0, 1.5, 1.0, 2.0, 1.0]))
-        }
-        // Half circles, up and down in turn.
-        "serpentine" => {
-            let (mut points, mut weights) = (vec![[0.0, 0.0]], vec![1.0]);
-            for half in 0..5_i32 {
-                let (x, y) = (2.0 * f64::from(half), if half % 2 == 0 { 1.0 } else { -1.0 });
-                points.extend([[x, y], [x + 1.0, y], [x + 2.0, y], [x + 2.0, 0.0]]);
-                weights.extend([FRAC_1_SQRT_2, 1.0, FRAC_1_SQRT_2, 1.0]);
-            }
-            (2, points.clone(), weights, double_knots(points.len()))
-        }
-        // Two half circles and two straight lines.
-        "slot" => {
-            let points = [
-                [0.0, -1.0],
-                [1.5, -1.0],
-                [3.0, -1.0],
-                [4.0, -1.0],
-                [4.0, 0.0],
-                [4.0, 1.0],
-                [3.0, 1.0],
-                [0.0, 1.0],
-                [-3.0, 1.0],
-                [-4.0, 1.0],
-                [-4.0, 0.0],
-                [-4.0, -1.0],
-                [-3.0, -1.0],
-                [-1.5, -1.0],
-                [0.0, -1.0],
-            ];
-            let weight = |i: usize| if [3, 5, 9, 11].contains(&i) { FRAC_1_SQRT_2 } else { 1.0 };
-            (2, points.to_vec(), (0..15).map(weight).collect(), double_knots(15))
-        }
-        "wave" => uniform(
-            2,
-            (0..16).map(|i| [f64::from(i), if i % 2 == 0 { 0.0 } else { 1.0 + 0.25 * f64::from(i) }]).collect(),
-            None,
-        ),
-        _ => uniform(
-            3,
-            vec![
-                [0.0, 0.0],
-                [1.5, 1.5],
-                [3.5, 1.8],
-                [4.5, 0.0],
-                [3.5, -1.8],
-                [1.5, -1.5],
-                [-1.5, 1.5],
-                [-3.5, 1.8],
-                [-4.5, 0.0],
-                [-3.5, -1.8],
-                [-1.5, -1.5],
-                [0.0, 0.0],
-            ],
-            None,
-        ),
+        _ => uniform(3, INFINITY.to_vec(), &[]),
     }
+}
+
+const WM: [[f64; 2]; 10] = [
+    [0.0, 6.0],
+    [1.0, 0.0],
+    [3.0, 4.0],
+    [5.0, 0.0],
+    [6.0, 6.0],
+    [7.0, 0.0],
+    [8.0, 6.0],
+    [10.0, 2.0],
+    [12.0, 6.0],
+    [13.0, 0.0],
+];
+const GOGGLES: [[f64; 2]; 13] = [
+    [0.0, 0.0],
+    [-2.0, 3.0],
+    [-5.0, 2.5],
+    [-6.0, 0.0],
+    [-5.0, -2.5],
+    [-2.0, -2.0],
+    [0.0, 0.6],
+    [2.0, -2.0],
+    [5.0, -2.5],
+    [6.0, 0.0],
+    [5.0, 2.5],
+    [2.0, 3.0],
+    [0.0, 0.0],
+];
+const OMEGA: [[f64; 2]; 11] = [
+    [-4.0, 0.0],
+    [-2.0, 0.0],
+    [-0.8, 0.4],
+    [-3.2, 2.5],
+    [-2.6, 5.8],
+    [0.0, 7.0],
+    [2.6, 5.8],
+    [3.2, 2.5],
+    [0.8, 0.4],
+    [2.0, 0.0],
+    [4.0, 0.0],
+];
+const TRIDENT: [[f64; 2]; 9] =
+    [[-3.0, 5.0], [-3.2, 1.0], [-1.0, 0.0], [-0.6, 3.0], [0.0, 6.5], [0.6, 3.0], [1.0, 0.0], [3.2, 1.0], [3.0, 5.0]];
+const INFINITY: [[f64; 2]; 12] = [
+    [0.0, 0.0],
+    [1.5, 1.5],
+    [3.5, 1.8],
+    [4.5, 0.0],
+    [3.5, -1.8],
+    [1.5, -1.5],
+    [-1.5, 1.5],
+    [-3.5, 1.8],
+    [-4.5, 0.0],
+    [-3.5, -1.8],
+    [-1.5, -1.5],
+    [0.0, 0.0],
+];
+
+/// A closed polygon of `n` corners whose distances from the middle are the two in turn.
+fn ring(n: usize, radii: [f64; 2]) -> Vec<[f64; 2]> {
+    let corner = |i: usize| {
+        let (radius, angle) = (radii[i % 2], TAU * i as f64 / n as f64 + PI / 2.0);
+        [radius * angle.cos(), radius * angle.sin()]
+    };
+    (0..=n).map(|i| corner(i % n)).collect()
+}
+
+/// With knots at equal distances; no weights stand for equal ones.
+fn uniform(degree: usize, points: Vec<[f64; 2]>, weights: &[f64]) -> Shape {
+    let inner = points.len() - degree - 1;
+    let mut knots = vec![0.0; degree + 1];
+    knots.extend((1..=inner).map(|i| i as f64));
+    knots.extend(vec![(inner + 1) as f64; degree + 1]);
+    let weights = if weights.is_empty() { vec![1.0; points.len()] } else { weights.to_vec() };
+    (degree, points, weights, knots)
+}
+
+/// Half circles, up and down in turn.
+fn serpentine() -> Shape {
+    let (mut points, mut weights) = (vec![[0.0, 0.0]], vec![1.0]);
+    for half in 0..5_i32 {
+        let (x, y) = (2.0 * f64::from(half), if half % 2 == 0 { 1.0 } else { -1.0 });
+        points.extend([[x, y], [x + 1.0, y], [x + 2.0, y], [x + 2.0, 0.0]]);
+        weights.extend([FRAC_1_SQRT_2, 1.0, FRAC_1_SQRT_2, 1.0]);
+    }
+    (2, points.clone(), weights, double_knots(points.len()))
+}
+
+/// Two half circles and two straight lines.
+fn slot() -> Shape {
+    let points = [
+        [0.0, -1.0],
+        [1.5, -1.0],
+        [3.0, -1.0],
+        [4.0, -1.0],
+        [4.0, 0.0],
+        [4.0, 1.0],
+        [3.0, 1.0],
+        [0.0, 1.0],
+        [-3.0, 1.0],
+        [-4.0, 1.0],
+        [-4.0, 0.0],
+        [-4.0, -1.0],
+        [-3.0, -1.0],
+        [-1.5, -1.0],
+        [0.0, -1.0],
+    ];
+    let weight = |i: usize| if [3, 5, 9, 11].contains(&i) { FRAC_1_SQRT_2 } else { 1.0 };
+    (2, points.to_vec(), (0..15).map(weight).collect(), double_knots(15))
 }
 
 /// Knots of quadratic arcs that meet at every second control point.

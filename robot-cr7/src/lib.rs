@@ -23,7 +23,7 @@ pub use output::compiled_report::{CertifiedRatio, CompiledReport};
 pub use output::joint_report::JointReport;
 #[cfg(feature = "plot")]
 pub use output::plot;
-pub use output::report::{Report, SegmentCount, StreamReport};
+pub use output::report::{Report, SegmentCount};
 pub use output::run_report::{Accuracy, DetourLine, EventLine, ExcursionLine, RunReport, StateSpan};
 pub use output::schedule_figure::{BindingBar, JointFigure, JointPanel, ShareFigure, SharePanel, SpeedFigure};
 pub use output::schedule_report::{BindingLine, ScheduleReport, ScheduleRun};
@@ -43,6 +43,7 @@ pub use run::robot::{Drives, Robot};
 pub use run::samples::{MOST_CYCLES, MOST_SAMPLES, TooManySamples, few_enough, sample_times};
 pub use run::speed_task::SpeedTask;
 pub use run::stage::Stage;
+pub use run::stream::StreamReport;
 pub use run::task::{Motion, Task, drawn_segments};
 pub use run::trajectory_row::TrajectoryRow;
 pub use run::verdict::{Exceeded, LimitsHold};

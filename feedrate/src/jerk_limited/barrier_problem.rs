@@ -79,13 +79,6 @@ pub(super) struct BarrierProblem {
 /// Lower and upper side of a row.
 pub(super) type Sides = [f64; 2];
 
-/// A row is dropped where its value is closer to the middle between its bounds than to either, by
-/// this measure.
-const DISTANT_FROM_BOUND: f64 = 0.6;
-
-/// But not a jerk row of a limit that is near its bound so many places before or after.
-const BESIDE_NEAR: usize = 8;
-
 /// Returns true if a row holds whatever the motion: that of a joint that stands still. It has no
 /// inside where its limit is 0.
 pub(super) fn is_nothing(row: &Row) -> bool {
@@ -317,88 +310,5 @@ impl BarrierProblem {
         }
         take(&mut self.jerk_wider, 1.0);
         largest
-    }
-
-    /// Drops the rows that are far from their bounds at the given values and calls `keep` for every
-    /// row with whether it stays, in their order.
-    pub fn drop_distant(&mut self, values: &Values, mut keep: impl FnMut(bool)) {
-        let Values { x, u, w, .. } = values;
-        let near = |value: f64, lo: f64, hi: f64| {
-            let size = if (hi - lo).is_finite() { 0.5 * (hi - lo) } else { hi.abs().min(lo.abs()) };
-            // A bound of 0 alone has no size: such a row always stays.
-            size == 0.0 || (value - lo).min(hi - value) < DISTANT_FROM_BOUND * size
-        };
-        let mut write = 0;
-        let mut start = 0;
-        for k in 0..x.len() {
-            for i in start..self.first[k + 1] {
-                let row = self.points[i];
-                let friction = if row.c == 0.0 { 0.0 } else { row.c * x[k].sqrt() };
-                let stays = near(row.a * u[k] + row.b * x[k] + friction, row.lo, row.hi);
-                keep(stays);
-                if stays {
-                    self.points[write] = row;
-                    write += 1;
-                }
-            }
-            start = self.first[k + 1];
-            self.first[k + 1] = write;
-        }
-        self.points.truncate(write);
-        self.caps.iter().for_each(|_| keep(true));
-        let (mut write, mut start) = (0, 0);
-        for p in 0..2 * w.len() {
-            for i in start..self.inner_first[p + 1] {
-                let row = self.inner[i];
-                let end = p / 2 + p % 2;
-                let stays = near(row.alpha * w[p / 2] + row.beta * u[end] + row.gamma * x[end], row.lo, row.hi);
-                keep(stays);
-                if stays {
-                    self.inner[write] = row;
-                    write += 1;
-                }
-            }
-            start = self.inner_first[p + 1];
-            self.inner_first[p + 1] = write;
-        }
-        self.inner.truncate(write);
-        // Where jerk changes its sign it is far from its bounds for a moment, and would change at once without its rows.
-        let rows = self.thirds_first.get(1).copied().unwrap_or(0);
-        let mut far = vec![true; self.thirds.len()];
-        let mut lasts = vec![None; rows];
-        let mut mark = |far: &mut [bool], p: usize, i: usize, is_near: bool| {
-            // Returns true within a few places after one that is near; marks those before it.
-            let row = i - p * rows;
-            if is_near {
-                let from = p.saturating_sub(BESIDE_NEAR);
-                (from..=p).for_each(|p| far[p * rows + row] = false);
-                lasts[row] = Some(p);
-            } else if lasts[row].is_some_and(|last| p - last <= BESIDE_NEAR) {
-                far[i] = false;
-            }
-        };
-        for p in 0..2 * w.len() {
-            for i in self.thirds_first[p]..self.thirds_first[p + 1] {
-                let row = self.thirds[i];
-                let end = p / 2 + p % 2;
-                let value = row.alpha * w[p / 2] + row.beta * u[end] + row.gamma * x[end];
-                let bound = 1.0 / x[end].sqrt() - row.step * x[end].sqrt();
-                mark(&mut far, p, i, row.step > 0.0 || near(value, -bound, bound));
-            }
-        }
-        let (mut write, mut start) = (0, 0);
-        for p in 0..2 * w.len() {
-            for i in start..self.thirds_first[p + 1] {
-                keep(!far[i]);
-                if !far[i] {
-                    self.thirds[write] = self.thirds[i];
-                    write += 1;
-                }
-            }
-            start = self.thirds_first[p + 1];
-            self.thirds_first[p + 1] = write;
-        }
-        self.thirds.truncate(write);
-        (0..2).for_each(|_| keep(true));
     }
 }

@@ -33,8 +33,10 @@ mod barrier_sides;
 mod between;
 #[cfg(feature = "clarabel")]
 pub(crate) mod conic;
+mod drop_distant;
 mod end_speed;
 mod interior_point;
+mod outcome;
 mod parts;
 mod passes;
 mod planner;

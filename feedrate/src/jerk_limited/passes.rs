@@ -3,7 +3,8 @@
 
 use super::barrier_problem::BarrierProblem;
 use super::between::largest_scale;
-use super::interior_point::{Goal, Solver};
+use super::interior_point::Solver;
+use super::outcome::Goal;
 use super::parts::{Part, Prepared, prepare};
 use super::solution::{JerkLimitedPlan, NotSolved, Solution, assemble};
 use super::start;

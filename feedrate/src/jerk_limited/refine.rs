@@ -1,9 +1,8 @@
 //! Grid points next to rest, where the acceleration builds up.
 
-use super::start::greatest_u;
 use crate::constraint::Within;
 use crate::problem::FeedProblem;
-use crate::row::JerkRow;
+use crate::row::{JerkRow, Row};
 
 /// Ratio of successive distances from rest.
 const GROWTH: f64 = 3.0;
@@ -48,4 +47,10 @@ fn from_rest(problem: &FeedProblem, k: usize, [rest, next]: [usize; 2], at: With
         fraction *= GROWTH;
     }
     fractions
+}
+
+/// The greatest acceleration of either sign that the rows allow from rest.
+pub(super) fn greatest_u(rows: &[Row]) -> f64 {
+    let one = |row: &Row| ((row.hi - row.d) / row.a).abs().min(((row.lo - row.d) / row.a).abs());
+    rows.iter().filter(|row| row.a != 0.0).map(one).fold(f64::INFINITY, f64::min)
 }

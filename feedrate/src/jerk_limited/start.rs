@@ -4,9 +4,9 @@ use std::collections::VecDeque;
 
 use super::barrier_problem::BarrierProblem;
 use super::parts::Prepared;
+use super::refine::greatest_u;
 use super::spline::{End, Values};
 use crate::problem::FeedProblem;
-use crate::row::Row;
 use crate::speed_law::SpeedLaw;
 
 /// A start that takes so many times the time of the second-order law makes for many iterations.
@@ -242,12 +242,6 @@ fn widen(barrier_problem: &mut BarrierProblem, values: &Values, jerk_ratio: f64)
     }
     barrier_problem.jerk_unit.iter_mut().zip(x).for_each(|(unit, x)| *unit = 1.0 / x.sqrt());
     barrier_problem.jerk_wider = ((1.0 + SLACK) * jerk_ratio - 1.0).max(0.0);
-}
-
-/// The greatest acceleration of either sign that the rows allow from rest.
-pub(super) fn greatest_u(rows: &[Row]) -> f64 {
-    let one = |row: &Row| ((row.hi - row.d) / row.a).abs().min(((row.lo - row.d) / row.a).abs());
-    rows.iter().filter(|row| row.a != 0.0).map(one).fold(f64::INFINITY, f64::min)
 }
 
 /// From rest with constant jerk up to an acceleration, then with that.

@@ -6,8 +6,6 @@ use arcfeed_kinematics::{JointRange, Joints};
 use super::certificate::{Certificate, certify, rounding, unexplained_jump};
 use super::error::JointTrajectoryError;
 use super::piece::{Coefficients, State, evaluate, reversed, state};
-use super::sampling::{JointCursor, JointSetpoints};
-use crate::error::{LimitError, positive};
 use crate::verify::JointRates;
 
 /// Positions at which one motion ends and the next one starts may differ by this, rad: the next one is moved by the difference.
@@ -188,19 +186,6 @@ impl<const N: usize> JointTrajectory<N> {
     #[inline]
     pub fn at(&self, t: f64) -> JointSetpoint<N> {
         self.in_piece(self.find(t), t)
-    }
-
-    /// A sampler that remembers its place, for times that increase.
-    pub fn cursor(&self) -> JointCursor<'_, N> {
-        JointCursor::new(self)
-    }
-
-    /// Setpoints at the control `period`, s, and one exactly at the end.
-    ///
-    /// # Errors
-    /// [`LimitError::NotPositive`] when the period is not a finite number above 0.
-    pub fn setpoints(&self, period: f64) -> Result<JointSetpoints<'_, N>, LimitError> {
-        Ok(JointSetpoints::new(self, positive("control period", period)?))
     }
 
     /// Bounds of position, velocity, acceleration and jerk at all times, against the limits `range` and `rates`.

@@ -1,6 +1,22 @@
 //! Sampling of a joint trajectory in the order of time.
 
 use super::joint_trajectory::{JointSetpoint, JointTrajectory};
+use crate::error::{LimitError, positive};
+
+impl<const N: usize> JointTrajectory<N> {
+    /// A sampler that remembers its place, for times that increase.
+    pub fn cursor(&self) -> JointCursor<'_, N> {
+        JointCursor::new(self)
+    }
+
+    /// Setpoints at the control `period`, s, and one exactly at the end.
+    ///
+    /// # Errors
+    /// [`LimitError::NotPositive`] when the period is not a finite number above 0.
+    pub fn setpoints(&self, period: f64) -> Result<JointSetpoints<'_, N>, LimitError> {
+        Ok(JointSetpoints::new(self, positive("control period", period)?))
+    }
+}
 
 /// A place in a [`JointTrajectory`] from which sampling goes on; see [`JointTrajectory::cursor`].
 #[derive(Debug, Clone)]
@@ -10,7 +26,7 @@ pub struct JointCursor<'a, const N: usize = 6> {
 }
 
 impl<'a, const N: usize> JointCursor<'a, N> {
-    pub(super) fn new(motion: &'a JointTrajectory<N>) -> Self {
+    fn new(motion: &'a JointTrajectory<N>) -> Self {
         Self { motion, piece: 0 }
     }
 
@@ -38,7 +54,7 @@ pub struct JointSetpoints<'a, const N: usize = 6> {
 }
 
 impl<'a, const N: usize> JointSetpoints<'a, N> {
-    pub(super) fn new(motion: &'a JointTrajectory<N>, period: f64) -> Self {
+    fn new(motion: &'a JointTrajectory<N>, period: f64) -> Self {
         let duration = motion.duration();
         // The last full cycle may fall on the end to within rounding: then the end is not sampled twice.
         let cycles = ((duration / period * (1.0 - 1e-12)).floor() as usize).saturating_add(1);

@@ -6,7 +6,7 @@ use arcfeed_feedrate::{MotionLaw, SpeedLaw};
 use arcfeed_geometry::{PoseJet, PoseMotion};
 use arcfeed_interp::{
     JointJet, JointSpline, LimitId, Limits, Method, MotionPath, PathError, PathParameter, PathProblem, Planner,
-    PoseMove, Quantity, RowsNeeded, Setpoint, ToolLimits, Verification,
+    PoseMove, Quantity, Setpoint, ToolLimits, Verification,
 };
 use arcfeed_kinematics::{
     Arm, ArmDynamics, Chain, ForwardKinematics, Friction, Inertial, Joint, JointLimits, JointRange, Joints, models,

@@ -11,6 +11,7 @@ use super::compiled_report::CompiledReport;
 use super::limit_table::{ending, limit_table};
 use crate::run::limit_line::{LimitLine, worst};
 use crate::run::limit_lines::limit_lines;
+use crate::run::stream::StreamReport;
 use crate::run::task::Motion;
 use crate::text::{WIDTH, clip, duration, json, number};
 
@@ -23,33 +24,6 @@ pub struct SegmentCount {
     pub segments: usize,
     /// Largest deviation of any of them from the path, in m.
     pub max_deviation_m: f64,
-}
-
-/// A plan whose segments arrived while it ran.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct StreamReport {
-    /// Segments behind the present one that the controller holds.
-    pub look_ahead: usize,
-    /// Time between two arrivals, in s; 0 where the window is filled in every cycle.
-    pub gap_s: f64,
-    /// Duration of the same stream with the whole path known before the start, in s.
-    pub whole_duration_s: f64,
-    /// Stretches of the path, in m, in which the look-ahead held the motion back.
-    pub held_back_m: Vec<(f64, f64)>,
-    /// Place, in m, and duration, in s, of each wait for a segment.
-    pub waits_m_s: Vec<(f64, f64)>,
-}
-
-impl StreamReport {
-    /// Length, in m, on which the look-ahead held the motion back.
-    pub fn held_back(&self) -> f64 {
-        self.held_back_m.iter().map(|(from, to)| to - from).sum()
-    }
-
-    /// Time spent waiting, in s.
-    pub fn waited(&self) -> f64 {
-        self.waits_m_s.iter().map(|wait| wait.1).sum()
-    }
 }
 
 /// The report of a plan. Its fields are the keys of the JSON form, SI units in their names.

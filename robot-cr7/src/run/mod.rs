@@ -15,6 +15,7 @@ pub(crate) mod samples;
 pub(crate) mod speed_task;
 pub(crate) mod stage;
 pub(crate) mod stand_in;
+pub(crate) mod stream;
 pub(crate) mod task;
 pub(crate) mod trajectory_row;
 pub(crate) mod verdict;

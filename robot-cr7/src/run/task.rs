@@ -15,10 +15,10 @@ use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use super::cr7::Cr7;
 use super::error::Cr7Error;
 use super::robot::{Drives, Robot};
+use super::stream::StreamReport;
 use crate::input::error::InputError;
 use crate::input::job::{Job, ToolOrientation};
 use crate::input::path_file::{MOST_CONTROL_POINTS, PathFile};
-use crate::output::report::StreamReport;
 
 /// Positions along the path are good to this, m: far below what any encoder resolves.
 pub(crate) const ARC_LENGTH_TOLERANCE: f64 = 1e-15;
