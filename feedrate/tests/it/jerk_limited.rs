@@ -156,3 +156,101 @@ fn says_what_is_missing() {
     let no_third = PathDerivatives::new(JOINTS, &samples.first, &samples.second).unwrap();
     assert!(JointJerk::new(no_third, &A_MAX).is_err());
 }
+
+/// A line and an arc of radius 0.1 after it, as two axes see them, on a grid with a point on both sides of where they meet; lengths in
+/// units of `length` and times in units of `time`.
+struct LineAndArc {
+    grid: Vec<f64>,
+    after: [Vec<f64>; 3],
+    before: [Vec<f64>; 3],
+    steps: Vec<f64>,
+    length: f64,
+    time: f64,
+}
+
+const CORNER: f64 = 0.5;
+const RADIUS: f64 = 0.1;
+const PERIOD: f64 = 2e-3;
+const RATES: [f64; 3] = [1.0, 5.0, 50.0];
+
+impl LineAndArc {
+    fn new(length: f64, time: f64) -> Self {
+        // At this speed the step of the acceleration takes all of the jerk, and the points are as far away as it goes in a period.
+        let beside = PERIOD * (RATES[2] * PERIOD * RADIUS).sqrt();
+        let mut places: Vec<f64> =
+            (0..=400).map(|i| 2e-3 * f64::from(i)).filter(|s| (s - CORNER).abs() > 1e-3).collect();
+        places.extend([CORNER - beside, CORNER, CORNER + beside]);
+        for away in (1..5).map(|i| beside * 2.5_f64.powi(i)).take_while(|away| *away < 1.5e-3) {
+            places.extend([CORNER - away, CORNER + away]);
+        }
+        places.sort_by(f64::total_cmp);
+        let on_arc = |s: f64| {
+            let (sin, cos) = ((s - CORNER) / RADIUS).sin_cos();
+            [[cos, sin], [-sin / RADIUS, cos / RADIUS], [-cos / RADIUS.powi(2), -sin / RADIUS.powi(2)]]
+        };
+        let on_line = [[1.0, 0.0], [0.0; 2], [0.0; 2]];
+        let flat = |arc_from: &dyn Fn(f64) -> bool| -> [Vec<f64>; 3] {
+            let jets = places.iter().map(|&s| if arc_from(s) { on_arc(s) } else { on_line });
+            let jets: Vec<_> = jets.collect();
+            std::array::from_fn(|n| jets.iter().flat_map(|jet| jet[n].map(|d| d / length.powi(n as i32 + 1))).collect())
+        };
+        let beside_corner = |pair: &[f64]| pair[0] == CORNER || pair[1] == CORNER;
+        let step = 1.0 / RADIUS / length.powi(2) / (PERIOD * time);
+        Self {
+            steps: places.windows(2).flat_map(|pair| [0.0, if beside_corner(pair) { step } else { 0.0 }]).collect(),
+            after: flat(&|s| s >= CORNER),
+            before: flat(&|s| s > CORNER),
+            grid: places.iter().map(|s| s * length).collect(),
+            length,
+            time,
+        }
+    }
+
+    fn plan(&self) -> SpeedLaw {
+        let [after, before] = [&self.after, &self.before];
+        let path = PathDerivatives::new(2, &after[0], &after[1]).and_then(|path| path.with_third(&after[2])).unwrap();
+        let path =
+            path.with_values_before(&before[0], &before[1], &before[2]).unwrap().with_steps(&self.steps).unwrap();
+        let [v, a, j] = [0, 1, 2].map(|n| [RATES[n] / self.time.powi(n as i32 + 1); 2]);
+        let velocity = JointVelocity::new(path, &v).unwrap();
+        let acceleration = JointAcceleration::new(path, &a).unwrap();
+        let jerk = JointJerk::new(path, &j).unwrap();
+        let problem = FeedProblem::between_points(&self.grid, &[&velocity, &acceleration, &jerk]).unwrap();
+        JerkLimited::default().plan(&problem).unwrap()
+    }
+}
+
+/// By differences of the accelerations over the time that the step is spread over: no jerk over the limit, and none wasted.
+#[test]
+fn a_step_of_acceleration_takes_its_part_of_the_jerk() {
+    let law = LineAndArc::new(1.0, 1.0).plan();
+    let mut cursor = law.cursor();
+    let mut acceleration = |t: f64| {
+        let at = cursor.at(t);
+        let (sin, cos) = ((at.p - CORNER).max(0.0) / RADIUS).sin_cos();
+        let bend = if at.p > CORNER { at.v * at.v / RADIUS } else { 0.0 };
+        [cos * at.a - sin * bend, sin * at.a + cos * bend]
+    };
+    let mut most = 0.0_f64;
+    for i in 0..100_000 {
+        let t = (law.duration() - PERIOD) * f64::from(i) / 1e5;
+        let (from, to) = (acceleration(t), acceleration(t + PERIOD));
+        most = (0..2).fold(most, |most, k| most.max((to[k] - from[k]).abs() / PERIOD / RATES[2]));
+    }
+    assert!(most < 1.005, "jerk at {most} of its limit");
+    assert!(most > 0.98, "jerk at {most} of its limit");
+    let speed = law.v_at_s(CORNER);
+    let greatest = (RATES[2] * PERIOD * RADIUS).sqrt();
+    assert!(speed <= greatest && speed > 0.95 * greatest, "{speed} m/s of {greatest}");
+    assert!(law.v_at_s(CORNER - 0.05) > 1.5 * speed && law.v_at_s(CORNER + 0.05) > 1.5 * speed);
+}
+
+/// The same motion in other units of length and time.
+#[test]
+fn units_do_not_matter() {
+    let duration = LineAndArc::new(1.0, 1.0).plan().duration();
+    for (length, time) in [(1e-6, 1.0), (1e3, 1.0), (1.0, 1e-3), (1.0, 1e6), (1e-6, 1e6), (1e3, 1e-3), (1e-6, 1e-3)] {
+        let other = LineAndArc::new(length, time).plan().duration() / time;
+        assert!((other / duration - 1.0).abs() < 1e-6, "{length} m, {time} s: {other} instead of {duration}");
+    }
+}
