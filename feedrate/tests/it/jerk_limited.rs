@@ -164,7 +164,6 @@ struct LineAndArc {
     after: [Vec<f64>; 3],
     before: [Vec<f64>; 3],
     steps: Vec<f64>,
-    length: f64,
     time: f64,
 }
 
@@ -201,7 +200,6 @@ impl LineAndArc {
             after: flat(&|s| s >= CORNER),
             before: flat(&|s| s > CORNER),
             grid: places.iter().map(|s| s * length).collect(),
-            length,
             time,
         }
     }
