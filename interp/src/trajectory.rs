@@ -3,7 +3,7 @@
 use std::fmt;
 use std::time::Duration;
 
-use arcfeed_feedrate::{Cursor, Fallback, FeedProblem, LimitId, Row, SpeedLaw};
+use arcfeed_feedrate::{Cursor, Fallback, FeedProblem, LimitId, Quantity, Row, SpeedLaw};
 use arcfeed_geometry::Segmentation;
 use arcfeed_kinematics::Joints;
 
@@ -196,13 +196,20 @@ impl<'p, const N: usize> Trajectory<'p, N> {
         self.problem.torque_at(at)
     }
 
-    /// The highest speed that caps allow at every grid point: feed, bends, stops. Rows are not looked at.
+    /// The highest speed that caps allow at every grid point: feed, bends, stops, and with a limit on jerk the steps of acceleration at
+    /// jumps of the curvature. Rows are not looked at.
     ///
     /// # Errors
     /// [`SpeedError::Feed`] for numbers that are not finite; after a successful plan that does not happen.
     pub fn limit_curve(&self) -> Result<Vec<LimitPoint>, SpeedError> {
         let rows = self.problem.rows(RowsNeeded::Points)?;
-        Ok((0..rows.grid().len()).map(|i| cap(&rows, i)).collect())
+        let with_jerk = self.info.method.is_some_and(Method::limits_jerk);
+        let one = |i: usize| {
+            let (point, (speed, joint)) = (cap(&rows, i), self.problem.step_speed(i));
+            let id = Some(LimitId::joint(Quantity::JointJerk, joint));
+            if with_jerk && speed < point.speed { LimitPoint { speed, id, ..point } } else { point }
+        };
+        Ok((0..rows.grid().len()).map(one).collect())
     }
 
     /// The initial velocity limit (Electronics 2025, 14, 3869, eq. 16) at every grid point: the greatest speed up to which

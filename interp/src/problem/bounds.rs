@@ -56,6 +56,15 @@ impl<const N: usize> DerivativeBounds<N> {
         self.jumps.iter().flat_map(|jumps| jumps.iter().map(|jump| jump * SPREAD / period)).collect()
     }
 
+    /// The highest speed at grid point `i` at which the step of acceleration takes no more than the limit `jerk` of any joint over
+    /// `period` (s), and that joint; infinite away from jumps.
+    pub fn step_speed(&self, i: usize, jerk: &Joints<N>, period: f64) -> (f64, usize) {
+        let near = self.jumps[i.saturating_sub(1)..(i + 1).min(self.jumps.len())].iter();
+        let each = near.flat_map(|jumps| (0..N).map(move |j| (jerk[j] * period / (jumps[j] * SPREAD), j)));
+        let (square, joint) = each.fold((f64::INFINITY, 0), |least, one| if one.0 < least.0 { one } else { least });
+        (square.sqrt(), joint)
+    }
+
     /// The highest speed that `at_curvature` allows at each grid point, so that between two points the square of the speed may lie on
     /// the straight line through both; and on each interval. No speed above `feeds` is asked for.
     pub fn bend_speeds(&self, feeds: &[f64], at_curvature: impl Fn(f64) -> f64) -> [Vec<f64>; 2] {

@@ -212,6 +212,12 @@ impl<'p, const N: usize> PathProblem<'p, N> {
         Feeds { elsewhere, sections: &self.layout.sections }.at(s)
     }
 
+    /// The highest speed at grid point `i` at which the steps of the joints' accelerations keep the limits on jerk, and the joint that
+    /// sets it; infinite away from jumps of the curvature.
+    pub(crate) fn step_speed(&self, i: usize) -> (f64, usize) {
+        self.bounds.step_speed(i, self.settings.limits.joints().jerk(), self.settings.period)
+    }
+
     /// How far the third derivatives of the joints in the middle of interval `k` are from the mean of both ends, in units of the limits
     /// on jerk.
     pub(crate) fn third_misfit(&self, k: usize) -> f64 {

@@ -405,6 +405,11 @@ fn the_speed_dips_at_a_jump_of_curvature_as_far_as_the_jerk_asks_for() {
     assert!(used <= 1.0 + 1e-6, "the step takes {used} of a period's jerk");
     // No slower than that: the step alone takes most of it.
     assert!(used > 0.9, "the step takes {used} of a period's jerk");
+    // The limit curve shows it, and names the jerk.
+    let curve = planned.limit_curve().expect("finite");
+    let point = curve.iter().min_by(|a, b| (a.s - 0.1).abs().total_cmp(&(b.s - 0.1).abs())).expect("points");
+    assert!(at(high).feed <= point.speed * (1.0 + 1e-6) && at(high).feed > 0.9 * point.speed, "{point:?}");
+    assert_eq!(point.id.map(|id| id.quantity), Some(Quantity::JointJerk));
     let (before, after) = (at(high - 0.05).feed, at(high + 0.05).feed);
     assert!(at(high).feed < before.min(after), "no dip: {before}, {}, {after}", at(high).feed);
 }

@@ -208,16 +208,12 @@ impl Display for Report {
         }
 
         limit_table(f, &self.limits)?;
+        let taken = usize::from(second) + 2 * usize::from(compiled.is_some()) + usize::from(self.stream.is_some());
         ending(
             f,
             &self.warnings,
             &self.files,
-            [
-                MOST_WARNINGS.saturating_sub(
-                    usize::from(second) + 2 * usize::from(compiled.is_some()) + usize::from(self.stream.is_some()),
-                ),
-                MOST_FILES,
-            ],
+            [MOST_WARNINGS.saturating_sub(taken), MOST_FILES - taken.saturating_sub(MOST_WARNINGS)],
         )
     }
 }
