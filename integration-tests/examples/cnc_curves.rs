@@ -90,7 +90,7 @@ fn plan(jobs: &[CncJob]) -> HashMap<usize, Both> {
 }
 
 impl Counts {
-    /// What is to be said of a job after the one before it in its row of feeds, and its duration.
+    /// Counts a job, after the one before it in its row of feeds. Returns its line of text, and its duration.
     fn judge(&mut self, [best, scan]: &Both, before: Option<(CncJob, f64)>) -> (String, Option<f64>) {
         let Planned { duration, fallback, rounds, intervals, planning } = match best {
             Ok(planned) => planned,

@@ -33,16 +33,18 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
+    /// A number evenly spread.
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * ((self.next() >> 11) as f64 / (1u64 << 53) as f64)
     }
 
     /// A number whose logarithm is evenly spread.
-    pub(crate) fn log(&mut self, low: f64, high: f64) -> f64 {
+    pub fn log(&mut self, low: f64, high: f64) -> f64 {
         self.between(low.ln(), high.ln()).exp()
     }
 
-    pub(crate) fn below(&mut self, n: u64) -> u64 {
+    /// A whole number below `n`.
+    pub fn below(&mut self, n: u64) -> u64 {
         self.next() % n
     }
 

@@ -261,11 +261,22 @@ impl<'a, const N: usize> Planner<'a, N> {
     where
         'a: 'p,
     {
+        self.plan_until(path, |_| Ok(Vec::new()))
+    }
+
+    /// Plans until a verified trajectory exceeds nothing that `exceeded` looks for: limits, and the ratios to them.
+    pub(crate) fn plan_until<'p, E: From<PlanError>>(
+        &self,
+        path: Held<'p, N>,
+        mut exceeded: impl FnMut(&Trajectory<'p, N>) -> Result<Vec<(LimitId, f64)>, E>,
+    ) -> Result<Trajectory<'p, N>, E>
+    where
+        'a: 'p,
+    {
         let begin = Instant::now();
         let needs = self.method.needs();
         let on_breaks = self.method.is_by_interval();
         let mut problem = PathProblem::new(&self.settings, path, needs, on_breaks)?;
-        let prepared = begin.elapsed();
         let mut used = LimitFractions::default();
         if self.method == Method::JerkLimited && problem.path().tool_curve().is_some() {
             problem = resolved(problem)?;
@@ -280,10 +291,18 @@ impl<'a, const N: usize> Planner<'a, N> {
             verifying += started.elapsed();
             if verification.holds(TOLERANCE) {
                 let [grid, joint_path] = problem.times();
-                let speed = begin.elapsed().saturating_sub(verifying + prepared);
+                let speed = begin.elapsed().saturating_sub(verifying + grid + joint_path);
                 let timings = Timings { grid, joint_path, speed, verification: verifying };
                 let info = self.info(&problem, &chosen, (rounds, refined), &used);
-                return Ok(Trajectory::new(problem, chosen.law, info, verification, timings));
+                let trajectory = Trajectory::new(problem, chosen.law, info, verification, timings);
+                let more = exceeded(&trajectory)?;
+                if more.is_empty() || rounds == ROUNDS {
+                    return Ok(trajectory);
+                }
+                more.into_iter().for_each(|(id, ratio)| used.lower(id, 1.0 / (ratio + MARGIN)));
+                problem = trajectory.into_problem();
+                chosen = self.choose(&problem, &used)?;
+                continue;
             }
             let Some(exceeded) = lowerable(&verification, self.method.limits_jerk()) else { break verification };
             if rounds == ROUNDS {
@@ -303,7 +322,7 @@ impl<'a, const N: usize> Planner<'a, N> {
             let Ok(again) = self.choose(&problem, &used) else { break verification };
             chosen = again;
         };
-        Err(unverified(&problem, &verification, needs > RowsNeeded::Points))
+        Err(unverified(&problem, &verification, needs > RowsNeeded::Points).into())
     }
 
     fn choose(&self, problem: &PathProblem<'_, N>, used: &LimitFractions) -> Result<ChosenLaw, PlanError> {

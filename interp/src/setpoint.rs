@@ -25,3 +25,10 @@ pub struct Setpoint<const N: usize = 6> {
     /// Commanded tool pose in base.
     pub pose: Isometry3<f64>,
 }
+
+/// Number of control cycles of a motion, the last one of which may be shorter: it ends at the end.
+///
+/// The last full cycle may fall on the end to within rounding: then the end is not sampled twice.
+pub(crate) fn cycles(duration: f64, period: f64) -> usize {
+    ((duration / period * (1.0 - 1e-12)).floor() as usize).saturating_add(1)
+}

@@ -12,7 +12,7 @@ use crate::limits::{Limits, Section};
 use crate::method::Method;
 use crate::path::{JointJet, JointPath, MotionPath};
 use crate::problem::{PathProblem, RowsNeeded};
-use crate::setpoint::Setpoint;
+use crate::setpoint::{Setpoint, cycles};
 use crate::verify::Verification;
 
 /// Who planned a motion, and how.
@@ -100,6 +100,10 @@ impl<'p, const N: usize> Trajectory<'p, N> {
         timings: Timings,
     ) -> Self {
         Self { problem, law, info, verification, timings }
+    }
+
+    pub(crate) fn into_problem(self) -> PathProblem<'p, N> {
+        self.problem
     }
 
     /// The path.
@@ -359,8 +363,7 @@ impl<'t, 'p, const N: usize> Setpoints<'t, 'p, N> {
     fn new(problem: &'t PathProblem<'p, N>, law: &'t SpeedLaw, period: f64) -> Result<Self, LimitError> {
         positive("control period", period)?;
         let duration = law.duration();
-        // The last full cycle may fall on the end to within rounding: then the end is not sampled twice.
-        let cycles = (duration / period * (1.0 - 1e-12)).floor() as usize + 1;
+        let cycles = cycles(duration, period);
         let near = problem.joint_path().nodes()[0];
         Ok(Self { problem, cursor: law.cursor(), duration, period, cycle: 0, cycles, near })
     }

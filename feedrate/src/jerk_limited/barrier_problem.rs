@@ -269,6 +269,7 @@ impl BarrierProblem {
         let up = factor.powf(-1.5);
         for row in &mut self.thirds {
             (row.alpha, row.beta, row.gamma) = (up * row.alpha, up * row.beta, up * row.gamma);
+            // More than its power 1 asks for.
             row.step *= up;
             row.part /= up;
         }

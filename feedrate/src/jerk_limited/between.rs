@@ -119,8 +119,8 @@ impl BarrierProblem {
                     row.value(w, states[i].0, states[i].1) / row.limit
                 };
                 let [low, high] = parabola_overshoot(value(0), value(1), value(2));
-                let here = value(end).abs()
-                    + rows[end][row.id as usize].step * states[end].1 / rows[end][row.id as usize].limit;
+                let stated = &rows[end][row.id as usize];
+                let here = value(end).abs() + stated.step * states[end].1 / stated.limit;
                 let part = (self.most - low.max(high)).max(least(here, row.part)).min(self.most);
                 let factor = row.part / part;
                 row.alpha *= factor;

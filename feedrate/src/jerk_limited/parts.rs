@@ -110,15 +110,14 @@ impl Prepared<'_> {
 }
 
 pub(super) fn prepare(original: &FeedProblem) -> Result<Prepared<'_>, FeedError> {
-    let problem = original;
-    if !problem.is_between_points() {
+    if !original.is_between_points() {
         return Err(FeedError::Empty { what: "rows between the grid points (FeedProblem::between_points)" });
     }
-    if !problem.has_jerk() {
+    if !original.has_jerk() {
         return Err(FeedError::Empty { what: "limits on jerk" });
     }
-    fits(problem)?;
-    let problem = refined(problem);
+    fits(original)?;
+    let problem = refined(original);
     let fastest = squared_speeds(&problem).or_else(|error| match error {
         // Reachability passes points at which standing still is impossible.
         FeedError::StaticallyInfeasible { .. } => Reachability.squared_speeds(&problem),

@@ -57,9 +57,8 @@ pub struct StreamStep {
 /// when it entered the last one, and goes on as soon as one arrives. With all segments pushed and
 /// [`SegmentStream::finish`] called before the first step the motion is that of
 /// [`plan_per_segment`](crate::plan_per_segment), without the stops on the way of the latter.
-/// Nothing but
-/// [`SegmentStream::new`] allocates. A cycle costs a few operations for each segment that it
-/// completes, and a push a few for each segment that waits, and at most 26 exact plans.
+/// Nothing but [`SegmentStream::new`] allocates. A cycle costs a few operations for each segment
+/// that it completes, and a push a few for each segment that waits, and at most 26 exact plans.
 ///
 /// ```
 /// use arcfeed_feedrate::{Segment, SegmentStream, StreamStatus};

@@ -3,15 +3,10 @@
 
 use arcfeed_interp::Method;
 use integration_tests::cnc_curves::{ARMS, CncJob, NAMES};
+use integration_tests::hybrid_scenario::Random;
 
 /// A duration may grow by so much of itself when a limit is raised: the grid depends on the limits.
 const LONGER: f64 = 1e-3;
-
-/// A number from 0 to 1 that depends on the seed alone.
-fn random(seed: &mut u64) -> f64 {
-    *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-    (*seed >> 11) as f64 / (1_u64 << 53) as f64
-}
 
 fn planned(job: &CncJob, method: Method) -> f64 {
     let plan = job.plan(method).unwrap_or_else(|why| panic!("{job:?}: {why}"));
@@ -33,17 +28,17 @@ fn no_curve_is_left_to_the_scan_and_none_is_slower_than_it() {
 
 #[test]
 fn a_higher_limit_never_makes_a_motion_longer() {
-    let mut seed = 20_261_128;
+    let mut random = Random::new(20_261_128);
     for case in 0..10 {
         let curve = NAMES[case % NAMES.len()];
-        let size = 0.004 * 50_f64.powf(random(&mut seed));
-        let feed = 0.01 * 100_f64.powf(random(&mut seed));
+        let size = random.log(0.004, 0.2);
+        let feed = random.log(0.01, 1.0);
         let mut job = CncJob::new(curve, size, feed, ARMS[case % ARMS.len()].0);
-        job.factors = std::array::from_fn(|_| 0.3 + 0.7 * random(&mut seed));
+        job.factors = std::array::from_fn(|_| random.between(0.3, 1.0));
         let before = planned(&job, Method::JerkLimited);
         let mut raised = job;
-        let which = (7.0 * random(&mut seed)) as usize;
-        let by = 1.0 + 2.0 * random(&mut seed);
+        let which = random.below(7) as usize;
+        let by = random.between(1.0, 3.0);
         match raised.factors.get_mut(which) {
             Some(factor) => *factor *= by,
             None => raised.feed *= by,

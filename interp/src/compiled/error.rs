@@ -53,6 +53,22 @@ pub enum CompileError {
         /// The time, s.
         t: f64,
     },
+    /// The tool of the compiled motion exceeds a limit, however slow the plan was made.
+    #[error(
+        "{limit} of the tool may reach {value:.6e} near t = {t:.6} s, {:.5} % of its limit {allowed:.6e}: allow less deviation, \
+         so that the pieces follow the plan more closely",
+        100.0 * value / allowed
+    )]
+    Tool {
+        /// Which limit.
+        limit: LimitId,
+        /// What is not exceeded, SI.
+        value: f64,
+        /// The limit, SI.
+        allowed: f64,
+        /// The time of the largest value found, s.
+        t: f64,
+    },
     /// The pieces do not make a joint trajectory.
     #[error(transparent)]
     Pieces(#[from] JointTrajectoryError),

@@ -2,6 +2,7 @@
 
 use super::joint_trajectory::{JointSetpoint, JointTrajectory};
 use crate::error::{LimitError, positive};
+use crate::setpoint::cycles;
 
 impl<const N: usize> JointTrajectory<N> {
     /// A sampler that remembers its place, for times that increase.
@@ -56,9 +57,7 @@ pub struct JointSetpoints<'a, const N: usize = 6> {
 impl<'a, const N: usize> JointSetpoints<'a, N> {
     fn new(motion: &'a JointTrajectory<N>, period: f64) -> Self {
         let duration = motion.duration();
-        // The last full cycle may fall on the end to within rounding: then the end is not sampled twice.
-        let cycles = ((duration / period * (1.0 - 1e-12)).floor() as usize).saturating_add(1);
-        Self { cursor: motion.cursor(), duration, period, cycle: 0, cycles }
+        Self { cursor: motion.cursor(), duration, period, cycle: 0, cycles: cycles(duration, period) }
     }
 
     /// Number of setpoints in all, both ends included.

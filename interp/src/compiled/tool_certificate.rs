@@ -68,9 +68,10 @@ impl<const N: usize> JointTrajectory<N> {
     /// Bounds on the motion of the tool of `arm` at all times, from samples and from what can lie between two of them.
     ///
     /// Between two samples the derivatives of the tool are bounded by those of the joints on the piece and by the reach of each joint.
-    /// Intervals are divided until the bound is within 1e-3 of the largest size at a sample, or within 1e-4 of what the joints could do. Where the tool comes to rest at once
-    /// and turns back, the direction of its motion is unknown, and both accelerations are bounded by their sum. The lengths
-    /// between the axes of the arm have to be constant, as they are for an arm whose joints turn, or known from the joints that slide.
+    /// Intervals are divided until the bound is within 1e-3 of the largest size at a sample, or within 1e-4 of what the joints could
+    /// do. Where the tool comes to rest at once and turns back, the direction of its motion is unknown, and both accelerations are
+    /// bounded by the size of the whole. The lengths between the axes of the arm have to be constant, as they are for an arm whose
+    /// joints turn, or known from the joints that slide.
     ///
     /// ```
     /// use arcfeed_interp::{Interpolation, JointTrajectory, Quantity};

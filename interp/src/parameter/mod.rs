@@ -16,6 +16,7 @@ use arcfeed_feedrate::MotionLaw;
 use arcfeed_geometry::{ArcLengthCurve, Curve};
 
 use crate::error::{PlanError, positive};
+use crate::setpoint::cycles;
 
 /// The demand of the feed on one control cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,7 +69,7 @@ pub fn fluctuation(
     let nurbs = curve.curve();
     let (start, end) = nurbs.domain();
     let precision = 1e-17 * curve.length().max(f64::MIN_POSITIVE * 1e20);
-    let cycles = (law.duration() / period * (1.0 - 1e-12)).floor() as usize + 1;
+    let cycles = cycles(law.duration(), period);
     let mut steps = Vec::with_capacity(cycles);
     let (mut u, mut before) = (start, law.at(0.0));
     for i in 1..=cycles {

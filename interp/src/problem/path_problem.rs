@@ -117,7 +117,7 @@ impl<'p, const N: usize> PathProblem<'p, N> {
         if settings.limits.torque().is_some() && path.get().tool_curve().is_none() {
             joints.insert_turning_points(path.get())?;
         }
-        let found = jumps_of(settings, path.get(), &joints);
+        let found = jumps_of(settings, path.get(), &layout, &joints);
         let beside: Vec<(usize, f64)> = found.iter().map(|jump| (jump.at, jump.reach)).collect();
         joints.insert_beside(path.get(), &beside)?;
         let mut problem = Self::of(settings, path, layout, joints, needs);
@@ -145,7 +145,7 @@ impl<'p, const N: usize> PathProblem<'p, N> {
         let by_joints = path.get().tool(0.0).is_none();
         let tool_limited = by_joints && (tool.feed().is_some() || tool.angular_speed().is_some());
         Self {
-            bounds: DerivativeBounds::of(path.get(), &joints, &jumps_of(settings, path.get(), &joints)),
+            bounds: DerivativeBounds::of(path.get(), &joints, &jumps_of(settings, path.get(), &layout, &joints)),
             tool_rates: tool_limited.then(|| ToolRates::of(settings.arm, &joints, &middles)),
             torque: torque.map(|torque| TorquePath::of(&joints, &middles, torque)),
             middle: [flat(|jet| &jet.d1), flat(|jet| &jet.d2), flat(|jet| &jet.d3)],
@@ -413,15 +413,15 @@ fn feeds<const N: usize>(settings: &Settings<'_, N>, path: &dyn MotionPath<N>, l
 fn jumps_of<const N: usize>(
     settings: &Settings<'_, N>,
     path: &dyn MotionPath<N>,
+    layout: &PathGrid,
     joints: &JointPath<N>,
 ) -> Vec<Jump<N>> {
     let (period, limits) = (settings.period, settings.limits.joints());
     let grid: Vec<f64> = joints.grid().collect();
     let stops = grid::stops(&grid, path.corners().iter().copied());
-    let fastest = match path.parameter() {
-        PathParameter::ArcLength => settings.limits.tool().feed().unwrap_or(f64::INFINITY),
-        _ => f64::INFINITY,
-    };
+    let elsewhere = settings.limits.tool().feed().filter(|_| path.parameter() == PathParameter::ArcLength);
+    let feeds = Feeds { elsewhere: elsewhere.unwrap_or(f64::INFINITY), sections: &layout.sections };
+    let fastest = feeds.highest();
     jumps(joints, &stops, &(limits.jerk() * period), (fastest, period))
 }
 

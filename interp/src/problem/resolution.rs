@@ -22,6 +22,9 @@ const MOST_PARTS: f64 = 100.0;
 const LEAST: f64 = 400.0;
 const MOST: f64 = 4000.0;
 
+/// And as many for the sake of bends, unless the grid has half as many before.
+const MOST_BENDS: usize = 20_000;
+
 /// Two grid points are no closer together than this part of that time.
 const CLOSEST: f64 = 0.5;
 
@@ -68,7 +71,10 @@ pub(crate) fn resolved<const N: usize>(problem: PathProblem<'_, N>) -> Result<Pa
             by_bend.ceil().max(1.0).min(MOST_PARTS) as usize
         })
         .collect();
-    grid = grid::refined(&grid, |k| parts[k]);
+    // Where bends ask for more than can be planned at once, verification will ask for less of the limits.
+    if parts.iter().sum::<usize>() <= MOST_BENDS.max(2 * grid.len()) {
+        grid = grid::refined(&grid, |k| parts[k]);
+    }
     problem.on_grid(grid)
 }
 

@@ -194,16 +194,14 @@ impl<'a, const N: usize> Tally<'a, N> {
             return;
         }
         let crosses = |a: f64, b: f64| on_path && self.jumps.iter().any(|&s| a.min(b) <= s && s <= a.max(b));
-        // Where the curvature itself jumps, acceleration has to step; a controller sees it spread over its period.
-        let (base, span) = if crosses(a.s, b.s) { (first, self.r.period) } else { (before, dt) };
+        // Where the curvature itself jumps, acceleration has to step; a controller sees it spread over its period, whenever that begins.
         let jumped = crosses(first.at.s, b.s);
         if let Some(each) = &mut self.joints.jerk {
-            let jerk = (b.qdd - base.at.qdd) / span;
+            let spread = (b.qdd - first.at.qdd) / self.r.period;
+            let jerk = if crosses(a.s, b.s) { spread } else { (b.qdd - a.qdd) / dt };
             for k in 0..N {
                 each[k].see_binding(jerk[k], self.rates.jerk[k], b, self.gap);
-                if !jumped {
-                    each[k].see(b.jerk[k], b);
-                }
+                each[k].see(if jumped { spread[k] } else { b.jerk[k] }, b);
             }
         }
         let step = if jumped { self.r.period } else { 0.0 };

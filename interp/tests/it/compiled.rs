@@ -1,15 +1,15 @@
 //! Compiled trajectories against the plans they were made from.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use arcfeed_feedrate::MotionLaw;
 use arcfeed_interp::{
     CompileError, Interpolation, JointRates, JointSpline, JointTrajectory, JointTrajectoryError, Limits, Method,
-    Planner, Quantity, Trajectory,
+    Planner, Quantity, ToolPath, Trajectory,
 };
 use arcfeed_kinematics::{ForwardKinematics, Joints, ParallelAxisArm};
 
-use crate::common::{analytic, arm, knotted, limits, line_and_arc, plan};
+use crate::common::{analytic, arm, knotted, limits, line_and_arc, plan, tool, tool_down};
 use crate::random::Random;
 
 fn shared_arm() -> &'static ParallelAxisArm {
@@ -290,4 +290,30 @@ fn the_tool_keeps_its_bounds_between_samples() {
             }
         }
     }
+}
+
+/// Pieces that follow the plan within the tolerance accelerate the tool a little differently. The planner leaves room for that: by the
+/// poses of the compiled joints alone, the tool keeps limits that pieces of an ordinary plan exceed.
+#[test]
+fn the_tool_of_a_compiled_plan_keeps_its_limits() {
+    let arm = shared_arm();
+    let path = || Arc::new(ToolPath::new(arm, tool_down(knotted()), arm.range()).expect("in reach"));
+    let planner = Planner::new(arm, Limits::new(limits(arm)).with_tool(tool())).with_chord_tolerance(1e-5);
+    let planner = planner.and_then(|planner| planner.with_period(2e-3)).expect("valid");
+    let most = tool().tangential_acceleration().expect("limited");
+    let steepest = |motion: &JointTrajectory<6>| {
+        const STEP: f64 = 1e-4;
+        let place = |t: f64| arm.forward(&motion.at(t).q).translation.vector;
+        let speed = |t: f64| (place(t + 0.5 * STEP) - place(t - 0.5 * STEP)).norm() / STEP;
+        let times = (20..(motion.duration() / STEP) as usize - 20).map(|i| i as f64 * STEP);
+        times.map(|t| (speed(t + 0.5 * STEP) - speed(t - 0.5 * STEP)).abs() / STEP).fold(0.0, f64::max)
+    };
+    let ordinary = planner.plan_shared(path()).expect("in reach").compile(1e-5).expect("compiles");
+    assert!(steepest(&ordinary) > 1.001 * most, "nothing to mend: {}", steepest(&ordinary) / most);
+    let plan = planner.plan_compiled(path(), 1e-5).expect("compiles");
+    assert!(steepest(&plan.compiled) < most * (1.0 + 1e-5), "{}", steepest(&plan.compiled) / most);
+    assert!(plan.compiled.certify(arm.range(), &(&limits(arm)).into()).holds(1e-6));
+    let bound = plan.tool.of(Quantity::TangentialAcceleration).expect("is bounded");
+    assert!(bound.bound <= most * (1.0 + 1e-6) && bound.bound > 0.99 * most, "{bound:?}");
+    assert!(plan.trajectory.duration() < 1.02 * ordinary.duration());
 }

@@ -2,12 +2,14 @@
 
 use crate::common;
 
+use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 use std::sync::Arc;
 
+use arcfeed_feedrate::{Segment, plan_per_segment};
 use arcfeed_geometry::{NurbsCurve, OrientationPath, PosePath};
 use arcfeed_interp::{
-    Extent, FeedSection, Infeasibility, LimitError, Limits, Method, PathEnd, PlanError, Planner, Quantity, SpeedError,
-    ToolLimits, ToolPath, Trajectory,
+    Extent, FeedSection, Infeasibility, LimitError, Limits, Method, MotionPath, PathEnd, PlanError, Planner, Quantity,
+    RowsNeeded, SpeedError, ToolLimits, ToolPath, Trajectory,
 };
 use arcfeed_kinematics::{ArmDynamics, Friction, Inertial, JointLimits, Joints, ParallelAxisArm};
 use common::{
@@ -412,4 +414,37 @@ fn the_speed_dips_at_a_jump_of_curvature_as_far_as_the_jerk_asks_for() {
     assert_eq!(point.id.map(|id| id.quantity), Some(Quantity::JointJerk));
     let (before, after) = (at(high - 0.05).feed, at(high + 0.05).feed);
     assert!(at(high).feed < before.min(after), "no dip: {before}, {}, {after}", at(high).feed);
+}
+
+/// A controller sees the step of acceleration spread over one of its periods, whenever that begins: what is too much just after the
+/// jump counts as much as what is too much just before it.
+#[test]
+fn jerk_just_after_a_jump_of_curvature_adds_to_its_step() {
+    let arm = arm();
+    let planner = with_limits(&arm, Limits::new(limits(&arm)).with_tool(tool()));
+    // Away from the base and to the right, so that the shoulder turns one way for both.
+    let (start, along, across) =
+        (vector![0.35, -0.1, 0.2], vector![1.0, 1.0, 0.0] / SQRT_2, vector![1.0, -1.0, 0.0] / SQRT_2);
+    let bend = start + along * 0.1;
+    let points = vec![start, start + along * 0.05, bend, bend + along * 0.05, bend + (along + across) * 0.05];
+    let weights = vec![1.0, 1.0, 1.0, FRAC_1_SQRT_2, 1.0];
+    let curve =
+        NurbsCurve::new(2, points, weights, vec![0.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 2.0]).expect("a valid curve");
+    let planned = plan(&planner, &arm, tool_down(curve.clone())).expect("in reach");
+    let at_jump = planned.limit_curve().expect("finite").into_iter().find(|point| (point.s - 0.1).abs() < 1e-12);
+    let path = ToolPath::new(&arm, tool_down(curve), arm.range()).expect("in reach");
+    let used = |part: f64, jerk: f64| {
+        // Up to a part of the speed at which the step takes all, with no acceleration there, and on with a jerk at once.
+        let v = part * at_jump.expect("a grid point").speed;
+        let segments = [(0.1, v, 0.5, 10.0), (path.length() - 0.1, 1.5 * v, 0.5, jerk)];
+        let segments: Vec<Segment> =
+            segments.map(|(l, v, a, j)| Segment::new(l, v, a, j).expect("valid")).into_iter().collect();
+        let law = plan_per_segment(&segments, 0.0, 0.0).expect("fits");
+        let problem = planner.prepare(&path, RowsNeeded::Jerk).expect("in reach");
+        let verification = planner.verify(&problem, &law, true).expect("runs over the path");
+        verification.worst_of(Quantity::JointJerk).expect("looked at").ratio
+    };
+    let (step, both) = (used(0.9, 0.5), used(0.9, 30.0));
+    assert!(step < 1.0 && step > 0.75, "the step alone: {step}");
+    assert!(both > 1.05, "with jerk after it: {both}");
 }

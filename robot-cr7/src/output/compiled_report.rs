@@ -1,9 +1,12 @@
 //! The compiled motion of a plan, as its report states it.
 
-use arcfeed_interp::{Certificate, JointTrajectory, Quantity};
+use arcfeed_interp::{JointTrajectory, Quantity, ToolCertificate, Trajectory};
 use serde::Serialize;
 
 use crate::text::percent;
+
+/// Lines of a report for a terminal.
+pub(crate) const LINES: usize = 3;
 
 /// The largest part of one kind of limit that a compiled motion certainly does not exceed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -15,6 +18,17 @@ pub struct CertifiedRatio {
     /// What is not exceeded, divided by the limit.
     pub ratio: f64,
     /// The time at which it is attained, in s.
+    pub at_t_s: f64,
+}
+
+/// The largest part of one limit of the tool that a compiled motion certainly does not exceed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CertifiedToolRatio {
+    /// Name of the quantity.
+    pub name: String,
+    /// What is not exceeded, divided by the limit.
+    pub ratio: f64,
+    /// The time of the largest value found, in s.
     pub at_t_s: f64,
 }
 
@@ -31,11 +45,33 @@ pub struct CompiledReport {
     pub deviation_measured_rad: f64,
     /// Position, velocity, acceleration and jerk, each with the joint that uses most of its limit.
     pub certified: Vec<CertifiedRatio>,
+    /// Feed, angular speed, tangential and normal acceleration of the tool, as far as they are limited.
+    pub certified_tool: Vec<CertifiedToolRatio>,
+    /// Distance of the tool from where the plan has it at the same time that is not exceeded, in m.
+    pub tool_deviation_bound_m: f64,
 }
 
 impl CompiledReport {
-    /// The report of `compiled`, made for `tolerance` (rad) and certified by `certificate`.
-    pub fn new<const N: usize>(tolerance: f64, compiled: &JointTrajectory<N>, certificate: &Certificate) -> Self {
+    /// The report of `compiled`, made of `plan` for `tolerance` (rad), whose tool does what `tool` says.
+    pub fn new<const N: usize>(
+        tolerance: f64,
+        plan: &Trajectory<'_, N>,
+        compiled: &JointTrajectory<N>,
+        tool: &ToolCertificate,
+    ) -> Self {
+        let joints = plan.limits().joints();
+        let certificate = compiled.certify(joints.range(), &joints.into());
+        let limits = plan.limits().tool();
+        let of_tool = [
+            (Quantity::Feed, limits.feed()),
+            (Quantity::AngularSpeed, limits.angular_speed()),
+            (Quantity::TangentialAcceleration, limits.tangential_acceleration()),
+            (Quantity::NormalAcceleration, limits.normal_acceleration()),
+        ];
+        let certified_tool = of_tool.into_iter().filter_map(|(quantity, limit)| {
+            let bound = tool.of(quantity)?;
+            Some(CertifiedToolRatio { name: quantity.to_string(), ratio: bound.bound / limit?, at_t_s: bound.t })
+        });
         let quantities =
             [Quantity::JointPosition, Quantity::JointVelocity, Quantity::JointAcceleration, Quantity::JointJerk];
         let certified = quantities.into_iter().filter_map(|quantity| {
@@ -51,19 +87,29 @@ impl CompiledReport {
             deviation_bound_rad: deviation.map_or(f64::NAN, |deviation| deviation.bound),
             deviation_measured_rad: deviation.map_or(f64::NAN, |deviation| deviation.measured),
             certified: certified.collect(),
+            certified_tool: certified_tool.collect(),
+            tool_deviation_bound_m: tool.deviation().map_or(f64::NAN, |[distance, _]| distance),
         }
     }
 
-    /// The two lines of a report for a terminal.
-    pub(crate) fn lines(&self) -> [String; 2] {
+    /// The lines of a report for a terminal.
+    pub(crate) fn lines(&self) -> [String; LINES] {
         let parts: Vec<String> = self
             .certified
             .iter()
             .map(|line| format!("{} {}", line.name.trim_start_matches("joint "), percent(line.ratio)))
             .collect();
+        let tool: Vec<String> =
+            self.certified_tool.iter().map(|line| format!("{} {}", line.name, percent(line.ratio))).collect();
         [
-            format!("{} pieces, {:.3e} rad from the plan at most", self.pieces, self.deviation_bound_rad),
+            format!(
+                "{} pieces, {:.3e} rad from the plan at most, the tool {:.3e} mm",
+                self.pieces,
+                self.deviation_bound_rad,
+                1e3 * self.tool_deviation_bound_m
+            ),
             format!("certified: {}", parts.join(", ")),
+            format!("tool: {}", if tool.is_empty() { "no limit".to_owned() } else { tool.join(", ") }),
         ]
     }
 }

@@ -7,7 +7,7 @@ use std::time::Duration;
 use arcfeed_geometry::{Segmentation, SegmentationMethod};
 use serde::Serialize;
 
-use super::compiled_report::CompiledReport;
+use super::compiled_report::{CompiledReport, LINES};
 use super::limit_table::{ending, limit_table};
 use crate::run::limit_line::{LimitLine, worst};
 use crate::run::limit_lines::limit_lines;
@@ -203,12 +203,12 @@ impl Display for Report {
         )?;
         writeln!(f, "  {:<11}{}", "segments", clip(&segments, WIDTH - 13))?;
         let compiled = self.compiled.as_ref().map(CompiledReport::lines);
-        for (name, line) in ["compiled", ""].into_iter().zip(compiled.iter().flatten()) {
+        for (name, line) in ["compiled", "", ""].into_iter().zip(compiled.iter().flatten()) {
             writeln!(f, "  {name:<11}{}", clip(line, WIDTH - 13))?;
         }
 
         limit_table(f, &self.limits)?;
-        let taken = usize::from(second) + 2 * usize::from(compiled.is_some()) + usize::from(self.stream.is_some());
+        let taken = usize::from(second) + LINES * usize::from(compiled.is_some()) + usize::from(self.stream.is_some());
         ending(
             f,
             &self.warnings,
@@ -297,6 +297,8 @@ mod tests {
             deviation_bound_rad: f64::NAN,
             deviation_measured_rad: 1e300,
             certified: vec![worst; 9],
+            certified_tool: Vec::new(),
+            tool_deviation_bound_m: f64::NAN,
         });
         r.stream = Some(StreamReport {
             look_ahead: usize::MAX,

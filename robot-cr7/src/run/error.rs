@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use arcfeed_geometry::GeometryError;
-use arcfeed_interp::{LiveError, PlanError};
+use arcfeed_interp::{CompileError, LiveError, PlanError};
 use arcfeed_kinematics::KinematicsError;
 use thiserror::Error;
 
@@ -93,6 +93,14 @@ pub enum Cr7Error {
         source: Box<PlanError>,
         /// A likely cause, starting with a separator; empty when there is none to name.
         hint: String,
+    },
+    /// The motion cannot be made of polynomials that keep the limits: exit code 1.
+    #[error("{file}, compiled: {source}")]
+    Compile {
+        /// The file, or the name of an embedded path.
+        file: String,
+        /// Why.
+        source: Box<CompileError>,
     },
     /// The part of a scenario in joint space cannot be set up: exit code 1.
     #[error("{file}: {source}")]

@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 use arcfeed_feedrate::{FeedError, FeedPlanner, StreamedScan};
 use arcfeed_geometry::{ArcLengthCurve, GeometryError, NurbsCurve, OrientationPath, PosePath, Spacing};
 use arcfeed_interp::{
-    FeedSection, LimitError, Limits, LiveError, Method, MotionPath, PathArm, PathError, PlanError, Planner, Setpoints,
-    ToolLimits, ToolPath, Trajectory,
+    CompileError, CompiledPlan, FeedSection, JointTrajectory, LimitError, Limits, LiveError, Method, MotionPath,
+    PathArm, PathError, PlanError, Planner, Setpoints, ToolCertificate, ToolLimits, ToolPath, Trajectory,
 };
 use arcfeed_kinematics::{JointLimits, Joints, KinematicsError, ParallelAxisArm};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
@@ -225,12 +225,34 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
     pub fn plan(&self) -> Result<Motion<'_, N>, Cr7Error> {
         let path = Arc::new(self.tool_path()?);
         let trajectory = self.planner()?.plan_shared(path).map_err(|source| self.error(source))?;
+        Ok(self.motion(trajectory))
+    }
+
+    /// The same with its motion as polynomials of the time, which keep the limits of joints and tool and deviate from the plan by no more
+    /// than `tolerance` (rad).
+    ///
+    /// # Errors
+    /// As [`Task::plan`]; [`Cr7Error::Compile`] where no such polynomials are found.
+    pub fn plan_compiled(
+        &self,
+        tolerance: f64,
+    ) -> Result<(Motion<'_, N>, JointTrajectory<N>, ToolCertificate), Cr7Error> {
+        let path = Arc::new(self.tool_path()?);
+        let plan = self.planner()?.plan_compiled(path, tolerance).map_err(|source| match source {
+            CompileError::Plan(source) => self.error(source),
+            source => Cr7Error::Compile { file: self.name.clone(), source: Box::new(source) },
+        })?;
+        let CompiledPlan { trajectory, compiled, tool } = plan;
+        Ok((self.motion(trajectory), compiled, tool))
+    }
+
+    fn motion<'t>(&'t self, trajectory: Trajectory<'t, N>) -> Motion<'t, N> {
         let mut warnings = self.warnings.clone();
         let corners = trajectory.stops().len();
         if corners > 0 {
             warnings.push(format!("the path has {corners} corners, where the tool stops"));
         }
-        Ok(Motion { name: &self.name, trajectory, preparation: self.preparation, stream: None, warnings })
+        Motion { name: &self.name, trajectory, preparation: self.preparation, stream: None, warnings }
     }
 }
 

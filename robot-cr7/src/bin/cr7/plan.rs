@@ -43,7 +43,7 @@ pub struct Args {
     #[arg(long)]
     unit: Option<String>,
     /// Also write joint_trajectory.json: polynomials of the time that stay within this tolerance of the planned joints, in rad
-    #[arg(long, value_name = "TOLERANCE")]
+    #[arg(long, value_name = "TOLERANCE", conflicts_with = "stream")]
     compile_rad: Option<f64>,
     /// Run the motion as a controller does that gets its segments on the way, with N of them known behind the present one
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
@@ -118,12 +118,18 @@ impl OnToolPath for Plan<'_> {
         let fastest = job.sections.iter().fold(job.feed.feed, |feed, section| feed.max(section.feed));
         few_enough(task.path().length() / fastest, job.period, LEVERS)?;
         let path;
-        let mut motion = match args.stream {
-            None => task.plan()?,
-            Some(ahead) => {
+        let mut compiled = None;
+        let mut motion = match (args.stream, args.compile_rad) {
+            (Some(ahead), _) => {
                 path = task.tool_path()?;
                 task.plan_streamed(&path, ahead as usize, args.stream_gap_ms * 1e-3)?
             }
+            (None, Some(tolerance)) => {
+                let (motion, pieces, tool) = task.plan_compiled(tolerance)?;
+                compiled = Some((tolerance, pieces, tool));
+                motion
+            }
+            (None, None) => task.plan()?,
         };
         motion.warn(warnings);
         few_enough(motion.trajectory().duration(), motion.trajectory().period(), LEVERS)?;
@@ -148,8 +154,13 @@ impl OnToolPath for Plan<'_> {
         for (name, svg) in pictures(&motion, job, &series)? {
             staging.write(name, &svg.map_err(|source| staging.failed(name, source))?)?;
         }
-        let compiled = match args.compile_rad {
-            Some(tolerance) => Some(write_compiled(&motion, tolerance, &args.robot, &mut staging)?),
+        let compiled = match compiled {
+            Some((tolerance, pieces, tool)) => {
+                let robot = args.robot.load()?;
+                let names = std::array::from_fn(|k| robot.any().joint_names().get(k).cloned().unwrap_or_default());
+                staging.write(COMPILED, &(pieces.to_json(&names) + "\n"))?;
+                Some(CompiledReport::new(tolerance, motion.trajectory(), &pieces, &tool))
+            }
             None => None,
         };
         drop(progress);
@@ -158,23 +169,6 @@ impl OnToolPath for Plan<'_> {
         report.compiled = compiled;
         conclude(report, staging, args.json, remedy)
     }
-}
-
-/// Compiles a motion and writes it.
-fn write_compiled<const N: usize>(
-    motion: &Motion<'_, N>,
-    tolerance: f64,
-    robot: &RobotArgs,
-    staging: &mut Staging,
-) -> Result<CompiledReport, Failure> {
-    let trajectory = motion.trajectory();
-    let compiled = trajectory.compile(tolerance).map_err(|e| Failure::Undoable(format!("--compile-rad: {e}")))?;
-    let limits = trajectory.limits().joints();
-    let certificate = compiled.certify(limits.range(), &limits.into());
-    let robot = robot.load()?;
-    let names = std::array::from_fn(|k| robot.any().joint_names().get(k).cloned().unwrap_or_default());
-    staging.write(COMPILED, &(compiled.to_json(&names) + "\n"))?;
-    Ok(CompiledReport::new(tolerance, &compiled, &certificate))
 }
 
 type Picture = (&'static str, Result<String, std::io::Error>);
