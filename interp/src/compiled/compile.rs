@@ -54,10 +54,11 @@ impl<const N: usize> Trajectory<'_, N> {
     /// [`Interpolation::Quintic`] the limit on jerk, by the same 1e-6 as the plan. It was certified. Each piece is the longest one
     /// that the search finds from where the last one ends: it doubles the length as long as that does, and then tries all lengths up to
     /// twice that from the longest downwards. Pieces end at knots of the speed law or at samples between them, 1 ms apart at most.
-    /// Pieces that end at knots alone are more. Where the planned acceleration steps, because the curvature of the path jumps, the piece around the step has
-    /// constant jerk over one control period, and the next piece takes up the offset.
+    /// Pieces that end at knots alone are more. Where the planned acceleration steps, because the curvature of the path jumps, the piece
+    /// around the step has constant jerk over one control period, and the next piece takes up the offset.
     ///
-    /// Limits of the tool are not looked at: [`JointTrajectory::certify_tool`] states what the tool does.
+    /// Limits of the tool are not looked at. [`JointTrajectory::certify_tool`] states what the tool does, and
+    /// [`Planner::plan_compiled`](crate::Planner::plan_compiled) plans motions whose compiled tool keeps its limits.
     ///
     /// With [`Interpolation::Cubic`] the acceleration jumps from piece to piece. Each piece keeps the limit on acceleration at both
     /// its ends. Nothing is said about jerk.

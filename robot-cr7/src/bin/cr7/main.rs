@@ -90,10 +90,10 @@ enum Failure {
 impl From<Cr7Error> for Failure {
     fn from(error: Cr7Error) -> Self {
         match error {
-            Cr7Error::Plan { .. }
-            | Cr7Error::Compile { .. }
-            | Cr7Error::Configuration { .. }
-            | Cr7Error::TooManySamples { .. } => Self::Undoable(error.to_string()),
+            Cr7Error::Compile { file, source } => Self::Undoable(format!("{file}, --compile-rad: {source}")),
+            Cr7Error::Plan { .. } | Cr7Error::Configuration { .. } | Cr7Error::TooManySamples { .. } => {
+                Self::Undoable(error.to_string())
+            }
             _ => Self::BadInput(error.to_string()),
         }
     }
