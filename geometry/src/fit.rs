@@ -78,8 +78,7 @@ impl<const D: usize> NurbsCurve<D> {
                 break;
             }
             let Ok(curve) = least_squares(points, &parameters, knots) else { break };
-            let distances: Vec<f64> =
-                points.iter().zip(&parameters).map(|(p, &u)| distance_near(&curve, p, u)).collect();
+            let distances = distances(&curve, points, &parameters);
             let max_deviation = distances.iter().fold(0.0f64, |m, &d| m.max(d));
             if max_deviation <= tolerance {
                 return Ok(Fit { curve, parameters, max_deviation });
@@ -165,8 +164,7 @@ fn interpolate<const D: usize>(
     // The ends are known exactly.
     (control[0], control[n - 1]) = (points[0], points[n - 1]);
     let curve = NurbsCurve::bspline(degree, control, knots.as_slice().to_vec())?;
-    let max_deviation =
-        points.iter().zip(&parameters).map(|(p, &u)| distance_near(&curve, p, u)).fold(0.0f64, f64::max);
+    let max_deviation = distances(&curve, points, &parameters).into_iter().fold(0.0f64, f64::max);
     Ok(Fit { curve, parameters, max_deviation })
 }
 
@@ -261,8 +259,20 @@ fn add_knots(interior: &mut Vec<f64>, parameters: &[f64], distances: &[f64], tol
     any
 }
 
-/// Distance of a point from the curve near the parameter `u`: never below the true distance.
-fn distance_near<const D: usize>(curve: &NurbsCurve<D>, point: &SVector<f64, D>, u: f64) -> f64 {
+/// Distance of each point from the curve between the parameters of its neighbours.
+fn distances<const D: usize>(curve: &NurbsCurve<D>, points: &[SVector<f64, D>], parameters: &[f64]) -> Vec<f64> {
+    let last = parameters.len() - 1;
+    let near = |i: usize| (parameters[i.saturating_sub(1)], parameters[(i + 1).min(last)]);
+    points.iter().zip(parameters).enumerate().map(|(i, (p, &u))| distance_near(curve, p, u, near(i))).collect()
+}
+
+/// Distance of a point from the curve, from the parameter `u` on and within a range around it: never below the true distance.
+fn distance_near<const D: usize>(
+    curve: &NurbsCurve<D>,
+    point: &SVector<f64, D>,
+    u: f64,
+    (least, most): (f64, f64),
+) -> f64 {
     let mut best = (curve.point(u) - point).norm();
     let mut u = u;
     for _ in 0..4 {
@@ -275,7 +285,7 @@ fn distance_near<const D: usize>(curve: &NurbsCurve<D>, point: &SVector<f64, D>,
         if !step.is_finite() {
             break;
         }
-        u = (u - step).max(0.0).min(1.0);
+        u = (u - step).max(least).min(most);
         let distance = (curve.point(u) - point).norm();
         if distance >= best {
             break;

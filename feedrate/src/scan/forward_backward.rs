@@ -84,6 +84,10 @@ fn leaves(p: f64, c: f64, lo: f64, hi: f64, from: f64) -> f64 {
         let left = if p > 0.0 { hi } else { -lo };
         return left / p.abs();
     }
+    if from == 0.0 && (hi <= 0.0 && c > 0.0 || lo >= 0.0 && c < 0.0) {
+        // Tight at rest: the root outgrows every other term.
+        return 0.0;
+    }
     first_crossing(p, c, hi, from).min(first_crossing(p, c, lo, from))
 }
 

@@ -99,7 +99,8 @@ impl Braking {
                 return cruise_to_end(pieces, &run, (&e, j), steps);
             };
             let b = curve[k].phase.after(u);
-            let landing = pieces.partition_point(|piece| piece.s1 < b.p);
+            // By round-off the curve may end beyond the last piece.
+            let landing = pieces.partition_point(|piece| piece.s1 < b.p).min(pieces.len() - 1);
             if landing > upto {
                 upto = landing;
                 continue;

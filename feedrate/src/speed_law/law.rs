@@ -86,10 +86,17 @@ impl SpeedLaw {
     #[inline]
     pub(super) fn state_in(&self, i: usize, t: f64) -> MotionState {
         let Some(piece) = self.pieces.get(i) else { return self.end };
-        let mut state = piece.after(t - piece.t);
+        let (end_s, end_t, end_v) = match self.pieces.get(i + 1) {
+            Some(next) => (next.s, next.t, next.v),
+            None => (self.end.p, self.duration, self.end.v),
+        };
+        let mut state = match piece.reversed([end_s, end_t, end_v], t) {
+            Some(reversed) => reversed.after(t - end_t),
+            None => piece.after(t - piece.t),
+        };
         // Round-off may carry a full stop below 0 or a hair beyond the next knot.
         state.v = state.v.max(0.0);
-        state.p = state.p.min(self.pieces.get(i + 1).map_or(self.end.p, |next| next.s));
+        state.p = state.p.min(end_s);
         state
     }
 }

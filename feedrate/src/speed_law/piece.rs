@@ -42,6 +42,16 @@ impl Piece {
         }
     }
 
+    /// The piece by its state at the end, where time `t` is better reached from there: on the second half of a piece on which the
+    /// speed decays exponentially. From its start the terms cancel, and the position would run back by their round-off.
+    #[inline]
+    pub fn reversed(&self, [s, t_end, v]: [f64; 3], t: f64) -> Option<Self> {
+        let Shape::Slope(w) = self.shape else { return None };
+        let (passed, left) = (t - self.t, t_end - t);
+        let decays = w > 0.0 && self.a < 0.0 && passed > left && w * (passed + left) * (passed + left) > 1.0;
+        decays.then(|| Self { t: t_end, s, v, a: self.a + w * (s - self.s), shape: self.shape })
+    }
+
     /// The state after a distance `ds` within the piece, which lasts `duration`.
     pub fn after_distance(&self, ds: f64, duration: f64) -> MotionState {
         let Self { t, s, v, a, shape } = *self;
@@ -60,12 +70,14 @@ impl Piece {
         }
     }
 
-    pub fn is_finite(&self) -> bool {
-        let constant = match self.shape {
+    /// Returns true if all states on the piece, which ends at speed `v_end`, are finite, and no acceleration is so small that its
+    /// digits are lost.
+    pub fn is_in_range(&self, v_end: f64) -> bool {
+        let jerk = match self.shape {
             Shape::Jerk(j) => j,
-            Shape::Slope(w) => w,
+            Shape::Slope(w) => w * self.v.max(v_end).max(1.0),
         };
-        (self.t + self.s + self.v + self.a + constant).is_finite()
+        (self.t + self.s + self.v + v_end + self.a + jerk).is_finite() && !self.a.is_subnormal()
     }
 }
 
