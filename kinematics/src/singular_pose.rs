@@ -203,6 +203,15 @@ impl<const N: usize> Search<'_, N> {
                 values = (values.1, next);
             }
         }
+        // Where two kinds of singular poses meet, one of them may do, with a joint back at its given value.
+        for joint in 0..N {
+            let Some(nearest) = best else { break };
+            let mut start = nearest.q;
+            start[joint] = inside[joint];
+            if let Some(found) = self.from(&start, q).filter(|found| found.distance < nearest.distance) {
+                best = Some(found);
+            }
+        }
         best
     }
 
