@@ -78,7 +78,7 @@ mod state_to_state;
 #[cfg(feature = "clarabel")]
 pub use baseline::{Bounded, ClarabelBaseline};
 pub use error::{FeedError, PathEnd};
-pub use jerk_limited::{JerkLimited, JerkLimitedPlan};
+pub use jerk_limited::{JerkLimited, JerkLimitedPlan, LowerBound};
 pub use limits::AxisLimits;
 pub use live::{FeedOverride, LiveSection, LiveStatus, LiveStep, MAX_SECTIONS, VelocityLimitCurve};
 pub use online::{Adoption, FeedScheduler, FeedStatus, FeedStep, SegmentStream, StreamStatus, StreamStep};

@@ -3,6 +3,7 @@
 
 use std::ops::Range;
 
+use super::relaxed::MeanBound;
 use super::spline::{End, Knots, Values};
 use crate::constraint::Within;
 use crate::problem::FeedProblem;
@@ -72,6 +73,8 @@ pub(super) struct BarrierProblem {
     pub thirds_first: Vec<usize>,
     /// The part of the limits on jerk that may be used at all.
     pub most: f64,
+    /// Of a relaxed problem, per interval: the one bound on the mean of jerk over it. None where jerk is bounded at both ends.
+    pub means: Vec<MeanBound>,
     /// Jerk in the rest interval at the first and at the last knot: `|r x| <= 1 / sqrt(x)`.
     pub rest: [f64; 2],
 }
@@ -83,6 +86,11 @@ pub(super) type Sides = [f64; 2];
 /// inside where its limit is 0.
 pub(super) fn is_nothing(row: &Row) -> bool {
     row.a == 0.0 && row.b == 0.0 && row.c == 0.0 && row.lo <= row.d && row.d <= row.hi
+}
+
+/// The middle Bernstein coefficient of an interval of length `h` is not negative: `x(s)` is positive between the knots, too.
+pub(super) fn positive(h: f64) -> InnerRow {
+    InnerRow { alpha: 0.0, beta: h, gamma: 1.0, lo: 0.0, hi: f64::INFINITY, wider: [0.0; 2] }
 }
 
 impl PointRow {
@@ -117,6 +125,7 @@ impl BarrierProblem {
             jerk_wider: 0.0,
             jerk_unit: vec![0.0; b - a + 1],
             most: 1.0,
+            means: Vec::new(),
             rest: [0.0; 2],
         };
         barrier_problem.first.push(0);
@@ -181,9 +190,7 @@ impl BarrierProblem {
     /// Speed inside interval `k`, by the values at its start.
     fn push_speed(&mut self, problem: &FeedProblem, k: usize, fastest: &[f64]) {
         let h = problem.h(k);
-        // With positive Bernstein coefficients x(s) is positive between the knots too.
-        let (alpha, beta, gamma) = (0.0, h, 1.0);
-        self.inner.push(InnerRow { alpha, beta, gamma, lo: 0.0, hi: f64::INFINITY, wider: [0.0; 2] });
+        self.inner.push(positive(h));
         let mut push = |[of_start, of_middle, of_end]: [f64; 3], hi: f64| {
             let (beta, alpha) = (h * (of_middle + 2.0 * of_end), h * h * of_end);
             let gamma = of_start + of_middle + of_end;

@@ -94,7 +94,7 @@ impl BarrierProblem {
                 visit(inner + i, [value - row.lo + low, row.hi + high - value]);
             }
             let root = x.sqrt();
-            let least = 1.0 / root + self.jerk_wider * self.jerk_unit[end];
+            let least = self.jerk_bound(k, end, values) + self.jerk_wider * self.jerk_unit[end];
             for i in third_rows {
                 let row = &self.thirds[i];
                 let value = row.alpha * w + row.beta * u + row.gamma * x;
@@ -130,7 +130,8 @@ impl BarrierProblem {
                 visit(inner + i, [by - row.wider[0], -by - row.wider[1]]);
             }
             let y = 1.0 / x.sqrt();
-            let least = -0.5 * y / x * dx - self.jerk_wider * self.jerk_unit[end];
+            let [by_x, by_u, by_w] = self.jerk_falls(k, end, values);
+            let least = -(by_x * dx + by_u * du + by_w * dw) - self.jerk_wider * self.jerk_unit[end];
             let half = 0.5 * y * dx;
             for i in third_rows {
                 let row = &self.thirds[i];

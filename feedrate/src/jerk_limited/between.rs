@@ -91,7 +91,7 @@ impl BarrierProblem {
     /// it what it keeps there. None grows past what leaves the iterate strictly inside.
     pub fn set_margins(&mut self, problem: &FeedProblem, values: &Values) {
         // Not while the bounds are widened: the iterate is outside the true ones.
-        let intervals = if self.jerk_wider == 0.0 { self.knots.intervals() } else { 0 };
+        let intervals = if self.means.is_empty() && self.jerk_wider == 0.0 { self.knots.intervals() } else { 0 };
         for k in 0..intervals {
             self.set_jerk_parts(problem, k, values, |here, part| here + KEPT_SLACK * (part - here));
         }

@@ -36,14 +36,17 @@ pub(crate) mod conic;
 mod drop_distant;
 mod end_speed;
 mod interior_point;
+mod lower_bound;
 mod outcome;
 mod parts;
 mod passes;
 mod planner;
 mod refine;
+mod relaxed;
 mod solution;
 mod spline;
 mod start;
 
+pub use lower_bound::LowerBound;
 pub use planner::JerkLimited;
 pub use solution::JerkLimitedPlan;

@@ -135,6 +135,22 @@ fn shape(problem: &FeedProblem, barrier_problem: &BarrierProblem, limit: &[f64],
     best
 }
 
+/// Coefficients along another law that are strictly inside all bounds, or those that the planner starts from.
+pub(super) fn along_law(prepared: &Prepared<'_>, barrier_problem: &mut BarrierProblem, law: &SpeedLaw) -> Vec<f64> {
+    const TRIALS: usize = 20;
+    if barrier_problem.ends.iter().all(|end| matches!(end, End::Rest { .. })) && at_rest_inside(barrier_problem) {
+        let (mut c, mut values) = (along(&prepared.problem, barrier_problem, law), Values::default());
+        for _ in 0..TRIALS {
+            barrier_problem.knots.evaluate(&c, &mut values);
+            if barrier_problem.is_inside(&values) {
+                return c;
+            }
+            c.iter_mut().for_each(|c| *c *= START_FRACTION);
+        }
+    }
+    start(prepared, barrier_problem)
+}
+
 /// Coefficients along another law from rest to rest, slowed down as a whole to be strictly inside.
 fn along(problem: &FeedProblem, barrier_problem: &BarrierProblem, law: &SpeedLaw) -> Vec<f64> {
     let (m, grid) = (barrier_problem.knots.intervals(), &problem.grid()[barrier_problem.from..]);

@@ -10,6 +10,7 @@ mod hostile;
 mod jerk_limited;
 mod liu_2024;
 mod live;
+mod lower_bound;
 mod online;
 mod online_allocation;
 mod row_families;
