@@ -1,7 +1,7 @@
-//! Every method on ten curves of machine tools, in five sizes, at five feeds, on four arms: `cnc_curves [EVERY, else 100] [FIRST, else 0]`.
+//! Every method on ten curves of machine tools, in five sizes, at five feeds, on four arms: `cnc_curves [EVERY, else 100] [FIRST, else 0] [gaps]`.
 //!
 //! `EVERY` skips all but each so-manieth row of feeds; 1 plans all thousand jobs. One line per job; at the end how often the default
-//! planner fell back, was slower than the scan or got slower by a higher feed.
+//! planner fell back, was slower than the scan or got slower by a higher feed. `gaps` bounds each duration from below, too.
 
 use std::collections::HashMap;
 use std::sync::Mutex;
@@ -31,13 +31,19 @@ struct Counts {
     planning: f64,
     /// Sum of the durations by the default planner over those of the scan.
     ratio: f64,
+    /// The durations over their lower bounds, less 1.
+    gaps: Vec<f64>,
+    without_bound: usize,
 }
 
 fn main() {
     let mut arguments = std::env::args().skip(1).map(|text| text.parse::<usize>());
     let every = arguments.next().and_then(Result::ok).unwrap_or(100).max(1);
     let first = arguments.next().and_then(Result::ok).unwrap_or(0);
-    let jobs = jobs(every, first);
+    let mut jobs = jobs(every, first);
+    if std::env::args().any(|argument| argument == "gaps") {
+        jobs.iter_mut().for_each(|job| job.bounded = true);
+    }
     let begin = Instant::now();
     let results = plan(&jobs);
     let mut counts = Counts::default();
@@ -48,7 +54,17 @@ fn main() {
         before = duration.map(|duration| (*job, duration));
         println!("{:10} {:5} mm {:6} mm/s {:9} {text}", job.curve, 1e3 * job.size, 1e3 * job.feed, job.arm);
     }
-    let Counts { refused, fell_back, slower, longer, planning, ratio } = counts;
+    let Counts { refused, fell_back, slower, longer, planning, ratio, mut gaps, without_bound } = counts;
+    gaps.sort_by(f64::total_cmp);
+    if let Some(worst) = gaps.last() {
+        let at = |part: usize| 100.0 * gaps[(gaps.len() - 1) * part / 10];
+        println!(
+            "gap to the lower bound: median {:.3} %, 90 % under {:.3} %, worst {:.3} %; {without_bound} without",
+            at(5),
+            at(9),
+            100.0 * worst
+        );
+    }
     println!(
         "{} jobs: {refused} refused, {fell_back} fell back, {slower} slower than the scan, {longer} longer at a higher feed; mean \
          duration {:.4} of the scan's; {planning:.1} s to plan, {:.0} s in all",
@@ -92,7 +108,7 @@ fn plan(jobs: &[CncJob]) -> HashMap<usize, Both> {
 impl Counts {
     /// Counts a job, after the one before it in its row of feeds. Returns its line of text, and its duration.
     fn judge(&mut self, [best, scan]: &Both, before: Option<(CncJob, f64)>) -> (String, Option<f64>) {
-        let Planned { duration, fallback, rounds, intervals, planning } = match best {
+        let Planned { duration, fallback, rounds, intervals, planning, bound } = match best {
             Ok(planned) => planned,
             Err(why) => {
                 self.refused += 1;
@@ -104,6 +120,18 @@ impl Counts {
         if let Some(why) = fallback {
             self.fell_back += 1;
             text += &format!("; fell back: {why}");
+        }
+        match bound {
+            Some(Ok(bound)) => {
+                let gap = duration / bound.duration - 1.0;
+                self.gaps.push(gap);
+                text += &format!("; gap {:.3} %, {} intervals conditional", 100.0 * gap, bound.conditional);
+            }
+            Some(Err(why)) => {
+                self.without_bound += 1;
+                text += &format!("; no bound: {why}");
+            }
+            None => {}
         }
         if let Ok(scan) = scan {
             self.ratio += duration / scan.duration;

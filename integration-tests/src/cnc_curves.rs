@@ -4,6 +4,7 @@
 use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 use std::sync::Arc;
 
+use arcfeed_feedrate::LowerBound;
 use arcfeed_geometry::{ArcLengthCurve, GeometryError, NurbsCurve, OrientationPath, PosePath};
 use arcfeed_interp::{
     LimitError, Limits, Method, PathArm, PathError, PlanError, Planner, ToolLimits, ToolPath, Trajectory,
@@ -37,6 +38,8 @@ pub struct CncJob {
     /// Factors on the limits of the joints' velocity, acceleration and jerk, and of the tool's tangential acceleration, tangential jerk
     /// and normal acceleration.
     pub factors: [f64; 6],
+    /// True if the duration is to be bounded from below, too.
+    pub bounded: bool,
 }
 
 /// What one method gave.
@@ -52,13 +55,15 @@ pub struct Planned {
     pub intervals: usize,
     /// Time to plan without verification, s.
     pub planning: f64,
+    /// The lower bound of the duration, or why there is none, where it was asked for.
+    pub bound: Option<Result<LowerBound, String>>,
 }
 
 impl CncJob {
     /// The job with limits as they are stated: 180 deg/s, 10 rad/s^2, 100 rad/s^3 for every joint; 1 m/s^2 along the path and across it,
     /// 20 m/s^3 along it.
     pub fn new(curve: &'static str, size: f64, feed: f64, arm: &'static str) -> Self {
-        Self { curve, size, feed, arm, factors: [1.0; 6] }
+        Self { curve, size, feed, arm, factors: [1.0; 6], bounded: false }
     }
 
     /// Plans it by a method.
@@ -84,7 +89,7 @@ impl CncJob {
         let path = ToolPath::new(arm, path, arm.joint_range()).map_err(|e: PathError| e.to_string())?;
         let limits = self.limits(arm.joint_range()).map_err(|e| e.to_string())?;
         let planner = Planner::new(arm, limits).with_method(method);
-        planner.plan_shared(Arc::new(path)).map(|t| planned(&t)).map_err(|e: PlanError| e.to_string())
+        planner.plan_shared(Arc::new(path)).map(|t| planned(&t, self.bounded)).map_err(|e: PlanError| e.to_string())
     }
 
     fn limits(&self, range: &JointRange<6>) -> Result<Limits<'static, 6>, LimitError> {
@@ -140,7 +145,7 @@ impl HasRange for arcfeed_kinematics::SphericalWristArm {
     }
 }
 
-fn planned(trajectory: &Trajectory<'_>) -> Planned {
+fn planned(trajectory: &Trajectory<'_>, bounded: bool) -> Planned {
     let info = trajectory.info();
     Planned {
         duration: trajectory.duration(),
@@ -148,6 +153,7 @@ fn planned(trajectory: &Trajectory<'_>) -> Planned {
         rounds: info.rounds,
         intervals: info.intervals,
         planning: trajectory.timings().planning().as_secs_f64(),
+        bound: bounded.then(|| trajectory.lower_bound().map_err(|why| why.to_string())),
     }
 }
 

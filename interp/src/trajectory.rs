@@ -3,7 +3,7 @@
 use std::fmt;
 use std::time::Duration;
 
-use arcfeed_feedrate::{Cursor, Fallback, FeedProblem, LimitId, Quantity, Row, SpeedLaw};
+use arcfeed_feedrate::{Cursor, Fallback, FeedProblem, LimitId, LowerBound, Quantity, Row, SpeedLaw};
 use arcfeed_geometry::Segmentation;
 use arcfeed_kinematics::Joints;
 
@@ -179,6 +179,18 @@ impl<'p, const N: usize> Trajectory<'p, N> {
     /// The verification that it passed.
     pub fn verification(&self) -> &Verification {
         &self.verification
+    }
+
+    /// A duration that no motion along the path beats that keeps the same limits, of those on the grid of the plan.
+    ///
+    /// Takes several times as long as the plan; see [`LowerBound`] for what it covers. Chord error, sections and speeds at the ends
+    /// are part of it.
+    ///
+    /// # Errors
+    /// [`SpeedError::Feed`] where the planner is not one that limits jerk, or no bound is found.
+    pub fn lower_bound(&self) -> Result<LowerBound, SpeedError> {
+        let rows = self.problem.rows(RowsNeeded::Jerk)?;
+        LowerBound::new(&rows, &self.law).map_err(|error| self.problem.explained(error))
     }
 
     /// The times of the parts of planning.

@@ -19,6 +19,7 @@ pub use input::sample_paths::{SamplePath, butterfly};
 pub use input::scenario::Scenario;
 pub use input::schedule_file::{ScheduleFile, SchedulePlace, ScheduleWay};
 pub use input::unit::LengthUnit;
+pub use output::bound_report::BoundReport;
 pub use output::compiled_report::{CertifiedRatio, CertifiedToolRatio, CompiledReport};
 pub use output::joint_report::JointReport;
 #[cfg(feature = "plot")]

@@ -49,7 +49,7 @@ impl Piece {
         let Shape::Slope(w) = self.shape else { return None };
         let (passed, left) = (t - self.t, t_end - t);
         let decays = w > 0.0 && self.a < 0.0 && passed > left && w * (passed + left) * (passed + left) > 1.0;
-        decays.then(|| Self { t: t_end, s, v, a: self.a + w * (s - self.s), shape: self.shape })
+        decays.then_some(Self { t: t_end, s, v, a: self.a + w * (s - self.s), shape: self.shape })
     }
 
     /// The state after a distance `ds` within the piece, which lasts `duration`.

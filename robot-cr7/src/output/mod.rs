@@ -1,5 +1,6 @@
 //! Trajectories, reports and pictures.
 
+pub(crate) mod bound_report;
 pub(crate) mod compiled_report;
 pub(crate) mod joint_report;
 pub(crate) mod limit_table;

@@ -7,6 +7,7 @@ use std::time::Duration;
 use arcfeed_geometry::{Segmentation, SegmentationMethod};
 use serde::Serialize;
 
+use super::bound_report::BoundReport;
 use super::compiled_report::{CompiledReport, LINES};
 use super::limit_table::{ending, limit_table};
 use crate::run::limit_line::{LimitLine, worst};
@@ -61,6 +62,9 @@ pub struct Report {
     pub motion_per_computing: f64,
     /// Every limit with its worst place.
     pub limits: Vec<LimitLine>,
+    /// How much shorter any motion can be, where that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bound: Option<BoundReport>,
     /// The compiled motion, where one was asked for.
     pub compiled: Option<CompiledReport>,
     /// What the look-ahead cost, where segments arrived while the motion ran.
@@ -108,6 +112,7 @@ impl<const N: usize> Motion<'_, N> {
             sampling_time_s,
             motion_per_computing: plan.duration() / (planning_time_s + verification_time_s + sampling_time_s),
             limits: limit_lines(plan.verification(), plan.path().parameter()),
+            bound: None,
             compiled: None,
             stream: self.stream().cloned(),
             warnings: self.warnings().to_vec(),
@@ -176,6 +181,9 @@ impl Display for Report {
             let rest: String = words.iter().skip(WIDTH - 13).collect();
             writeln!(f, "  {:<11}{}", "", clip(&rest, WIDTH - 13))?;
         }
+        if let Some(bound) = &self.bound {
+            writeln!(f, "  {:<11}{}", "bound", clip(&bound.line(), WIDTH - 13))?;
+        }
         if let Some(stream) = &self.stream {
             let line = format!(
                 "{} ahead: held back {} times, on {} mm, waits {} s; whole path known: {} s",
@@ -208,12 +216,15 @@ impl Display for Report {
         }
 
         limit_table(f, &self.limits)?;
-        let taken = usize::from(second) + LINES * usize::from(compiled.is_some()) + usize::from(self.stream.is_some());
+        let taken = usize::from(second)
+            + usize::from(self.bound.is_some())
+            + LINES * usize::from(compiled.is_some())
+            + usize::from(self.stream.is_some());
         ending(
             f,
             &self.warnings,
             &self.files,
-            [MOST_WARNINGS.saturating_sub(taken), MOST_FILES - taken.saturating_sub(MOST_WARNINGS)],
+            [MOST_WARNINGS.saturating_sub(taken), MOST_FILES.saturating_sub(taken.saturating_sub(MOST_WARNINGS))],
         )
     }
 }
@@ -262,6 +273,7 @@ mod tests {
             sampling_time_s: 0.0045,
             motion_per_computing: 323.4,
             limits,
+            bound: None,
             compiled: None,
             stream: None,
             warnings: vec!["the path passes the wrist singularity at 3 deg".to_owned()],
@@ -291,6 +303,12 @@ mod tests {
         r.files = vec!["f".repeat(500).into(); 50];
         r.fallback = Some("because ".repeat(50));
         let worst = CertifiedRatio { name: "q".repeat(50), joint: 9, ratio: f64::INFINITY, at_t_s: f64::NAN };
+        r.bound = Some(BoundReport {
+            lower_bound_s: f64::MIN_POSITIVE,
+            gap: f64::NAN,
+            conditional_intervals: usize::MAX,
+            intervals: usize::MAX,
+        });
         r.compiled = Some(CompiledReport {
             tolerance_rad: 1e-300,
             pieces: usize::MAX,
@@ -300,7 +318,7 @@ mod tests {
             certified_tool: Vec::new(),
             tool_deviation_bound_m: f64::NAN,
         });
-        r.stream = Some(StreamReport {
+        let stream = Some(StreamReport {
             look_ahead: usize::MAX,
             gap_s: f64::NAN,
             whole_duration_s: f64::MAX,
@@ -314,10 +332,13 @@ mod tests {
         for v in [&mut r.length_m, &mut r.duration_s, &mut r.motion_per_computing, &mut r.planning_time_s] {
             *v = f64::NEG_INFINITY;
         }
-        let text = r.to_string();
-        assert!(text.lines().count() <= 40, "{} lines", text.lines().count());
-        for l in text.lines() {
-            assert!(l.chars().count() <= 100, "{} columns: {l}", l.chars().count());
+        // A stream has neither a compiled motion nor a bound.
+        let streamed = Report { bound: None, compiled: None, stream, ..r.clone() };
+        for text in [r.to_string(), streamed.to_string()] {
+            assert!(text.lines().count() <= 40, "{} lines", text.lines().count());
+            for l in text.lines() {
+                assert!(l.chars().count() <= 100, "{} columns: {l}", l.chars().count());
+            }
         }
     }
 

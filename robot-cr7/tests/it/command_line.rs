@@ -75,6 +75,21 @@ fn a_compiled_plan_is_written_and_reported() {
 }
 
 #[test]
+fn a_plan_states_how_much_shorter_any_motion_can_be() {
+    let desk = Desk::new("bound");
+    desk.write("six.json", SamplePath::SixPoint.json());
+    let run = desk.run(&["plan", "six.json", "--bound"]).done();
+    assert!(run.stdout.contains("at least") && run.stdout.contains("gap 0."), "{run:?}");
+    let report = desk.run(&["plan", "six.json", "--bound", "--json"]).done().json();
+    let number = |v: &Value| v.as_f64().expect("a number");
+    let (duration, bound) = (number(&report["duration_s"]), number(&report["bound"]["lower_bound_s"]));
+    assert!((1.0..1.01).contains(&(duration / bound)), "{report}");
+    assert!((number(&report["bound"]["gap"]) - (duration / bound - 1.0)).abs() < 1e-12);
+    assert!(desk.run(&["plan", "six.json", "--json"]).done().json().get("bound").is_none());
+    desk.run(&["plan", "six.json", "--bound", "--stream", "20"]).refused(2, &["--bound", "--stream"]);
+}
+
+#[test]
 fn compare_runs_every_planner_on_a_job() {
     let desk = Desk::new("compare");
     desk.write("six.json", SamplePath::SixPoint.json());
@@ -88,6 +103,7 @@ fn compare_runs_every_planner_on_a_job() {
         "jerk-limited",
         "continuous-acceleration",
         "compare.svg",
+        "bound with jerk at least",
     ] {
         assert!(run.stdout.contains(part), "{part}: {run:?}");
     }

@@ -6,8 +6,8 @@ use std::time::Instant;
 use arcfeed_interp::PathArm;
 use robot_cr7::plot::{Along, Bound, JointQuantity, feed_picture, joint_picture, path_picture, speed_picture};
 use robot_cr7::{
-    BindingBar, CompiledReport, Job, Motion, Series, SpeedFigure, Staging, StreamReport, Task, TrajectoryRow,
-    TrajectoryWriter, drawn_segments, few_enough,
+    BindingBar, BoundReport, CompiledReport, Job, Motion, Series, SpeedFigure, Staging, StreamReport, Task,
+    TrajectoryRow, TrajectoryWriter, drawn_segments, few_enough,
 };
 
 use crate::Failure;
@@ -25,6 +25,7 @@ use crate::tool_path::{OnToolPath, on_tool_path, read_path};
   cr7 plan --job robot-cr7/jobs/butterfly.toml --out butterfly
   cr7 plan --robot ur5e                    another robot: a name of `cr7 robots`, a .urdf or a .json file
   cr7 plan --compile-rad 1e-6              the joints as polynomials of the time, too, within 1 urad
+  cr7 plan --bound                         how much shorter any motion can be, too
   cr7 plan --stream 20                     segments arrive while the motion runs, 20 of them known ahead
   cr7 plan --stream 20 --stream-gap-ms 12  one every 12 ms: the motion waits where they come too late
   cr7 plan --job job.toml --json | jq .duration_s")]
@@ -45,6 +46,9 @@ pub struct Args {
     /// Also write joint_trajectory.json: polynomials of the time that stay within this tolerance of the planned joints, in rad
     #[arg(long, value_name = "TOLERANCE", conflicts_with = "stream")]
     compile_rad: Option<f64>,
+    /// Also bound the duration of all motions within the limits from below; takes several times as long as the plan
+    #[arg(long, conflicts_with = "stream")]
+    bound: bool,
     /// Run the motion as a controller does that gets its segments on the way, with N of them known behind the present one
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     stream: Option<u32>,
@@ -133,6 +137,15 @@ impl OnToolPath for Plan<'_> {
         };
         motion.warn(warnings);
         few_enough(motion.trajectory().duration(), motion.trajectory().period(), LEVERS)?;
+        let bound = match args.bound {
+            true => {
+                progress.step("lower bound");
+                let bound =
+                    motion.trajectory().lower_bound().map_err(|e| Failure::Undoable(format!("--bound: {e}")))?;
+                Some(BoundReport::new(motion.trajectory().duration(), &bound))
+            }
+            false => None,
+        };
 
         progress.step("sampling and writing");
         let begin = Instant::now();
@@ -166,7 +179,7 @@ impl OnToolPath for Plan<'_> {
         drop(progress);
         let remedy = "lower the feed, or give the limits of the job more distance";
         let mut report = motion.report(samples, sampling);
-        report.compiled = compiled;
+        (report.compiled, report.bound) = (compiled, bound);
         conclude(report, staging, args.json, remedy)
     }
 }
