@@ -3,7 +3,6 @@
 
 use std::ops::Range;
 
-use super::relaxed::MeanBound;
 use super::spline::{End, Knots, Values};
 use crate::constraint::Within;
 use crate::problem::FeedProblem;
@@ -46,6 +45,21 @@ pub(super) struct InnerRow {
     pub hi: f64,
     /// Widening of the lower and the upper bound; taken back as the iterations go.
     pub wider: Sides,
+}
+
+/// `root m + constant - fall x`, with `m` the mean of `1 / sqrt(x)` over an interval and `x` that of `x`: the bound on the mean of jerk.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct MeanBound {
+    pub root: f64,
+    pub constant: f64,
+    pub fall: f64,
+}
+
+impl Default for MeanBound {
+    /// The mean of `1 / sqrt(x)`.
+    fn default() -> Self {
+        Self { root: 1.0, constant: 0.0, fall: 0.0 }
+    }
 }
 
 /// A stretch between two stops (or ends at a speed), ready to be iterated on.

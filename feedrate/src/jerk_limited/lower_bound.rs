@@ -9,11 +9,10 @@
 //! Where the multipliers add up to more than `h`, a part of the bound is replaced by the straight line above it between the slowest
 //! and the fastest speed that are looked at, and the problem is solved again.
 
-use super::barrier_problem::BarrierProblem;
+use super::barrier_problem::{BarrierProblem, MeanBound};
 use super::interior_point::Solver;
 use super::outcome::Goal;
 use super::parts::{Part, Prepared, prepare};
-use super::relaxed::MeanBound;
 use super::spline::End;
 use super::start;
 use crate::error::FeedError;

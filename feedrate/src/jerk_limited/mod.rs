@@ -33,6 +33,7 @@ mod barrier_sides;
 mod between;
 #[cfg(feature = "clarabel")]
 pub(crate) mod conic;
+mod derivatives;
 mod drop_distant;
 mod end_speed;
 mod interior_point;
@@ -43,6 +44,7 @@ mod passes;
 mod planner;
 mod refine;
 mod relaxed;
+mod side;
 mod solution;
 mod spline;
 mod start;

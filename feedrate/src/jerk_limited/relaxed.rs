@@ -10,7 +10,7 @@
 //! The root of a step is replaced by a line below it, and so is friction where it is not convex. What is there for the sake of the motion between the knots is left
 //! out.
 
-use super::barrier_problem::{BarrierProblem, ThirdRow, positive};
+use super::barrier_problem::{BarrierProblem, MeanBound, ThirdRow, positive};
 use super::spline::Values;
 use crate::constraint::Within;
 use crate::problem::FeedProblem;
@@ -18,21 +18,6 @@ use crate::problem::FeedProblem;
 /// Gauss's points of the unit interval; both have the weight 1 / 2. Of a function that falls and bends like the inverse of a speed
 /// from rest the rule gives a little less than the integral.
 const GAUSS: [f64; 2] = [0.211_324_865_405_187_13, 0.788_675_134_594_812_9];
-
-/// `root m + constant - fall x`, with `m` the mean of `1 / sqrt(x)` over an interval and `x` that of `x`: the bound on the mean of jerk.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct MeanBound {
-    pub root: f64,
-    pub constant: f64,
-    pub fall: f64,
-}
-
-impl Default for MeanBound {
-    /// The mean of `1 / sqrt(x)`.
-    fn default() -> Self {
-        Self { root: 1.0, constant: 0.0, fall: 0.0 }
-    }
-}
 
 impl BarrierProblem {
     /// The relaxed problem; `most` are squared speeds at its knots beyond which no motion is looked at.
