@@ -183,7 +183,7 @@ impl<'p, const N: usize> Trajectory<'p, N> {
 
     /// A duration that no motion along the path beats that keeps the same limits, of those on the grid of the plan.
     ///
-    /// Takes several times as long as the plan; see [`LowerBound`] for what it covers. Chord error, sections and speeds at the ends
+    /// Takes a few to forty times as long as the plan; see [`LowerBound`] for what it covers. Chord error, sections and speeds at the ends
     /// are part of it.
     ///
     /// # Errors

@@ -71,7 +71,8 @@ pub struct LowerBound {
 impl LowerBound {
     /// The bound for a problem, from its solution or another law that keeps its rows.
     ///
-    /// Takes about six times as long as [`JerkLimited`](crate::JerkLimited).
+    /// Takes a few times as long as [`JerkLimited`](crate::JerkLimited) where the problem is convex, and some forty times where it is
+    /// not in many places.
     ///
     /// # Errors
     /// As [`JerkLimited`](crate::JerkLimited) for problems without limits on jerk, without rows between the points or with too many

@@ -25,6 +25,10 @@
 //! checked between the points in closed form, and what is left, of the order of 1e-5, is taken off
 //! the speed (module `between`). On other paths (inverse kinematics, torque) the same holds for the
 //! rows as interpolated through both ends and the middle of each interval.
+//!
+//! # Optimality
+//! The multipliers of the rows bound the duration of all motions on the grid from below (modules
+//! `relaxed` and `lower_bound`).
 // Knots, values, coefficients and rows run in step.
 #![allow(clippy::needless_range_loop, reason = "rows of several arrays are read side by side")]
 mod band;

@@ -7,8 +7,8 @@
 //! mean of |alpha w + beta u + gamma x|  <=  mean of (1 / sqrt(x) - step sqrt(x)).
 //! ```
 //!
-//! The root of a step is replaced by a line below it, and so is friction where it is not convex. What is there for the sake of the motion between the knots is left
-//! out.
+//! The root of a step is replaced by a line below it, and so is friction where it is not convex. What is there for the sake of
+//! the motion between the knots is left out.
 
 use super::barrier_problem::{BarrierProblem, MeanBound, ThirdRow, positive};
 use super::spline::Values;

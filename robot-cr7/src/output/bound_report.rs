@@ -35,7 +35,7 @@ impl BoundReport {
     pub(crate) fn line(&self) -> String {
         let condition = match self.conditional_intervals {
             0 => String::new(),
-            some => format!("; on {some} of {} intervals for speeds over 0.7 times this", self.intervals),
+            some => format!("; on {some} of {} intervals if over 0.7 of its speed", self.intervals),
         };
         format!("at least {} s, gap {:.3} %{condition}", number(self.lower_bound_s), 100.0 * self.gap)
     }

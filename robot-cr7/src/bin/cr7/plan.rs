@@ -46,7 +46,7 @@ pub struct Args {
     /// Also write joint_trajectory.json: polynomials of the time that stay within this tolerance of the planned joints, in rad
     #[arg(long, value_name = "TOLERANCE", conflicts_with = "stream")]
     compile_rad: Option<f64>,
-    /// Also bound the duration of all motions within the limits from below; takes several times as long as the plan
+    /// Also bound the duration of all motions within the limits from below; takes a few to forty times as long as the plan
     #[arg(long, conflicts_with = "stream")]
     bound: bool,
     /// Run the motion as a controller does that gets its segments on the way, with N of them known behind the present one
@@ -140,8 +140,10 @@ impl OnToolPath for Plan<'_> {
         let bound = match args.bound {
             true => {
                 progress.step("lower bound");
-                let bound =
-                    motion.trajectory().lower_bound().map_err(|e| Failure::Undoable(format!("--bound: {e}")))?;
+                let bound = motion
+                    .trajectory()
+                    .lower_bound()
+                    .map_err(|e| Failure::Undoable(format!("--bound, for planners that limit jerk: {e}")))?;
                 Some(BoundReport::new(motion.trajectory().duration(), &bound))
             }
             false => None,
