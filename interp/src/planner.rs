@@ -22,7 +22,7 @@ const MOST_SETPOINTS: f64 = 5e6;
 /// Rounds of planning until the verification passes.
 const ROUNDS: usize = 12;
 /// A limit that is exceeded by more than this, relative to it, asks for a finer grid; by less, for less of the limit.
-const COARSE: f64 = 1e-4;
+const COARSE: f64 = 1e-2;
 /// A finer grid has this many times the intervals, and no more than that many.
 const FINER: usize = 4;
 const FINEST: usize = 4_000;

@@ -334,3 +334,60 @@ fn on_the_ur5e_every_plan_keeps_every_limit() {
     let arm = models::ur5e();
     run(&arm, arm.range(), 5);
 }
+
+/// A tool that follows the tangent turns by 3e4 rad/m at one place: a unit in the last place of the arc length moves J6 by more than the
+/// jerk allows in a sample's time, at one period or another.
+#[test]
+fn a_tool_that_turns_within_micrometres_is_judged_alike_at_another_period() {
+    let arm = models::cr7();
+    let case = Case {
+        degree: 5,
+        points: vec![
+            [0.30494780375371977, -0.22080992155716095, 0.3679446465447251],
+            [0.32315034824103406, -0.25511456249873027, 0.37570235057690315],
+            [0.32305373432203055, -0.252058471684684, 0.371521664050639],
+            [0.30923803629474667, -0.23107849696573748, 0.37887279607848695],
+            [0.33232858401967924, -0.2552559038219581, 0.37279545413474224],
+            [0.315573898670745, -0.24797621974672768, 0.37222649549250447],
+            [0.31514980009559135, -0.231678128980919, 0.38351396062324966],
+            [0.31851232301536875, -0.22178223698183153, 0.3642448010390842],
+            [0.31107637455631015, -0.2297459087243324, 0.34956458071973995],
+            [0.30454741783170924, -0.22992046261547297, 0.3556693167709668],
+            [0.3177289711833819, -0.23627169946503046, 0.36421203165876564],
+        ],
+        weights: vec![
+            0.7358454068434033,
+            1.5228798929207794,
+            0.708024324679543,
+            0.8514280944643289,
+            0.9781550910279857,
+            1.5160686249954878,
+            1.256720678545207,
+            0.554524008126915,
+            1.8971248166580572,
+            1.4787852483723016,
+            1.6823224996616644,
+        ],
+        spans: vec![0.5112353189689274, 0.8720157103868525],
+        tangent_only: false,
+        tilt: [0.4791451988013813, 0.4722561823469947, 0.1999682849921186],
+        turning: Turning::Tangent,
+        tool: ToolLimits::new()
+            .with_feed(0.18282555840692385)
+            .and_then(|t| t.with_tangential_acceleration(0.6052510399995454))
+            .and_then(|t| t.with_tangential_jerk(75.33916074795466))
+            .and_then(|t| t.with_normal_acceleration(2.071525904228831))
+            .expect("valid limits"),
+        velocity: 1.4335423873715247,
+        acceleration: 15.025799190808925,
+        jerk: 39.71058465156655,
+        chord: 1.0201708951747854e-5,
+        period: 0.0026575731951865933,
+        per_segment: false,
+    };
+    let planned = Cell::new(0);
+    if let Err(error) = check(&arm, arm.range(), &case, &planned) {
+        panic!("{error}");
+    }
+    assert_eq!(planned.get(), 1);
+}

@@ -28,14 +28,21 @@ pub(crate) fn jet_at<const N: usize>(
     Ok(JointJet { s, q, d1: d.first, d2: d.second, d3: d.third })
 }
 
-/// By how much rounding may have moved each joint at `q` on a path of `length` (m): the residual of the inverse and the
-/// rounding of the path itself, carried to the joints, and the rounding of the joint values.
-pub(crate) fn rounding<const N: usize>(arm: &dyn PathArm<N>, length: f64, q: &Joints<N>) -> Joints<N> {
-    /// Units in the last place of an arc length and of a coordinate that a path may be off by.
-    const PATH: f64 = 16.0 * f64::EPSILON;
+/// Units in the last place of a parameter and of a coordinate that a path may be off by.
+const PATH: f64 = 16.0 * f64::EPSILON;
+
+/// By how much rounding of the parameter of a path of `length` may have moved each joint where its derivative is `slope`. At a narrow
+/// bend of a tool that follows its direction a joint turns by some 1e4 rad/m.
+pub(crate) fn rounding_of_parameter<const N: usize>(slope: &Joints<N>, length: f64) -> Joints<N> {
+    slope.abs() * (PATH * length)
+}
+
+/// By how much rounding may have moved each joint at `q`: the residual of the inverse and the rounding of the pose, carried to the
+/// joints, and the rounding of the joint values.
+pub(crate) fn rounding<const N: usize>(arm: &dyn PathArm<N>, q: &Joints<N>) -> Joints<N> {
     let PoseResidual { position, orientation } = arm.residual(q);
     let reach = arm.configuration(q).position().norm();
-    let position = position + PATH * (length + reach);
+    let position = position + PATH * reach;
     let orientation = orientation + PATH;
     let mut moved = q.map(|value| PATH * value.abs());
     for row in 0..6 {

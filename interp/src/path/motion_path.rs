@@ -56,8 +56,8 @@ pub trait MotionPath<const N: usize>: std::fmt::Debug + Send + Sync {
         None
     }
 
-    /// By how much rounding may have moved each joint of a setpoint at `q`, rad.
-    fn rounding(&self, q: &Joints<N>) -> Joints<N> {
+    /// By how much rounding may have moved each joint of a setpoint at `s` and `q`, rad.
+    fn rounding(&self, _s: f64, q: &Joints<N>) -> Joints<N> {
         q.map(|value| 16.0 * f64::EPSILON * value.abs())
     }
 

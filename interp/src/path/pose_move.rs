@@ -87,8 +87,9 @@ impl<const N: usize> MotionPath<N> for PoseMove<'_, N> {
         Some(self.motion.jet(s))
     }
 
-    fn rounding(&self, q: &Joints<N>) -> Joints<N> {
-        inverse::rounding(self.arm, self.motion.length(), q)
+    fn rounding(&self, s: f64, q: &Joints<N>) -> Joints<N> {
+        let slope = self.jet(s, q).map_or(Joints::repeat(0.0), |jet| jet.d1);
+        inverse::rounding(self.arm, q) + inverse::rounding_of_parameter(&slope, self.length())
     }
 }
 

@@ -143,7 +143,8 @@ impl<const N: usize> MotionPath<N> for ToolPath<'_, N> {
         Some(&self.path)
     }
 
-    fn rounding(&self, q: &Joints<N>) -> Joints<N> {
-        inverse::rounding(self.arm, self.length(), q)
+    fn rounding(&self, s: f64, q: &Joints<N>) -> Joints<N> {
+        let slope = self.jet(s, q).map_or(Joints::repeat(0.0), |jet| jet.d1);
+        inverse::rounding(self.arm, q) + inverse::rounding_of_parameter(&slope, self.length())
     }
 }

@@ -206,7 +206,7 @@ impl<'a, const N: usize> Tally<'a, N> {
         }
         let step = if jumped { self.r.period } else { 0.0 };
         let path = self.r.path;
-        let rounding = || path.rounding(&a.q) + path.rounding(&b.q);
+        let rounding = || path.rounding(a.s, &a.q) + path.rounding(b.s, &b.q);
         let of_speed = |k: usize| SPEED[0] + SPEED[1] * b.qd[k].abs();
         let samples = [a, b].map(|at| JointSample { t: at.t, q: at.q, qd: at.qd, qdd: at.qdd });
         self.joints.see_step([&samples[0], &samples[1]], (dt, step), &self.rates, (rounding, of_speed), b.into());
