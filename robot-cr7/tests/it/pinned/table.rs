@@ -9,7 +9,7 @@ const PINS: &[Pin] = &[
     Pin { name: "butterfly cr7 window", args: &["plan", "--job", "job.toml"], file: WINDOW, duration: 16.658125308196713, worst: 0.9999999960134887, joints: 9.213765172648973 },
     Pin { name: "butterfly kr6 sections", args: &["plan", "--robot", "kr6_r700", "--job", "job.toml"], file: SECTIONS, duration: 6.284512703726593, worst: 0.9988859475392262, joints: 25.37857240155072 },
     Pin { name: "butterfly ur5e torque", args: &["plan", "--robot", "ur5e", "--job", "job.toml"], file: TORQUE, duration: 5.625723107233145, worst: 0.9999930009250554, joints: 21.634484272278936 },
-    Pin { name: "butterfly ur5e tangent", args: &["plan", "--robot", "ur5e", "--job", "job.toml"], file: TANGENT, duration: 27.067927525509248, worst: 0.9976708925520138, joints: -3.524309691197296 },
+    Pin { name: "butterfly ur5e tangent", args: &["plan", "--robot", "ur5e", "--job", "job.toml"], file: TANGENT, duration: 26.24964683545983, worst: 0.9999974548494632, joints: -3.524194386341837 },
     Pin { name: "six_point cr7", args: &["plan", concat!(env!("CARGO_MANIFEST_DIR"), "/data/six_point.json"), "--robot", "cr7"], file: "", duration: 0.5648982792748414, worst: 0.999986152569709, joints: 33.38056254039694 },
     Pin { name: "seven_point cr7", args: &["plan", concat!(env!("CARGO_MANIFEST_DIR"), "/data/seven_point.json"), "--robot", "cr7"], file: "", duration: 0.6221214118489028, worst: 0.9997488097278879, joints: 33.33466937037971 },
     Pin { name: "six_point puma560", args: &["plan", concat!(env!("CARGO_MANIFEST_DIR"), "/data/six_point.json"), "--robot", "puma560"], file: "", duration: 0.5511562451297198, worst: 0.9999997245894393, joints: -6.2766909840647624 },
