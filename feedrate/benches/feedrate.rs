@@ -21,10 +21,11 @@ use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 
 #[path = "../tests/it/common/mod.rs"]
 mod common;
-use common::{Rng, curve_like};
+use arcfeed_testing::Random;
+use common::curve_like;
 
 fn profiles(c: &mut Criterion) {
-    let mut rng = Rng(1);
+    let mut rng = Random::new(1);
     let cases: Vec<(f64, f64, f64, AxisLimits)> = (0..1024)
         .filter_map(|_| {
             let v = rng.log(0.01, 1.0);

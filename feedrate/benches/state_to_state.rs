@@ -11,16 +11,16 @@ use criterion::{Criterion, criterion_group, criterion_main};
 
 #[path = "../tests/it/common/mod.rs"]
 mod common;
-use common::Rng;
+use arcfeed_testing::Random;
 
 /// The distribution ruckig's own benchmark draws from: normal positions, velocities and accelerations, each of the latter two
 /// zero in a part of the cases; limits uniform and wide enough for the states.
 fn cases(seed: u64, count: usize) -> Vec<(AxisState, AxisState, AxisLimits)> {
-    let mut rng = Rng(seed);
-    let normal = |rng: &mut Rng, sigma: f64| {
+    let mut rng = Random::new(seed);
+    let normal = |rng: &mut Random, sigma: f64| {
         sigma * (-2.0 * (1.0 - rng.unit()).ln()).sqrt() * (std::f64::consts::TAU * rng.unit()).cos()
     };
-    let sparse = |rng: &mut Rng| {
+    let sparse = |rng: &mut Random| {
         let x = normal(rng, 0.8);
         if rng.unit() < 0.6 { 0.0 } else { x }
     };

@@ -147,7 +147,8 @@ impl<const D: usize> NurbsCurve<D> {
     /// Length of the curve, in its unit, to the absolute `tolerance`.
     ///
     /// Adaptive 16-point Gauss-Legendre quadrature of `|C'|` on every Bezier piece. Tolerances below about 1e-15 of the
-    /// length cannot be met in double precision; asking for less costs time and gains nothing.
+    /// length cannot be met in double precision; asking for less costs time and gains nothing. Where the weights of one piece differ by
+    /// a factor of 10^k, k more digits are lost to rounding.
     ///
     /// # Errors
     /// Fails when the tolerance is not a finite number above 0.

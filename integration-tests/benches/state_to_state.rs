@@ -18,6 +18,7 @@
 //! again and a step: 58 ns.
 #![allow(missing_docs)]
 
+use arcfeed_testing::Random;
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -28,24 +29,14 @@ use rsruckig::prelude::{InputParameter, Ruckig, ThrowErrorHandler};
 
 type Theirs<const N: usize> = rsruckig::prelude::Trajectory<N>;
 
-/// SplitMix64, uniform in [0, 1).
-struct Rng(u64);
-impl Rng {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-    fn normal(&mut self, sigma: f64) -> f64 {
-        sigma * (-2.0 * (1.0 - self.unit()).ln()).sqrt() * (std::f64::consts::TAU * self.unit()).cos()
-    }
-    /// Zero but for a share of the cases.
-    fn sparse(&mut self, share: f64) -> f64 {
-        let x = self.normal(0.8);
-        if self.unit() < share { x } else { 0.0 }
-    }
+fn normal(rng: &mut Random, sigma: f64) -> f64 {
+    sigma * (-2.0 * (1.0 - rng.unit()).ln()).sqrt() * (std::f64::consts::TAU * rng.unit()).cos()
+}
+
+/// Zero but for a share of the cases.
+fn sparse(rng: &mut Random, share: f64) -> f64 {
+    let x = normal(rng, 0.8);
+    if rng.unit() < share { x } else { 0.0 }
 }
 
 struct Case<const N: usize> {
@@ -56,13 +47,17 @@ struct Case<const N: usize> {
 }
 
 fn cases<const N: usize>(seed: u64, count: usize) -> Vec<Case<N>> {
-    let mut rng = Rng(seed);
+    let mut rng = Random::new(seed);
     let mut otg = Ruckig::<N, ThrowErrorHandler>::new(None, 0.005);
     let mut all = Vec::with_capacity(count);
     while all.len() < count {
-        let start: [_; N] = std::array::from_fn(|_| AxisState::new(rng.normal(4.0), rng.sparse(0.9), rng.sparse(0.8)));
-        let target: [_; N] = std::array::from_fn(|_| AxisState::new(rng.normal(4.0), rng.sparse(0.7), rng.sparse(0.6)));
-        let limit = |rng: &mut Rng, least: f64| 0.1 + 11.9 * rng.unit() + least.abs();
+        let start: [_; N] = std::array::from_fn(|_| {
+            AxisState::new(normal(&mut rng, 4.0), sparse(&mut rng, 0.9), sparse(&mut rng, 0.8))
+        });
+        let target: [_; N] = std::array::from_fn(|_| {
+            AxisState::new(normal(&mut rng, 4.0), sparse(&mut rng, 0.7), sparse(&mut rng, 0.6))
+        });
+        let limit = |rng: &mut Random, least: f64| 0.1 + 11.9 * rng.unit() + least.abs();
         let bounds: [_; N] =
             std::array::from_fn(|k| [limit(&mut rng, target[k].v), limit(&mut rng, target[k].a), limit(&mut rng, 0.0)]);
         let mut theirs = InputParameter::new(None);

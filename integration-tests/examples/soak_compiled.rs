@@ -4,6 +4,7 @@
 //! to 1e-4 rad. A compiled motion has to keep the limits by its certificate, and to stay within its bound on samples that are denser
 //! than those of the compiler. A refusal is printed with its seed.
 
+use arcfeed_testing::Random;
 use std::sync::Arc;
 
 use arcfeed_geometry::{ArcLengthCurve, NurbsCurve, OrientationPath, PosePath};
@@ -12,27 +13,6 @@ use arcfeed_interp::{
 };
 use arcfeed_kinematics::{Joints, ParallelAxisArm, models};
 use nalgebra::{UnitQuaternion, Vector3};
-
-/// The generator splitmix64.
-struct Random(u64);
-
-impl Random {
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        low + (high - low) * ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn log(&mut self, low: f64, high: f64) -> f64 {
-        self.between(low.ln(), high.ln()).exp()
-    }
-
-    fn below(&mut self, n: usize) -> usize {
-        self.between(0.0, n as f64) as usize
-    }
-}
 
 /// A random motion; `None` where the arm cannot follow or no plan is found.
 fn motion<'a>(random: &mut Random, arm: &'a ParallelAxisArm) -> Option<Trajectory<'a>> {
@@ -101,7 +81,7 @@ fn main() {
     let arm = models::ur5e();
     let (mut compiled, mut refused, mut none, mut wrong, mut pieces) = (0, 0, 0, 0, 0);
     for seed in first..first + count {
-        let mut random = Random(seed.wrapping_mul(0x2545_f491_4f6c_dd1d));
+        let mut random = Random::new(seed.wrapping_mul(0x2545_f491_4f6c_dd1d));
         let Some(trajectory) = motion(&mut random, &arm) else {
             none += 1;
             continue;

@@ -5,7 +5,7 @@
 
 use std::time::Instant;
 
-use integration_tests::counting::Counting;
+use arcfeed_testing::Counting;
 use integration_tests::hybrid_scenario::{Stage, arms};
 
 #[global_allocator]

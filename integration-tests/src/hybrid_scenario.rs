@@ -8,6 +8,7 @@ use arcfeed_interp::{
     Setpoint, ToolLimits, ToolPath,
 };
 use arcfeed_kinematics::{Joints, ParallelAxisArm, models};
+use arcfeed_testing::Random;
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// A motion that takes more cycles than this hangs.
@@ -15,42 +16,8 @@ const MOST_CYCLES: usize = 300_000;
 /// By how much a limit may seem to be exceeded through rounding.
 const TOLERANCE: f64 = 1e-6;
 
-/// Random numbers by seed: `SplitMix64` (Steele, Lea and Flood 2014).
-#[derive(Debug, Clone)]
-pub struct Random(u64);
-
-impl Random {
-    /// The sequence that belongs to `seed`.
-    pub fn new(seed: u64) -> Self {
-        Self(seed)
-    }
-
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    /// A number evenly spread.
-    pub fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * ((self.next() >> 11) as f64 / (1u64 << 53) as f64)
-    }
-
-    /// A number whose logarithm is evenly spread.
-    pub fn log(&mut self, low: f64, high: f64) -> f64 {
-        self.between(low.ln(), high.ln()).exp()
-    }
-
-    /// A whole number below `n`.
-    pub fn below(&mut self, n: u64) -> u64 {
-        self.next() % n
-    }
-
-    pub(crate) fn vector(&mut self, size: f64) -> Vector3<f64> {
-        Vector3::new(self.between(-size, size), self.between(-size, size), self.between(-size, size))
-    }
+pub(crate) fn vector(random: &mut Random, size: f64) -> Vector3<f64> {
+    Vector3::from_fn(|_, _| random.between(-size, size))
 }
 
 /// The arms that stages are drawn from: CR7 and UR5e.
@@ -74,9 +41,9 @@ impl<'a> Stage<'a> {
         let arm = &arms[usize::from(r.below(2) != 0)];
         let centre = Vector3::new(r.between(0.3, 0.5), r.between(-0.25, 0.25), r.between(0.1, 0.4));
         let size = r.log(0.01, 0.12);
-        let count = 4 + r.below(6) as usize;
-        let degree = 3 + r.below(3).min(count as u64 - 4) as usize;
-        let points: Vec<Vector3<f64>> = (0..count).map(|_| centre + r.vector(size)).collect();
+        let count = 4 + r.below(6);
+        let degree = 3 + r.below(3).min(count - 4);
+        let points: Vec<Vector3<f64>> = (0..count).map(|_| centre + vector(r, size)).collect();
         let mut knots = vec![0.0; degree + 1];
         for _ in 0..count - degree - 1 {
             knots.push(knots[knots.len() - 1] + r.between(0.3, 1.0));
@@ -85,11 +52,11 @@ impl<'a> Stage<'a> {
         knots.extend(vec![end; degree + 1]);
         let curve = ArcLengthCurve::new(NurbsCurve::bspline(degree, points, knots).ok()?, 1e-15).ok()?;
         let down = UnitQuaternion::from_euler_angles(std::f64::consts::PI, 0.0, 0.0);
-        let first = UnitQuaternion::from_scaled_axis(r.vector(0.3)) * down;
+        let first = UnitQuaternion::from_scaled_axis(vector(r, 0.3)) * down;
         let orientation = if r.below(2) == 0 {
             OrientationPath::Constant(first)
         } else {
-            OrientationPath::slerp(curve.length(), first, UnitQuaternion::from_scaled_axis(r.vector(0.6)) * first)
+            OrientationPath::slerp(curve.length(), first, UnitQuaternion::from_scaled_axis(vector(r, 0.6)) * first)
                 .ok()?
         };
         let path = PosePath::new(curve, orientation);
@@ -108,7 +75,7 @@ impl<'a> Stage<'a> {
         let rates = [r.log(1.0, 4.0), r.log(3.0, 30.0), r.log(30.0, 1000.0)].map(Joints::repeat);
         let limits = arm.range().with_rates(rates[0], rates[1], rates[2]).ok()?;
         let path = ToolPath::new(arm, path, limits.range()).ok()?;
-        let period = [1e-3, 2e-3, 4e-3][r.below(3) as usize];
+        let period = [1e-3, 2e-3, 4e-3][r.below(3)];
         let planner = Planner::new(arm, Limits::new(limits).with_tool(tool))
             .with_chord_tolerance(r.log(1e-6, 1e-4))
             .and_then(|p| p.with_period(period))
@@ -136,7 +103,7 @@ impl<'a> Stage<'a> {
             8 => Command::StepBack(r.between(0.0, motion.feed().position())),
             9..=11 => {
                 let here = motion.setpoint().q;
-                let count = 1 + r.below(4) as usize;
+                let count = 1 + r.below(4);
                 let (lower, upper) = (self.live.joints().lower(), self.live.joints().upper());
                 let points: Vec<Joints<6>> = (0..count)
                     .map(|_| Joints::from_fn(|k, _| (here[k] + r.between(-0.8, 0.8)).max(lower[k]).min(upper[k])))
@@ -158,12 +125,12 @@ impl<'a> Stage<'a> {
         let feed = r.log(0.01, 0.5);
         let mut motion = HybridMotion::new(&self.live, feed).map_err(|e| e.to_string())?;
         let mut watch = Watch::new(self, *motion.setpoint());
-        let acts = r.below(14) as usize;
+        let acts = r.below(14);
         let span = self.live.curve().duration() / self.live.period() * 1.5;
         let mut cycles: Vec<usize> = (0..acts).map(|_| r.between(0.0, span) as usize).collect();
         cycles.sort_unstable();
         let stops = r.below(8) == 0;
-        let last = cycles.last().copied().unwrap_or(0) + r.below(400) as usize;
+        let last = cycles.last().copied().unwrap_or(0) + r.below(400);
         let mut next = 0;
         let mut played = Played::default();
         for cycle in 0..MOST_CYCLES {

@@ -5,6 +5,5 @@
 struct Readme;
 
 pub mod cnc_curves;
-pub mod counting;
 pub mod hybrid_scenario;
 pub mod tight_bends;

@@ -8,7 +8,9 @@ use arcfeed_interp::{
 use arcfeed_kinematics::{Joints, models};
 use nalgebra::{UnitQuaternion, Vector3};
 
-use crate::hybrid_scenario::Random;
+use arcfeed_testing::Random;
+
+use crate::hybrid_scenario::vector;
 
 /// By how much a limit may seem to be exceeded through rounding.
 const TOLERANCE: f64 = 1e-6;
@@ -64,9 +66,9 @@ impl TightBend {
             normal: r.log(0.5, 50.0),
             joints: [r.log(1.0, 6.0), r.log(3.0, 30.0), r.log(30.0, 20_000.0)],
             chord: r.log(1e-6, 1e-4),
-            period: [1e-3, 2e-3, 4e-3, 8e-3][r.below(4) as usize],
+            period: [1e-3, 2e-3, 4e-3, 8e-3][r.below(4)],
             method: if r.below(3) == 0 { Method::ContinuousAcceleration } else { Method::JerkLimited },
-            tilt: r.vector(0.3),
+            tilt: vector(r, 0.3),
         }
     }
 
@@ -151,30 +153,30 @@ fn clamped(degree: usize, inner: Vec<f64>, end: f64) -> Vec<f64> {
 
 /// Pairs and groups of knots one ulp to 1e-6 of the domain apart.
 fn close_knots(r: &mut Random) -> Shape {
-    let degree = 2 + r.below(4) as usize;
+    let degree = 2 + r.below(4);
     let (mut inner, mut u) = (Vec::new(), 0.0);
     for _ in 0..1 + r.below(4) {
         u += r.between(0.2, 1.0);
         let mut knot: f64 = u;
-        for _ in 0..1 + r.below(degree as u64) {
+        for _ in 0..1 + r.below(degree) {
             inner.push(knot);
             knot = if r.below(4) == 0 { knot.next_up() } else { knot + r.log(1e-16, 1e-6) };
         }
     }
     let knots = clamped(degree, inner, u + r.between(0.2, 1.0));
-    let points = (0..knots.len() - degree - 1).map(|_| r.vector(1.0)).collect();
+    let points = (0..knots.len() - degree - 1).map(|_| vector(r, 1.0)).collect();
     (degree, points, knots)
 }
 
 /// Cubic pieces that nearly turn back on themselves: the middle control points nearly cross.
 fn near_cusps(r: &mut Random) -> Shape {
-    let pieces = 1 + r.below(4) as usize;
-    let mut points = vec![r.vector(1.0)];
+    let pieces = 1 + r.below(4);
+    let mut points = vec![vector(r, 1.0)];
     for _ in 0..pieces {
         let from = points[points.len() - 1];
-        let to = r.vector(1.0);
+        let to = vector(r, 1.0);
         // x(t) of 0, 1, 0, 1 / 3 ... turns back where the middle points have changed places.
-        let (along, across) = (to - from, r.vector(1.0) * r.log(1e-4, 0.3));
+        let (along, across) = (to - from, vector(r, 1.0) * r.log(1e-4, 0.3));
         let cross = r.between(0.0, 1.5);
         points.extend([from + along * (0.5 + cross) + across, to - along * (0.5 + cross) + across, to]);
     }
@@ -186,10 +188,10 @@ fn near_cusps(r: &mut Random) -> Shape {
 fn near_duplicates(r: &mut Random) -> Shape {
     let mut points = Vec::new();
     for _ in 0..3 + r.below(5) {
-        let point = r.vector(1.0);
+        let point = vector(r, 1.0);
         points.push(point);
         if r.below(2) == 0 {
-            points.push(point + r.vector(1.0) * r.log(1e-13, 1e-3));
+            points.push(point + vector(r, 1.0) * r.log(1e-13, 1e-3));
         }
     }
     let n = points.len();
@@ -198,8 +200,8 @@ fn near_duplicates(r: &mut Random) -> Shape {
 
 /// A polyline whose corners are rounded by parabolas with radii from a nanometre on.
 fn rounded_corners(r: &mut Random) -> Shape {
-    let count = 3 + r.below(3) as usize;
-    let corners: Vec<Vector3<f64>> = (0..count).map(|_| r.vector(1.0)).collect();
+    let count = 3 + r.below(3);
+    let corners: Vec<Vector3<f64>> = (0..count).map(|_| vector(r, 1.0)).collect();
     let mut points = vec![corners[0]];
     for i in 1..count - 1 {
         let cut = r.log(1e-8, 0.3);

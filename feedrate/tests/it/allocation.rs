@@ -1,12 +1,10 @@
 //! Sampling allocates nothing, counted by the allocator.
 use crate::common;
 
-use crate::allocations;
-
 use std::hint::black_box;
 
-use allocations::allocations_in;
 use arcfeed_feedrate::{AxisLimits, MotionLaw, SProfile, SpeedChange, plan_continuous};
+use arcfeed_testing::allocations_in;
 
 #[test]
 fn sampling_allocates_nothing() {

@@ -24,9 +24,10 @@ mod stream;
 mod time_constrained;
 mod velocity_targets;
 
-#[path = "common/allocations.rs"]
-mod allocations;
 #[path = "common/row_families.rs"]
 mod row_families_cases;
 #[path = "common/spline_paths.rs"]
 mod spline_paths;
+
+#[global_allocator]
+static ALLOCATOR: arcfeed_testing::Counting = arcfeed_testing::Counting;

@@ -2,8 +2,7 @@
 #![allow(clippy::unwrap_used)]
 use arcfeed_feedrate::{Adoption, AxisLimits, AxisState, FeedError, FeedScheduler, FeedStatus, FeedStep, MotionState};
 
-use crate::common;
-use common::Rng;
+use arcfeed_testing::Random;
 
 const T: f64 = 1e-3;
 
@@ -34,7 +33,7 @@ fn check_cycle(a: &MotionState, b: &MotionState, l: &AxisLimits, h: f64, what: &
     assert!(b.a >= l.a_min().min(a.a + l.j_max() * h) - eps, "a = {}: {}", b.a, what());
 }
 
-fn random_limits(rng: &mut Rng) -> AxisLimits {
+fn random_limits(rng: &mut Random) -> AxisLimits {
     let v = if rng.unit() < 0.15 { 0.0 } else { rng.log(0.02, 1.0) };
     let a = (-rng.log(0.5, 20.0), rng.log(0.5, 20.0));
     AxisLimits::forward(v, a, (-rng.log(10.0, 1000.0), rng.log(10.0, 1000.0))).unwrap()
@@ -42,7 +41,7 @@ fn random_limits(rng: &mut Rng) -> AxisLimits {
 
 #[test]
 fn limits_changed_at_random_cycles() {
-    let mut rng = Rng(31);
+    let mut rng = Random::new(31);
     let (mut full, mut partial, mut nothing, mut cycles) = (0, 0, 0, 0);
     for run in 0..1500 {
         let end = if run % 3 == 0 {
@@ -249,7 +248,7 @@ fn asking_again_changes_nothing_and_jitter_keeps_the_braking() {
         });
         assert_eq!(best, again);
         // Limits wider by round-off in every cycle: the plan stays valid, and no later.
-        let mut rng = Rng(5);
+        let mut rng = Random::new(5);
         let mut jittered = FeedScheduler::new(&AxisState::rest(0.0), &end, &l).unwrap();
         let t = run_to_end(&mut jittered, |_, feed, _| {
             let f = 1.0 + 1e-12 * rng.unit();
@@ -342,7 +341,7 @@ fn refusals_name_the_field() {
 
 #[test]
 fn any_finite_numbers_are_answered() {
-    let mut rng = Rng(17);
+    let mut rng = Random::new(17);
     let special = [0.0, 1.0, 5e-324, 1e-300, 1e300, f64::MAX, f64::MIN_POSITIVE, 1e-9, 1e9];
     let mut any = |signed: bool| {
         let x = match (rng.unit() * 3.0) as u32 {

@@ -1,12 +1,10 @@
 //! Neither a cycle nor a change of limits allocates, counted by the allocator.
 #![allow(clippy::unwrap_used)]
 
-use crate::allocations;
-
 use std::hint::black_box;
 
-use allocations::allocations_in;
 use arcfeed_feedrate::{AxisLimits, AxisState, FeedScheduler};
+use arcfeed_testing::allocations_in;
 
 #[test]
 fn stepping_and_changing_limits_allocate_nothing() {

@@ -6,7 +6,8 @@ use arcfeed_feedrate::{
     FeedError, MotionLaw, Segment, SpeedLaw, boundaries, boundary_speeds, plan_continuous, plan_per_segment,
     plan_windowed,
 };
-use common::{Rng, curve_like, judge, lower_bound};
+use arcfeed_testing::Random;
+use common::{curve_like, judge, lower_bound};
 use proptest::prelude::*;
 
 fn hold(plan: &SpeedLaw, segments: &[Segment], v0: f64, v1: f64) {
@@ -147,7 +148,7 @@ fn impossible_start_is_reported_with_the_segment() {
 
 #[test]
 fn alternating_equal_and_tiny_segments() {
-    let mut rng = Rng(7);
+    let mut rng = Random::new(7);
     let make = |f: &mut dyn FnMut(usize) -> (f64, f64)| -> Vec<Segment> {
         (0..200)
             .map(|i| {

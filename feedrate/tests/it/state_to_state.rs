@@ -3,7 +3,7 @@
 use arcfeed_feedrate::{AxisLimits, AxisState, FeedError, MotionLaw, StateToState};
 
 use crate::common;
-use common::Rng;
+use arcfeed_testing::Random;
 use common::axis::{Case, fault, random_case};
 
 /// After the limits hold for the first time they hold for good. Returns the worst excess after that.
@@ -100,7 +100,7 @@ fn reference_durations() {
 
 #[test]
 fn random_starts_inside() {
-    let mut rng = Rng(7);
+    let mut rng = Random::new(7);
     for i in 0..200_000 {
         let case = random_case(&mut rng, false);
         let motion = case.solve().unwrap_or_else(|e| panic!("case {i}: {e}: {case:?}"));
@@ -112,7 +112,7 @@ fn random_starts_inside() {
 
 #[test]
 fn random_starts_outside() {
-    let mut rng = Rng(8);
+    let mut rng = Random::new(8);
     let mut worst = 0.0_f64;
     for i in 0..20_000 {
         let case = random_case(&mut rng, true);
@@ -149,7 +149,7 @@ fn same_duration(name: &str, case: &Case, t: f64, other: f64) {
 
 #[test]
 fn mirror_and_time_reversal_give_the_same_duration() {
-    let mut rng = Rng(9);
+    let mut rng = Random::new(9);
     for _ in 0..100_000 {
         let case = random_case(&mut rng, false);
         let t = case.solve().unwrap().duration();
@@ -160,7 +160,7 @@ fn mirror_and_time_reversal_give_the_same_duration() {
 
 #[test]
 fn answer_scales_exactly_with_the_units() {
-    let mut rng = Rng(10);
+    let mut rng = Random::new(10);
     for i in 0..50_000 {
         let case = random_case(&mut rng, i % 4 == 0);
         let length = 2f64.powi((rng.unit() * 400.0) as i32 - 200);
@@ -251,7 +251,7 @@ fn scan_up(c: &Case, found: &mut Vec<f64>) {
 
 #[test]
 fn no_extremal_is_shorter() {
-    let mut rng = Rng(11);
+    let mut rng = Random::new(11);
     let mut compared = 0;
     for i in 0..12000 {
         let case = random_case(&mut rng, false);
@@ -327,7 +327,7 @@ fn lowered_velocity_limit_brakes_without_coming_back() {
 
 #[test]
 fn position_range_is_the_extreme_of_the_samples() {
-    let mut rng = Rng(12);
+    let mut rng = Random::new(12);
     for i in 0..2000 {
         let case = random_case(&mut rng, i % 5 == 0);
         let motion = case.solve().unwrap();
@@ -348,7 +348,7 @@ fn position_range_is_the_extreme_of_the_samples() {
 
 #[test]
 fn any_finite_input_is_answered_or_refused() {
-    let mut rng = Rng(13);
+    let mut rng = Random::new(13);
     let special = [0.0, 1.0, 5e-324, 1e-300, 1e300, f64::MAX, f64::MIN_POSITIVE, 1e-10, 1e10];
     let mut any = |signed: bool| {
         let x = match (rng.unit() * 3.0) as u32 {
@@ -419,7 +419,7 @@ fn already_there_with_a_negative_acceleration_took_16_s() {
         assert_eq!(StateToState::new(&state, &state, &limits).unwrap().duration(), 0.0, "{a}");
     }
     // One phase of constant jerk, from wherever to wherever on one side of zero: nothing is shorter.
-    let mut rng = Rng(91);
+    let mut rng = Random::new(91);
     for i in 0..100_000 {
         let limits = AxisLimits::symmetric(10.0, 4.0, 8.0).unwrap();
         let mut grid = |x: f64| (x * (2.0 * rng.unit() - 1.0) * 16.0).round() / 16.0;

@@ -1,12 +1,10 @@
 //! Neither planning nor sampling a state-to-state motion allocates, counted by the allocator.
 #![allow(clippy::unwrap_used)]
 
-use crate::allocations;
-
 use std::hint::black_box;
 
-use allocations::allocations_in;
 use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, StateToState};
+use arcfeed_testing::allocations_in;
 
 #[test]
 fn planning_and_sampling_allocate_nothing() {

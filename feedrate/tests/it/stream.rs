@@ -2,8 +2,9 @@
 #![allow(clippy::unwrap_used, clippy::neg_cmp_op_on_partial_ord)]
 use arcfeed_feedrate::{FeedError, Segment, SegmentStream, StreamStatus, boundaries, plan_per_segment, plan_windowed};
 
-use crate::allocations::allocations_in;
-use crate::common::{Rng, curve_like};
+use crate::common::curve_like;
+use arcfeed_testing::Random;
+use arcfeed_testing::allocations_in;
 
 /// A stream to be run; printed as a literal when something is wrong with it.
 #[derive(Debug, Clone)]
@@ -37,7 +38,7 @@ impl Case {
     }
 
     fn random(seed: u64) -> Self {
-        let mut rng = Rng(seed);
+        let mut rng = Random::new(seed);
         let n = 1 + (rng.unit() * 40.0) as usize;
         let (a, j) = (rng.log(0.3, 3.0), rng.log(5.0, 100.0));
         let (shortest, longest) = (rng.log(1e-4, 5e-3), rng.log(5e-3, 0.1));

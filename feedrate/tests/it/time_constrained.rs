@@ -3,11 +3,11 @@
 use arcfeed_feedrate::{AxisLimits, AxisProblem, AxisState, FeedError, MotionLaw};
 
 use crate::common;
-use common::Rng;
+use arcfeed_testing::Random;
 use common::axis::{Case, fault, random_case};
 
 /// Durations worth a try: shortest, slightly longer, much longer, both sides of every blocked interval.
-fn durations_to_try(rng: &mut Rng, problem: &AxisProblem) -> Vec<f64> {
+fn durations_to_try(rng: &mut Random, problem: &AxisProblem) -> Vec<f64> {
     let durations = problem.durations();
     let t = durations.shortest();
     let mut all = vec![
@@ -26,7 +26,7 @@ fn durations_to_try(rng: &mut Rng, problem: &AxisProblem) -> Vec<f64> {
 
 #[test]
 fn every_possible_duration_is_met() {
-    let mut rng = Rng(21);
+    let mut rng = Random::new(21);
     let (mut motions, mut blocked) = (0, [0; 5]);
     for i in 0..60_000 {
         let case = random_case(&mut rng, i % 6 == 5);
@@ -48,7 +48,7 @@ fn every_possible_duration_is_met() {
 
 #[test]
 fn impossible_durations_name_the_nearest() {
-    let mut rng = Rng(22);
+    let mut rng = Random::new(22);
     let mut refused = 0;
     for _ in 0..60_000 {
         let case = random_case(&mut rng, false);
@@ -82,7 +82,7 @@ fn impossible_durations_name_the_nearest() {
 
 #[test]
 fn mirror_and_units_change_nothing() {
-    let mut rng = Rng(23);
+    let mut rng = Random::new(23);
     for i in 0..20_000 {
         let case = random_case(&mut rng, i % 4 == 0);
         let problem = |c: &common::axis::Case| AxisProblem::new(&c.start, &c.target, &c.limits()).unwrap();

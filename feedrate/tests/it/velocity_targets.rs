@@ -3,12 +3,12 @@
 use arcfeed_feedrate::{AxisLimits, AxisState, FeedError, MotionLaw, StateToState};
 
 use crate::common;
-use common::Rng;
+use arcfeed_testing::Random;
 use common::axis::{Case, fault, random_case};
 
 #[test]
 fn velocity_is_reached_and_nothing_is_earlier() {
-    let mut rng = Rng(31);
+    let mut rng = Random::new(31);
     for i in 0..100_000 {
         let case = random_case(&mut rng, i % 3 == 0);
         let limits = case.limits();
@@ -30,7 +30,7 @@ fn velocity_is_reached_and_nothing_is_earlier() {
 
 #[test]
 fn scales_exactly() {
-    let mut rng = Rng(32);
+    let mut rng = Random::new(32);
     for i in 0..20_000 {
         let case = random_case(&mut rng, i % 3 == 0);
         let (length, time) =
@@ -45,7 +45,7 @@ fn scales_exactly() {
 
 #[test]
 fn a_stop_respects_positions_if_it_can() {
-    let mut rng = Rng(33);
+    let mut rng = Random::new(33);
     let mut counts = [0; 3];
     for i in 0..4000 {
         let case = random_case(&mut rng, i % 10 == 0);

@@ -3,8 +3,6 @@
 
 use crate::common;
 
-use std::time::{Duration, Instant};
-
 use arcfeed_geometry::nalgebra::{SVector, vector};
 use arcfeed_geometry::{ArcLengthCurve, Curve, GeometryError, NurbsCurve, adaptive_gauss_legendre};
 use common::{points, published};
@@ -238,10 +236,10 @@ fn far_from_the_origin() {
     // Coordinates of 1e6 mm have 1.2e-10 mm of resolution: lengths and places are as good as that.
     let near = published("butterfly");
     let far = scaled(&near, 1.0, vector![1e6, -1e6]);
-    let start = Instant::now();
     let length = far.arc_length(1e-15).unwrap();
     let path = ArcLengthCurve::new(far.clone(), 1e-15).unwrap();
-    assert!(start.elapsed() < Duration::from_secs(2));
+    // What rounding explains is not chased.
+    assert!(path.map_pieces() < 1000, "{}", path.map_pieces());
     assert!((length - 382.860311107345).abs() < 2e-9, "{length}");
     assert!((path.length() - length).abs() < 2e-10, "{} and {length}", path.length());
     for (u, s) in brute_force(&far, 100) {
@@ -254,7 +252,6 @@ fn weights_six_orders_apart() {
     for weights in [[1.0, 1e6, 1.0, 1e6], [1e-6, 1.0, 1e-6, 1.0], [1.0, 1e-6, 1e-6, 1.0], [1e6, 1.0, 1.0, 1.0]] {
         let points = vec![vector![0.0, 0.0], vector![1.0, 3.0], vector![4.0, -2.0], vector![5.0, 1.0]];
         let curve = NurbsCurve::new(3, points, weights.to_vec(), vec![0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0]).unwrap();
-        let start = Instant::now();
         let length = curve.arc_length(1e-15).unwrap();
         // Graded panels: the speed peaks at the ends.
         let exact = {
@@ -271,12 +268,14 @@ fn weights_six_orders_apart() {
             sum
         };
         assert!((length - exact).abs() < 1e-8, "{weights:?}: {length} instead of {exact}");
-        println!("{weights:?}: {length}, error {:e}, in {:?}", length - exact, start.elapsed());
+        println!("{weights:?}: {length}, error {:e}", length - exact);
         match ArcLengthCurve::new(curve, 1e-12) {
-            Ok(path) => assert!((path.length() - length).abs() < 1e-8, "{weights:?}: {}", path.length()),
+            Ok(path) => {
+                assert!((path.length() - length).abs() < 1e-8, "{weights:?}: {}", path.length());
+                assert!(path.map_pieces() < 1000, "{weights:?}: {}", path.map_pieces());
+            }
             Err(e) => println!("{weights:?}: {e}"),
         }
-        assert!(start.elapsed() < Duration::from_secs(2));
     }
 }
 
@@ -288,14 +287,12 @@ fn tolerances_that_mean_nothing() {
         assert!(matches!(curve.arc_length_between(0.1, 0.2, tolerance), Err(GeometryError::NotPositive { .. })));
         assert!(matches!(ArcLengthCurve::new(curve.clone(), tolerance), Err(GeometryError::NotPositive { .. })));
     }
-    let start = Instant::now();
     for tolerance in [1e-300, f64::MIN_POSITIVE, 5e-324] {
         assert!((curve.arc_length(tolerance).unwrap() - 382.860311107345).abs() < 1e-12);
         let path = ArcLengthCurve::new(curve.clone(), tolerance).unwrap();
         assert!((path.length() - 382.860311107345).abs() < 1e-12);
         assert!(path.map_pieces() < 1000, "{}", path.map_pieces());
     }
-    assert!(start.elapsed() < Duration::from_secs(1), "{:?}", start.elapsed());
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use std::hint::black_box;
 
-use integration_tests::counting::Counting;
+use arcfeed_testing::Counting;
 use robot_cr7::{Job, SamplePath, Task, ToolOrientation};
 
 #[global_allocator]

@@ -2,8 +2,8 @@
 //! the scan, and no limit that is raised makes a motion longer.
 
 use arcfeed_interp::Method;
+use arcfeed_testing::Random;
 use integration_tests::cnc_curves::{ARMS, CncJob, NAMES};
-use integration_tests::hybrid_scenario::Random;
 
 /// A duration may grow by so much of itself when a limit is raised: the grid depends on the limits.
 const LONGER: f64 = 1e-3;
@@ -37,7 +37,7 @@ fn a_higher_limit_never_makes_a_motion_longer() {
         job.factors = std::array::from_fn(|_| random.between(0.3, 1.0));
         let before = planned(&job, Method::JerkLimited);
         let mut raised = job;
-        let which = random.below(7) as usize;
+        let which = random.below(7);
         let by = random.between(1.0, 3.0);
         match raised.factors.get_mut(which) {
             Some(factor) => *factor *= by,

@@ -1,6 +1,6 @@
 //! Motion in both spaces under random operators: see `integration_tests::hybrid_scenario`. `examples/soak_hybrid.rs` plays as many as you like.
 
-use integration_tests::counting::Counting;
+use arcfeed_testing::Counting;
 use integration_tests::hybrid_scenario::{Stage, arms};
 
 #[test]

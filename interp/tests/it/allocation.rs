@@ -1,42 +1,15 @@
 //! Sampling allocates nothing, from the first setpoint on.
-#![allow(unsafe_code, reason = "a counting allocator cannot be written without")]
 
 use crate::common;
 use crate::qb;
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use std::hint::black_box;
+
+use arcfeed_testing::Counting;
 
 use arcfeed_interp::{JointSpline, Method, MotionPath, Planner, PoseMove};
 use arcfeed_kinematics::Joints;
 use common::{analytic, arm, by_length, down, knotted, line_and_arc, plan_path, tool_down};
-
-thread_local! {
-    static COUNT: Cell<usize> = const { Cell::new(0) };
-}
-
-struct Counting;
-
-// SAFETY: everything is passed on to the system allocator.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        COUNT.with(|count| count.set(count.get() + 1));
-        // SAFETY: as our caller promises.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: as our caller promises.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-
-    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        COUNT.with(|count| count.set(count.get() + 1));
-        // SAFETY: as our caller promises.
-        unsafe { System.realloc(pointer, layout, size) }
-    }
-}
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
@@ -56,7 +29,7 @@ fn sampling_allocates_nothing() {
     for path in [tool_down(knotted()), slerp, tool_down(line_and_arc(0.05, 0.04))] {
         let plan = plan_path(&arm, path, common::tool()).expect("in reach");
         // The sampler itself, its first setpoint, all the others, the `None` at the end.
-        let before = COUNT.with(Cell::get);
+        let before = Counting::count();
         let mut sampler = plan.setpoints(1e-3).expect("a valid period");
         let mut sum = 0.0;
         for setpoint in sampler.by_ref() {
@@ -66,13 +39,13 @@ fn sampling_allocates_nothing() {
         for i in (0..100).rev() {
             sum += black_box(sampler.at(plan.duration() * f64::from(i) / 99.0)).expect("on the path").q.sum();
         }
-        assert_eq!(COUNT.with(Cell::get) - before, 0);
+        assert_eq!(Counting::count() - before, 0);
         assert!(sum.is_finite());
     }
     // The counter works.
-    let before = COUNT.with(Cell::get);
+    let before = Counting::count();
     black_box(Vec::<f64>::with_capacity(10));
-    assert!(COUNT.with(Cell::get) > before);
+    assert!(Counting::count() > before);
 }
 
 #[test]
@@ -90,7 +63,7 @@ fn a_step_of_motion_in_both_spaces_allocates_nothing() {
     let points = [start + Joints::repeat(0.2), start + Joints::repeat(-0.1)];
     let [braking, at_once] =
         [LeaveBy::Braking, LeaveBy::AtOnce].map(|leave| Excursion::new(&points, leave).expect("two points"));
-    let before = COUNT.with(Cell::get);
+    let before = Counting::count();
     let mut motion = HybridMotion::new(&live, 0.1).expect("a valid feed");
     let mut refused = 0;
     for cycle in 0.. {
@@ -116,7 +89,7 @@ fn a_step_of_motion_in_both_spaces_allocates_nothing() {
         }
         assert!(cycle < 100_000, "no end");
     }
-    assert_eq!(COUNT.with(Cell::get) - before, 0);
+    assert_eq!(Counting::count() - before, 0);
     assert!(refused >= 1);
 }
 
@@ -124,7 +97,7 @@ fn samples_without_allocating(path: &dyn MotionPath<6>) {
     let arm = qb::arm();
     let planner = Planner::new(&arm, qb::with_torque(&arm)).with_method(Method::InterpolatedReachability);
     let plan = planner.with_intervals(100).expect("a grid").plan(path).expect("a plan");
-    let before = COUNT.with(Cell::get);
+    let before = Counting::count();
     let mut sum = 0.0;
     let mut sampler = plan.setpoints(1e-3).expect("a period");
     for setpoint in sampler.by_ref() {
@@ -132,11 +105,11 @@ fn samples_without_allocating(path: &dyn MotionPath<6>) {
         sum += setpoint.q.sum() + plan.torque(&setpoint).expect("known").sum();
     }
     assert!(sampler.next().is_none());
-    assert_eq!(COUNT.with(Cell::get) - before, 0);
+    assert_eq!(Counting::count() - before, 0);
     assert!(sum.is_finite());
     // The counter works.
     black_box(Vec::<f64>::with_capacity(10));
-    assert!(COUNT.with(Cell::get) > before);
+    assert!(Counting::count() > before);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use arcfeed_interp::{
 };
 use arcfeed_kinematics::{JointRange, Joints};
 
-use crate::random::Random;
+use arcfeed_testing::Random;
 
 const QUANTITIES: [Quantity; 4] =
     [Quantity::JointPosition, Quantity::JointVelocity, Quantity::JointAcceleration, Quantity::JointJerk];

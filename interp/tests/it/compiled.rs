@@ -10,7 +10,7 @@ use arcfeed_interp::{
 use arcfeed_kinematics::{ForwardKinematics, Joints, ParallelAxisArm};
 
 use crate::common::{analytic, arm, knotted, limits, line_and_arc, plan, tool, tool_down};
-use crate::random::Random;
+use arcfeed_testing::Random;
 
 fn shared_arm() -> &'static ParallelAxisArm {
     static ARM: OnceLock<ParallelAxisArm> = OnceLock::new();

@@ -20,7 +20,5 @@ mod verify;
 
 #[path = "common/qb.rs"]
 mod qb;
-#[path = "common/random.rs"]
-mod random;
 #[path = "common/six_joints.rs"]
 mod six_joints_cases;

@@ -237,7 +237,7 @@ fn limits_that_are_none_are_refused() {
 #[test]
 fn times_in_any_order_give_the_same_setpoints() {
     let arm = arm();
-    let mut random = crate::random::Random::new(5);
+    let mut random = arcfeed_testing::Random::new(5);
     for _ in 0..4 {
         // A tangle within 10 cm, in which the joints turn back many times.
         let points = (0..9).map(|_| vector![0.4, 0.0, 0.25] + Vector3::from_fn(|_, _| random.between(-0.1, 0.1)));

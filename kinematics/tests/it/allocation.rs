@@ -1,33 +1,12 @@
 //! Nothing on the way from joints to poses and back allocates, errors included.
-#![allow(unsafe_code, reason = "a counting allocator cannot be written without")]
 
 use arcfeed_kinematics::{
     AnalyticInverse, Arm, BranchTracker, Dynamics, ForwardKinematics, InverseKinematics, Joints, MIN_SINGULAR_VALUE,
     ToolDerivatives, Twist, joint_derivatives, least_norm_derivatives, models, smallest_singular_value, weakest_motion,
 };
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use std::hint::black_box;
 
-thread_local! {
-    static COUNT: Cell<usize> = const { Cell::new(0) };
-}
-
-struct Counting;
-
-// SAFETY: everything is passed on to the system allocator.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        COUNT.with(|count| count.set(count.get() + 1));
-        // SAFETY: as our caller promises.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: as our caller promises.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
+use arcfeed_testing::Counting;
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
@@ -36,7 +15,7 @@ static ALLOCATOR: Counting = Counting;
 fn nothing_allocates() {
     let arm = models::cr7();
     let tool = ToolDerivatives { first: Twist::repeat(0.1), second: Twist::repeat(0.2), third: Twist::repeat(0.3) };
-    let before = COUNT.with(Cell::get);
+    let before = Counting::count();
     for k in 0..100 {
         let q = Joints::from([0.3, -0.2, 1.4, 0.3, 0.02 * f64::from(k), 0.1]);
         let pose = black_box(arm.forward(&q));
@@ -53,7 +32,7 @@ fn nothing_allocates() {
         far.translation.x += 5.0;
         assert!(black_box(arm.inverse(&far, &q)).is_err());
     }
-    assert_eq!(COUNT.with(Cell::get) - before, 0);
+    assert_eq!(Counting::count() - before, 0);
 }
 
 #[test]
@@ -63,7 +42,7 @@ fn other_arms_and_their_dynamics_do_not_allocate() {
     let panda: Arm<7> = models::description("panda").expect("built in").build().expect("seven joints");
     let locked: Arm<6> = panda.locked(2, 0.2).expect("inside the range");
     let tool = ToolDerivatives { first: Twist::repeat(0.1), second: Twist::repeat(0.2), third: Twist::repeat(0.3) };
-    let before = COUNT.with(Cell::get);
+    let before = Counting::count();
     for k in 0..20 {
         let q = Joints::from([0.3, -1.0, 1.4, 0.3, 0.05 * f64::from(k), 0.1]);
         for arm in &arms {
@@ -92,8 +71,8 @@ fn other_arms_and_their_dynamics_do_not_allocate() {
         let six = Joints::from([q[0], q[1], q[3], q[4], q[5], q[6]]);
         assert!(black_box(locked.inverse(&pose, &six)).is_ok());
     }
-    assert_eq!(COUNT.with(Cell::get) - before, 0);
+    assert_eq!(Counting::count() - before, 0);
     // The counter works.
     black_box(Vec::<f64>::with_capacity(10));
-    assert!(COUNT.with(Cell::get) > before);
+    assert!(Counting::count() > before);
 }

@@ -9,51 +9,23 @@ use crate::common;
 use crate::keeps;
 
 use arcfeed_kinematics::{ForwardKinematics, Joints};
+use arcfeed_testing::Random;
 use common::{Desk, Run};
 use keeps::{Limits, broken};
 use nalgebra::Isometry3;
 use robot_cr7::Robot;
 
-/// SplitMix64: its constants are those of Steele, Lea, Flood 2014.
-struct Random(u64);
+/// By its logarithm, with four digits.
+fn size(random: &mut Random, low: f64, high: f64) -> f64 {
+    format!("{:.3e}", random.log(low, high)).parse().expect("a number")
+}
 
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, n: usize) -> usize {
-        (self.next() % n as u64) as usize
-    }
-
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * (self.next() >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    /// By its logarithm, with four digits.
-    fn size(&mut self, low: f64, high: f64) -> f64 {
-        let value = self.between(low.ln(), high.ln()).exp();
-        format!("{value:.3e}").parse().expect("a number")
-    }
-
-    fn chance(&mut self, part: f64) -> bool {
-        self.between(0.0, 1.0) < part
-    }
-
-    fn pick<'t, T: ?Sized>(&mut self, of: &[&'t T]) -> &'t T {
-        of[self.below(of.len())]
-    }
-
-    /// Joints around `home`, degrees.
-    fn around<const N: usize>(&mut self, home: [f64; N], by: f64) -> [f64; N] {
-        home.map(|q| {
-            let q = q + self.between(-by, by);
-            if self.chance(0.5) { (q * 10.0).round() / 10.0 } else { q }
-        })
-    }
+/// Joints around `home`, degrees.
+fn around<const N: usize>(random: &mut Random, home: [f64; N], by: f64) -> [f64; N] {
+    home.map(|q| {
+        let q = q + random.between(-by, by);
+        if random.chance(0.5) { (q * 10.0).round() / 10.0 } else { q }
+    })
 }
 
 fn searched() -> (u64, u64) {
@@ -115,7 +87,7 @@ const PANDA: [f64; 7] = [0.0, -20.0, 0.0, -110.0, 0.0, 95.0, 40.0];
 const PLANAR: [f64; 2] = [10.0, 60.0];
 
 fn schedule_case(desk: &Desk, seed: u64) -> i32 {
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     match random.below(5) {
         0 => schedule_of(desk, &mut random, ("panda", PANDA), seed),
         1 => schedule_of(desk, &mut random, ("planar_2r", PLANAR), seed),
@@ -128,39 +100,39 @@ fn schedule_case(desk: &Desk, seed: u64) -> i32 {
 
 fn schedule_of<const N: usize>(desk: &Desk, random: &mut Random, (name, home): (&str, [f64; N]), seed: u64) -> i32 {
     let robot = Robot::load(name, None, None).expect("built in");
-    let planner = random.pick(&[
+    let planner = random.one_of(&[
         "forward-backward",
         "continuous-acceleration",
         "reachability",
         "interpolated-reachability",
         "jerk-limited",
     ]);
-    let rates = [random.size(10.0, 200.0), random.size(30.0, 2000.0), random.size(500.0, 40_000.0)];
+    let rates = [size(random, 10.0, 200.0), size(random, 30.0, 2000.0), size(random, 500.0, 40_000.0)];
     let mut limits = limits::<N>(&robot, rates);
     if !["jerk-limited", "continuous-acceleration"].contains(&planner) {
         limits.jerk = [f64::INFINITY; N];
     }
     let mut text = String::from("[motion]\n");
     if random.chance(0.8) {
-        text += &format!("intervals = {}\n", random.size(4.0, 600.0).round());
+        text += &format!("intervals = {}\n", size(random, 4.0, 600.0).round());
     }
     if random.chance(0.2) {
-        text += &format!("start_speed = {}\n", random.size(0.1, 10.0));
+        text += &format!("start_speed = {}\n", size(random, 0.1, 10.0));
     }
     if random.chance(0.2) {
-        text += &format!("end_speed = {}\n", random.size(0.1, 10.0));
+        text += &format!("end_speed = {}\n", size(random, 0.1, 10.0));
     }
     text += &format!("[sampling]\nperiod_ms = {}\n", [0.5, 1.0, 2.0, 4.0, 8.0][random.below(5)]);
     let [velocity, acceleration, jerk] = rates;
     text +=
         &format!("[limits]\nvelocity_deg_s = {velocity}\nacceleration_deg_s2 = {acceleration}\njerk_deg_s3 = {jerk}\n");
     if random.chance(0.4) {
-        let speed = random.size(5.0, 800.0);
+        let speed = size(random, 5.0, 800.0);
         limits.linear = speed * 1e-3;
         text += &format!("linear_mm_s = {speed}\n");
     }
     if random.chance(0.4) {
-        let speed = random.size(3.0, 200.0);
+        let speed = size(random, 3.0, 200.0);
         limits.angular = speed.to_radians();
         text += &format!("angular_deg_s = {speed}\n");
     }
@@ -185,10 +157,10 @@ fn schedule_of<const N: usize>(desk: &Desk, random: &mut Random, (name, home): (
 type Ends<const N: usize> = [Option<[f64; N]>; 2];
 
 fn waypoints<const N: usize>(random: &mut Random, home: [f64; N], text: &mut String) -> Ends<N> {
-    let mut points = vec![random.around(home, 20.0)];
+    let mut points = vec![around(random, home, 20.0)];
     for _ in 0..1 + random.below(5) {
         // Sometimes hardly away from the one before.
-        let by = if random.chance(0.2) { random.size(1e-4, 1.0) } else { 30.0 };
+        let by = if random.chance(0.2) { size(random, 1e-4, 1.0) } else { 30.0 };
         let from = if by < 2.0 { points[points.len() - 1] } else { home };
         points.push(from.map(|q| q + random.between(-by, by)));
     }
@@ -203,7 +175,7 @@ fn poses<const N: usize>(random: &mut Random, robot: &Robot, home: [f64; N], tex
     let arm = robot.arm::<N>(Isometry3::identity()).ok()?;
     let mut ends: Ends<N> = [None, None];
     for (end, by, key) in [(0, 20.0, "start"), (1, 40.0, "goal")] {
-        let q = random.around(home, by);
+        let q = around(random, home, by);
         if random.chance(0.5) {
             *text += &format!("[{key}]\nq_deg = {}\n", list(&q));
             ends[end] = Some(q);
@@ -221,7 +193,7 @@ fn poses<const N: usize>(random: &mut Random, robot: &Robot, home: [f64; N], tex
 }
 
 fn move_case(desk: &Desk, seed: u64) -> i32 {
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     match random.below(3) {
         0 => move_of(desk, &mut random, ("planar_2r", PLANAR), seed),
         1 => move_of(desk, &mut random, SIX[0], seed),
@@ -231,7 +203,7 @@ fn move_case(desk: &Desk, seed: u64) -> i32 {
 
 fn move_of<const N: usize>(desk: &Desk, random: &mut Random, (name, home): (&str, [f64; N]), seed: u64) -> i32 {
     let robot = Robot::load(name, None, None).expect("built in");
-    let rates = [random.size(10.0, 200.0), random.size(30.0, 2000.0), random.size(500.0, 40_000.0)];
+    let rates = [size(random, 10.0, 200.0), size(random, 30.0, 2000.0), size(random, 500.0, 40_000.0)];
     let period = [0.5, 1.0, 4.0][random.below(3)];
     let [velocity, acceleration, jerk] = rates;
     let job = format!(
@@ -239,8 +211,8 @@ fn move_of<const N: usize>(desk: &Desk, random: &mut Random, (name, home): (&str
          [sampling]\nperiod_ms = {period}\n"
     );
     desk.write("job.toml", &job);
-    let from = random.around(home, 20.0);
-    let mut to = if random.chance(0.2) { from } else { random.around(home, 40.0) };
+    let from = around(random, home, 20.0);
+    let mut to = if random.chance(0.2) { from } else { around(random, home, 40.0) };
     if random.chance(0.3) {
         // Hardly anything to go for one joint.
         let k = random.below(N);
@@ -267,7 +239,7 @@ fn move_of<const N: usize>(desk: &Desk, random: &mut Random, (name, home): (&str
             }
         }
     }
-    words.extend(["--mode", random.pick(&["time", "line", "forced-line", "none"])].map(str::to_owned));
+    words.extend(["--mode", random.one_of(&["time", "line", "forced-line", "none"])].map(str::to_owned));
     if random.chance(0.2) {
         words.extend(["--least-s".to_owned(), random.between(0.1, 5.0).to_string()]);
     }
@@ -292,7 +264,7 @@ fn move_of<const N: usize>(desk: &Desk, random: &mut Random, (name, home): (&str
 }
 
 fn online_case(desk: &Desk, seed: u64) -> i32 {
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     match random.below(3) {
         0 => online_of(desk, &mut random, ("planar_2r", PLANAR), seed),
         1 => online_of(desk, &mut random, SIX[0], seed),
@@ -302,14 +274,14 @@ fn online_case(desk: &Desk, seed: u64) -> i32 {
 
 fn online_of<const N: usize>(desk: &Desk, random: &mut Random, (name, home): (&str, [f64; N]), seed: u64) -> i32 {
     let robot = Robot::load(name, None, None).expect("built in");
-    let rates = [random.size(20.0, 200.0), random.size(100.0, 2000.0), random.size(1000.0, 40_000.0)];
+    let rates = [size(random, 20.0, 200.0), size(random, 100.0, 2000.0), size(random, 1000.0, 40_000.0)];
     let [velocity, acceleration, jerk] = rates;
     let mut text = format!(
         "[run]\nmode = \"{}\"\n[joints]\nvelocity_deg_s = {velocity}\nacceleration_deg_s2 = {acceleration}\n\
          jerk_deg_s3 = {jerk}\n[start]\nq_deg = {}\n[target]\nq_deg = {}\n",
-        random.pick(&["time", "line", "none"]),
-        list(&random.around(home, 20.0)),
-        list(&random.around(home, 40.0)),
+        random.one_of(&["time", "line", "none"]),
+        list(&around(random, home, 20.0)),
+        list(&around(random, home, 40.0)),
     );
     if random.chance(0.3) {
         text += &format!("qd_deg_s = {}\n", list(&[0.0; N].map(|_: f64| random.between(-0.2, 0.2) * velocity)));
@@ -319,7 +291,7 @@ fn online_of<const N: usize>(desk: &Desk, random: &mut Random, (name, home): (&s
         at += random.between(0.01, 0.6);
         text += &format!("[[change]]\nat_s = {at}\n");
         match random.below(3) {
-            0 => text += &format!("q_deg = {}\n", list(&random.around(home, 40.0))),
+            0 => text += &format!("q_deg = {}\n", list(&around(random, home, 40.0))),
             1 => text += &format!("joint = {}\nq_deg = {}\n", 1 + random.below(N), random.between(-20.0, 0.0)),
             // Lower than at the start, so that the first limits are the widest.
             _ => text += &format!("velocity_deg_s = {}\n", random.between(0.3, 1.0) * velocity),

@@ -1,13 +1,11 @@
 //! Neither planning, sampling nor generating cycle by cycle allocates, counted by the allocator.
 #![allow(clippy::unwrap_used)]
 
-use crate::allocations;
-
 use std::hint::black_box;
 
-use allocations::allocations_in;
 use arcfeed_sync::feedrate::{AxisLimits, AxisProblem, AxisState};
 use arcfeed_sync::{MotionOptions, OnlineGenerator, Synchronisation, Trajectory};
+use arcfeed_testing::allocations_in;
 
 #[test]
 fn nothing_allocates() {

@@ -4,7 +4,8 @@ use arcfeed_sync::feedrate::{AxisLimits, AxisState, FeedError, MotionLaw};
 use arcfeed_sync::{MotionOptions, OnlineGenerator, SyncError, Synchronisation, Trajectory};
 
 use crate::common;
-use common::{Rng, moving_problem};
+use arcfeed_testing::Random;
+use common::moving_problem;
 
 const CYCLE: f64 = 1e-3;
 
@@ -99,7 +100,7 @@ fn a_target_that_cannot_be_left_within_the_limits_is_refused() {
 /// With independent axes each one moves as if it were alone, whatever the others are told.
 #[test]
 fn independent_axes_do_not_disturb_each_other() {
-    let mut rng = Rng(71);
+    let mut rng = Random::new(71);
     for _ in 0..200 {
         let p = moving_problem::<3>(&mut rng, 0.7);
         let mut all = OnlineGenerator::new(p.start, p.limits, CYCLE, Synchronisation::None).unwrap();
@@ -138,7 +139,7 @@ fn independent_axes_do_not_disturb_each_other() {
 /// arrival cycle.
 #[test]
 fn every_axis_is_exactly_in_its_target_when_it_arrives() {
-    let mut rng = Rng(72);
+    let mut rng = Random::new(72);
     for i in 0..600 {
         let p = moving_problem::<3>(&mut rng, 0.8);
         let mode = [Synchronisation::None, Synchronisation::Time, Synchronisation::StraightLine][i % 3];

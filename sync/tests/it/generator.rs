@@ -5,7 +5,8 @@ use arcfeed_sync::{OnlineGenerator, SyncError, Synchronisation, Trajectory};
 use proptest::prelude::*;
 
 use crate::common;
-use common::{Problem, Rng, moving_problem};
+use arcfeed_testing::Random;
+use common::{Problem, moving_problem};
 
 const CYCLE: f64 = 1e-3;
 
@@ -40,7 +41,7 @@ fn run<const N: usize>(
 }
 
 fn unchanged_targets<const N: usize>(seed: u64, moving: f64, noise: f64, count: usize) {
-    let mut rng = Rng(seed);
+    let mut rng = Random::new(seed);
     let mut worst = 1.0_f64;
     for i in 0..count {
         let p = moving_problem::<N>(&mut rng, moving);
@@ -78,13 +79,13 @@ fn round_off_in_the_target_changes_nothing() {
 
 #[test]
 fn a_slowly_drifting_target_is_reached() {
-    let mut rng = Rng(57);
+    let mut rng = Random::new(57);
     for i in 0..50 {
         let p = moving_problem::<3>(&mut rng, 0.0);
         let mut g = generator(&p, Synchronisation::Time);
         g.set_target(p.target).unwrap();
         let planned = g.time_left();
-        let drift: [f64; 3] = std::array::from_fn(|_| rng.within(-0.02, 0.02));
+        let drift: [f64; 3] = std::array::from_fn(|_| rng.between(-0.02, 0.02));
         // Drifts while the motion lasts, then stands.
         let place = |n: usize| {
             let t = (n as f64 * CYCLE).min(planned);
@@ -99,7 +100,7 @@ fn a_slowly_drifting_target_is_reached() {
 /// always, velocity and acceleration once they are inside.
 #[test]
 fn changes_at_any_cycle() {
-    let mut rng = Rng(58);
+    let mut rng = Random::new(58);
     let mut arrivals = 0;
     for i in 0..60 {
         let mut p = moving_problem::<3>(&mut rng, 0.5);

@@ -4,7 +4,8 @@ use arcfeed_sync::feedrate::{AxisLimits, AxisState, MotionLaw};
 use arcfeed_sync::{MotionOptions, OnlineGenerator, SyncError, Synchronisation, Trajectory};
 
 use crate::common;
-use common::{Problem, Rng, check};
+use arcfeed_testing::Random;
+use common::{Problem, check};
 
 fn line<const N: usize>(p: &Problem<N>) -> Trajectory<N> {
     Trajectory::new(&p.start, &p.target, &p.limits, &MotionOptions::new(Synchronisation::StraightLine)).unwrap()
@@ -78,21 +79,21 @@ fn stop_here_turned_a_joint_around_in_one_cycle() {
 /// States near each other, in proportion or not, at all sizes of the displacement: each axis starts as it is.
 #[test]
 fn states_off_the_line_are_never_treated_as_on_it() {
-    let mut rng = Rng(81);
+    let mut rng = Random::new(81);
     let mut straight = 0;
     for i in 0..100_000 {
         let limits: [AxisLimits; 3] = std::array::from_fn(|_| {
             AxisLimits::symmetric(rng.log(0.3, 5.0), rng.log(1.0, 20.0), rng.log(10.0, 1000.0)).unwrap()
         });
-        let ratios: [f64; 3] = std::array::from_fn(|_| rng.within(-0.9, 0.9));
-        let (v, a) = (rng.within(-0.25, 0.25), if i % 2 == 0 { 0.0 } else { rng.within(-0.5, 0.5) });
+        let ratios: [f64; 3] = std::array::from_fn(|_| rng.between(-0.9, 0.9));
+        let (v, a) = (rng.between(-0.25, 0.25), if i % 2 == 0 { 0.0 } else { rng.between(-0.5, 0.5) });
         let size = rng.log(1e-18, 1e-3);
         let off = if i % 3 == 0 { 0.0 } else { rng.log(1e-18, 1e-3) };
         let start: [AxisState; 3] = std::array::from_fn(|k| {
-            AxisState::new(rng.within(-2.0, 2.0), ratios[k] * v + if i % 5 == 0 { off } else { 0.0 }, ratios[k] * a)
+            AxisState::new(rng.between(-2.0, 2.0), ratios[k] * v + if i % 5 == 0 { off } else { 0.0 }, ratios[k] * a)
         });
         let target =
-            std::array::from_fn(|k| AxisState::rest(start[k].p + ratios[k] * size + off * rng.within(-1.0, 1.0)));
+            std::array::from_fn(|k| AxisState::rest(start[k].p + ratios[k] * size + off * rng.between(-1.0, 1.0)));
         let p = Problem { start, target, limits };
         let motion = line(&p);
         straight += usize::from(motion.is_straight());

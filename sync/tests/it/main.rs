@@ -14,7 +14,8 @@ mod so3;
 mod soak;
 mod state_to_state;
 
-#[path = "common/allocations.rs"]
-mod allocations;
 #[path = "../../examples/02_soak/soak/mod.rs"]
 mod soak_cases;
+
+#[global_allocator]
+static ALLOCATOR: arcfeed_testing::Counting = arcfeed_testing::Counting;

@@ -3,24 +3,10 @@
 use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, StateToState};
 use arcfeed_sync::nalgebra::SVector;
 use arcfeed_sync::{JointState, ProjectionStatus, ProjectionSync, SyncError, symmetric_limits};
+use arcfeed_testing::Random;
 
 const T: f64 = 1e-3;
 type V6 = SVector<f64, 6>;
-
-/// SplitMix64, uniform in [0, 1).
-struct Rng(u64);
-impl Rng {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-    fn signed(&mut self) -> f64 {
-        2.0 * self.unit() - 1.0
-    }
-}
 
 /// Excess over the limits in one cycle, relative: velocity, acceleration, and jerk from the changes of the other three.
 ///
@@ -49,7 +35,7 @@ struct Case {
 }
 
 /// Limits like a robot's; a start from which no limit has to be broken.
-fn random_case(rng: &mut Rng) -> Case {
+fn random_case(rng: &mut Random) -> Case {
     let velocity = V6::from_fn(|_, _| 1.0 + 3.0 * rng.unit());
     let acceleration = V6::from_fn(|k, _| velocity[k] * (2.0 + 6.0 * rng.unit()));
     let jerk = V6::from_fn(|k, _| acceleration[k] * (5.0 + 20.0 * rng.unit()));
@@ -108,7 +94,7 @@ fn spread(mut ratios: Vec<f64>) -> (f64, f64) {
 /// What it costs against the time-optimal bound: from a start at rest, in motion, and in motion close to the target.
 #[test]
 fn limits_hold_from_random_starts() {
-    let mut rng = Rng(3);
+    let mut rng = Random::new(3);
     let (mut rest, mut moving, mut close, mut recovered) = (Vec::new(), Vec::new(), Vec::new(), 0);
     for i in 0..600 {
         let mut case = random_case(&mut rng);
@@ -141,7 +127,7 @@ fn limits_hold_from_random_starts() {
 /// A target that changes in every cycle, jumps now and then, and comes to rest at last.
 #[test]
 fn limits_hold_while_the_target_moves() {
-    let mut rng = Rng(8);
+    let mut rng = Random::new(8);
     for i in 0..12 {
         let case = random_case(&mut rng);
         let mut sync = ProjectionSync::new(&case.start, case.target, &case.limits).unwrap();
@@ -205,7 +191,7 @@ fn deviation(sync: &mut ProjectionSync<6>, from: &V6, to: &V6) -> f64 {
 
 #[test]
 fn straight_from_rest_and_when_moving_along_the_error() {
-    let mut rng = Rng(5);
+    let mut rng = Random::new(5);
     for i in 0..40 {
         let mut case = random_case(&mut rng);
         let way = case.target - case.start.q;
@@ -224,7 +210,7 @@ fn straight_from_rest_and_when_moving_along_the_error() {
 /// Once the transverse part has faded, the rest is a straight line, whatever the start.
 #[test]
 fn straight_at_last() {
-    let mut rng = Rng(6);
+    let mut rng = Random::new(6);
     for i in 0..40 {
         let case = random_case(&mut rng);
         let mut sync = ProjectionSync::new(&case.start, case.target, &case.limits).unwrap();
@@ -242,7 +228,7 @@ fn straight_at_last() {
 /// Starts anywhere outside: jerk always, acceleration on the straight way back, velocity by the hardest braking.
 #[test]
 fn starts_outside_are_brought_inside() {
-    let mut rng = Rng(12);
+    let mut rng = Random::new(12);
     for i in 0..200 {
         let mut case = random_case(&mut rng);
         for k in 0..6 {
@@ -358,7 +344,7 @@ fn table_7() {
 
 #[test]
 fn changed_limits_are_returned_to() {
-    let mut rng = Rng(21);
+    let mut rng = Random::new(21);
     for i in 0..60 {
         let case = random_case(&mut rng);
         let mut sync = ProjectionSync::new(&case.start, case.target, &case.limits).unwrap();
@@ -440,7 +426,7 @@ fn refusals_name_the_joint_and_change_nothing() {
 
 #[test]
 fn any_finite_numbers_are_answered() {
-    let mut rng = Rng(40);
+    let mut rng = Random::new(40);
     let special = [0.0, 1.0, 5e-324, 1e-300, 1e300, f64::MAX, f64::MIN_POSITIVE, 1e-9, 1e9];
     let mut any = |signed: bool| {
         let x = match (rng.unit() * 3.0) as u32 {

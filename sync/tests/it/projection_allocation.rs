@@ -1,13 +1,11 @@
 //! Neither a cycle nor a new target allocates, counted by the allocator.
 #![allow(clippy::unwrap_used)]
 
-use crate::allocations;
-
 use std::hint::black_box;
 
-use allocations::allocations_in;
 use arcfeed_sync::nalgebra::{Isometry3, Vector3};
 use arcfeed_sync::{JointState, PoseLimits, PoseProjectionSync, PoseState, ProjectionSync, symmetric_limits};
+use arcfeed_testing::allocations_in;
 
 #[test]
 fn stepping_and_retargeting_allocate_nothing() {

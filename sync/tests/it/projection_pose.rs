@@ -2,34 +2,22 @@
 #![allow(clippy::unwrap_used)]
 use arcfeed_sync::nalgebra::{Isometry3, Quaternion, UnitQuaternion, Vector3, Vector6};
 use arcfeed_sync::{PoseLimits, PoseProjectionSync, PoseState, PoseStep, ProjectionStatus, SyncError};
+use arcfeed_testing::Random;
 
 const T: f64 = 1e-3;
 
-/// SplitMix64, uniform in [0, 1).
-struct Rng(u64);
-impl Rng {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-    fn signed(&mut self) -> f64 {
-        2.0 * self.unit() - 1.0
-    }
-    fn ball(&mut self) -> Vector3<f64> {
-        loop {
-            let x = Vector3::new(self.signed(), self.signed(), self.signed());
-            if x.norm() <= 1.0 {
-                return x;
-            }
+fn ball(rng: &mut Random) -> Vector3<f64> {
+    loop {
+        let x = Vector3::new(rng.signed(), rng.signed(), rng.signed());
+        if x.norm() <= 1.0 {
+            return x;
         }
     }
-    fn pose(&mut self) -> Isometry3<f64> {
-        let turn = UnitQuaternion::new(self.ball() * 3.0);
-        Isometry3::from_parts(self.ball().into(), turn)
-    }
+}
+
+fn pose(rng: &mut Random) -> Isometry3<f64> {
+    let turn = UnitQuaternion::new(ball(rng) * 3.0);
+    Isometry3::from_parts(ball(rng).into(), turn)
 }
 
 /// Independent of the crate: nalgebra's own logarithm.
@@ -68,15 +56,15 @@ fn stack(a: Vector3<f64>, b: Vector3<f64>) -> Vector6<f64> {
 }
 
 /// A state of motion inside the limits, also after taking the acceleration off.
-fn moving(rng: &mut Rng, l: &PoseLimits) -> PoseState {
+fn moving(rng: &mut Random, l: &PoseLimits) -> PoseState {
     loop {
         let mut part = |l: &[f64; 3]| {
-            let (v, a) = (rng.ball() * l[0], rng.ball() * l[1]);
+            let (v, a) = (ball(rng) * l[0], ball(rng) * l[1]);
             let released = v + a * (0.5 * a.norm() / l[2]);
             (released.norm() <= l[0]).then_some((v, a))
         };
         if let (Some(p), Some(r)) = (part(l.linear()), part(l.angular())) {
-            return PoseState { pose: rng.pose(), velocity: stack(p.0, r.0), acceleration: stack(p.1, r.1) };
+            return PoseState { pose: pose(rng), velocity: stack(p.0, r.0), acceleration: stack(p.1, r.1) };
         }
     }
 }
@@ -114,13 +102,13 @@ fn run(sync: &mut PoseProjectionSync) -> Run {
 
 #[test]
 fn limits_hold_from_random_starts() {
-    let mut rng = Rng(2);
+    let mut rng = Random::new(2);
     let mut recovered = 0;
     for i in 0..120 {
         // Also where a turn at full speed takes more acceleration than there is.
         let l = if i % 3 == 2 { PoseLimits::new([0.5, 3.0, 40.0], [4.0, 8.0, 60.0]).unwrap() } else { limits() };
-        let start = if i % 5 == 0 { PoseState::rest(rng.pose()) } else { moving(&mut rng, &l) };
-        let target = rng.pose();
+        let start = if i % 5 == 0 { PoseState::rest(pose(&mut rng)) } else { moving(&mut rng, &l) };
+        let target = pose(&mut rng);
         let mut sync = PoseProjectionSync::new(&start, target, &l).unwrap();
         let out = run(&mut sync);
         assert!(out.worst.iter().all(|&x| x <= 1e-9), "case {i}: {:?} {start:?} {target:?}", out.worst);
@@ -132,12 +120,12 @@ fn limits_hold_from_random_starts() {
 
 #[test]
 fn limits_hold_while_the_target_moves() {
-    let mut rng = Rng(9);
+    let mut rng = Random::new(9);
     let l = limits();
     for i in 0..5 {
         let start = moving(&mut rng, &l);
-        let mut target = rng.pose();
-        let (shift, turn) = (rng.ball() * (0.2 * T), rng.ball() * (0.4 * T));
+        let mut target = pose(&mut rng);
+        let (shift, turn) = (ball(&mut rng) * (0.2 * T), ball(&mut rng) * (0.4 * T));
         let mut sync = PoseProjectionSync::new(&start, target, &l).unwrap();
         let mut before = sync.state();
         for cycle in 0..1200 {
@@ -146,7 +134,7 @@ fn limits_hold_while_the_target_moves() {
                 UnitQuaternion::new_normalize((UnitQuaternion::new(turn) * target.rotation).into_inner()),
             );
             if rng.unit() < 0.004 {
-                target = rng.pose();
+                target = pose(&mut rng);
             }
             sync.set_target(target).unwrap();
             let state = sync.step(T).unwrap().state;
@@ -194,10 +182,10 @@ fn quaternion([x, y, z, w]: [f64; 4]) -> UnitQuaternion<f64> {
 
 #[test]
 fn straight_at_last_from_any_motion() {
-    let mut rng = Rng(4);
+    let mut rng = Random::new(4);
     for i in 0..40 {
         let start = moving(&mut rng, &limits());
-        let mut sync = PoseProjectionSync::new(&start, rng.pose(), &limits()).unwrap();
+        let mut sync = PoseProjectionSync::new(&start, pose(&mut rng), &limits()).unwrap();
         while sync.step(T).unwrap().status != ProjectionStatus::Straight {
             if sync.remaining() == Some(0.0) {
                 break;
@@ -218,13 +206,13 @@ fn straight_at_last_from_any_motion() {
 
 #[test]
 fn starts_outside_are_brought_inside() {
-    let mut rng = Rng(14);
+    let mut rng = Random::new(14);
     let l = limits();
     for i in 0..50 {
         let mut start = moving(&mut rng, &l);
         start.velocity *= 2.0;
         start.acceleration *= 2.0;
-        let mut sync = PoseProjectionSync::new(&start, rng.pose(), &l).unwrap();
+        let mut sync = PoseProjectionSync::new(&start, pose(&mut rng), &l).unwrap();
         let mut before = sync.state();
         let (mut t, mut last_above) = (0.0, 0.0);
         loop {

@@ -4,7 +4,8 @@ use arcfeed_sync::feedrate::{AxisLimits, AxisProblem, AxisState, FeedError, Moti
 use arcfeed_sync::{MotionOptions, SyncError, Synchronisation, Trajectory};
 
 use crate::common;
-use common::{Problem, Rng, check, moving_problem};
+use arcfeed_testing::Random;
+use common::{Problem, check, moving_problem};
 
 struct Reference {
     problem: Problem<6>,
@@ -98,7 +99,7 @@ fn published_execution_times() {
 
 #[test]
 fn random_problems_arrive_together() {
-    let mut rng = Rng(41);
+    let mut rng = Random::new(41);
     for i in 0..20_000 {
         let problem = moving_problem::<4>(&mut rng, 0.7);
         let motion = problem.solve(Synchronisation::Time).unwrap_or_else(|e| panic!("case {i}: {e}: {problem:?}"));
@@ -117,11 +118,11 @@ fn random_problems_arrive_together() {
 
 #[test]
 fn duration_is_a_multiple_of_the_cycle_and_not_below_the_least() {
-    let mut rng = Rng(42);
+    let mut rng = Random::new(42);
     for i in 0..5000 {
         let problem = moving_problem::<3>(&mut rng, 0.8);
         let cycle = rng.log(1e-4, 0.1);
-        let least = if rng.unit() < 0.5 { rng.within(0.0, 10.0) } else { 0.0 };
+        let least = if rng.unit() < 0.5 { rng.between(0.0, 10.0) } else { 0.0 };
         for mode in [Synchronisation::None, Synchronisation::Time] {
             let options = MotionOptions::new(mode).with_cycle(cycle).unwrap().with_least_duration(least).unwrap();
             let motion = Trajectory::new(&problem.start, &problem.target, &problem.limits, &options).unwrap();
@@ -144,11 +145,11 @@ fn duration_is_a_multiple_of_the_cycle_and_not_below_the_least() {
 }
 
 /// Both states of every axis in proportion to those of the first.
-fn on_a_line(rng: &mut Rng, moving: f64) -> Problem<4> {
+fn on_a_line(rng: &mut Random, moving: f64) -> Problem<4> {
     let mut p = moving_problem::<4>(rng, moving);
     let (s, t) = (p.start[0], p.target[0]);
     for k in 1..4 {
-        let r = rng.within(-1.0, 1.0);
+        let r = rng.between(-1.0, 1.0);
         let from = p.start[k].p;
         p.start[k] = AxisState::new(from, r * s.v, r * s.a);
         p.target[k] = AxisState::new(from + r * (t.p - s.p), r * t.v, r * t.a);
@@ -167,7 +168,7 @@ fn on_a_line(rng: &mut Rng, moving: f64) -> Problem<4> {
 
 #[test]
 fn straight_whenever_the_states_lie_on_a_line() {
-    let mut rng = Rng(43);
+    let mut rng = Random::new(43);
     for i in 0..5000 {
         let problem = on_a_line(&mut rng, if i % 2 == 0 { 0.0 } else { 1.0 });
         for mode in [Synchronisation::StraightLine, Synchronisation::ForcedStraight] {
@@ -197,7 +198,7 @@ fn straight_whenever_the_states_lie_on_a_line() {
 
 #[test]
 fn what_is_not_on_a_line_is_synchronised_by_time_or_refused() {
-    let mut rng = Rng(44);
+    let mut rng = Random::new(44);
     for _ in 0..500 {
         let mut problem = on_a_line(&mut rng, 1.0);
         problem.target[2].v = 0.5 * problem.target[2].v + 0.01 * problem.limits[2].v_max();
@@ -223,12 +224,12 @@ fn an_early_axis_goes_on_with_its_velocity() {
 
 #[test]
 fn the_sampler_changes_nothing() {
-    let mut rng = Rng(45);
+    let mut rng = Random::new(45);
     for _ in 0..200 {
         let motion = moving_problem::<3>(&mut rng, 0.8).solve(Synchronisation::Time).unwrap();
         let mut sampler = motion.sampler();
         for _ in 0..50 {
-            let t = rng.within(-0.1, 1.2) * motion.duration();
+            let t = rng.between(-0.1, 1.2) * motion.duration();
             assert_eq!(sampler.at(t), motion.at(t));
         }
     }

@@ -2,7 +2,7 @@
 
 use arcfeed_feedrate::{AxisLimits, AxisState, FeedError, MotionLaw, StateToState};
 
-use super::Rng;
+use arcfeed_testing::Random;
 
 /// One problem.
 #[derive(Debug, Clone, Copy)]
@@ -115,11 +115,11 @@ pub fn fault(case: &Case, motion: &StateToState) -> Option<String> {
 }
 
 /// Random problems of every kind: resting, moving, short and long, limits far from symmetric.
-pub fn random_case(rng: &mut Rng, outside: bool) -> Case {
-    let pair = |rng: &mut Rng, lo: f64, hi: f64| (-rng.log(lo, hi), rng.log(lo, hi));
+pub fn random_case(rng: &mut Random, outside: bool) -> Case {
+    let pair = |rng: &mut Random, lo: f64, hi: f64| (-rng.log(lo, hi), rng.log(lo, hi));
     let (v, a, j) = (pair(rng, 0.1, 10.0), pair(rng, 0.1, 30.0), pair(rng, 0.3, 300.0));
     // Sometimes exactly zero or exactly at a limit.
-    let within = |rng: &mut Rng, l: (f64, f64), over: f64| match (rng.unit() * 8.0) as u32 {
+    let within = |rng: &mut Random, l: (f64, f64), over: f64| match (rng.unit() * 8.0) as u32 {
         0 | 1 => 0.0,
         2 => {
             if rng.unit() < 0.5 {
@@ -130,7 +130,7 @@ pub fn random_case(rng: &mut Rng, outside: bool) -> Case {
         }
         _ => over * (l.0 + (l.1 - l.0) * rng.unit()),
     };
-    let admissible = |rng: &mut Rng| {
+    let admissible = |rng: &mut Random| {
         let x = within(rng, a, 1.0);
         let (lo, hi) = (v.0 + 0.5 * x.max(0.0).powi(2) / j.1, v.1 - 0.5 * x.min(0.0).powi(2) / -j.0);
         if lo > hi { (0.0, 0.0) } else { (lo + (hi - lo) * within(rng, (0.0, 1.0), 1.0), x) }

@@ -4,26 +4,12 @@
 pub mod axis;
 
 use arcfeed_feedrate::{Phase, Segment, SpeedLaw};
-
-/// SplitMix64, uniform in [0, 1).
-pub struct Rng(pub u64);
-impl Rng {
-    pub fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-    pub fn log(&mut self, lo: f64, hi: f64) -> f64 {
-        lo * (hi / lo).powf(self.unit())
-    }
-}
+use arcfeed_testing::Random;
 
 /// A path as curve interpolation makes it: 1e-5 .. 1e-3 m segments, a speed cap from 0.002 to 0.1 m/s that varies smoothly
 /// with sharp dips at corners and long slow slopes, bounds on acceleration and jerk that vary slowly.
 pub fn curve_like(n: usize, seed: u64) -> Vec<Segment> {
-    let mut rng = Rng(seed);
+    let mut rng = Random::new(seed);
     let waves: Vec<(f64, f64)> =
         (0..4).map(|i| (rng.unit() * 6.3, (2.0 + 3.0 * rng.unit()) * f64::from(1 << i))).collect();
     let lengths: Vec<f64> = {

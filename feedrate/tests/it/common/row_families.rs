@@ -8,33 +8,14 @@ use arcfeed_feedrate::constraint::{
     Feed, JointAcceleration, JointJerk, JointVelocity, PathConstraint, PathDerivatives, Place, RowSink, Within,
 };
 use arcfeed_feedrate::{FeedError, FeedProblem, JerkRow, LimitId, MotionState, Quantity, Row, SpeedLaw};
+use arcfeed_testing::Random;
 
-/// SplitMix64.
-pub struct Rng(pub u64);
+fn below(rng: &mut Random, n: usize) -> usize {
+    (rng.unit() * n as f64) as usize
+}
 
-impl Rng {
-    pub fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-    fn range(&mut self, a: f64, b: f64) -> f64 {
-        a + (b - a) * self.unit()
-    }
-    fn log(&mut self, a: f64, b: f64) -> f64 {
-        a * (b / a).powf(self.unit())
-    }
-    fn sign(&mut self) -> f64 {
-        if self.unit() < 0.5 { -1.0 } else { 1.0 }
-    }
-    fn below(&mut self, n: usize) -> usize {
-        (self.unit() * n as f64) as usize
-    }
-    fn bell(&mut self) -> f64 {
-        (0..6).map(|_| self.range(-1.0, 1.0)).sum::<f64>() / 1.4
-    }
+fn bell(rng: &mut Random) -> f64 {
+    (0..6).map(|_| rng.signed()).sum::<f64>() / 1.4
 }
 
 pub const FAMILIES: [&str; 8] =
@@ -63,22 +44,22 @@ pub struct Case {
 impl Case {
     /// The case of a number in the series of a seed.
     pub fn numbered(seed: u64, family: usize, index: u64) -> Self {
-        let mut rng = Rng(seed.wrapping_mul(0xD1B5_4A32_D192_ED03) ^ index.wrapping_mul(0x9E6C_63D0_676A_9A99));
+        let mut rng = Random::new(seed.wrapping_mul(0xD1B5_4A32_D192_ED03) ^ index.wrapping_mul(0x9E6C_63D0_676A_9A99));
         Self::random(family, &mut rng)
     }
 
-    fn random(family: usize, rng: &mut Rng) -> Self {
-        let (m, spans, per) = (1 + rng.below(6), 2 + rng.below(8), 2 + rng.below(40));
-        let kind = rng.below(5);
-        let knot = |i: usize, rng: &mut Rng| match kind {
-            0 => rng.bell(),
-            1 => i as f64 / spans as f64 + 0.05 * rng.bell(),
+    fn random(family: usize, rng: &mut Random) -> Self {
+        let (m, spans, per) = (1 + below(rng, 6), 2 + below(rng, 8), 2 + below(rng, 40));
+        let kind = below(rng, 5);
+        let knot = |i: usize, rng: &mut Random| match kind {
+            0 => bell(rng),
+            1 => i as f64 / spans as f64 + 0.05 * bell(rng),
             2 => rng.log(1e-4, 1e2) * rng.sign(),
-            3 => (i % 2) as f64 * rng.range(0.9, 1.1),
-            _ => (if rng.unit() < 0.3 { 0.0 } else { 1.0 }) * rng.bell(),
+            3 => (i % 2) as f64 * rng.between(0.9, 1.1),
+            _ => (if rng.unit() < 0.3 { 0.0 } else { 1.0 }) * bell(rng),
         };
         let y = (0..m).map(|_| (0..=spans).map(|i| knot(i, rng)).collect()).collect();
-        let scale = if kind == 2 { 10_f64.powf(rng.range(-3.0, 3.0)) } else { 1.0 };
+        let scale = if kind == 2 { 10_f64.powf(rng.between(-3.0, 3.0)) } else { 1.0 };
         let mut limits = |a: f64, b: f64| -> Vec<f64> { (0..m).map(|_| rng.log(a, b) * scale).collect() };
         let (v, a, j) = (limits(0.1, 10.0), limits(0.3, 30.0), limits(1.0, 3000.0));
         let (h, feed) = (1.0 / spans as f64, rng.log(0.05, 20.0));
@@ -99,9 +80,9 @@ impl Case {
         case
     }
 
-    fn add_rows(&mut self, rng: &mut Rng, torque: bool) {
-        for _ in 0..1 + rng.below(4) {
-            let mut row: Vec<f64> = (0..9).map(|_| rng.bell()).collect();
+    fn add_rows(&mut self, rng: &mut Random, torque: bool) {
+        for _ in 0..1 + below(rng, 4) {
+            let mut row: Vec<f64> = (0..9).map(|_| bell(rng)).collect();
             let limit = rng.log(0.5, 30.0);
             let friction = if torque && rng.unit() < 0.7 { rng.log(0.01, 3.0) } else { 0.0 };
             if friction == 0.0 {
@@ -109,22 +90,22 @@ impl Case {
             }
             row[6..9].iter_mut().for_each(|c| *c *= friction);
             // Gravity and Coulomb friction, mostly below the limit.
-            let gravity = if torque { rng.range(0.0, 0.45) * limit } else { 0.0 };
-            row.extend((0..3).map(|_| gravity * rng.range(-1.0, 1.0)));
+            let gravity = if torque { rng.between(0.0, 0.45) * limit } else { 0.0 };
+            row.extend((0..3).map(|_| gravity * rng.between(-1.0, 1.0)));
             row.extend(if rng.unit() < 0.8 { [-limit, limit] } else { [-limit * rng.log(0.1, 10.0), limit] });
             self.rows.push(row);
         }
-        for _ in 0..rng.below(3) {
-            let mut row: Vec<f64> = (0..9).map(|_| rng.bell()).collect();
+        for _ in 0..below(rng, 3) {
+            let mut row: Vec<f64> = (0..9).map(|_| bell(rng)).collect();
             row.push(rng.log(1.0, 300.0));
             self.thirds.push(row);
         }
     }
 
     /// Joints that hardly move, rows that all but coincide, turning points on the grid.
-    fn degenerate(&mut self, rng: &mut Rng) {
+    fn degenerate(&mut self, rng: &mut Random) {
         let m = self.y.len();
-        match rng.below(4) {
+        match below(rng, 4) {
             0 => {
                 let tiny = rng.log(1e-15, 1e-6);
                 self.y[0].iter_mut().for_each(|y| *y *= tiny);
@@ -149,7 +130,7 @@ impl Case {
             }
             _ => {
                 let mut row = vec![0.0; 12];
-                (row[0], row[1], row[3]) = (rng.sign() * rng.log(1e-16, 1e-8), rng.bell() * 1e-12, rng.bell());
+                (row[0], row[1], row[3]) = (rng.sign() * rng.log(1e-16, 1e-8), bell(rng) * 1e-12, bell(rng));
                 let limit = rng.log(0.5, 30.0);
                 row.extend([-limit, limit]);
                 self.rows.push(row);
@@ -157,15 +138,18 @@ impl Case {
         }
     }
 
-    fn stiffen(&mut self, rng: &mut Rng) {
+    fn stiffen(&mut self, rng: &mut Random) {
         for limits in [&mut self.v, &mut self.a, &mut self.j] {
-            limits.iter_mut().for_each(|limit| *limit *= 10_f64.powf(rng.range(-3.0, 3.0)));
+            limits.iter_mut().for_each(|limit| *limit *= 10_f64.powf(rng.between(-3.0, 3.0)));
         }
     }
 
-    fn rescale(&mut self, rng: &mut Rng) {
-        let (length, joints, time) =
-            (10_f64.powf(rng.range(-6.0, 6.0)), 10_f64.powf(rng.range(-6.0, 6.0)), 10_f64.powf(rng.range(-4.0, 4.0)));
+    fn rescale(&mut self, rng: &mut Random) {
+        let (length, joints, time) = (
+            10_f64.powf(rng.between(-6.0, 6.0)),
+            10_f64.powf(rng.between(-6.0, 6.0)),
+            10_f64.powf(rng.between(-4.0, 4.0)),
+        );
         self.h *= length;
         self.feed *= length / time;
         self.y.iter_mut().flatten().for_each(|y| *y *= joints);
@@ -174,10 +158,10 @@ impl Case {
         }
     }
 
-    fn add_zeros(&mut self, rng: &mut Rng) {
-        let still = rng.bell();
+    fn add_zeros(&mut self, rng: &mut Random) {
+        let still = bell(rng);
         self.y[0].fill(still);
-        match rng.below(3) {
+        match below(rng, 3) {
             0 => self.v[0] = 0.0,
             1 => self.a[0] = 0.0,
             _ => {

@@ -4,31 +4,7 @@
 
 use arcfeed_geometry::nalgebra::SVector;
 use arcfeed_geometry::{ArcLengthCurve, Curve, GeometryError, NurbsCurve};
-
-/// Random numbers by seed: `SplitMix64` (Steele, Lea and Flood 2014).
-pub struct Random(pub u64);
-
-impl Random {
-    pub fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    pub fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * ((self.next() >> 11) as f64 / (1u64 << 53) as f64)
-    }
-
-    pub fn log(&mut self, low: f64, high: f64) -> f64 {
-        self.between(low.ln(), high.ln()).exp()
-    }
-
-    pub fn below(&mut self, n: usize) -> usize {
-        (self.next() % n as u64) as usize
-    }
-}
+use arcfeed_testing::Random;
 
 /// A number of twice the precision, as the sum of two (Dekker 1971).
 #[derive(Clone, Copy)]
@@ -167,7 +143,7 @@ pub struct Case<const D: usize> {
 
 impl<const D: usize> Case<D> {
     pub fn random(seed: u64) -> Self {
-        let r = &mut Random(seed);
+        let r = &mut Random::new(seed);
         let degree = 1 + r.below(9);
         let start = if r.below(2) == 0 { 0.0 } else { r.between(-3.0, 3.0) };
         let scale = if r.below(2) == 0 { 1.0 } else { r.log(1e-3, 1e3) };
@@ -233,7 +209,7 @@ impl<const D: usize> Case<D> {
             }
             Err(other) => return Err(format!("refused: {other}")),
         };
-        let r = &mut Random(seed ^ 0xC0FFEE);
+        let r = &mut Random::new(seed ^ 0xC0FFEE);
         self.compare(&curve, r)?;
         for (end, index) in [(curve.domain().0, 0), (curve.domain().1, self.points.len() - 1)] {
             let clamped = if index == 0 {

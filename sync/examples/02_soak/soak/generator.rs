@@ -9,7 +9,9 @@ use arcfeed_sync::{Events, OnlineGenerator, SyncError, Synchronisation};
 
 use super::generator_input::{AXES, Kind, Limits, Scene, States, printed};
 use super::judge::{Precision, broken, stays_inside, velocity_at_zero_acceleration};
-use super::{Failure, Outcome, Rng};
+use arcfeed_testing::Random;
+
+use super::{Failure, Outcome, random};
 
 /// The part of a limit by which it may be exceeded.
 const EXACT: f64 = 1e-12;
@@ -45,7 +47,7 @@ struct Play {
 }
 
 pub fn case(seed: u64) -> Outcome {
-    let mut rng = Rng::new(seed);
+    let mut rng = random(seed);
     let scene = Scene::new(&mut rng);
     let mut outcome = Outcome::default();
     let made = OnlineGenerator::new(scene.start, scene.limits, scene.cycle, scene.mode)
@@ -103,7 +105,7 @@ fn cruise_after(s: &AxisState, scene: &Scene, limits: &Limits, k: usize) -> f64 
 }
 
 impl Play {
-    fn change(&mut self, cycle: u64, rng: &mut Rng, outcome: &mut Outcome) -> Verdict {
+    fn change(&mut self, cycle: u64, rng: &mut Random, outcome: &mut Outcome) -> Verdict {
         let scene = self.scene;
         let often = match scene.kind {
             Kind::Wave => true,

@@ -3,7 +3,7 @@
 use arcfeed_sync::Synchronisation;
 use arcfeed_sync::feedrate::{AxisLimits, AxisState};
 
-use super::Rng;
+use arcfeed_testing::Random;
 
 pub const AXES: usize = 3;
 pub type States = [AxisState; AXES];
@@ -47,7 +47,7 @@ pub struct Scene {
 }
 
 impl Scene {
-    pub fn new(rng: &mut Rng) -> Self {
+    pub fn new(rng: &mut Random) -> Self {
         let modes = [Synchronisation::Time, Synchronisation::StraightLine, Synchronisation::None];
         let mut scene = Self {
             mode: rng.one_of(&modes),
@@ -57,15 +57,15 @@ impl Scene {
             skewed: rng.chance(0.3),
             limits: [AxisLimits::symmetric(1.0, 1.0, 1.0).expect("above zero"); AXES],
             ranges: None,
-            start: std::array::from_fn(|_| AxisState::rest(rng.within(-2.0, 2.0))),
-            wave: (rng.within(0.2, 6.0), rng.log(1e-3, 1.0)),
+            start: std::array::from_fn(|_| AxisState::rest(rng.between(-2.0, 2.0))),
+            wave: (rng.between(0.2, 6.0), rng.log(1e-3, 1.0)),
         };
         scene.limits = scene.any_limits(rng);
         if rng.chance(0.3) {
             for (s, l) in scene.start.iter_mut().zip(&scene.limits) {
                 let beyond = if rng.chance(0.3) { 2.0 } else { 0.9 };
-                s.v = beyond * rng.within(l.v_min(), l.v_max());
-                s.a = beyond * rng.within(l.a_min(), l.a_max());
+                s.v = beyond * rng.between(l.v_min(), l.v_max());
+                s.a = beyond * rng.between(l.a_min(), l.a_max());
             }
         }
         if rng.chance(0.4) {
@@ -78,7 +78,7 @@ impl Scene {
         scene
     }
 
-    pub fn any_limits(&self, rng: &mut Rng) -> Limits {
+    pub fn any_limits(&self, rng: &mut Random) -> Limits {
         std::array::from_fn(|_| {
             let (v, a, j) = if self.hostile {
                 (rng.log(1e-2, 50.0), rng.log(0.1, 1e4), rng.log(1.0, 1e8))
@@ -91,10 +91,10 @@ impl Scene {
     }
 
     /// Other limits close to the present ones.
-    pub fn drifted(&self, now: &Limits, rng: &mut Rng) -> Limits {
+    pub fn drifted(&self, now: &Limits, rng: &mut Random) -> Limits {
         now.map(|l| {
             let mut pair = |lo: f64, hi: f64| {
-                let factor = rng.within(0.9, 1.1);
+                let factor = rng.between(0.9, 1.1);
                 (lo * factor, hi * factor)
             };
             AxisLimits::new(pair(l.v_min(), l.v_max()), pair(l.a_min(), l.a_max()), pair(l.j_min(), l.j_max()))
@@ -103,25 +103,25 @@ impl Scene {
     }
 
     /// A place anywhere, mostly inside the range; at its end, too.
-    pub fn place(&self, k: usize, rng: &mut Rng) -> f64 {
-        let Some(ranges) = &self.ranges else { return rng.within(-2.0, 2.0) };
+    pub fn place(&self, k: usize, rng: &mut Random) -> f64 {
+        let Some(ranges) = &self.ranges else { return rng.between(-2.0, 2.0) };
         let (lower, upper) = ranges[k];
         match rng.below(12) {
             0 => lower,
             1 => upper,
-            2 => rng.within(lower - 0.1, upper + 0.1),
-            _ => rng.within(lower, upper),
+            2 => rng.between(lower - 0.1, upper + 0.1),
+            _ => rng.between(lower, upper),
         }
     }
 
     /// A target with velocity, and half of the time with acceleration; some cannot be entered or left.
-    pub fn moving(&self, k: usize, l: &AxisLimits, rng: &mut Rng) -> AxisState {
+    pub fn moving(&self, k: usize, l: &AxisLimits, rng: &mut Random) -> AxisState {
         let p = self.place(k, rng);
         if rng.chance(0.2) {
             return AxisState::rest(p);
         }
-        let v = rng.within(l.v_min(), l.v_max());
-        AxisState::new(p, v, if rng.chance(0.5) { 0.0 } else { rng.within(l.a_min(), l.a_max()) })
+        let v = rng.between(l.v_min(), l.v_max());
+        AxisState::new(p, v, if rng.chance(0.5) { 0.0 } else { rng.between(l.a_min(), l.a_max()) })
     }
 
     /// The wave at time `t`, as far as the limits allow it to be followed.

@@ -8,6 +8,7 @@ pub mod judge;
 pub mod projection;
 pub mod states;
 
+use arcfeed_testing::Random;
 use std::collections::BTreeMap;
 
 /// A kind of motion that is tried at random.
@@ -101,52 +102,7 @@ pub fn play(family: &Family, count: u64, first: u64, stride: u64) -> Tally {
     tally
 }
 
-/// SplitMix64.
-pub struct Rng(u64);
-
-impl Rng {
-    /// Neighbouring seeds give unrelated numbers.
-    pub fn new(seed: u64) -> Self {
-        let mut rng = Self(seed);
-        rng.0 = rng.next();
-        rng
-    }
-
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    /// Uniform in [0, 1).
-    pub fn unit(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    pub fn within(&mut self, lo: f64, hi: f64) -> f64 {
-        lo + (hi - lo) * self.unit()
-    }
-
-    /// Uniform in its logarithm.
-    pub fn log(&mut self, lo: f64, hi: f64) -> f64 {
-        lo * (hi / lo).powf(self.unit())
-    }
-
-    pub fn sign(&mut self) -> f64 {
-        if self.unit() < 0.5 { -1.0 } else { 1.0 }
-    }
-
-    pub fn chance(&mut self, of: f64) -> bool {
-        self.unit() < of
-    }
-
-    pub fn below(&mut self, n: usize) -> usize {
-        ((self.unit() * n as f64) as usize).min(n - 1)
-    }
-
-    pub fn one_of<T: Copy>(&mut self, all: &[T]) -> T {
-        all[self.below(all.len())]
-    }
+/// Neighbouring seeds give unrelated numbers.
+pub fn random(seed: u64) -> Random {
+    Random::new(Random::new(seed).bits())
 }

@@ -7,7 +7,9 @@ use arcfeed_sync::nalgebra::SVector;
 use arcfeed_sync::{JointState, ProjectionStatus, ProjectionSync, symmetric_limits};
 
 use super::judge::{Precision, broken};
-use super::{Failure, Outcome, Rng};
+use arcfeed_testing::Random;
+
+use super::{Failure, Outcome, random};
 
 const AXES: usize = 4;
 /// The part of a limit by which it may be exceeded.
@@ -18,7 +20,7 @@ type Joints = SVector<f64, AXES>;
 const CHANGING: u64 = 2000;
 const MOST: u64 = 200_000;
 
-fn any_limits(hostile: bool, rng: &mut Rng) -> [AxisLimits; AXES] {
+fn any_limits(hostile: bool, rng: &mut Random) -> [AxisLimits; AXES] {
     let mut each = |lo: f64, hi: f64| Joints::from_fn(|_, _| rng.log(lo, hi));
     let (v, a, j) = if hostile {
         // Brakes in seconds, not in hours.
@@ -32,17 +34,17 @@ fn any_limits(hostile: bool, rng: &mut Rng) -> [AxisLimits; AXES] {
 }
 
 /// Another target; of some joints only, or within round-off of where they are.
-fn another(target: &Joints, now: &Joints, rng: &mut Rng) -> Joints {
+fn another(target: &Joints, now: &Joints, rng: &mut Random) -> Joints {
     Joints::from_fn(|k, _| match rng.below(10) {
         0..=4 => target[k],
         5 => now[k] + rng.sign() * rng.log(1e-15, 1e-3),
         6 => now[k],
-        _ => rng.within(-2.0, 2.0),
+        _ => rng.between(-2.0, 2.0),
     })
 }
 
 pub fn case(seed: u64) -> Outcome {
-    let mut rng = Rng::new(seed);
+    let mut rng = random(seed);
     let mut outcome = Outcome::default();
     if let Err((kind, size, input)) = play(&mut rng, &mut outcome) {
         outcome.failure = Some((kind, Failure { size, seed, input }));
@@ -50,23 +52,23 @@ pub fn case(seed: u64) -> Outcome {
     outcome
 }
 
-fn start(limits: &[AxisLimits; AXES], hostile: bool, rng: &mut Rng) -> JointState<AXES> {
-    let mut start = JointState::rest(Joints::from_fn(|_, _| rng.within(-2.0, 2.0)));
+fn start(limits: &[AxisLimits; AXES], hostile: bool, rng: &mut Random) -> JointState<AXES> {
+    let mut start = JointState::rest(Joints::from_fn(|_, _| rng.between(-2.0, 2.0)));
     if rng.chance(0.4) {
         let beyond = if hostile { 3.0 } else { 1.0 };
         for (k, limits) in limits.iter().enumerate() {
-            start.qd[k] = beyond * rng.within(-1.0, 1.0) * limits.v_max();
-            start.qdd[k] = beyond * rng.within(-1.0, 1.0) * limits.a_max();
+            start.qd[k] = beyond * rng.between(-1.0, 1.0) * limits.v_max();
+            start.qdd[k] = beyond * rng.between(-1.0, 1.0) * limits.a_max();
         }
     }
     start
 }
 
-fn play(rng: &mut Rng, outcome: &mut Outcome) -> Result<(), (String, f64, String)> {
+fn play(rng: &mut Random, outcome: &mut Outcome) -> Result<(), (String, f64, String)> {
     let hostile = rng.chance(0.5);
     let mut limits = any_limits(hostile, rng);
     let mut now = start(&limits, hostile, rng);
-    let mut target = Joints::from_fn(|_, _| rng.within(-2.0, 2.0));
+    let mut target = Joints::from_fn(|_, _| rng.between(-2.0, 2.0));
     let refused = |what: &str, e: &dyn std::fmt::Display, input: String| {
         (format!("{what} refused"), 1.0, format!("{e}\n{input}"))
     };
@@ -85,7 +87,7 @@ fn play(rng: &mut Rng, outcome: &mut Outcome) -> Result<(), (String, f64, String
         outcome.counted += 1;
         if cycle < CHANGING && (follows || rng.chance(0.01)) {
             target = if follows {
-                target + Joints::from_fn(|_, _| 1e-3 * rng.within(-0.5, 1.0))
+                target + Joints::from_fn(|_, _| 1e-3 * rng.between(-0.5, 1.0))
             } else {
                 another(&target, &now.q, rng)
             };
@@ -97,7 +99,7 @@ fn play(rng: &mut Rng, outcome: &mut Outcome) -> Result<(), (String, f64, String
             sync.set_limits(&limits).map_err(|e| refused("limits", &e, show(&now, &target, &limits)))?;
             (begun, reached, promised) = (now, false, None);
         }
-        let dt = if rng.chance(0.1) { period * rng.within(0.3, 2.0) } else { period };
+        let dt = if rng.chance(0.1) { period * rng.between(0.3, 2.0) } else { period };
         let step = sync.step(dt).map_err(|e| refused("step", &e, show(&now, &target, &limits)))?;
         let axis = |s: &JointState<AXES>, k: usize| AxisState::new(s.q[k], s.qd[k], s.qdd[k]);
         for (k, l) in limits.iter().enumerate() {

@@ -8,7 +8,9 @@
 use arcfeed_sync::feedrate::{AxisLimits, AxisProblem, AxisState, FeedError, MotionLaw, Phase, StateToState};
 use arcfeed_sync::{MotionOptions, Trajectory};
 
-use super::{Failure, Outcome, Rng};
+use arcfeed_testing::Random;
+
+use super::{Failure, Outcome, random};
 
 #[derive(Debug, Clone, Copy)]
 struct Input {
@@ -44,7 +46,7 @@ impl Input {
 }
 
 /// A number in a pair of limits: inside, at one of them, zero, or a distance of 1e-15 to 1e-3 of the range inside one.
-fn within(rng: &mut Rng, (lo, hi): (f64, f64)) -> f64 {
+fn within(rng: &mut Random, (lo, hi): (f64, f64)) -> f64 {
     let near = rng.log(1e-15, 1e-3) * (hi - lo);
     match (rng.unit() * 10.0) as u32 {
         0 | 1 => 0.0_f64.clamp(lo, hi),
@@ -72,7 +74,7 @@ const FAMILIES: [&str; 11] = [
 ];
 
 /// Limits as pairs and the size of the displacement.
-fn any_limits(family: usize, rng: &mut Rng) -> ([(f64, f64); 3], f64) {
+fn any_limits(family: usize, rng: &mut Random) -> ([(f64, f64); 3], f64) {
     let mut limits = [rng.log(0.05, 10.0), rng.log(0.1, 30.0), rng.log(0.3, 300.0)];
     let mut reach = rng.log(1e-3, 30.0);
     match family {
@@ -105,11 +107,11 @@ fn any_limits(family: usize, rng: &mut Rng) -> ([(f64, f64); 3], f64) {
     (pairs, reach)
 }
 
-fn any_input(rng: &mut Rng) -> (Input, &'static str) {
+fn any_input(rng: &mut Random) -> (Input, &'static str) {
     let family = rng.below(FAMILIES.len());
     let ([v, a, j], reach) = any_limits(family, rng);
     // `before`: room to have got there from, otherwise room to go on.
-    let state = |rng: &mut Rng, before: bool| {
+    let state = |rng: &mut Random, before: bool| {
         let x = within(rng, a);
         let room = 0.5 * x * x / if (x > 0.0) == before { j.1 } else { -j.0 };
         let range = if (x > 0.0) == before { (v.0 + room, v.1) } else { (v.0, v.1 - room) };
@@ -197,7 +199,7 @@ fn rest_to_rest(d: f64, v: f64, a: f64, j: f64) -> f64 {
     if d >= 2.0 * a.powi(3) / (j * j) { a / j + ((a / j).powi(2) + 4.0 * d / a).sqrt() } else { (32.0 * d / j).cbrt() }
 }
 
-fn check(i: u64, case: &Input, name: &str, rng: &mut Rng) -> Result<(), String> {
+fn check(i: u64, case: &Input, name: &str, rng: &mut Random) -> Result<(), String> {
     let l = case.limits();
     let problem = AxisProblem::new(&case.start, &case.target, &l).map_err(|e| e.to_string())?;
     let motion = problem.shortest();
@@ -256,7 +258,7 @@ fn together(cases: &[Input; 4]) -> Result<(), String> {
 
 /// The case of a seed: one axis, and four axes for every eighth seed.
 pub fn case(seed: u64) -> Outcome {
-    let mut rng = Rng::new(seed);
+    let mut rng = random(seed);
     let mut outcome = Outcome { counted: 1, ..Outcome::default() };
     let mut fail = |name: &str, e: String, input: String| {
         let kind: String = e.chars().map(|c| if c.is_ascii_digit() { '#' } else { c }).collect();

@@ -3,24 +3,7 @@
 
 use arcfeed_sync::feedrate::{AxisLimits, AxisState, MotionLaw};
 use arcfeed_sync::{MotionOptions, SyncError, Synchronisation, Trajectory};
-
-/// SplitMix64, uniform in [0, 1).
-pub struct Rng(pub u64);
-impl Rng {
-    pub fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-    pub fn within(&mut self, lo: f64, hi: f64) -> f64 {
-        lo + (hi - lo) * self.unit()
-    }
-    pub fn log(&mut self, lo: f64, hi: f64) -> f64 {
-        lo * (hi / lo).powf(self.unit())
-    }
-}
+use arcfeed_testing::Random;
 
 #[derive(Debug, Clone, Copy)]
 pub struct Problem<const N: usize> {
@@ -36,28 +19,28 @@ impl<const N: usize> Problem<N> {
 }
 
 /// A random problem between states that can be left and entered within the limits; at rest with `moving = 0`.
-pub fn moving_problem<const N: usize>(rng: &mut Rng, moving: f64) -> Problem<N> {
+pub fn moving_problem<const N: usize>(rng: &mut Random, moving: f64) -> Problem<N> {
     let mut p = Problem {
         start: [AxisState::rest(0.0); N],
         target: [AxisState::rest(0.0); N],
         limits: [AxisLimits::symmetric(1.0, 1.0, 1.0).unwrap(); N],
     };
     for k in 0..N {
-        let pair = |rng: &mut Rng, lo: f64, hi: f64| (-rng.log(lo, hi), rng.log(lo, hi));
+        let pair = |rng: &mut Random, lo: f64, hi: f64| (-rng.log(lo, hi), rng.log(lo, hi));
         let (v, a, j) = (pair(rng, 0.3, 5.0), pair(rng, 0.5, 20.0), pair(rng, 2.0, 200.0));
         p.limits[k] = AxisLimits::new(v, a, j).unwrap();
-        let state = |rng: &mut Rng| {
-            let position = rng.within(-3.0, 3.0);
+        let state = |rng: &mut Random| {
+            let position = rng.between(-3.0, 3.0);
             if rng.unit() >= moving {
                 return AxisState::rest(position);
             }
-            let x = if rng.unit() < 0.5 { 0.0 } else { rng.within(a.0, a.1) };
+            let x = if rng.unit() < 0.5 { 0.0 } else { rng.between(a.0, a.1) };
             // Room on both sides, for the way in and the way out.
             let room = 0.5 * x * x / j.1.min(-j.0);
             if v.0 + room > v.1 - room {
                 return AxisState::new(position, 0.5 * (v.0 + v.1), 0.0);
             }
-            AxisState::new(position, rng.within(v.0 + room, v.1 - room), x)
+            AxisState::new(position, rng.between(v.0 + room, v.1 - room), x)
         };
         (p.start[k], p.target[k]) = (state(rng), state(rng));
     }

@@ -38,3 +38,10 @@ unsafe impl GlobalAlloc for Counting {
         unsafe { System.realloc(pointer, layout, size) }
     }
 }
+
+/// How often this thread asks for memory during `call`, in a program whose global allocator is [`Counting`].
+pub fn allocations_in(call: impl FnOnce()) -> usize {
+    let before = Counting::count();
+    call();
+    Counting::count() - before
+}
