@@ -4,8 +4,8 @@
 use arcfeed_feedrate::LiveSection;
 use arcfeed_geometry::{ArcLengthCurve, NurbsCurve, OrientationPath, PosePath};
 use arcfeed_interp::{
-    Command, Excursion, HybridMotion, HybridState, HybridStep, LeaveBy, Limits, LivePath, MotionPath, Planner,
-    Setpoint, ToolLimits, ToolPath,
+    Command, Excursion, HybridMotion, HybridState, HybridStep, JointMoveBy, LeaveBy, Limits, LivePath, MotionPath,
+    Planner, Setpoint, ToolLimits, ToolPath,
 };
 use arcfeed_kinematics::{Joints, ParallelAxisArm, models};
 use arcfeed_testing::Random;
@@ -109,7 +109,10 @@ impl<'a> Stage<'a> {
                     .map(|_| Joints::from_fn(|k, _| (here[k] + r.between(-0.8, 0.8)).max(lower[k]).min(upper[k])))
                     .collect();
                 let leave = if r.below(2) == 0 { LeaveBy::Braking } else { LeaveBy::AtOnce };
-                Excursion::new(&points, leave).map_or(Command::None, Command::Leave)
+                let within = if r.below(2) == 0 { 0.0 } else { r.log(1e-3, 1.0) };
+                let by = if r.below(2) == 0 { JointMoveBy::LeastTime } else { JointMoveBy::Projection };
+                let excursion = Excursion::new(&points, leave).and_then(|e| e.with_passing(within));
+                excursion.map_or(Command::None, |e| Command::Leave(e.with_joint_moves(by)))
             }
             12 => Command::Return,
             _ => Command::None,

@@ -72,8 +72,8 @@ pub use compiled::{
 pub use error::{Cause, Infeasibility, LimitError, PathEnd, PathError, PlanError, SpeedError};
 pub use limits::{Extent, FeedSection, Limits, Section, ToolLimits, TorqueLimits};
 pub use live::{
-    Command, Detour, DriveLag, Excursion, HybridError, HybridMotion, HybridState, HybridStep, LeaveBy, LiveError,
-    LivePath, LiveRoute, MAX_POINTS, SingularInterval, SingularityKind, SingularityPolicy,
+    Command, Detour, DriveLag, Excursion, HybridError, HybridMotion, HybridState, HybridStep, JointMoveBy, LeaveBy,
+    LiveError, LivePath, LiveRoute, MAX_POINTS, SingularInterval, SingularityKind, SingularityPolicy,
 };
 pub use method::Method;
 pub use nalgebra;

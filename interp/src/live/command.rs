@@ -15,13 +15,29 @@ pub enum LeaveBy {
     AtOnce,
 }
 
-/// A way through joint space: intermediate points, and a goal where the arm waits. It stands at each of them for a moment.
+/// The way in which all joints come to a point together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum JointMoveBy {
+    /// All joints arrive at the same time, which is the shortest possible one
+    /// ([`OnlineGenerator`](arcfeed_sync::OnlineGenerator)).
+    #[default]
+    LeastTime,
+    /// On a straight line of the joint space, as soon as motion across it has been braked
+    /// ([`ProjectionSync`](arcfeed_sync::ProjectionSync); Liu et al. 2024, section 4.2, corrected).
+    Projection,
+}
+
+/// A way through joint space: points between, and a goal where the arm waits. It stands at each point for a moment, unless
+/// [`Excursion::with_passing`] lets it pass.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Excursion<const N: usize = 6> {
     points: [Joints<N>; MAX_POINTS],
     count: usize,
+    within: f64,
     /// The way in which the path is left.
     pub leave: LeaveBy,
+    /// The way in which the joints come to each point.
+    pub by: JointMoveBy,
 }
 
 impl<const N: usize> Excursion<N> {
@@ -35,7 +51,32 @@ impl<const N: usize> Excursion<N> {
         }
         let mut all = [Joints::zeros(); MAX_POINTS];
         all[..points.len()].copy_from_slice(points);
-        Ok(Self { points: all, count: points.len(), leave })
+        Ok(Self { points: all, count: points.len(), within: 0.0, leave, by: JointMoveBy::LeastTime })
+    }
+
+    /// Passes the points before the goal without a stop, on the way out and back: as soon as every joint is `within` (rad) of a point,
+    /// the arm goes for the next one from its present motion. 0 stops at each point. Where the next point cannot be gone for without
+    /// leaving the range of a joint the arm stops at the point.
+    ///
+    /// # Errors
+    /// [`HybridError::Within`] for a number that is negative or not finite.
+    pub fn with_passing(mut self, within: f64) -> Result<Self, HybridError> {
+        if !(within.is_finite() && within >= 0.0) {
+            return Err(HybridError::Within { value: within });
+        }
+        self.within = within;
+        Ok(self)
+    }
+
+    /// Sets the way in which the joints come to each point, and back to the path.
+    pub fn with_joint_moves(mut self, by: JointMoveBy) -> Self {
+        self.by = by;
+        self
+    }
+
+    /// The distance of every joint from a point at which the next one is gone for, rad.
+    pub fn within(&self) -> f64 {
+        self.within
     }
 
     /// The points, the goal last.

@@ -59,6 +59,12 @@ pub enum HybridError {
         /// The number given.
         count: usize,
     },
+    /// The distance at which points are passed is no distance.
+    #[error("points are to be passed within {value} rad: give a finite number of 0 or more")]
+    Within {
+        /// The number given, rad.
+        value: f64,
+    },
     /// A point is outside the range of a joint.
     #[error(
         "point {} of the excursion has joint {} at {value} rad, outside its range [{lower}, {upper}]: choose a point inside", point + 1, joint + 1

@@ -28,7 +28,7 @@ mod recorded;
 mod singular;
 mod state;
 
-pub use command::{Command, Excursion, LeaveBy};
+pub use command::{Command, Excursion, JointMoveBy, LeaveBy};
 pub use drive::DriveLag;
 pub use error::{HybridError, LiveError, MAX_POINTS};
 pub use live_path::LivePath;

@@ -3,7 +3,7 @@
 use arcfeed_feedrate::{FeedOverride, LiveSection, LiveStatus, MAX_SECTIONS, MotionState};
 use arcfeed_kinematics::Joints;
 
-use super::command::{Command, Excursion, LeaveBy};
+use super::command::{Command, Excursion, JointMoveBy, LeaveBy};
 use super::error::{HybridError, LiveError, MAX_POINTS};
 use super::joints::JointSpace;
 use super::live_path::LivePath;
@@ -250,6 +250,7 @@ impl<'a, const N: usize> HybridMotion<'a, N> {
         let first = excursion.points()[0];
         if !self.on_path {
             // Already in joint space: other points, from the present motion.
+            self.joints.move_by(excursion.by);
             self.joints.retarget(&first)?;
             self.excursion = Some(excursion);
             self.state = HybridState::JointMove(0);
@@ -257,6 +258,7 @@ impl<'a, const N: usize> HybridMotion<'a, N> {
             return Ok(());
         }
         let mut outcome = Ok(());
+        self.joints.move_by(excursion.by);
         if excursion.leave == LeaveBy::AtOnce && !self.feed.is_at_rest() {
             let now = self.last;
             match self.joints.start(&now.q, &now.qd, &now.qdd, &first) {
@@ -326,6 +328,7 @@ impl<'a, const N: usize> HybridMotion<'a, N> {
                     self.feed = self.feed.moved_to(next.curve());
                     self.feed.stand();
                     let still = Joints::zeros();
+                    self.joints.move_by(JointMoveBy::LeastTime);
                     self.joints.start(&self.last.q, &still, &still, &next.joint_path().nodes()[0].q)?;
                     self.passed_count = 0;
                     self.on_path = false;
@@ -356,6 +359,7 @@ impl<'a, const N: usize> HybridMotion<'a, N> {
         let t = self.cycles as f64 * self.live.period();
         self.last = Setpoint { t, s: self.feed.position(), feed, acceleration: 0.0, q, qd, qdd, jerk, pose };
         if !arrived {
+            self.pass();
             return Ok(());
         }
         if self.state == HybridState::Stopping {
@@ -367,11 +371,7 @@ impl<'a, const N: usize> HybridMotion<'a, N> {
         match self.state {
             HybridState::Leaving => self.reached(0),
             HybridState::JointMove(point) => self.reached(point),
-            HybridState::Returning if self.passed_count > 0 => {
-                self.passed_count -= 1;
-                let next = self.way_back(self.passed_count);
-                self.joints.retarget(&next)
-            }
+            HybridState::Returning if self.passed_count > 0 => self.back_by_one(),
             HybridState::Returning | HybridState::GoingRound => {
                 self.on_path = true;
                 self.excursion = None;
@@ -387,17 +387,39 @@ impl<'a, const N: usize> HybridMotion<'a, N> {
         }
     }
 
+    /// Goes for the next point where this one is near enough. Where that would lead out of the range of a joint the arm stops at this one.
+    fn pass(&mut self) {
+        let Some(excursion) = self.excursion.filter(|excursion| self.joints.is_near(excursion.within())) else {
+            return;
+        };
+        let more = |point: usize| point + 1 < excursion.points().len();
+        // A refusal leaves the motion as it is.
+        let _refused = match self.state {
+            HybridState::Leaving if more(0) => self.reached(0),
+            HybridState::JointMove(point) if more(point) => self.reached(point),
+            HybridState::Returning if self.passed_count > 0 => self.back_by_one(),
+            _ => Ok(()),
+        };
+    }
+
+    /// A point on the way back is reached.
+    fn back_by_one(&mut self) -> Result<(), HybridError> {
+        self.joints.retarget(&self.way_back(self.passed_count - 1))?;
+        self.passed_count -= 1;
+        Ok(())
+    }
+
     /// A point of the excursion is reached.
     fn reached(&mut self, point: usize) -> Result<(), HybridError> {
         let Some(excursion) = self.excursion else { return Ok(()) };
         match excursion.points().get(point + 1) {
             Some(next) => {
+                self.joints.retarget(next)?;
                 // Points passed in an excursion that another one replaced are not gone back through.
                 if self.passed_count < MAX_POINTS {
                     self.passed[self.passed_count] = excursion.points()[point];
                     self.passed_count += 1;
                 }
-                self.joints.retarget(next)?;
                 self.state = HybridState::JointMove(point + 1);
             }
             None => self.state = HybridState::Waiting,

@@ -189,19 +189,21 @@ impl Scenario {
                     orders.push(Order { when: event.when, what: What::StepBackBy(*way) });
                     continue;
                 }
-                Action::Leave(places, by) => {
-                    let mut points = Vec::with_capacity(places.len());
+                Action::Leave(way) => {
+                    let mut points = Vec::with_capacity(way.points.len());
                     let mut near = live.joint_path().nodes()[0].q;
-                    for (k, place) in places.iter().enumerate() {
+                    for (k, place) in way.points.iter().enumerate() {
                         let key = format!("event[{i}].points[{k}]");
                         near = self.joints_at(&key, place, arm, &near)?;
                         self.inside(&key, &near, live.joints())?;
                         points.push(near);
                     }
-                    Command::Leave(Excursion::new(&points, *by).map_err(|e| {
-                        let rule = "an excursion has 1 to 8 points, the goal last";
+                    let excursion = Excursion::new(&points, way.leave).and_then(|e| e.with_passing(way.within));
+                    let excursion = excursion.map_err(|e| {
+                        let rule = "an excursion has 1 to 8 points, the goal last, passed within 0 deg or more";
                         self.check().wrong(&format!("event[{i}].points"), e, rule, "add or remove points")
-                    })?)
+                    })?;
+                    Command::Leave(excursion.with_joint_moves(way.by))
                 }
                 Action::Return => Command::Return,
                 Action::Stop => Command::Stop,

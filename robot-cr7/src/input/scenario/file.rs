@@ -102,6 +102,13 @@ pub(super) enum RawLeave {
     AtOnce,
 }
 
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum RawJointMoves {
+    LeastTime,
+    Projection,
+}
+
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawEvent {
@@ -118,4 +125,6 @@ pub(super) struct RawEvent {
     pub by_mm: Option<f64>,
     pub leave: Option<RawLeave>,
     pub points: Option<Vec<RawPlace>>,
+    pub pass_within_deg: Option<f64>,
+    pub joint_moves: Option<RawJointMoves>,
 }

@@ -9,7 +9,7 @@ mod read;
 use std::path::{Path, PathBuf};
 
 use arcfeed_feedrate::LiveSection;
-use arcfeed_interp::{LeaveBy, SingularityPolicy};
+use arcfeed_interp::{JointMoveBy, LeaveBy, SingularityPolicy};
 use nalgebra::Isometry3;
 
 use super::job::Job;
@@ -85,6 +85,16 @@ pub(crate) enum When {
     Stood(f64),
 }
 
+/// A way off the path.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Leave {
+    pub(crate) points: Vec<Place>,
+    pub(crate) leave: LeaveBy,
+    /// Distance of the joints at which a point before the goal is passed, rad; 0 to stop there.
+    pub(crate) within: f64,
+    pub(crate) by: JointMoveBy,
+}
+
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Action {
     Feed(f64),
@@ -95,7 +105,7 @@ pub(crate) enum Action {
     Resume,
     StepBackTo(f64),
     StepBackBy(f64),
-    Leave(Vec<Place>, LeaveBy),
+    Leave(Leave),
     Return,
     Stop,
 }
@@ -125,8 +135,10 @@ impl Action {
             Self::Section(s) => format!("section {} to {} mm at {} mm/s", mm(s.from), mm(s.to), mm(s.feed)),
             Self::StepBackTo(place) => format!("step back to {} mm", mm(*place)),
             Self::StepBackBy(way) => format!("step back by {} mm", mm(*way)),
-            Self::Leave(points, LeaveBy::Braking) => format!("leave, braking, over {} points", points.len()),
-            Self::Leave(points, LeaveBy::AtOnce) => format!("leave at once, over {} points", points.len()),
+            Self::Leave(Leave { points, leave, .. }) => {
+                let how = if *leave == LeaveBy::Braking { ", braking," } else { " at once," };
+                format!("leave{how} over {} points", points.len())
+            }
             _ => self.name().to_owned(),
         }
     }

@@ -3,12 +3,14 @@
 use std::path::Path;
 
 use arcfeed_feedrate::LiveSection;
-use arcfeed_interp::{LeaveBy, MAX_POINTS, SingularityPolicy};
+use arcfeed_interp::{JointMoveBy, LeaveBy, MAX_POINTS, SingularityPolicy};
 use nalgebra::{Isometry3, Translation3};
 
-use super::file::{RawAction, RawEvent, RawLeave, RawPlace, RawRun, RawScenario, RawScenarioJoints, RawSingularities};
+use super::file::{
+    RawAction, RawEvent, RawJointMoves, RawLeave, RawPlace, RawRun, RawScenario, RawScenarioJoints, RawSingularities,
+};
 use super::order::check_order;
-use super::{Action, Event, Place, Scenario, ScenarioPath, When};
+use super::{Action, Event, Leave, Place, Scenario, ScenarioPath, When};
 use crate::input::error::{InputError, read_text};
 use crate::input::job::{Job, JobCheck};
 use crate::input::job_file::{RawJob, RawPath};
@@ -20,6 +22,8 @@ const EXPECTED: &str = "a TOML scenario such as scenarios/event.toml";
 const EXAMPLE: &str = "scenarios/event.toml";
 /// Radians per degree.
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
+/// Largest distance at which a point is passed, deg.
+const MOST_WITHIN: f64 = 90.0;
 /// Highest override that can be ordered.
 const MOST_PERCENT: f64 = 150.0;
 
@@ -279,11 +283,23 @@ fn event_of(check: &Check<'_>, i: usize, raw: &RawEvent) -> Result<Event, InputE
                 .enumerate()
                 .map(|(k, raw)| place_of(check, &key(&format!("points[{k}]")), raw))
                 .collect::<Result<_, _>>()?;
-            let by = match raw.leave {
-                None | Some(RawLeave::Braking) => LeaveBy::Braking,
-                Some(RawLeave::AtOnce) => LeaveBy::AtOnce,
-            };
-            Action::Leave(places, by)
+            let within = raw.pass_within_deg.unwrap_or(0.0);
+            if !(0.0..=MOST_WITHIN).contains(&within) {
+                let rule = "points are passed within 0 to 90 deg";
+                return Err(check.wrong(&key("pass_within_deg"), within, rule, "0 stops at each point"));
+            }
+            Action::Leave(Leave {
+                points: places,
+                leave: match raw.leave {
+                    None | Some(RawLeave::Braking) => LeaveBy::Braking,
+                    Some(RawLeave::AtOnce) => LeaveBy::AtOnce,
+                },
+                within: within * DEGREE,
+                by: match raw.joint_moves {
+                    None | Some(RawJointMoves::LeastTime) => JointMoveBy::LeastTime,
+                    Some(RawJointMoves::Projection) => JointMoveBy::Projection,
+                },
+            })
         }
         RawAction::Return => Action::Return,
         RawAction::Stop => Action::Stop,
@@ -325,7 +341,7 @@ fn only_its_keys(check: &Check<'_>, i: usize, raw: &RawEvent) -> Result<(), Inpu
         RawAction::Override => &["percent"],
         RawAction::Section => &["from_mm", "to_mm", "feed_mm_s"],
         RawAction::StepBack => &["to_mm", "by_mm"],
-        RawAction::Leave => &["leave", "points"],
+        RawAction::Leave => &["leave", "points", "pass_within_deg", "joint_moves"],
         _ => &[],
     };
     let given = [
@@ -336,6 +352,8 @@ fn only_its_keys(check: &Check<'_>, i: usize, raw: &RawEvent) -> Result<(), Inpu
         ("by_mm", raw.by_mm.is_some()),
         ("leave", raw.leave.is_some()),
         ("points", raw.points.is_some()),
+        ("pass_within_deg", raw.pass_within_deg.is_some()),
+        ("joint_moves", raw.joint_moves.is_some()),
     ];
     match given.iter().find(|(name, given)| *given && !known.contains(name)) {
         None => Ok(()),
