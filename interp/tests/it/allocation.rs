@@ -51,7 +51,7 @@ fn sampling_allocates_nothing() {
 #[test]
 fn a_step_of_motion_in_both_spaces_allocates_nothing() {
     use arcfeed_interp::{
-        Command, Excursion, HybridMotion, HybridState, LeaveBy, Limits, MotionPath, Planner, ToolPath,
+        Command, Excursion, HybridMotion, HybridState, JointMoveBy, LeaveBy, Limits, MotionPath, Planner, ToolPath,
     };
     use arcfeed_kinematics::Joints;
 
@@ -63,6 +63,7 @@ fn a_step_of_motion_in_both_spaces_allocates_nothing() {
     let points = [start + Joints::repeat(0.2), start + Joints::repeat(-0.1)];
     let [braking, at_once] =
         [LeaveBy::Braking, LeaveBy::AtOnce].map(|leave| Excursion::new(&points, leave).expect("two points"));
+    let braking = braking.with_passing(0.05).expect("a distance").with_joint_moves(JointMoveBy::Projection);
     let before = Counting::count();
     let mut motion = HybridMotion::new(&live, 0.1).expect("a valid feed");
     let mut refused = 0;

@@ -63,6 +63,29 @@ fn the_events_of_the_paper_end_where_they_should() {
     }
 }
 
+/// "Control point 3 for a smooth transition": without a stop there, and by the paper's own way of moving joints.
+#[test]
+fn the_event_of_the_paper_passes_point_3_without_a_stop_and_by_projection() {
+    let leave = "leave = \"braking\"\n";
+    let with = |keys: &str| {
+        let text = Scenario::EXAMPLE.replace(leave, &format!("{leave}{keys}"));
+        let (played, report) = self::played(&text).unwrap_or_else(|e| panic!("{keys}: {e}"));
+        assert!(report.holds && report.path_finished, "{keys}: {report}");
+        keeps(&played, &report, TABLE_7);
+        (played, report.excursions[0].time_to_goal_s.expect("it gets there"))
+    };
+    let stood = |played: &Played| {
+        let away = |c: &&robot_cr7::Cycle| c.state.name() == "joint move";
+        let still = played.cycles().iter().filter(away).filter(|c| c.setpoint.qd.amax() < 1e-9);
+        still.count()
+    };
+    let (stopping, slow) = with("");
+    let (passing, fast) = with("pass_within_deg = 5.0\n");
+    assert!(stood(&stopping) > stood(&passing) && fast < slow - 0.05, "{fast} s to the goal instead of {slow}");
+    let (by_projection, _) = with("pass_within_deg = 5.0\njoint_moves = \"projection\"\n");
+    assert_eq!(stood(&by_projection), stood(&passing));
+}
+
 #[test]
 fn the_butterfly_follows_the_feeds_that_are_ordered() {
     let (played, report) = played(Scenario::ALL[2].1).expect("runs");
@@ -119,7 +142,7 @@ fn orders_that_cannot_come_are_refused_by_line_and_rule() {
     let home = "points = [{ deg = [0, -30, 90, 30, -90, 0] }]";
     let event = |time: &str, what: &str| format!("[[event]]\n{time}\ndo = {what}\n");
     let leave = format!("\"leave\"\n{home}");
-    let cases: [(Vec<String>, &[&str]); 19] = [
+    let cases: [(Vec<String>, &[&str]); 23] = [
         (vec![event("at_s = -0.5", "\"hold\"")], &["s.toml:8", "event[0].at_s", "-0.5", "before the start"]),
         (vec![event("at_cycle = -1", "\"hold\"")], &["s.toml:8", "event[0].at_cycle", "-1", "before the start"]),
         (vec![event("at_mm = -1", "\"hold\"")], &["s.toml:8", "event[0].at_mm", "before the start"]),
@@ -145,6 +168,16 @@ fn orders_that_cannot_come_are_refused_by_line_and_rule() {
         (vec![event("at_s = 0.1", "\"hold\"\npercent = 10")], &["event[0].percent", "does not know the key"]),
         (vec![event("at_s = 0.1", "\"override\"\npercent = 151")], &["event[0].percent", "151", "0 and 150"]),
         (vec![event("at_s = 0.1", "\"fly\"")], &["s.toml:9", "unknown variant", "fly"]),
+        (
+            vec![event("at_s = 0.1", &format!("{leave}\npass_within_deg = -1"))],
+            &["s.toml:11", "event[0].pass_within_deg", "-1", "0 to 90 deg", "0 stops at each"],
+        ),
+        (vec![event("at_s = 0.1", &format!("{leave}\npass_within_deg = nan"))], &["event[0].pass_within_deg", "NaN"]),
+        (vec![event("at_s = 0.1", &format!("{leave}\njoint_moves = \"by_hand\""))], &["s.toml:11", "by_hand"]),
+        (
+            vec![event("at_s = 0.1", "\"hold\"\njoint_moves = \"projection\"")],
+            &["event[0].joint_moves", "does not know the key"],
+        ),
     ];
     for (events, parts) in cases {
         refused(&format!("{BASE}{}", events.concat()), parts);
