@@ -204,7 +204,7 @@ fn place(error: &PathError) -> Option<PathPlace> {
 /// Limits held against differences of joint positions alone, at steps of 0.1 ms.
 ///
 /// The k-th difference over h^k is a weighted average of the k-th derivative, so it exceeds no bound of that derivative;
-/// what is allowed on top is the rounding of positions of some radians.
+/// what is allowed on top is the rounding of positions of some radians, and that of the arc length where a joint turns much on little of it.
 fn check_by_differences(arm: &impl Arm, plan: &Trajectory<'_>, case: &Case) -> Result<(), TestCaseError> {
     const STEP: f64 = 1e-4;
     // Rounding of q as it comes out of the inverse.
@@ -214,12 +214,16 @@ fn check_by_differences(arm: &impl Arm, plan: &Trajectory<'_>, case: &Case) -> R
     let (limits, most_feed) = (plan.problem().limits().joints(), case.tool.feed().expect("set"));
     let mut sampler = plan.setpoints(STEP).expect("a valid period");
     let steps = (plan.duration() / STEP).floor() as usize;
+    let length = plan.path().length();
     let mut q: Vec<Joints<6>> = Vec::with_capacity(steps + 1);
+    let mut noise: Vec<Joints<6>> = Vec::with_capacity(steps + 1);
     let mut tip = Vec::with_capacity(steps + 1);
     for i in 0..=steps {
         let at = sampler.at(i as f64 * STEP).expect("on the path");
         tip.push(arm.forward(&at.q).translation.vector);
         q.push(at.q);
+        let slope = if at.feed > 0.0 { at.qd.abs() / at.feed } else { Joints::zeros() };
+        noise.push(slope.map(|slope| NOISE + f64::EPSILON * length * slope));
     }
     let third = STEP * STRIDE as f64;
     for i in 1..q.len() {
@@ -235,17 +239,25 @@ fn check_by_differences(arm: &impl Arm, plan: &Trajectory<'_>, case: &Case) -> R
                 t
             );
             let v = (q[i][k] - q[i - 1][k]) / STEP;
-            let most = limits.velocity()[k] * (1.0 + TOLERANCE) + 2.0 * NOISE / STEP;
+            let most = limits.velocity()[k] * (1.0 + TOLERANCE) + 2.0 * noise[i][k] / STEP;
             prop_assert!(v.abs() <= most, "joint {} velocity {} of {} at t = {}", k + 1, v, most, t);
             if i >= 2 {
                 let a = (q[i][k] - 2.0 * q[i - 1][k] + q[i - 2][k]) / (STEP * STEP);
-                let most = limits.acceleration()[k] * (1.0 + TOLERANCE) + 4.0 * NOISE / (STEP * STEP);
-                prop_assert!(a.abs() <= most, "joint {} acceleration {} of {} at t = {}", k + 1, a, most, t);
+                let most = limits.acceleration()[k] * (1.0 + TOLERANCE) + 4.0 * noise[i][k] / (STEP * STEP);
+                prop_assert!(
+                    a.abs() <= most,
+                    "joint {} acceleration {} of {} at t = {}, noise {}",
+                    k + 1,
+                    a,
+                    most,
+                    t,
+                    noise[i][k]
+                );
             }
             if i >= 3 * STRIDE && !case.tangent_only {
                 let [d, c, b, a] = [0, 1, 2, 3].map(|n| q[i - n * STRIDE][k]);
                 let j = (d - 3.0 * c + 3.0 * b - a) / third.powi(3);
-                let most = limits.jerk()[k] * (1.0 + TOLERANCE) + 8.0 * NOISE / third.powi(3);
+                let most = limits.jerk()[k] * (1.0 + TOLERANCE) + 8.0 * noise[i][k] / third.powi(3);
                 prop_assert!(j.abs() <= most, "joint {} jerk {} of {} at t = {}", k + 1, j, most, t);
             }
         }
