@@ -22,6 +22,10 @@ const ORDERS: [usize; 6] = [N / 2 - 2, N / 2 - 1, N / 2, N - 3, N - 2, N - 1];
 /// The contribution of a pair of values to these coefficients: `(2 k + 1) / 2 w_j P_k(x_j)`.
 const PROJECTIONS: [[f64; N / 2]; 6] = projections();
 
+/// Values of the polynomial through the nodes at the ends of [-1, 1]: its weights at -1 on the nodes below the middle and
+/// above it, from the middle outwards. At 1 they change places.
+const AT_END: [[f64; N / 2]; 2] = end_weights();
+
 /// An integral is halved at most this often; what remains at a cusp is then shorter than 1e-13 of the whole.
 const MAX_HALVINGS: u32 = 44;
 /// At most this many intervals are halved in one integral.
@@ -52,6 +56,47 @@ const fn projections() -> [[f64; N / 2]; 6] {
     out
 }
 
+const fn end_weights() -> [[f64; N / 2]; 2] {
+    // sum over k of (2 k + 1) / 2 w_j P_k(x_j) P_k(-1); the rule is exact for the products of these polynomials.
+    let mut out = [[0.0; N / 2]; 2];
+    let mut j = 0;
+    while j < N / 2 {
+        let (x, w) = NODES[j];
+        let (mut before, mut p) = (1.0, x);
+        // P_k(-x) is P_k(x) with the sign of P_k(-1).
+        let (mut below, mut above) = (1.0 + 3.0 * x, 1.0 - 3.0 * x);
+        let mut k = 2;
+        while k < N {
+            let n = k as f64;
+            let next = ((2.0 * n - 1.0) * x * p - (n - 1.0) * before) / n;
+            before = p;
+            p = next;
+            let term = (2 * k + 1) as f64 * p;
+            below += term;
+            above += if k % 2 == 0 { term } else { -term };
+            k += 1;
+        }
+        out[0][j] = 0.5 * w * below;
+        out[1][j] = 0.5 * w * above;
+        j += 1;
+    }
+    out
+}
+
+/// How far the polynomial through the values at the nodes misses the function's values at the two ends, at most.
+///
+/// A rational curve whose weights differ much is fast in a narrow stretch beside an end, where no node lies; the values at
+/// the nodes are smooth then.
+#[inline]
+fn miss_at_ends(values: &[f64; N], (first, last): (f64, f64)) -> f64 {
+    let (mut below, mut above) = (-first, -last);
+    for j in 0..N / 2 {
+        below += AT_END[0][j] * values[j] + AT_END[1][j] * values[j + N / 2];
+        above += AT_END[1][j] * values[j] + AT_END[0][j] * values[j + N / 2];
+    }
+    below.abs().max(above.abs())
+}
+
 /// The nodes of the rule on `[a, b]`: below the middle, then above it, from the middle outwards.
 #[inline]
 fn nodes(a: f64, b: f64) -> [f64; N] {
@@ -73,9 +118,10 @@ fn weighted_sum(values: &[f64; N], width: f64) -> f64 {
 ///
 /// From the orders N / 2 to N the coefficients fall by some factor. At the same pace they fall by its square from N to
 /// 2 N, where the error of the rule begins; only the factor itself is counted on, since a small sharp feature on a smooth
-/// function slows the fall down. Where they do not fall (a kink, rounding) the last ones themselves count.
+/// function slows the fall down. Where they do not fall (a kink, rounding) the last ones themselves count. What the
+/// polynomial misses at the ends counts as much as the last coefficients.
 #[inline]
-fn error_estimate(values: &[f64; N], width: f64) -> f64 {
+fn error_estimate(values: &[f64; N], ends: (f64, f64), width: f64) -> f64 {
     let even: [f64; N / 2] = std::array::from_fn(|j| values[j + N / 2] + values[j]);
     let odd: [f64; N / 2] = std::array::from_fn(|j| values[j + N / 2] - values[j]);
     let coefficient = |row: usize| {
@@ -88,13 +134,16 @@ fn error_estimate(values: &[f64; N], width: f64) -> f64 {
     };
     // The largest of three: single coefficients vanish by symmetry or chance.
     let middle = coefficient(0).max(coefficient(1)).max(coefficient(2));
-    let last = coefficient(3).max(coefficient(4)).max(coefficient(5));
+    let last = coefficient(3).max(coefficient(4)).max(coefficient(5)).max(END_SHARE * miss_at_ends(values, ends));
     let fall = if last < middle { last / middle } else { 1.0 };
     MARGIN * width * last * fall
 }
 
 /// Safety factor on the estimated error.
 const MARGIN: f64 = 10.0;
+/// The miss at an end is the sum of all coefficients that the rule does not see, the first of which is near the last that
+/// it sees.
+const END_SHARE: f64 = 0.1;
 
 /// Integral of `f` over `[a, b]` by one 16-point Gauss-Legendre rule.
 pub fn gauss_legendre(f: &impl Fn(f64) -> f64, a: f64, b: f64) -> f64 {
@@ -113,42 +162,51 @@ pub fn gauss_legendre(f: &impl Fn(f64) -> f64, a: f64, b: f64) -> f64 {
 /// assert!((quarter - std::f64::consts::FRAC_PI_4).abs() < 1e-14);
 /// ```
 pub fn adaptive_gauss_legendre(f: &impl Fn(f64) -> f64, a: f64, b: f64, tolerance: f64, noise: f64) -> f64 {
-    integrate(&|t: &[f64; N]| t.map(f), a, b, tolerance, noise)
+    Integral::new(|t: &[f64; N]| t.map(f), f, noise).over(a, b, tolerance)
 }
 
-/// [`adaptive_gauss_legendre`] of a function that takes all nodes of the rule at once.
-#[inline]
-fn integrate(f: &impl Fn(&[f64; N]) -> [f64; N], a: f64, b: f64, tolerance: f64, noise: f64) -> f64 {
-    let mut rest = MOST_INTERVALS;
-    refine(f, (a, b), tolerance, noise, MAX_HALVINGS, &mut rest)
-}
-
-fn refine(
-    f: &impl Fn(&[f64; N]) -> [f64; N],
-    (a, b): (f64, f64),
-    tolerance: f64,
+/// A function to integrate: at all nodes of the rule at once, and at one place.
+struct Integral<M, O> {
+    many: M,
+    one: O,
+    /// Error of a single value.
     noise: f64,
-    depth: u32,
-    rest: &mut u32,
-) -> f64 {
-    let values = f(&nodes(a, b));
-    let sum = weighted_sum(&values, b - a);
-    let limit = tolerance.max(noise * (b - a).abs()).max(4.0 * f64::EPSILON * sum.abs());
-    if depth == 0 || *rest == 0 || !sum.is_finite() || error_estimate(&values, b - a).abs() <= limit {
-        return sum;
+    /// How many intervals may still be halved.
+    rest: u32,
+}
+
+impl<M: Fn(&[f64; N]) -> [f64; N], O: Fn(f64) -> f64> Integral<M, O> {
+    fn new(many: M, one: O, noise: f64) -> Self {
+        Self { many, one, noise, rest: MOST_INTERVALS }
     }
-    *rest -= 1;
-    let m = 0.5 * (a + b);
-    refine(f, (a, m), 0.5 * tolerance, noise, depth - 1, rest)
-        + refine(f, (m, b), 0.5 * tolerance, noise, depth - 1, rest)
+
+    #[inline]
+    fn over(&mut self, a: f64, b: f64, tolerance: f64) -> f64 {
+        let ends = ((self.one)(a), (self.one)(b));
+        self.refine((a, b), ends, tolerance, MAX_HALVINGS)
+    }
+
+    fn refine(&mut self, (a, b): (f64, f64), ends: (f64, f64), tolerance: f64, depth: u32) -> f64 {
+        let values = (self.many)(&nodes(a, b));
+        let sum = weighted_sum(&values, b - a);
+        let limit = tolerance.max(self.noise * (b - a).abs()).max(4.0 * f64::EPSILON * sum.abs());
+        if depth == 0 || self.rest == 0 || !sum.is_finite() || error_estimate(&values, ends, b - a).abs() <= limit {
+            return sum;
+        }
+        self.rest -= 1;
+        let middle = 0.5 * (a + b);
+        let at_middle = (self.one)(middle);
+        self.refine((a, middle), (ends.0, at_middle), 0.5 * tolerance, depth - 1)
+            + self.refine((middle, b), (at_middle, ends.1), 0.5 * tolerance, depth - 1)
+    }
 }
 
 impl<const D: usize> NurbsCurve<D> {
     /// Length of the curve, in its unit, to the absolute `tolerance`.
     ///
     /// Adaptive 16-point Gauss-Legendre quadrature of `|C'|` on every Bezier piece. Tolerances below about 1e-15 of the
-    /// length cannot be met in double precision; asking for less costs time and gains nothing. Where the weights of one piece differ by
-    /// a factor of 10^k, k more digits are lost to rounding.
+    /// length cannot be met in double precision; asking for less costs time and gains nothing. Where the weights of one
+    /// piece differ by a factor of 10^k, k more digits are lost to rounding.
     ///
     /// # Errors
     /// Fails when the tolerance is not a finite number above 0.
@@ -177,7 +235,8 @@ impl<const D: usize> NurbsCurve<D> {
             let end = if i == last { pieces.local(i, u1) } else { 1.0 };
             if start < end {
                 let speeds = |t: &[f64; N]| pieces.local_speeds::<D, N>(i, t);
-                let add = integrate(&speeds, start, end, share, pieces.speed_noise(i)) - lost;
+                let speed = |t: f64| pieces.local_speed(i, t);
+                let add = Integral::new(speeds, speed, pieces.speed_noise(i)).over(start, end, share) - lost;
                 let next = sum + add;
                 lost = (next - sum) - add;
                 sum = next;
@@ -205,6 +264,15 @@ mod tests {
         let integral = gauss_legendre(&|x: f64| x.powi(30) + x.powi(31), 0.0, 2.0);
         let exact = 2f64.powi(31) / 31.0 + 2f64.powi(32) / 32.0;
         assert!((integral / exact - 1.0).abs() < 1e-14, "{integral} against {exact}");
+    }
+
+    #[test]
+    fn the_end_weights_are_those_of_the_polynomial_through_the_nodes() {
+        let f = |x: f64| 1.0 + x - 2.0 * x.powi(4) + 3.0 * x.powi(15);
+        let miss = |ends| miss_at_ends(&nodes(-1.0, 1.0).map(f), ends);
+        assert!(miss((f(-1.0), f(1.0))) < 1e-13);
+        assert!((miss((f(-1.0) + 0.25, f(1.0))) - 0.25).abs() < 1e-13);
+        assert!((miss((f(-1.0), f(1.0) - 0.5)) - 0.5).abs() < 1e-13);
     }
 
     #[test]

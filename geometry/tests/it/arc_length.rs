@@ -5,6 +5,7 @@ use crate::common;
 
 use arcfeed_geometry::nalgebra::{SVector, vector};
 use arcfeed_geometry::{ArcLengthCurve, Curve, GeometryError, NurbsCurve, adaptive_gauss_legendre};
+use arcfeed_testing::Random;
 use common::{points, published};
 use proptest::prelude::*;
 use serde::Deserialize;
@@ -409,6 +410,28 @@ fn random_cubic() -> impl Strategy<Value = NurbsCurve<2>> {
             })
         })
         .prop_filter_map("a knot stands too often", Result::ok)
+}
+
+/// Cubic Bezier curves with a light end are fast in a narrow stretch beside it, where no node of a quadrature lies.
+#[test]
+fn a_curve_that_is_fast_beside_an_end_is_measured() {
+    let mut random = Random::new(20_261_232);
+    for case in 0..200 {
+        // The first inner point is near the line of the others, so that the speed is smooth but for the stretch.
+        let end = vector![random.between(1.0, 100.0), random.between(-100.0, 100.0)];
+        let slope = vector![0.0, random.between(1.0, 100.0)];
+        let points = vec![end, vector![0.0, 0.0], -slope, -slope * random.between(0.9, 1.1)];
+        let weights = vec![random.log(1e-3, 0.1), 10.0, 10.0, 10.0 * random.between(0.9, 1.1)];
+        let knots = vec![0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0];
+        let curve = NurbsCurve::new(3, points, weights, knots).unwrap();
+        let length = curve.arc_length(1e-10).unwrap();
+        // In parts that are short where the curve is fast: u / (1 - u) runs through a geometric sequence.
+        let place = |i: i32| 1.0 / (1.0 + (-0.2 * f64::from(i)).exp());
+        let part = |u0: f64, u1: f64| curve.arc_length_between(u0, u1, 1e-12).unwrap();
+        let inner: f64 = (-100..20).map(|i| part(place(i), place(i + 1))).sum();
+        let parts = part(0.0, place(-100)) + inner + part(place(20), 1.0);
+        assert!((length - parts).abs() < 1e-10, "case {case}: {length} and {parts}; {curve:?}");
+    }
 }
 
 proptest! {

@@ -259,6 +259,39 @@ proptest! {
 }
 
 #[test]
+fn keys_without_cubics_of_a_continuous_acceleration_get_one_all_the_same() {
+    // Turns of 1.4 to 2.7 rad within steps of very different widths: the iteration for the rates of the first set needs more
+    // than thirty rounds, that of the second finds none.
+    let many_rounds = [
+        (0.28221363939055655, 0.0, 0.0, 0.0),
+        (0.7620710368255403, -0.8393596608252141, 1.015024283719748, 0.0),
+        (0.1, 0.0, -0.7007707189178541, 0.0),
+        (0.34435100888265174, -0.8418366283421512, -1.0534717815994963, 0.0),
+        (0.1606519253583305, 1.6329297949724007, 0.7277522507266709, -1.61832366678699),
+        (0.6374941686501905, -1.5942247724382494, -0.8501908758021198, 1.6986163601391473),
+    ];
+    let none = [
+        (0.23187461403050227, 1.0740813661015294, 0.8717655908836984, -0.5694277558815863),
+        (0.10820824735431697, -1.150260471462613, 1.150903793219585, -1.7527328082184137),
+        (0.6487869364758443, 1.6095246164112174, -1.1215886658062957, 1.4990963843418803),
+    ];
+    for steps in [&many_rounds[..], &none] {
+        let mut keys = vec![(0.0, UnitQuaternion::identity())];
+        for &(h, x, y, z) in steps {
+            let (s, q) = keys[keys.len() - 1];
+            keys.push((s + h, q * rotation(vector![x, y, z])));
+        }
+        let path = OrientationPath::through(&keys).unwrap();
+        check_keys(&path, &keys);
+        for (s, _) in &keys {
+            let (before, after) = (path.jet_left(*s), path.jet(*s));
+            assert!((before.rate - after.rate).norm() < 1e-13 * after.rate.norm(), "rate at {s}");
+            assert!((before.d_rate - after.d_rate).norm() < 1e-12 * (1.0 + after.d_rate.norm()), "d_rate at {s}");
+        }
+    }
+}
+
+#[test]
 fn a_quaternion_that_is_not_a_number_is_refused_by_its_index() {
     let good = UnitQuaternion::identity();
     let bad = UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(f64::NAN, 0.0, 0.0, 0.0));
