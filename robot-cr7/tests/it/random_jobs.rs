@@ -8,12 +8,12 @@
 use crate::common;
 use crate::keeps;
 
-use arcfeed_kinematics::{ForwardKinematics, Joints};
+use arcfeed_kinematics::{ArmDynamics, Dynamics, ForwardKinematics, Inertial, Joints};
 use arcfeed_testing::Random;
 use common::{Desk, Run};
 use keeps::{Limits, broken};
-use nalgebra::Isometry3;
-use robot_cr7::Robot;
+use nalgebra::{Isometry3, Matrix3, Vector3};
+use robot_cr7::{Robot, TrajectoryRow};
 
 /// By its logarithm, with four digits.
 fn size(random: &mut Random, low: f64, high: f64) -> f64 {
@@ -136,6 +136,7 @@ fn schedule_of<const N: usize>(desk: &Desk, random: &mut Random, (name, home): (
         limits.angular = speed.to_radians();
         text += &format!("angular_deg_s = {speed}\n");
     }
+    let torque = torque_limits(random, &robot, home, &mut text);
     let ends = if N == 6 && random.chance(0.5) { poses(random, &robot, home, &mut text) } else { None };
     let ends = ends.unwrap_or_else(|| waypoints(random, home, &mut text));
     desk.write("s.toml", &text);
@@ -144,6 +145,9 @@ fn schedule_of<const N: usize>(desk: &Desk, random: &mut Random, (name, home): (
     judge(desk, &run, &limits, &said);
     if run.code == 0 {
         let rows = desk.trajectory::<N>("out");
+        if let Some(what) = torque.and_then(|(arm, limit)| too_much_torque(&rows, &arm, &limit)) {
+            panic!("{what}\n{}\n{said}", run.command);
+        }
         for (row, end) in [rows[0], rows[rows.len() - 1]].iter().zip(&ends) {
             let Some(end) = end else { continue };
             for (k, (q, end)) in row.q.iter().zip(end).enumerate() {
@@ -152,6 +156,46 @@ fn schedule_of<const N: usize>(desk: &Desk, random: &mut Random, (name, home): (
         }
     }
     run.code
+}
+
+type Torque<const N: usize> = (ArmDynamics<N>, [f64; N]);
+
+/// The arm's own limits of the torque, or some that hold it up with something to spare and a payload or none; `None` for an arm
+/// whose masses or limits are unknown.
+fn torque_limits<const N: usize>(
+    random: &mut Random,
+    robot: &Robot,
+    home: [f64; N],
+    text: &mut String,
+) -> Option<Torque<N>> {
+    let arm = robot.arm::<N>(Isometry3::identity()).expect("an arm");
+    let mut dynamics = *arm.dynamics()?;
+    if random.chance(0.5) {
+        return Some((dynamics, arm.drive_limits().torque?.into()));
+    }
+    let held = dynamics.gravity_torque(&Joints::from(home.map(f64::to_radians)));
+    let limit = std::array::from_fn(|k| (1.3 * held[k].abs() + 0.05 * held.amax()) * size(random, 1.0, 5.0));
+    *text += &format!("torque_nm = {limit:?}\n");
+    if random.chance(0.3) {
+        let mass = size(random, 0.1, 2.0);
+        *text += &format!("[payload]\nmass_kg = {mass}\ncentre_mm = [0.0, 0.0, 50.0]\n");
+        let payload = Inertial::new(mass, Vector3::new(0.0, 0.0, 0.05), Matrix3::zeros()).expect("a payload");
+        dynamics = dynamics.with_payload(payload).expect("a payload");
+    }
+    Some((dynamics, limit))
+}
+
+/// Torques of the rows by the arm's inverse dynamics, against the limits.
+fn too_much_torque<const N: usize>(
+    rows: &[TrajectoryRow<N>],
+    arm: &ArmDynamics<N>,
+    limit: &[f64; N],
+) -> Option<String> {
+    rows.iter().find_map(|row| {
+        let torque = arm.torque(&Joints::from(row.q), &Joints::from(row.qd), &Joints::from(row.qdd));
+        let over = (0..N).find(|&k| torque[k].is_nan() || torque[k].abs() > limit[k] * (1.0 + 1e-6))?;
+        Some(format!("torque {} of {}, J{} at {}", torque[over], limit[over], over + 1, row.t))
+    })
 }
 
 type Ends<const N: usize> = [Option<[f64; N]>; 2];
