@@ -28,8 +28,8 @@ const AT_END: [[f64; N / 2]; 2] = end_weights();
 
 /// An integral is halved at most this often; what remains at a cusp is then shorter than 1e-13 of the whole.
 const MAX_HALVINGS: u32 = 44;
-/// At most this many intervals are halved in one integral.
-const MOST_INTERVALS: u32 = 2048;
+/// An integral consists of so many intervals at most.
+const MOST_INTERVALS: usize = 2048;
 
 const fn projections() -> [[f64; N / 2]; 6] {
     let mut out = [[0.0; N / 2]; 6];
@@ -117,7 +117,7 @@ fn weighted_sum(values: &[f64; N], width: f64) -> f64 {
 /// Estimated error of [`weighted_sum`], from how fast the Legendre coefficients of the function fall.
 ///
 /// From the orders N / 2 to N the coefficients fall by some factor. At the same pace they fall by its square from N to
-/// 2 N, where the error of the rule begins; only the factor itself is counted on, since a small sharp feature on a smooth
+/// 2 N, where the error of the rule begins; only its root is counted on, since a small sharp feature on a smooth
 /// function slows the fall down. Where they do not fall (a kink, rounding) the last ones themselves count. What the
 /// polynomial misses at the ends counts as much as the last coefficients.
 #[inline]
@@ -136,7 +136,7 @@ fn error_estimate(values: &[f64; N], ends: (f64, f64), width: f64) -> f64 {
     let middle = coefficient(0).max(coefficient(1)).max(coefficient(2));
     let last = coefficient(3).max(coefficient(4)).max(coefficient(5)).max(END_SHARE * miss_at_ends(values, ends));
     let fall = if last < middle { last / middle } else { 1.0 };
-    MARGIN * width * last * fall
+    MARGIN * width * last * fall.sqrt()
 }
 
 /// Safety factor on the estimated error.
@@ -152,7 +152,7 @@ pub fn gauss_legendre(f: &impl Fn(f64) -> f64, a: f64, b: f64) -> f64 {
 
 /// Integral of a smooth `f` over `[a, b]` to the absolute `tolerance`, halving where the rule does not resolve `f`.
 ///
-/// The tolerance is shared out by interval length. `noise` is the error of a single value of `f`: errors it explains are
+/// The interval with the largest error is halved first. `noise` is the error of a single value of `f`: errors it explains are
 /// not chased. The number of halvings is bounded whatever the function.
 ///
 /// ```
@@ -162,7 +162,7 @@ pub fn gauss_legendre(f: &impl Fn(f64) -> f64, a: f64, b: f64) -> f64 {
 /// assert!((quarter - std::f64::consts::FRAC_PI_4).abs() < 1e-14);
 /// ```
 pub fn adaptive_gauss_legendre(f: &impl Fn(f64) -> f64, a: f64, b: f64, tolerance: f64, noise: f64) -> f64 {
-    Integral::new(|t: &[f64; N]| t.map(f), f, noise).over(a, b, tolerance)
+    Integral { many: |t: &[f64; N]| t.map(f), one: f, noise }.over(a, b, tolerance)
 }
 
 /// A function to integrate: at all nodes of the rule at once, and at one place.
@@ -171,33 +171,54 @@ struct Integral<M, O> {
     one: O,
     /// Error of a single value.
     noise: f64,
-    /// How many intervals may still be halved.
-    rest: u32,
+}
+
+/// An interval with the values at its ends, its integral and the estimated error of that.
+struct Part {
+    interval: (f64, f64),
+    ends: (f64, f64),
+    sum: f64,
+    error: f64,
+    /// How often it may still be halved.
+    halvings: u32,
 }
 
 impl<M: Fn(&[f64; N]) -> [f64; N], O: Fn(f64) -> f64> Integral<M, O> {
-    fn new(many: M, one: O, noise: f64) -> Self {
-        Self { many, one, noise, rest: MOST_INTERVALS }
-    }
-
-    #[inline]
-    fn over(&mut self, a: f64, b: f64, tolerance: f64) -> f64 {
-        let ends = ((self.one)(a), (self.one)(b));
-        self.refine((a, b), ends, tolerance, MAX_HALVINGS)
-    }
-
-    fn refine(&mut self, (a, b): (f64, f64), ends: (f64, f64), tolerance: f64, depth: u32) -> f64 {
+    fn part(&self, interval: (f64, f64), ends: (f64, f64), halvings: u32) -> Part {
+        let (a, b) = interval;
         let values = (self.many)(&nodes(a, b));
-        let sum = weighted_sum(&values, b - a);
-        let limit = tolerance.max(self.noise * (b - a).abs()).max(4.0 * f64::EPSILON * sum.abs());
-        if depth == 0 || self.rest == 0 || !sum.is_finite() || error_estimate(&values, ends, b - a).abs() <= limit {
-            return sum;
+        // What cannot be halved any more has no error that could be mended.
+        let error = if halvings == 0 { 0.0 } else { error_estimate(&values, ends, b - a).abs() };
+        Part { interval, ends, sum: weighted_sum(&values, b - a), error, halvings }
+    }
+
+    /// The integral over `[a, b]`: the part with the largest error is halved until all errors together are small enough.
+    fn over(&self, a: f64, b: f64, tolerance: f64) -> f64 {
+        let whole = self.part((a, b), ((self.one)(a), (self.one)(b)), MAX_HALVINGS);
+        let limit = tolerance.max(self.noise * (b - a).abs());
+        if whole.error <= limit {
+            return whole.sum;
         }
-        self.rest -= 1;
-        let middle = 0.5 * (a + b);
-        let at_middle = (self.one)(middle);
-        self.refine((a, middle), (ends.0, at_middle), 0.5 * tolerance, depth - 1)
-            + self.refine((middle, b), (at_middle, ends.1), 0.5 * tolerance, depth - 1)
+        let mut parts = vec![whole];
+        loop {
+            let (mut sum, mut error, mut worst) = (0.0, 0.0, 0);
+            for (i, part) in parts.iter().enumerate() {
+                sum += part.sum;
+                error += part.error;
+                if part.error > parts[worst].error {
+                    worst = i;
+                }
+            }
+            let done = error <= limit.max(4.0 * f64::EPSILON * f64::abs(sum));
+            if done || error.is_nan() || sum.is_nan() || parts.len() >= MOST_INTERVALS {
+                return sum;
+            }
+            let Part { interval: (a, b), ends, halvings, .. } = parts.swap_remove(worst);
+            let middle = 0.5 * (a + b);
+            let at_middle = (self.one)(middle);
+            parts.push(self.part((a, middle), (ends.0, at_middle), halvings - 1));
+            parts.push(self.part((middle, b), (at_middle, ends.1), halvings - 1));
+        }
     }
 }
 
@@ -236,7 +257,8 @@ impl<const D: usize> NurbsCurve<D> {
             if start < end {
                 let speeds = |t: &[f64; N]| pieces.local_speeds::<D, N>(i, t);
                 let speed = |t: f64| pieces.local_speed(i, t);
-                let add = Integral::new(speeds, speed, pieces.speed_noise(i)).over(start, end, share) - lost;
+                let noise = pieces.speed_noise(i);
+                let add = Integral { many: speeds, one: speed, noise }.over(start, end, share) - lost;
                 let next = sum + add;
                 lost = (next - sum) - add;
                 sum = next;

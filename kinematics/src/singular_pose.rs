@@ -20,16 +20,19 @@ use nalgebra::Vector3;
 /// Smallest singular value, relative to the largest, that counts as 0.
 const SINGULAR: f64 = 1e-9;
 /// Steps of one search.
-const STEPS: usize = 40;
+const STEPS: usize = 60;
 /// The first of these look for the nearest pose; the others only for a singular one.
-const NEAREST_STEPS: usize = 30;
+const NEAREST_STEPS: usize = 50;
+/// After these the steps are halved: whole ones go to and fro where the singular poses are curved more than the sphere around
+/// the given ones.
+const WHOLE_STEPS: usize = 15;
 /// Conditions that are kept: enough for arms of up to 13 joints.
 const MOST_CONDITIONS: usize = 8;
 /// Largest change of a joint in a step, rad (m).
 const LARGEST_STEP: f64 = 0.5;
 /// Distance and number of steps each way in which searches look along each joint for a place to start from.
 const LOOK: f64 = std::f64::consts::PI;
-const LOOKS: i32 = 12;
+const LOOKS: i32 = 48;
 
 /// The motion at which the tool moves least: J `joints` = `sigma` `tool`, both of unit length.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,7 +50,8 @@ pub struct WeakestMotion<const N: usize> {
 pub struct SingularPose<const N: usize> {
     /// Its joint values, inside the joint range.
     pub q: Joints<N>,
-    /// |q - given q|, rad (sliding joints: m): no less than the distance from the nearest singular pose of all.
+    /// |q - given q|, rad (sliding joints: m): no less than the distance from the nearest singular pose of all. That one may be
+    /// missed where another is less than some degrees away from it.
     pub distance: f64,
     /// The direction in which the tool cannot move there.
     pub lost: Twist,
@@ -166,6 +170,37 @@ fn gradient<const N: usize>(at: &Configuration<N>, tool: &Twist, joints: &Joints
     })
 }
 
+/// The numbers of steps at which `value` is less than beside them; where it does not change there is none.
+fn least_places(value: impl Fn(f64) -> f64) -> impl Iterator<Item = f64> {
+    let mut values = (value(f64::from(-LOOKS - 1)), value(f64::from(-LOOKS)));
+    (-LOOKS..=LOOKS).map(f64::from).filter(move |step| {
+        let next = value(step + 1.0);
+        let level = values.1 * (1.0 + 1e-9);
+        let least = values.1 <= values.0 && values.1 <= next && (level < values.0 || level < next);
+        values = (values.1, next);
+        least
+    })
+}
+
+/// Where `value` is least on [a, b], by golden sections, to 1e-11 of a step.
+fn least_of(value: impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
+    const PART: f64 = 0.381_966_011_250_105_1;
+    let (mut x, mut y) = (a + PART * (b - a), b - PART * (b - a));
+    let mut values = (value(x), value(y));
+    for _ in 0..54 {
+        if values.0 <= values.1 {
+            (b, y, values.1) = (y, x, values.0);
+            x = a + PART * (b - a);
+            values.0 = value(x);
+        } else {
+            (a, x, values.0) = (x, y, values.1);
+            y = b - PART * (b - a);
+            values.1 = value(y);
+        }
+    }
+    if values.0 <= values.1 { x } else { y }
+}
+
 /// The search for singular poses of one arm.
 pub(crate) struct Search<'a, const N: usize> {
     pub(crate) chain: &'a Chain<N>,
@@ -181,26 +216,27 @@ impl<const N: usize> Search<'_, N> {
         let mut best = self.from(q, q);
         let inside = q.zip_zip_map(self.range.lower(), self.range.upper(), f64::clamp);
         for joint in 0..N {
-            let place = |step: i32| {
+            // Both by the number of steps from the given place, whole or not.
+            let place = |steps: f64| {
                 let mut place = inside;
-                place[joint] += LOOK * f64::from(step) / f64::from(LOOKS);
+                place[joint] += LOOK * steps / f64::from(LOOKS);
                 (self.range.lower()[joint] <= place[joint] && place[joint] <= self.range.upper()[joint])
                     .then_some(place)
             };
-            let sigma = |step: i32| {
-                place(step).map_or(f64::INFINITY, |place| self.weak(&self.chain.configuration(&place)).sigma)
-            };
-            let mut values = (sigma(-LOOKS - 1), sigma(-LOOKS));
-            for step in -LOOKS..=LOOKS {
-                let next = sigma(step + 1);
-                let least = values.1 <= values.0 && values.1 <= next;
-                if let Some(start) = place(step).filter(|_| least && step != 0) {
-                    let found = self.from(&start, q);
-                    if found.is_some_and(|found| best.is_none_or(|best| found.distance < best.distance)) {
-                        best = found;
+            let weak = |steps: f64| place(steps).map(|place| self.weak(&self.chain.configuration(&place)));
+            let sigma = |steps: f64| weak(steps).map_or(f64::INFINITY, |weak| weak.sigma);
+            for around in least_places(&sigma) {
+                let least = least_of(&sigma, around - 1.0, around + 1.0);
+                // This joint alone leads to a singular pose, or it is a place to start from.
+                let singular = weak(least).is_some_and(|weak| weak.sigma <= SINGULAR * weak.largest);
+                let start = place(least);
+                let alone = start.filter(|_| singular).map(|start| self.found(&start, q));
+                let nearer = start.and_then(|start| self.from(&start, q));
+                for found in alone.into_iter().chain(nearer) {
+                    if best.is_none_or(|best| found.distance < best.distance) {
+                        best = Some(found);
                     }
                 }
-                values = (values.1, next);
             }
         }
         // Where two kinds of singular poses meet, one of them may do, with a joint back at its given value.
@@ -258,6 +294,9 @@ impl<const N: usize> Search<'_, N> {
             }
             (0..N).for_each(|i| square[i][i] += 1e-9 * trace);
             let mut next = from + Joints::from(solve_positive::<N>(square, right)?);
+            if !landing && step >= WHOLE_STEPS {
+                next = (next + p) * 0.5;
+            }
             let longest = (next - p).amax();
             if longest > LARGEST_STEP {
                 next = p + (next - p) * (LARGEST_STEP / longest);

@@ -105,14 +105,18 @@ proptest! {
         let arm = without_limits(&arm);
         let target = arm.forward(&q);
         let all = arm.inverse_all(&target).unwrap();
+        // Beside a second singularity the double root is only as exact as the other joints are.
+        let second = all.wrist_singular() || arm.singularity_distances(&q).shoulder < 1e-2;
+        let exact = if second { WRIST_SINGULAR } else { 1e-12 };
         for solution in &all {
-            prop_assert!(pose_distance(&arm.forward(solution), &target) < 1e-12);
+            let off = pose_distance(&arm.forward(solution), &target);
+            prop_assert!(off < exact, "{off:e} at {solution}");
         }
         let found = arm.inverse(&target, &q).unwrap();
-        prop_assert!(pose_distance(&arm.forward(&found), &target) < 1e-12);
+        prop_assert!(pose_distance(&arm.forward(&found), &target) < exact);
         // A double root: rounding of the pose moves it by the square root of the rounding (1e-8 for lengths of 1 m;
         // more for the folded arm, whose axes 2 and 4 are close together).
-        if q[4].sin().abs() > 1e-2 {
+        if !second && q[4].sin().abs() > 1e-2 {
             prop_assert!((found - q).amax() < if folded { 1e-5 } else { 1e-6 }, "{found}");
         }
     }

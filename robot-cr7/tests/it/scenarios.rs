@@ -66,9 +66,10 @@ fn the_events_of_the_paper_end_where_they_should() {
 /// "Control point 3 for a smooth transition": without a stop there, and by the paper's own way of moving joints.
 #[test]
 fn the_event_of_the_paper_passes_point_3_without_a_stop_and_by_projection() {
-    let leave = "leave = \"braking\"\n";
+    let key = "pass_within_deg = 10.0\n";
     let with = |keys: &str| {
-        let text = Scenario::EXAMPLE.replace(leave, &format!("{leave}{keys}"));
+        assert!(Scenario::EXAMPLE.contains(key));
+        let text = Scenario::EXAMPLE.replace(key, keys);
         let (played, report) = self::played(&text).unwrap_or_else(|e| panic!("{keys}: {e}"));
         assert!(report.holds && report.path_finished, "{keys}: {report}");
         keeps(&played, &report, TABLE_7);
