@@ -28,17 +28,16 @@ fn the_embedded_scenario_writes_trajectory_pictures_and_reports() {
     let report: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     assert_eq!(report["holds"], true, "{report}");
 
-    // The trajectory is what the report says: it ends at point 2 of table 8, and the simulated arm follows it with its lag.
+    // The trajectory is what the report says: it ends where the scenario's line does, and the simulated arm follows it with its lag.
     let rows = desk.trajectory::<6>("out");
     assert_eq!(rows.len() as u64, report["cycles"].as_u64().expect("a number") + 1);
-    #[allow(clippy::approx_constant, reason = "printed with four digits")]
     let end = [
-        -1.5427,
-        -1.6954 + std::f64::consts::FRAC_PI_2,
-        2.0565,
-        -1.9319 + std::f64::consts::FRAC_PI_2,
-        -1.5708,
-        0.0281,
+        -1.288716540983,
+        -1.53915982343 + std::f64::consts::FRAC_PI_2,
+        1.908883478059,
+        -1.940343105692 + std::f64::consts::FRAC_PI_2,
+        -1.570343399872,
+        0.284108430358,
     ];
     let last = rows[rows.len() - 1];
     for (k, end) in end.into_iter().enumerate() {

@@ -258,9 +258,20 @@ fn table_6_of_hs() {
 
 #[test]
 fn table_8_of_hs() {
-    let run = EventRun::measure().expect("an embedded scenario").remove(0);
-    let mutations: [Mutation<EventRun>; 7] = [
-        ("point 3 missed", |r| r.joints.axes[2].p.iter_mut().for_each(|p| *p += 1e-6), "passes point 3"),
+    let mut runs = EventRun::measure().expect("embedded scenarios");
+    let (middle, run) = (runs.remove(1), runs.remove(0));
+    let passing: [Mutation<EventRun>; 3] = [
+        ("point 3 missed", |r| r.joints.axes[2].p.iter_mut().for_each(|p| *p += 0.3), "passes point 3"),
+        (
+            "a stop near point 3",
+            |r| r.joints.axes.iter_mut().for_each(|axis| axis.v.iter_mut().for_each(|v| *v *= 0.01)),
+            "passes point 3",
+        ),
+        ("1 mm beside point 2", |r| r.tool.iter_mut().for_each(|p| p[0] += 1e-3), "stops at point 2"),
+    ];
+    let stopping: [Mutation<EventRun>; 1] =
+        [("point 3 missed", |r| r.joints.axes[2].p.iter_mut().for_each(|p| *p += 1e-6), "reaches point 3")];
+    let both: [Mutation<EventRun>; 6] = [
         (
             "wrong branch of joint 6",
             |r| r.joints.axes[5].p.iter_mut().for_each(|p| *p += std::f64::consts::TAU),
@@ -269,8 +280,9 @@ fn table_8_of_hs() {
         (
             "the way in the wrong order",
             |r| {
+                let out = r.states.iter().position(|&s| s == "returning").expect("it comes back");
                 for axis in &mut r.joints.axes {
-                    axis.p.reverse();
+                    axis.p[..out].reverse();
                 }
             },
             "point 3, then point 4",
@@ -282,9 +294,10 @@ fn table_8_of_hs() {
             "joints: position from velocity",
         ),
         ("every rule broken", |r| wreck(&mut r.joints), "joints: velocity / limit"),
-        ("point 4 missed", |r| r.joints.axes[3].p.iter_mut().for_each(|p| *p += 1e-6), "passes point 4"),
+        ("point 4 missed", |r| r.joints.axes[3].p.iter_mut().for_each(|p| *p += 1e-6), "reaches point 4"),
     ];
-    sabotage(&run, EventRun::judge, &mutations);
+    sabotage(&run, EventRun::judge, &[&passing[..], &both].concat());
+    sabotage(&middle, EventRun::judge, &[&stopping[..], &both].concat());
 }
 
 #[test]
