@@ -226,7 +226,7 @@ impl<const N: usize> Search<'_, N> {
             let weak = |steps: f64| place(steps).map(|place| self.weak(&self.chain.configuration(&place)));
             let sigma = |steps: f64| weak(steps).map_or(f64::INFINITY, |weak| weak.sigma);
             for around in least_places(&sigma) {
-                let least = least_of(&sigma, around - 1.0, around + 1.0);
+                let least = least_of(sigma, around - 1.0, around + 1.0);
                 // This joint alone leads to a singular pose, or it is a place to start from.
                 let singular = weak(least).is_some_and(|weak| weak.sigma <= SINGULAR * weak.largest);
                 let start = place(least);
