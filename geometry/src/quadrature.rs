@@ -1,5 +1,7 @@
 //! Adaptive Gauss-Legendre quadrature and the arc length of curves.
 
+use std::collections::BinaryHeap;
+
 use crate::curve::Curve;
 use crate::error::GeometryError;
 use crate::nurbs::NurbsCurve;
@@ -94,7 +96,9 @@ fn miss_at_ends(values: &[f64; N], (first, last): (f64, f64)) -> f64 {
         below += AT_END[0][j] * values[j] + AT_END[1][j] * values[j + N / 2];
         above += AT_END[1][j] * values[j] + AT_END[0][j] * values[j + N / 2];
     }
-    below.abs().max(above.abs())
+    // An integrable pole at an end has no value there: the rule does without.
+    let miss = below.abs().max(above.abs());
+    if miss.is_finite() { miss } else { 0.0 }
 }
 
 /// The nodes of the rule on `[a, b]`: below the middle, then above it, from the middle outwards.
@@ -189,6 +193,8 @@ impl<M: Fn(&[f64; N]) -> [f64; N], O: Fn(f64) -> f64> Integral<M, O> {
         let values = (self.many)(&nodes(a, b));
         // What cannot be halved any more has no error that could be mended.
         let error = if halvings == 0 { 0.0 } else { error_estimate(&values, ends, b - a).abs() };
+        // Nor has one whose values are not finite.
+        let error = if error.is_finite() { error } else { 0.0 };
         Part { interval, ends, sum: weighted_sum(&values, b - a), error, halvings }
     }
 
@@ -199,28 +205,56 @@ impl<M: Fn(&[f64; N]) -> [f64; N], O: Fn(f64) -> f64> Integral<M, O> {
         if whole.error <= limit {
             return whole.sum;
         }
-        let mut parts = vec![whole];
+        let mut error = whole.error;
+        let mut parts = BinaryHeap::from([whole]);
         loop {
-            let (mut sum, mut error, mut worst) = (0.0, 0.0, 0);
-            for (i, part) in parts.iter().enumerate() {
-                sum += part.sum;
-                error += part.error;
-                if part.error > parts[worst].error {
-                    worst = i;
-                }
-            }
-            let done = error <= limit.max(4.0 * f64::EPSILON * f64::abs(sum));
-            if done || error.is_nan() || sum.is_nan() || parts.len() >= MOST_INTERVALS {
-                return sum;
-            }
-            let Part { interval: (a, b), ends, halvings, .. } = parts.swap_remove(worst);
+            // The running sum of the errors loses digits while they fall: it is added up anew now and then, and before the end.
+            let sum: f64 = if error <= limit || parts.len() < 16 || parts.len().is_multiple_of(16) {
+                error = parts.iter().map(|part| part.error).sum();
+                parts.iter().map(|part| part.sum).sum()
+            } else {
+                f64::INFINITY
+            };
+            let small = error <= limit || (sum.is_finite() && error <= 4.0 * f64::EPSILON * f64::abs(sum));
+            let worst = match parts.peek() {
+                Some(worst) if !small && worst.error > 0.0 && parts.len() < MOST_INTERVALS => parts.pop(),
+                _ => None,
+            };
+            let Some(Part { interval: (a, b), ends, error: worst, halvings, .. }) = worst else {
+                return parts.iter().map(|part| part.sum).sum();
+            };
             let middle = 0.5 * (a + b);
             let at_middle = (self.one)(middle);
-            parts.push(self.part((a, middle), (ends.0, at_middle), halvings - 1));
-            parts.push(self.part((middle, b), (at_middle, ends.1), halvings - 1));
+            for (interval, ends) in [((a, middle), (ends.0, at_middle)), ((middle, b), (at_middle, ends.1))] {
+                let half = self.part(interval, ends, halvings - 1);
+                error += half.error;
+                parts.push(half);
+            }
+            error -= worst;
         }
     }
 }
+
+/// By the error.
+impl Ord for Part {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.error.total_cmp(&other.error)
+    }
+}
+
+impl PartialOrd for Part {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Part {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Part {}
 
 impl<const D: usize> NurbsCurve<D> {
     /// Length of the curve, in its unit, to the absolute `tolerance`.

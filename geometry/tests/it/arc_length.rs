@@ -387,6 +387,8 @@ fn quadrature_of_functions_that_are_not_smooth() {
     let peak = adaptive_gauss_legendre(&|x: f64| 1.0 / (1e-8 + (x - 0.4321).powi(2)), 0.0, 1.0, 1e-9, 0.0);
     let exact = 1e4 * ((0.5679e4f64).atan() + (0.4321e4f64).atan());
     assert!((peak - exact).abs() < 1e-9, "{peak} instead of {exact}");
+    let pole = adaptive_gauss_legendre(&|x: f64| 1.0 / x.sqrt(), 0.0, 1.0, 1e-9, 0.0);
+    assert!((pole - 2.0).abs() < 1e-6, "{pole}");
     assert!(adaptive_gauss_legendre(&|x: f64| 1.0 / x, 0.0, 1.0, 1e-12, 0.0).is_finite());
     assert!(adaptive_gauss_legendre(&|_| f64::NAN, 0.0, 1.0, 1e-12, 0.0).is_nan());
 }
