@@ -209,13 +209,14 @@ impl<M: Fn(&[f64; N]) -> [f64; N], O: Fn(f64) -> f64> Integral<M, O> {
         let mut parts = BinaryHeap::from([whole]);
         loop {
             // The running sum of the errors loses digits while they fall: it is added up anew now and then, and before the end.
-            let sum: f64 = if error <= limit || parts.len() < 16 || parts.len().is_multiple_of(16) {
+            let anew = error <= limit || parts.len() < 16 || parts.len().is_multiple_of(16);
+            let mut limit = limit;
+            if anew {
                 error = parts.iter().map(|part| part.error).sum();
-                parts.iter().map(|part| part.sum).sum()
-            } else {
-                f64::INFINITY
-            };
-            let small = error <= limit || (sum.is_finite() && error <= 4.0 * f64::EPSILON * f64::abs(sum));
+                let sum: f64 = parts.iter().map(|part| part.sum).sum();
+                limit = limit.max(4.0 * f64::EPSILON * sum.abs());
+            }
+            let small = anew && error <= limit;
             let worst = match parts.peek() {
                 Some(worst) if !small && worst.error > 0.0 && parts.len() < MOST_INTERVALS => parts.pop(),
                 _ => None,

@@ -178,13 +178,13 @@ impl EventRun {
     /// Rows of points 2 to 4: where the arm stands still, and where it passes.
     fn judge_points(&self, r: &mut Reproduction) {
         let speed = |i: usize| self.joints.axes.iter().fold(0.0f64, |w, axis| w.max(axis.v[i].abs()));
-        let mut stands_at = |number: usize, allowed: f64| {
+        let mut stands_at = |number: usize| {
             let (off, t) = self.nearest(number);
             let what = format!("reaches point {number} of Table 8, least distance, rad");
-            r.independent(self.place, what, "0", format!("{off:.1e}"), off < allowed).note(format!("after {t:.3} s"));
+            r.independent(self.place, what, "0", format!("{off:.1e}"), off < 1e-9).note(format!("after {t:.3} s"));
         };
-        stands_at(4, 1e-9);
-        let Some(within) = self.passes_within else { return stands_at(3, 1e-9) };
+        stands_at(4);
+        let Some(within) = self.passes_within else { return stands_at(3) };
         let (off, t) = self.nearest(3);
         let slowest = (0..self.joints.t.len()).filter(|&i| (self.joints.t[i] - t).abs() < 0.1).map(speed);
         let slowest = slowest.fold(f64::INFINITY, f64::min);
