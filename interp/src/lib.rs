@@ -73,7 +73,8 @@ pub use error::{Cause, Infeasibility, LimitError, PathEnd, PathError, PlanError,
 pub use limits::{Extent, FeedSection, Limits, Section, ToolLimits, TorqueLimits};
 pub use live::{
     Command, Detour, DriveLag, Excursion, HybridError, HybridMotion, HybridState, HybridStep, JointMoveBy, LeaveBy,
-    LiveError, LivePath, LiveRoute, MAX_POINTS, SingularInterval, SingularityKind, SingularityPolicy,
+    LiveError, LivePath, LiveRoute, LiveTool, LiveToolStep, MAX_CYCLES, MAX_POINTS, SingularInterval, SingularityKind,
+    SingularityPolicy, ToolTargetError,
 };
 pub use method::Method;
 pub use nalgebra;

@@ -6,7 +6,7 @@ use crate::common;
 use arcfeed_geometry::nalgebra::{SVector, vector};
 use arcfeed_geometry::{Curve, Fit, GeometryError, NurbsCurve, Spacing};
 use common::random::cases;
-use common::{de_boor, published, sparse};
+use common::{de_boor, published};
 use proptest::prelude::*;
 
 const SPACINGS: [Spacing; 2] = [Spacing::Chord, Spacing::Centripetal];
@@ -82,34 +82,6 @@ fn approximation_keeps_the_tolerance_with_few_points() {
         .collect();
     for tolerance in [0.01, 1e-6] {
         check(&helix, &NurbsCurve::approximate(&helix, 4, Spacing::Centripetal, tolerance).unwrap(), tolerance);
-    }
-}
-
-/// Greatest difference of two control polygons, by the size of the second.
-fn apart<const D: usize>(a: &[SVector<f64, D>], b: &[SVector<f64, D>]) -> f64 {
-    assert_eq!(a.len(), b.len());
-    let size = b.iter().fold(0.0f64, |m, p| m.max(p.amax()));
-    a.iter().zip(b).map(|(a, b)| (a - b).amax()).fold(0.0, f64::max) / size
-}
-
-#[test]
-fn large_fits_agree_with_general_sparse_solvers() {
-    let butterfly = published("butterfly");
-    let points: Vec<_> = (0..=20_000).map(|i| butterfly.point(f64::from(i) / 20_000.0)).collect();
-    for degree in [2, 3, 5] {
-        let fit = NurbsCurve::interpolate(&points, degree, Spacing::Centripetal).unwrap();
-        let expected = sparse::interpolated(fit.curve.knots(), &fit.parameters, &points);
-        let apart = apart(fit.curve.control_points(), &expected);
-        println!("interpolation of degree {degree}: {apart}");
-        assert!(apart < 1e-13);
-    }
-    for (degree, tolerance) in [(2, 1e-3), (3, 1e-4), (5, 1e-4)] {
-        let fit = NurbsCurve::approximate(&points, degree, Spacing::Chord, tolerance).unwrap();
-        assert!(fit.curve.control_points().len() < points.len());
-        let expected = sparse::least_squares(fit.curve.knots(), &fit.parameters, &points);
-        let apart = apart(fit.curve.control_points(), &expected);
-        println!("least squares of degree {degree}, {} points: {apart}", expected.len());
-        assert!(apart < 1e-12);
     }
 }
 

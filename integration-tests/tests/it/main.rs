@@ -5,5 +5,7 @@ mod any_arm;
 mod any_smooth_curve;
 mod cnc_curves;
 mod hybrid;
+#[cfg(feature = "oracle")]
+mod large_fits;
 mod regressions;
 mod tight_bends;

@@ -8,6 +8,7 @@
 //! | `state`, `error` | where the motion is: [`HybridState`], [`HybridStep`]; what is refused: [`HybridError`] |
 //! | `joints` | the part in joint space |
 //! | `motion` | [`HybridMotion`]: one step a cycle |
+//! | `live_tool` | poses of the tool as targets, straight through task space: [`LiveTool`] |
 //! | `drive` | simulated drives behind their setpoints: [`DriveLag`] |
 //!
 //! ```text
@@ -23,6 +24,7 @@ mod drive;
 mod error;
 mod joints;
 mod live_path;
+mod live_tool;
 mod motion;
 mod recorded;
 mod singular;
@@ -32,6 +34,7 @@ pub use command::{Command, Excursion, JointMoveBy, LeaveBy};
 pub use drive::DriveLag;
 pub use error::{HybridError, LiveError, MAX_POINTS};
 pub use live_path::LivePath;
+pub use live_tool::{LiveTool, LiveToolStep, MAX_CYCLES, ToolTargetError};
 pub use motion::HybridMotion;
 pub use singular::{Detour, LiveRoute, SingularInterval, SingularityKind, SingularityPolicy};
 pub use state::{HybridState, HybridStep};

@@ -8,6 +8,7 @@ mod excursions;
 mod joint_check;
 mod joint_path;
 mod limits;
+mod live_tool;
 mod locked;
 mod mutations;
 mod parameter;

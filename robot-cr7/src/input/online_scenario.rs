@@ -5,12 +5,11 @@ use std::path::{Path, PathBuf};
 use arcfeed_sync::Synchronisation;
 use serde::Deserialize;
 
-use super::error::{InputError, read_text};
+use super::error::InputError;
 use super::job_file::{RawJoints, RawSampling};
 use super::joint_values::{JointOverrides, JointValues};
 use super::toml_check::{Check, read_toml};
 
-const EXPECTED: &str = "a TOML scenario such as scenarios/online.toml";
 /// Radians per degree.
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
@@ -101,18 +100,10 @@ impl OnlineScenario {
     /// A scenario with every key and what it means.
     pub const EXAMPLE: &'static str = include_str!("../../scenarios/online.toml");
 
-    /// Reads and checks a scenario file.
+    /// Checks the text of a scenario; `file` is the name used in messages.
     ///
     /// # Errors
-    /// Fails when the file cannot be read, is not TOML, has an unknown key, or a value breaks its rule.
-    pub fn read(file: &Path) -> Result<Self, InputError> {
-        Self::parse(&read_text(file, EXPECTED)?, file)
-    }
-
-    /// Like [`OnlineScenario::read`], from text; `file` is the name used in messages.
-    ///
-    /// # Errors
-    /// As [`OnlineScenario::read`].
+    /// Fails when the text is not TOML, has an unknown key, or a value breaks its rule.
     pub fn parse(text: &str, file: &Path) -> Result<Self, InputError> {
         let raw: RawScenario = read_toml(text, file, "scenarios/online.toml")?;
         let check = Check::new(text, file);
@@ -131,13 +122,8 @@ impl OnlineScenario {
         };
         let mut changes: Vec<Change> = Vec::with_capacity(raw.change.len());
         for (i, raw) in raw.change.iter().enumerate() {
-            let change = Self::change(&check, i, raw)?;
-            if let Some(before) = changes.last().filter(|before| before.at > change.at) {
-                let value = format!("{} after {}", change.at, before.at);
-                let rule = "changes stand in the order of their times";
-                return Err(check.wrong(&format!("change[{i}].at_s"), value, rule, "sort them"));
-            }
-            changes.push(change);
+            let at = check.time_of_change(i, raw.at_s, changes.last().map(|before| before.at))?;
+            changes.push(Self::change(&check, i, at, raw)?);
         }
         Ok(Self {
             file: file.to_owned(),
@@ -156,12 +142,8 @@ impl OnlineScenario {
         })
     }
 
-    fn change(check: &Check<'_>, i: usize, raw: &RawChange) -> Result<Change, InputError> {
+    fn change(check: &Check<'_>, i: usize, at: f64, raw: &RawChange) -> Result<Change, InputError> {
         let key = |name: &str| format!("change[{i}].{name}");
-        if !(raw.at_s.is_finite() && raw.at_s >= 0.0) {
-            let rule = "a change happens at a time from 0 s on";
-            return Err(check.wrong(&key("at_s"), raw.at_s, rule, "count the time from the start of the motion"));
-        }
         let joint = match raw.joint {
             None => None,
             Some(joint) => Some(usize::try_from(joint).ok().and_then(|j| j.checked_sub(1)).ok_or_else(|| {
@@ -199,7 +181,7 @@ impl OnlineScenario {
                 "add q_deg, velocity_deg_s or another key",
             ));
         }
-        Ok(Change { at: raw.at_s, joint, values })
+        Ok(Change { at, joint, values })
     }
 }
 

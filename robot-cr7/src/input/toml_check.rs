@@ -161,6 +161,22 @@ impl<'a> Check<'a> {
         Ok(period)
     }
 
+    /// The time of change `i` (s), not before that of the change `before` it.
+    pub fn time_of_change(&self, i: usize, at: f64, before: Option<f64>) -> Result<f64, InputError> {
+        let key = format!("change[{i}].at_s");
+        if !(at.is_finite() && at >= 0.0) {
+            let rule = "a change happens at a time from 0 s on";
+            return Err(self.wrong(&key, at, rule, "count the time from the start of the motion"));
+        }
+        match before.filter(|&before| before > at) {
+            None => Ok(at),
+            Some(before) => {
+                let rule = "changes stand in the order of their times";
+                Err(self.wrong(&key, format!("{at} after {before}"), rule, "sort them"))
+            }
+        }
+    }
+
     pub fn finite(&self, key: &str, values: [f64; 3]) -> Result<Vector3<f64>, InputError> {
         match values.iter().position(|v| !v.is_finite()) {
             Some(i) => Err(self.wrong(&format!("{key}[{i}]"), values[i], FINITE.0, FINITE.1)),

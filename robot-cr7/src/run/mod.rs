@@ -17,5 +17,7 @@ pub(crate) mod stage;
 pub(crate) mod stand_in;
 pub(crate) mod stream;
 pub(crate) mod task;
+pub(crate) mod tool_check;
+pub(crate) mod tool_run;
 pub(crate) mod trajectory_row;
 pub(crate) mod verdict;

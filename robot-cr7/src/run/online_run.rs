@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use arcfeed_feedrate::{AxisLimits, AxisState};
-use arcfeed_interp::JointRates;
+use arcfeed_interp::{JointRates, ToolTargetError};
 use arcfeed_kinematics::JointLimits;
 use arcfeed_sync::{JointState, OnlineGenerator, SyncError, Synchronisation};
 use thiserror::Error;
@@ -33,6 +33,18 @@ pub enum ScenarioError {
         place: String,
         /// The error of the generator.
         source: SyncError,
+    },
+    /// A start, target or limit of the tool that cannot be followed.
+    #[error("{}{}: {place}: {source}", file.display(), line.map(|l| format!(":{l}")).unwrap_or_default())]
+    RefusedTool {
+        /// The file.
+        file: PathBuf,
+        /// Line of the key, if it is known.
+        line: Option<usize>,
+        /// Which part of the scenario.
+        place: String,
+        /// The reason.
+        source: ToolTargetError,
     },
     /// The motion is still under way at the end of what is simulated.
     #[error("{}: after run.longest_s = {longest} s the target is not reached, {left:.3} s are missing: raise run.longest_s", file.display())]

@@ -27,6 +27,7 @@ mod sabotage;
 mod scenarios;
 #[cfg(feature = "cli")]
 mod schedule;
+mod tool_targets;
 mod trajectory_csv;
 
 #[cfg(feature = "cli")]

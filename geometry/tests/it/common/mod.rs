@@ -2,8 +2,6 @@
 #![allow(dead_code, clippy::unwrap_used)]
 
 pub mod random;
-#[cfg(feature = "fit")]
-pub mod sparse;
 
 use arcfeed_geometry::{Curve, NurbsCurve, nalgebra::SVector};
 use serde::Deserialize;

@@ -1,7 +1,7 @@
-//! The equations of a fit, solved by a general sparse solver that knows nothing of bands.
+//! Large fits: their banded equations against a general sparse solver that knows nothing of bands.
 
 use arcfeed_geometry::nalgebra::SVector;
-use arcfeed_geometry::{KnotVector, basis_functions};
+use arcfeed_geometry::{Curve, KnotVector, NurbsCurve, Spacing, basis_functions};
 use faer::linalg::solvers::Solve;
 use faer::sparse::{SparseColMat, Triplet};
 use faer::{Mat, Side};
@@ -18,7 +18,7 @@ fn collocation(knots: &KnotVector, parameters: &[f64]) -> Vec<(usize, usize, f64
 }
 
 fn matrix(n: usize, entries: &[Triplet<usize, usize, f64>]) -> SparseColMat<usize, f64> {
-    SparseColMat::try_new_from_triplets(n, n, entries).unwrap()
+    SparseColMat::try_new_from_triplets(n, n, entries).expect("solvable")
 }
 
 fn rows<const D: usize>(m: &Mat<f64>) -> Vec<SVector<f64, D>> {
@@ -26,18 +26,18 @@ fn rows<const D: usize>(m: &Mat<f64>) -> Vec<SVector<f64, D>> {
 }
 
 /// Control points of the spline through `points`.
-pub fn interpolated<const D: usize>(
+fn interpolated<const D: usize>(
     knots: &KnotVector,
     parameters: &[f64],
     points: &[SVector<f64, D>],
 ) -> Vec<SVector<f64, D>> {
     let n = points.len();
     let entries: Vec<_> = collocation(knots, parameters).iter().map(|&(i, j, v)| Triplet::new(i, j, v)).collect();
-    rows(&matrix(n, &entries).sp_lu().unwrap().solve(Mat::from_fn(n, D, |i, l| points[i][l])))
+    rows(&matrix(n, &entries).sp_lu().expect("solvable").solve(Mat::from_fn(n, D, |i, l| points[i][l])))
 }
 
 /// Control points of the spline that is nearest to `points` in the sum of squares and starts and ends in the first and last.
-pub fn least_squares<const D: usize>(
+fn least_squares<const D: usize>(
     knots: &KnotVector,
     parameters: &[f64],
     points: &[SVector<f64, D>],
@@ -59,6 +59,34 @@ pub fn least_squares<const D: usize>(
             normal.extend(inner().map(|&(_, k, w)| Triplet::new(j - 1, k - 1, v * w)));
         }
     }
-    let solution = matrix(last - 1, &normal).sp_cholesky(Side::Lower).unwrap().solve(&right);
+    let solution = matrix(last - 1, &normal).sp_cholesky(Side::Lower).expect("solvable").solve(&right);
     [vec![start], rows(&solution), vec![end]].concat()
+}
+
+/// Greatest difference of two control polygons, by the size of the second.
+fn apart<const D: usize>(a: &[SVector<f64, D>], b: &[SVector<f64, D>]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let size = b.iter().fold(0.0f64, |m, p| m.max(p.amax()));
+    a.iter().zip(b).map(|(a, b)| (a - b).amax()).fold(0.0, f64::max) / size
+}
+
+#[test]
+fn large_fits_agree_with_general_sparse_solvers() {
+    let butterfly = robot_cr7::butterfly().expect("built in").plane_curve().expect("a plane curve");
+    let points: Vec<_> = (0..=20_000).map(|i| butterfly.point(f64::from(i) / 20_000.0)).collect();
+    for degree in [2, 3, 5] {
+        let fit = NurbsCurve::interpolate(&points, degree, Spacing::Centripetal).expect("distinct points");
+        let expected = interpolated(fit.curve.knots(), &fit.parameters, &points);
+        let apart = apart(fit.curve.control_points(), &expected);
+        println!("interpolation of degree {degree}: {apart}");
+        assert!(apart < 1e-13);
+    }
+    for (degree, tolerance) in [(2, 1e-3), (3, 1e-4), (5, 1e-4)] {
+        let fit = NurbsCurve::approximate(&points, degree, Spacing::Chord, tolerance).expect("distinct points");
+        assert!(fit.curve.control_points().len() < points.len());
+        let expected = least_squares(fit.curve.knots(), &fit.parameters, &points);
+        let apart = apart(fit.curve.control_points(), &expected);
+        println!("least squares of degree {degree}, {} points: {apart}", expected.len());
+        assert!(apart < 1e-12);
+    }
 }
