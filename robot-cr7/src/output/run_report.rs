@@ -32,6 +32,10 @@ pub struct RunReport {
     pub cycles: usize,
     /// Control period, s.
     pub period_s: f64,
+    /// Tangential acceleration that any order may use at any place, m/s^2.
+    pub live_acceleration_m_s2: f64,
+    /// Tangential jerk that any order may use at any place, m/s^3.
+    pub live_jerk_m_s3: f64,
     /// True if the end of the path was reached; false after a stop.
     pub path_finished: bool,
     /// The states one after the other.
@@ -160,6 +164,8 @@ impl RunReport {
             duration_s: last.setpoint.t,
             cycles: cycles.len(),
             period_s: stage.live().period(),
+            live_acceleration_m_s2: stage.live().curve().acceleration(),
+            live_jerk_m_s3: stage.live().curve().jerk(),
             path_finished: last.state == HybridState::Done,
             states: spans(played),
             events,
@@ -309,6 +315,13 @@ impl Display for RunReport {
         let end = if self.path_finished { "end of the path" } else { "stopped" };
         let (duration, period) = (number(self.duration_s), number(self.period_s * 1e3));
         writeln!(f, "  {:<16}{duration} s, {} cycles of {period} ms; {end}", "motion", self.cycles)?;
+        let live = [self.live_acceleration_m_s2, self.live_jerk_m_s3].map(|v| number((v * 1e4).round() / 10.0));
+        let [acceleration, jerk] = live;
+        writeln!(
+            f,
+            "  {:<16}{acceleration} mm/s^2 and {jerk} mm/s^3 along the path, the same at every place: any order can come",
+            "live bounds"
+        )?;
         let times = &self.step_times;
         let us = |s: f64| number((s * 1e7).round() / 10.0);
         let (median, p99, worst) = (us(times.median_s), us(times.p99_s), us(times.worst_s));

@@ -87,6 +87,31 @@ fn the_event_of_the_paper_passes_point_3_without_a_stop_and_by_projection() {
     assert_eq!(stood(&by_projection), stood(&passing));
 }
 
+/// Nobody orders anything: what the readiness for orders costs against a plan that knows the whole motion.
+#[test]
+fn the_live_butterfly_is_within_three_percent_of_the_planned_one() {
+    let desk = Desk::new("live_and_planned");
+    let whole = include_str!("../../scenarios/butterfly_live.toml");
+    let (head, _) = whole.split_once("[[event]]").expect("events");
+    let (limits, run) = head.split_once("[run]").expect("how it runs");
+    let without_path = limits.replace("[path]\nbuilt_in = \"butterfly\"\n", "");
+    for feed in [10.0, 15.0] {
+        let with_feed = |text: &str| {
+            let lines = text.lines().map(|line| match line.starts_with("feed_mm_s") {
+                true => format!("feed_mm_s = {feed:.1}\n"),
+                false => format!("{line}\n"),
+            });
+            lines.collect::<String>()
+        };
+        desk.write("live.toml", &format!("{limits}[run]{}", with_feed(run)));
+        desk.write("job.toml", &with_feed(&without_path));
+        let live = desk.run(&["run", "live.toml", "--json"]).done().json();
+        let planned = desk.run(&["plan", "--job", "job.toml", "--json"]).done().json();
+        let [live, planned] = [live, planned].map(|report| report["duration_s"].as_f64().expect("a number"));
+        assert!(live > planned && live < 1.03 * planned, "{live} s live, {planned} s planned");
+    }
+}
+
 #[test]
 fn the_butterfly_follows_the_feeds_that_are_ordered() {
     let (played, report) = played(Scenario::ALL[2].1).expect("runs");

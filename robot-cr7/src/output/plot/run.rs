@@ -146,12 +146,18 @@ fn space_picture(stage: &Stage<'_>, played: &Played, report: &RunReport) -> Resu
             canvas.line(&run, Pen::solid(colour_of(state.name()), width))?;
             from = to;
         }
+        let mut taken: Vec<[f64; 3]> = Vec::new();
         for (p, words, above) in marks(played, report, &way) {
             let at = place(&p);
             canvas.line(&[at, place(&floor(&p))], Pen { dashed: true, ..Pen::solid(SHADOW, 0.9) })?;
             dot(canvas, at)?;
-            let (x, y) = (at.0 + 9.0, at.1 + if above { -12.0 } else { 14.0 });
+            let (x, mut y) = (at.0 + 9.0, at.1 + if above { -12.0 } else { 14.0 });
             let end = x + 6.6 * words.chars().count() as f64;
+            // A name that would cover another one moves away from its place.
+            while taken.iter().any(|&[from, to, at]| x < to && end > from && (y - at).abs() < 16.0) {
+                y += if above { -4.0 } else { 4.0 };
+            }
+            taken.push([x, end, y]);
             let ground = [(x - 2.0, y - 8.0), (end, y - 8.0), (end, y + 8.0), (x - 2.0, y + 8.0)];
             canvas.fill(&ground, RGBColor(255, 255, 255), 0.8)?;
             canvas.text(&words, (x, y), Anchor::Left)?;
