@@ -46,7 +46,7 @@ impl Interpreter {
             return self.finish(block).map(|()| false);
         }
         self.refuse_shared(block)?;
-        self.modal.apply(block, !self.program.moves.is_empty())?;
+        self.modal.apply(block, self.motion.has_moved())?;
         self.warn_of_modes(line, block);
         self.mark_words(line, block)?;
         self.mark_codes(line, block, false);
@@ -135,14 +135,7 @@ impl Interpreter {
                 continue;
             }
             let mut text = format!("M{code}");
-            let taken_by_general = |l: u8| {
-                block.general.iter().any(|c| codes::letters_of_general(c.code).as_bytes().contains(&l))
-                    || (Motion::continues(block)
-                        && self.modal.motion.is_some_and(|m| codes::letters_of_general(m).as_bytes().contains(&l)))
-            };
-            let letters: Vec<u8> =
-                codes::letters_of_miscellaneous(code).bytes().filter(|&l| !taken_by_general(l)).collect();
-            for letter in letters {
+            for letter in codes::letters_of_miscellaneous(code).bytes() {
                 if let Some(word) = block.take(letter) {
                     text.push_str(&format!(" {}{}", letter.to_ascii_uppercase() as char, word.value));
                 }

@@ -65,7 +65,7 @@ impl Modal {
         }
     }
 
-    /// Applies the modal codes of a block and its F and S. `moved` is true once the program has moves.
+    /// Applies the modal codes of a block and its F and S. `moved` is true once the program had a motion.
     pub(super) fn apply(&mut self, block: &mut Block, moved: bool) -> Result<(), Located> {
         if let Some(code) = block.code_of(Group::Units) {
             self.unit = if code.code == 200 { LengthUnit::Inch } else { LengthUnit::Millimetre };

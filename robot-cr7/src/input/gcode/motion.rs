@@ -35,6 +35,8 @@ pub(super) struct Motion {
     left_out: u64,
     /// Line of the first of them.
     first_left_out: Option<u64>,
+    /// True once the program had a motion.
+    moved: bool,
     /// True once a feed move was made.
     fed: bool,
     /// Offset of the first inner control point of a G5 that continues the last one.
@@ -52,10 +54,16 @@ impl Motion {
             named: [false; 3],
             left_out: 0,
             first_left_out: None,
+            moved: false,
             fed: false,
             continuation: None,
             open: None,
         }
+    }
+
+    /// True once the program had a motion, even one without length.
+    pub(super) fn has_moved(&self) -> bool {
+        self.moved
     }
 
     /// True within a NURBS block.
@@ -91,9 +99,11 @@ impl Motion {
         };
         self.dispatch((line, code), block, modal, program)?;
         self.name_axes(block, modal);
+        self.moved = true;
         Ok(())
     }
 
+    /// Executes the motion `code` (in tenths).
     fn dispatch(
         &mut self,
         (line, code): (u64, u16),
@@ -412,10 +422,9 @@ impl Motion {
             let unknown: Vec<&str> =
                 ["X", "Y", "Z"].into_iter().zip(self.named).filter(|a| !a.1).map(|a| a.0).collect();
             if !unknown.is_empty() {
-                let axes = unknown.join(", ");
-                let text =
-                    format!("line {line}: the first feed move starts before {axes} are given: the start is assumed");
-                program.warnings.push(text);
+                let (axes, verb) = (unknown.join(" "), if unknown.len() == 1 { "is" } else { "are" });
+                let text = "the first feed move starts before";
+                program.warnings.push(format!("line {line}: {text} {axes} {verb} given: the start is assumed"));
             }
         }
         let rotary = self.rotary_named.then_some(self.rotary);
