@@ -7,14 +7,11 @@ use arcfeed_geometry::nalgebra::{Vector3, vector};
 use arcfeed_geometry::{Curve, NurbsCurve};
 use robot_cr7::{GcodeMove, GcodeOptions, GcodeProgram, MarkerKind, MoveKind, MoveShape, PathControl};
 
+use crate::gcode_texts::mm;
+
 fn sample(name: &str) -> GcodeProgram {
     let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("data/gcode").join(name);
     GcodeProgram::read(&file, &GcodeOptions::default()).unwrap_or_else(|e| panic!("{e}"))
-}
-
-/// Millimetres as a point in metres.
-fn mm(x: f64, y: f64, z: f64) -> Vector3<f64> {
-    vector![x, y, z] * 1e-3
 }
 
 fn assert_near(found: Vector3<f64>, expected: Vector3<f64>) {

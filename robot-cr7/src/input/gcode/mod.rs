@@ -46,6 +46,7 @@ mod motion;
 mod nurbs;
 mod program;
 mod reader;
+mod shape_words;
 mod text;
 
 pub use fault::GcodeFault;

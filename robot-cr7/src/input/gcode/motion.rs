@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::arc::{ArcForm, ArcWords, Plane, SAME_POINT};
+use super::arc::{ArcWords, Plane, SAME_POINT};
 use super::block::Block;
 use super::codes::{self, Group};
 use super::expression::{LARGEST_WORD, whole};
@@ -10,6 +10,7 @@ use super::fault::{GcodeFault, Located};
 use super::modal::Modal;
 use super::nurbs::{NurbsBlock, spline};
 use super::program::{GcodeMove, GcodeProgram, MoveKind, MoveShape};
+use super::shape_words::{arc_form, cubic, quadratic, refuse_axes};
 
 /// Rotary axes that turn by less than this, in rad, rest.
 const SAME_ANGLE: f64 = 1e-9;
@@ -116,12 +117,15 @@ impl Motion {
             0 | 10 => self.line(line, block, modal, program, code == 10),
             20 | 30 => self.arc((line, code), block, modal, program),
             50 => {
-                let points = self.cubic(block, modal, continuation)?;
+                let ends = self.ends_of_spline(block, modal)?;
+                let (points, next) = cubic(block, modal, ends, continuation)?;
+                self.continuation = Some(next);
                 let knots = vec![0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0];
                 self.spline(line, block, modal, program, (points, knots))
             }
             51 => {
-                let points = self.quadratic(block, modal)?;
+                let ends = self.ends_of_spline(block, modal)?;
+                let points = quadratic(block, modal, ends)?;
                 self.spline(line, block, modal, program, (points, vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0]))
             }
             53 => {
@@ -164,7 +168,7 @@ impl Motion {
         modal: &Modal,
         program: &mut GcodeProgram,
     ) -> Result<(), Located> {
-        let form = self.arc_form(block, modal, code)?;
+        let form = arc_form(block, modal, self.position, code)?;
         let turns = match block.take(b'p') {
             None => 0.0,
             Some(word) => match whole(word.value) {
@@ -189,81 +193,8 @@ impl Motion {
         Ok(())
     }
 
-    /// The form of an arc, from I J K or R.
-    fn arc_form(&self, block: &mut Block, modal: &Modal, code: u16) -> Result<ArcForm, Located> {
-        let radius = block.take(b'r');
-        let [first, second, along] = modal.plane.axes();
-        let letters = b"ijk";
-        if let Some(word) = block.word(letters[along]) {
-            let needs = "the centre of an arc has no offset along the axis of its plane";
-            return Err(word.fault(GcodeFault::Missing { needs, remedy: "remove the word or select another plane" }));
-        }
-        let offsets = [block.take(letters[first]), block.take(letters[second])];
-        match (radius, offsets) {
-            (Some(word), [None, None]) => Ok(ArcForm::Radius(modal.unit.to_metres(word.value))),
-            (Some(word), _) => {
-                let rule = "an arc has either R or I, J and K";
-                Err(word.fault(GcodeFault::Syntax { rule, remedy: "remove one of the two" }))
-            }
-            (None, [None, None]) => {
-                let needs = "an arc needs its centre or its radius";
-                Err(block.code_fault(code, GcodeFault::Missing { needs, remedy: "write I, J, K or R" }))
-            }
-            (None, [Some(_), None] | [None, Some(_)]) if modal.absolute_centres => {
-                let needs = "after G90.1 an arc needs both coordinates of its centre";
-                Err(block.code_fault(code, GcodeFault::Missing { needs, remedy: "write both, or G91.1" }))
-            }
-            (None, offsets) => {
-                let mut centre = if modal.absolute_centres { Vector3::zeros() } else { self.position };
-                for (axis, offset) in [first, second].into_iter().zip(offsets) {
-                    centre[axis] += offset.map_or(0.0, |word| modal.unit.to_metres(word.value));
-                }
-                Ok(ArcForm::Centre(centre))
-            }
-        }
-    }
-
-    /// Control points of G5.
-    fn cubic(
-        &mut self,
-        block: &mut Block,
-        modal: &Modal,
-        continuation: Option<Vector3<f64>>,
-    ) -> Result<Vec<Vector3<f64>>, Located> {
-        let missing = |needs, remedy| Err(block.code_fault(50, GcodeFault::Missing { needs, remedy }));
-        let first = match (block.word(b'i'), block.word(b'j')) {
-            (Some(_), Some(_)) => None,
-            (None, None) => match continuation {
-                Some(offset) => Some(offset),
-                None => return missing("the first G5 of a series needs I and J", "write I and J"),
-            },
-            _ => return missing("G5 has both I and J, or neither", "write both"),
-        };
-        if block.word(b'p').is_none() || block.word(b'q').is_none() {
-            return missing("G5 needs P and Q", "write the offset of the second control point from the end");
-        }
-        let (start, to) = self.ends_of_spline(block, modal)?;
-        let first = first.unwrap_or_else(|| flat(block, modal, b"ij"));
-        let second = flat(block, modal, b"pq");
-        self.continuation = Some(-second);
-        Ok(vec![start, start + first, to + second, to])
-    }
-
-    /// Control points of G5.1.
-    fn quadratic(&mut self, block: &mut Block, modal: &Modal) -> Result<Vec<Vector3<f64>>, Located> {
-        let offset = flat(block, modal, b"ij");
-        if offset == Vector3::zeros() {
-            let needs = "G5.1 needs I or J other than 0";
-            return Err(
-                block.code_fault(51, GcodeFault::Missing { needs, remedy: "write the offset of its control point" })
-            );
-        }
-        let (start, to) = self.ends_of_spline(block, modal)?;
-        Ok(vec![start, start + offset, to])
-    }
-
     /// Start and end of a spline of G5 or G5.1, which lies in the XY plane.
-    fn ends_of_spline(&mut self, block: &mut Block, modal: &Modal) -> Result<(Vector3<f64>, Vector3<f64>), Located> {
+    fn ends_of_spline(&self, block: &mut Block, modal: &Modal) -> Result<(Vector3<f64>, Vector3<f64>), Located> {
         if modal.plane != Plane::Xy {
             let needs = "G5 and G5.1 need the XY plane";
             return Err(block.fault(GcodeFault::Missing { needs, remedy: "select it with G17" }));
@@ -432,18 +363,5 @@ impl Motion {
         self.position = step.end();
         self.end = (self.position, self.rotary);
         program.moves.push(step);
-    }
-}
-
-/// A vector of the XY plane from two words, 0 where one is missing.
-fn flat(block: &mut Block, modal: &Modal, letters: &[u8; 2]) -> Vector3<f64> {
-    let mut component = |letter| block.take(letter).map_or(0.0, |word| modal.unit.to_metres(word.value));
-    Vector3::new(component(letters[0]), component(letters[1]), 0.0)
-}
-
-fn refuse_axes(block: &Block, letters: &[u8], needs: &'static str) -> Result<(), Located> {
-    match letters.iter().find_map(|&letter| block.word(letter)) {
-        Some(word) => Err(word.fault(GcodeFault::Missing { needs, remedy: "remove the word" })),
-        None => Ok(()),
     }
 }

@@ -1,20 +1,18 @@
-//! Random programs are written as G-code in many styles and read back; hostile texts and long programs are survived.
+//! Writes random moves as G-code in many styles.
 
 use std::f64::consts::{PI, TAU};
-use std::io::{self, BufReader, Read};
-use std::path::Path;
 
 use arcfeed_geometry::NurbsCurve;
 use arcfeed_geometry::nalgebra::{Unit, Vector3, vector};
 use arcfeed_testing::Random;
-use robot_cr7::{GcodeMove, GcodeOptions, GcodeProgram, InputError, MoveKind, MoveShape, PathControl};
+use robot_cr7::{GcodeMove, MoveKind, MoveShape, PathControl};
 
 const INCH: f64 = 0.0254;
 
 /// Writes moves as G-code. Its fields are what the reader has to keep in mind too.
-struct Writer {
-    random: Random,
-    text: String,
+pub struct Writer {
+    pub random: Random,
+    pub text: String,
     line: u64,
     /// Words of the present block.
     words: Vec<String>,
@@ -28,11 +26,11 @@ struct Writer {
     inverse_time: bool,
     position: Vector3<f64>,
     rotary: Option<Vector3<f64>>,
-    moves: Vec<GcodeMove>,
+    pub moves: Vec<GcodeMove>,
 }
 
 impl Writer {
-    fn new(seed: u64) -> Self {
+    pub fn new(seed: u64) -> Self {
         Self {
             random: Random::new(seed),
             text: String::new(),
@@ -89,7 +87,7 @@ impl Writer {
     }
 
     /// Ends the block: mixes its words, and adds numbers, comments, blanks and case. Returns line and number.
-    fn end_block(&mut self) -> (u64, Option<u32>) {
+    pub fn end_block(&mut self) -> (u64, Option<u32>) {
         let number = self.random.chance(0.3).then(|| self.random.below(99_999) as u32);
         let mut words = std::mem::take(&mut self.words);
         for i in (1..words.len()).rev() {
@@ -118,7 +116,7 @@ impl Writer {
     }
 
     /// Blocks without a move, and changes of modes.
-    fn chatter(&mut self) {
+    pub fn chatter(&mut self) {
         if self.random.chance(0.2) {
             self.text.push_str(self.random.one_of(&[
                 "\n",
@@ -217,7 +215,7 @@ impl Writer {
         self.moves.push(step);
     }
 
-    fn line(&mut self) {
+    pub fn line(&mut self) {
         let mut to = self.point();
         if self.random.chance(0.4) {
             to[self.random.below(3)] = self.position[0];
@@ -230,7 +228,7 @@ impl Writer {
         self.finish(kind, MoveShape::Line { to });
     }
 
-    fn arc(&mut self) {
+    pub fn arc(&mut self) {
         if self.random.chance(0.4) {
             self.plane = self.random.below(3);
             self.code(["G17", "G18", "G19"][self.plane]);
@@ -278,7 +276,7 @@ impl Writer {
     }
 
     /// G5 or G5.1, which need the XY plane.
-    fn spline(&mut self) {
+    pub fn spline(&mut self) {
         if self.plane != 0 {
             self.plane = 0;
             self.code("G17");
@@ -309,7 +307,7 @@ impl Writer {
     }
 
     /// A NURBS block, with knots of its own (G6.2) or with uniform ones (G5.2).
-    fn nurbs(&mut self) {
+    pub fn nurbs(&mut self) {
         if self.incremental {
             if !self.words.is_empty() {
                 self.end_block();
@@ -377,256 +375,4 @@ impl Writer {
         }
         kind
     }
-}
-
-fn random_program(seed: u64) -> (String, Vec<GcodeMove>) {
-    let mut writer = Writer::new(seed);
-    writer.end_block();
-    for _ in 0..1 + writer.random.below(25) {
-        writer.chatter();
-        match writer.random.below(8) {
-            0..=2 => writer.line(),
-            3..=5 => writer.arc(),
-            6 => writer.spline(),
-            _ => writer.nurbs(),
-        }
-    }
-    (writer.text, writer.moves)
-}
-
-/// Largest difference of two moves in m, rad and relative speed, or infinity where they are of different kinds.
-fn difference(a: &GcodeMove, b: &GcodeMove) -> f64 {
-    let ratio = |a: f64, b: f64| (a / b - 1.0).abs();
-    let kind = match (a.kind, b.kind) {
-        (MoveKind::Rapid, MoveKind::Rapid) => 0.0,
-        (MoveKind::Feed { speed: a }, MoveKind::Feed { speed: b }) => ratio(a, b),
-        (MoveKind::InverseTime { seconds: a }, MoveKind::InverseTime { seconds: b }) => ratio(a, b),
-        _ => f64::INFINITY,
-    };
-    let far = |a: &[f64], b: &[f64]| {
-        if a.len() != b.len() {
-            return f64::INFINITY;
-        }
-        a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
-    };
-    let shape = match (&a.shape, &b.shape) {
-        (MoveShape::Line { .. }, MoveShape::Line { .. }) => 0.0,
-        (
-            MoveShape::Arc { centre, normal, sweep, rise, .. },
-            MoveShape::Arc { centre: c, normal: n, sweep: s, rise: r, .. },
-        ) => (centre - c).norm() + (normal.into_inner() - n.into_inner()).norm() + (sweep - s).abs() + (rise - r).abs(),
-        (MoveShape::Curve(a), MoveShape::Curve(b)) => {
-            let points = a.control_points().iter().zip(b.control_points()).map(|(a, b)| (a - b).norm());
-            let points = points.fold(0.0, f64::max);
-            points + far(a.weights(), b.weights()) + far(a.knots().as_slice(), b.knots().as_slice())
-        }
-        _ => f64::INFINITY,
-    };
-    let rotary = match (a.rotary, b.rotary) {
-        (None, None) => 0.0,
-        (Some(a), Some(b)) => (a - b).norm(),
-        _ => f64::INFINITY,
-    };
-    let places = if (a.line, a.number, a.control) == (b.line, b.number, b.control) { 0.0 } else { f64::INFINITY };
-    kind + shape + rotary + places + (a.end() - b.end()).norm()
-}
-
-#[test]
-fn random_programs_are_read_as_they_were_written() {
-    for seed in 0..3000 {
-        let (text, moves) = random_program(seed);
-        let program = GcodeProgram::from_bytes(text.as_bytes(), Path::new("random.ngc"), &GcodeOptions::default())
-            .unwrap_or_else(|e| panic!("seed {seed}: {e}\n{text}"));
-        assert_eq!(program.moves.len(), moves.len(), "seed {seed}\n{text}");
-        for (found, expected) in program.moves.iter().zip(&moves) {
-            let difference = difference(found, expected);
-            assert!(difference < 1e-9, "seed {seed}: {difference}: {found:?} is not {expected:?}\n{text}");
-        }
-    }
-}
-
-const SAMPLES: [&str; 9] = [
-    include_str!("../../data/gcode/helix.ngc"),
-    include_str!("../../data/gcode/inch.ngc"),
-    include_str!("../../data/gcode/nurbs_g5.ngc"),
-    include_str!("../../data/gcode/nurbs_g6.ngc"),
-    include_str!("../../data/gcode/pocket.ngc"),
-    include_str!("../../data/gcode/rotary.ngc"),
-    include_str!("../../data/gcode/splines.ngc"),
-    include_str!("../../data/gcode/square.ngc"),
-    include_str!("../../data/gcode/variables.ngc"),
-];
-
-/// Random bytes, random pieces of words, or a sample with damage.
-fn hostile_text(random: &mut Random) -> Vec<u8> {
-    let pieces: [&[u8]; 48] = [
-        b"G",
-        b"G0",
-        b"G1",
-        b"G2",
-        b"G3",
-        b"G5",
-        b"G5.1",
-        b"G5.2",
-        b"G5.3",
-        b"G6.2",
-        b"G90",
-        b"G91",
-        b"G20",
-        b"G18",
-        b"G93",
-        b"G64",
-        b"M3",
-        b"M2",
-        b"X",
-        b"Y",
-        b"Z1",
-        b"I",
-        b"J",
-        b"K",
-        b"R",
-        b"P2",
-        b"Q",
-        b"L3",
-        b"F1",
-        b"A",
-        b"1",
-        b"-",
-        b".5",
-        b"999999999",
-        b"[",
-        b"]",
-        b"#1",
-        b"#1=",
-        b"#<a>",
-        b"=",
-        b"**",
-        b"/",
-        b"SIN[",
-        b"ATAN[1]/",
-        b"(",
-        b")",
-        b"\n",
-        b"0",
-    ];
-    match random.below(3) {
-        0 => (0..random.below(300)).map(|_| random.bits() as u8).collect(),
-        1 => (0..random.below(150)).flat_map(|_| random.one_of(&pieces).iter().copied()).collect(),
-        _ => {
-            let mut text = random.one_of(&SAMPLES).as_bytes().to_vec();
-            for _ in 0..1 + random.below(6) {
-                let at = random.below(text.len());
-                let end = (at + random.below(20)).min(text.len());
-                match random.below(5) {
-                    0 => text[at] = random.bits() as u8,
-                    1 => drop(text.drain(at..end)),
-                    2 => text.splice(at..at, random.one_of(&pieces).iter().copied()).for_each(drop),
-                    3 => text.splice(at..end, random.one_of(&pieces).iter().copied()).for_each(drop),
-                    _ => text.extend_from_within(at..end),
-                }
-                if text.is_empty() {
-                    break;
-                }
-            }
-            text
-        }
-    }
-}
-
-/// Reads `count` hostile texts. What is read is finite and connected; what is not has a place. Returns how many were read.
-fn read_hostile_texts(seed: u64, count: u64) -> u64 {
-    let mut read = 0;
-    for seed in seed..seed + count {
-        let text = hostile_text(&mut Random::new(seed));
-        match GcodeProgram::from_bytes(&text, Path::new("hostile.ngc"), &GcodeOptions::default()) {
-            Ok(program) => {
-                read += 1;
-                for (start, step) in program.moves_with_starts() {
-                    assert_sound(start, step, seed);
-                }
-                assert!(program.markers.iter().all(|m| m.after <= program.moves.len()), "seed {seed}");
-            }
-            Err(InputError::Gcode { line, column, word, .. }) => {
-                let lines = 1 + text.iter().filter(|&&b| b == b'\n').count() as u64;
-                assert!((1..=lines).contains(&line) && column >= 1 && !word.is_empty(), "seed {seed}");
-            }
-            Err(InputError::Empty { .. }) => {}
-            Err(e) => panic!("seed {seed}: {e}"),
-        }
-    }
-    read
-}
-
-fn assert_sound(start: Vector3<f64>, step: &GcodeMove, seed: u64) {
-    let finite = |v: Vector3<f64>| v.iter().all(|x| x.is_finite());
-    assert!(finite(step.end()) && step.rotary.is_none_or(finite), "seed {seed}: {step:?}");
-    match step.kind {
-        MoveKind::Rapid => {}
-        MoveKind::Feed { speed: x } | MoveKind::RotaryFeed { speed: x } | MoveKind::InverseTime { seconds: x } => {
-            assert!(x.is_finite() && x > 0.0, "seed {seed}: {step:?}");
-        }
-    }
-    if let MoveShape::Arc { centre, normal, sweep, rise, to } = &step.shape {
-        let arm = start - centre;
-        let (sin, cos) = sweep.sin_cos();
-        let end = centre + arm * cos + normal.cross(&arm) * sin + normal.into_inner() * *rise;
-        let size = centre.norm() + start.norm() + to.norm() + 1.0;
-        assert!((end - to).norm() < 1e-8 * size && sweep.abs() > 0.0, "seed {seed}: {step:?} ends in {end}");
-    }
-}
-
-#[test]
-fn hostile_texts_are_survived() {
-    let read = read_hostile_texts(0, 10_000);
-    assert!((500..9500).contains(&read), "{read} texts were read");
-}
-
-#[test]
-#[ignore = "takes a minute"]
-fn a_million_hostile_texts_are_survived() {
-    read_hostile_texts(1_000_000, 1_000_000);
-}
-
-/// A program of many lines that is made while it is read: one line in `every` moves.
-struct Endless {
-    line: u64,
-    lines: u64,
-    every: u64,
-    present: Vec<u8>,
-}
-
-impl Read for Endless {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        if self.present.is_empty() && self.line < self.lines {
-            let x = (self.line / self.every) % 1000;
-            self.present = format!("N{} G1 X{x}.5 Y[2*{x}] F900 (line)\n", self.line % 100_000).into_bytes();
-            self.line += 1;
-        }
-        let count = self.present.len().min(buffer.len());
-        buffer[..count].copy_from_slice(&self.present[..count]);
-        self.present.drain(..count);
-        Ok(count)
-    }
-}
-
-#[test]
-fn a_million_lines_are_read_one_at_a_time() {
-    let stream = Endless { line: 0, lines: 1_000_000, every: 5000, present: Vec::new() };
-    let reader = BufReader::with_capacity(4096, stream);
-    let program = GcodeProgram::from_reader(reader, Path::new("long.ngc"), &GcodeOptions::default()).expect("is read");
-    assert_eq!(program.lines, 1_000_000);
-    assert_eq!(program.moves.len(), 200);
-    assert!(program.markers.is_empty());
-    assert_eq!(program.moves[199].line, 995_001);
-    assert!((program.moves[199].end() - vector![0.1995, 0.398, 0.0]).norm() < 1e-12);
-}
-
-#[test]
-fn a_line_without_end_is_refused_without_being_stored() {
-    let reader = BufReader::new(io::repeat(b'X'));
-    let e = GcodeProgram::from_reader(reader, Path::new("endless.ngc"), &GcodeOptions::default());
-    assert!(e.expect_err("too long").to_string().contains("more than 4096 bytes"));
-    let reader = BufReader::new(io::repeat(b'\n').take(3_000_000));
-    let e = GcodeProgram::from_reader(reader, Path::new("blank.ngc"), &GcodeOptions::default());
-    assert!(e.expect_err("blank").to_string().contains("empty"));
 }
