@@ -140,6 +140,25 @@ fn assumptions_are_warnings() {
     ];
     assert_eq!(found.warnings, expected);
     assert_eq!(found.moves.len(), 2);
+    // Increments do not say where the tool is.
+    let found = program("G21 G91 G0 X1 Y1 Z1\nG1 X1 F60");
+    assert!(found.warnings[0].contains("before X Y Z are given"), "{:?}", found.warnings);
+}
+
+#[test]
+fn a_rotary_axis_that_stays_makes_no_move() {
+    assert_eq!(moves("G0 X10 A30\nX10 A30\nG1 A30\nA31").len(), 2);
+}
+
+#[test]
+fn the_first_line_of_a_nurbs_block_has_one_weight() {
+    let weights = |text: &str| match &moves(text)[0].shape {
+        MoveShape::Curve(curve) => curve.weights().to_vec(),
+        shape => panic!("{shape:?}"),
+    };
+    // With a point the weight is that of the point, else that of the present position.
+    assert_eq!(weights("G5.2 X20 Y1 P2\nX30 Y0 P3\nG5.3"), [1.0, 2.0, 3.0]);
+    assert_eq!(weights("G5.2 P2\nX20 Y1\nX30 Y0 P3\nG5.3"), [2.0, 1.0, 3.0]);
 }
 
 #[test]

@@ -208,9 +208,9 @@ impl Cursor<'_> {
         Ok(left)
     }
 
+    /// The operator of this rank at the present place. A stronger one, such as `**` before `*`, has been taken before.
     fn operator(&mut self, rank: usize) -> Option<&'static str> {
-        let power = self.text.bytes()[self.at..].starts_with(b"**");
-        RANKS[rank].iter().copied().find(|&operator| !(operator == "*" && power) && self.takes(operator))
+        RANKS[rank].iter().copied().find(|operator| self.takes(operator))
     }
 
     fn function(&mut self, depth: usize) -> Result<f64, Located> {
