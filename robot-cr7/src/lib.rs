@@ -11,6 +11,9 @@ mod run;
 mod text;
 
 pub use input::error::InputError;
+pub use input::gcode::{
+    GcodeFault, GcodeMarker, GcodeMove, GcodeOptions, GcodeProgram, MarkerKind, MoveKind, MoveShape, PathControl,
+};
 pub use input::job::{FeedLimits, Job, Payload, ToolOrientation, TorqueJob};
 pub use input::joint_values::{JointOverrides, JointValues};
 pub use input::online_file::OnlineFile;

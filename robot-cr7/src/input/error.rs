@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use arcfeed_geometry::GeometryError;
 use thiserror::Error;
 
+use super::gcode::fault::GcodeFault;
+
 /// Everything that can be wrong with an input file (path, job or trajectory), or with writing an output file.
 ///
 /// Every message names the file, the key or the line, the value found, the rule it breaks and the way out.
@@ -200,6 +202,20 @@ pub enum InputError {
         /// The rule, with indices counted from 0 and lengths in metres.
         source: GeometryError,
     },
+    /// A word of a G-code program cannot be executed.
+    #[error("{}:{line}:{column}: {word}: {fault}", file.display())]
+    Gcode {
+        /// The file.
+        file: PathBuf,
+        /// Line, from 1.
+        line: u64,
+        /// Column, from 1.
+        column: usize,
+        /// The word or the text found there.
+        word: String,
+        /// The rule and the remedy.
+        fault: Box<GcodeFault>,
+    },
 }
 
 /// `file` or `file:line`.
@@ -216,15 +232,18 @@ impl std::fmt::Display for Place<'_> {
 
 /// Reads a whole text file; a byte order mark at its start is dropped.
 pub(crate) fn read_text(file: &Path, expected: &'static str) -> Result<String, InputError> {
-    let bytes = std::fs::read(file).map_err(|source| {
-        let remedy = match source.kind() {
-            std::io::ErrorKind::NotFound => "check the name and the folder it is looked for in",
-            std::io::ErrorKind::PermissionDenied => "check the permissions of the file",
-            _ => "give a plain readable file",
-        };
-        InputError::Read { file: file.to_owned(), source, remedy }
-    })?;
+    let bytes = std::fs::read(file).map_err(|source| unreadable(file, source))?;
     text_of(&bytes, file, expected)
+}
+
+/// The error of a file that cannot be read.
+pub(crate) fn unreadable(file: &Path, source: std::io::Error) -> InputError {
+    let remedy = match source.kind() {
+        std::io::ErrorKind::NotFound => "check the name and the folder it is looked for in",
+        std::io::ErrorKind::PermissionDenied => "check the permissions of the file",
+        _ => "give a plain readable file",
+    };
+    InputError::Read { file: file.to_owned(), source, remedy }
 }
 
 /// The text of the bytes of `file`, refused when it is not UTF-8 or blank.

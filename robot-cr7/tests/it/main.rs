@@ -6,6 +6,13 @@ mod bad_path_files;
 mod command_line;
 mod common;
 mod compare;
+mod gcode_hostile;
+mod gcode_refusals;
+mod gcode_round_trip;
+mod gcode_rules;
+mod gcode_samples;
+mod gcode_texts;
+mod gcode_writer;
 mod hostile_numbers;
 #[cfg(feature = "cli")]
 mod joint_space;
