@@ -337,4 +337,104 @@ pub enum GeometryError {
         /// Angle between the orientations, rad.
         angle: f64,
     },
+    /// A path without pieces.
+    #[error("the path has no pieces: append a line, an arc, a helix or a curve before it is built")]
+    EmptyPath,
+    /// A piece of a path has no length.
+    #[error(
+        "the piece from input line {line} has length {length:e}, and at least {least:e} is needed, where the rounding of its coordinates ends: drop it, or move the path nearer to the origin"
+    )]
+    PieceTooShort {
+        /// Line of the input the piece comes from.
+        line: usize,
+        /// Its length.
+        length: f64,
+        /// Least length.
+        least: f64,
+    },
+    /// An arc has no radius.
+    #[error("the arc from input line {line} has radius {radius:e}: its centre has to lie off its start")]
+    ArcRadius {
+        /// Line of the input the arc comes from.
+        line: usize,
+        /// Distance of its start from its axis.
+        radius: f64,
+    },
+    /// The normal of the plane of an arc is not a direction.
+    #[error("the arc from input line {line} has a normal of length {norm}: give three finite numbers of length 1")]
+    ArcNormal {
+        /// Line of the input the arc comes from.
+        line: usize,
+        /// Length of the normal.
+        norm: f64,
+    },
+    /// The end of an arc is not on its circle.
+    #[error(
+        "the arc from input line {line} has an end that is off its circle: a circle through both ends deviates by {deviation:e}, above the tolerance {tolerance:e}; correct the centre or the end, or raise the tolerance"
+    )]
+    ArcEnd {
+        /// Line of the input the arc comes from.
+        line: usize,
+        /// Deviation of a circle through both ends from the one that is programmed.
+        deviation: f64,
+        /// Tolerance of the path.
+        tolerance: f64,
+    },
+    /// An arc or a helix has too many turns.
+    #[error("the arc from input line {line} has {turns} full turns, and the limit is {limit}: divide it into several")]
+    TooManyTurns {
+        /// Line of the input the arc comes from.
+        line: usize,
+        /// Full turns given.
+        turns: u32,
+        /// Most full turns.
+        limit: u32,
+    },
+    /// A curve starts away from the end of the path so far.
+    #[error(
+        "the curve from input line {line} starts {gap:e} away from the end of the path, above the tolerance {tolerance:e}: join them by a line, or raise the tolerance"
+    )]
+    CurveStart {
+        /// Line of the input the curve comes from.
+        line: usize,
+        /// Distance between the end of the path and the start of the curve.
+        gap: f64,
+        /// Tolerance of the path.
+        tolerance: f64,
+    },
+    /// A setting of a blend is not usable.
+    #[error("at joint {joint} the {what} of the blend is {value}: it has to be {rule}")]
+    Blending {
+        /// Index of the joint, from 0.
+        joint: usize,
+        /// Which setting.
+        what: &'static str,
+        /// The value given.
+        value: f64,
+        /// What it has to be.
+        rule: &'static str,
+    },
+    /// The number of orientations does not fit the path.
+    #[error(
+        "{keys} orientations for a path of {pieces} programmed pieces: give one for the start and one for the end of each piece, {} in all",
+        pieces + 1
+    )]
+    OrientationCount {
+        /// Number of orientations given.
+        keys: usize,
+        /// Number of calls of the builder that appended a piece.
+        pieces: usize,
+    },
+    /// A curve is not the one of the path.
+    #[error(
+        "the curve has the domain [{start}, {end}], and that of the path ends at {expected}: make the curve with `to_curve` of the same path"
+    )]
+    OtherCurve {
+        /// First parameter of the curve.
+        start: f64,
+        /// Last parameter of the curve.
+        end: f64,
+        /// Last parameter of the path.
+        expected: f64,
+    },
 }

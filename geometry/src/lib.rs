@@ -17,6 +17,9 @@
 //! | a curve through points | `NurbsCurve::interpolate`, `NurbsCurve::approximate` (feature `fit`) |
 //! | point and derivatives by `u` | [`Curve::jet`], [`Jet::curvature`] |
 //! | another form of the same curve | [`NurbsCurve::with_knot`], [`NurbsCurve::split`], [`NurbsCurve::elevated`], [`NurbsCurve::decompose`], ... |
+//! | one path of lines, arcs, helices and curves | [`JoinedPathBuilder`], [`JoinedPath`] |
+//! | its corners rounded within a tolerance | [`JoinedPath::blended`], [`Blending`] |
+//! | the tool's orientation along it | [`JoinedPath::orientation`] |
 //! | chords within a tolerance | [`NurbsCurve::segment`], [`SegmentationMethod`] |
 //! | the length | [`NurbsCurve::arc_length`], [`NurbsCurve::arc_length_between`] |
 //! | point and derivatives by arc length | [`ArcLengthCurve`] |
@@ -68,6 +71,7 @@ mod curve;
 mod error;
 #[cfg(feature = "fit")]
 mod fit;
+mod joined;
 mod knots;
 mod nurbs;
 mod nurbs_edit;
@@ -89,6 +93,9 @@ pub use curve::{Curve, Jet};
 pub use error::GeometryError;
 #[cfg(feature = "fit")]
 pub use fit::{Fit, Spacing};
+pub use joined::{
+    ArcTo, BlendedPath, Blending, JoinedPath, JoinedPathBuilder, Joint, JointOutcome, KeptJoint, PathPiece, PieceKind,
+};
 pub use knots::KnotVector;
 pub use nurbs::NurbsCurve;
 pub use orientation::{Heading, OrientationJet, OrientationPath, Through};

@@ -48,11 +48,12 @@ pub struct Through {
     stretches: Vec<Stretch>,
 }
 
-/// `phi(x) = c[0] x + c[1] x^2 + ... + c[4] x^5` from the key on, with the arc length `x` since it.
+/// `phi(x) = first + c[0] x + c[1] x^2 + ... + c[4] x^5` about the key, with the arc length `x` since the start.
 #[derive(Debug, Clone, Copy)]
-struct Stretch {
-    key: UnitQuaternion<f64>,
-    c: [Vector3<f64>; 5],
+pub(crate) struct Stretch {
+    pub key: UnitQuaternion<f64>,
+    pub first: Vector3<f64>,
+    pub c: [Vector3<f64>; 5],
 }
 
 impl Stretch {
@@ -61,7 +62,7 @@ impl Stretch {
     fn phi(&self, x: f64) -> [Vector3<f64>; 4] {
         let c = &self.c;
         [
-            (c[0] + (c[1] + (c[2] + (c[3] + c[4] * x) * x) * x) * x) * x,
+            self.first + (c[0] + (c[1] + (c[2] + (c[3] + c[4] * x) * x) * x) * x) * x,
             c[0] + (c[1] * 2.0 + (c[2] * 3.0 + (c[3] * 4.0 + c[4] * (5.0 * x)) * x) * x) * x,
             c[1] * 2.0 + (c[2] * 6.0 + (c[3] * 12.0 + c[4] * (20.0 * x)) * x) * x,
             c[2] * 6.0 + (c[3] * 24.0 + c[4] * (60.0 * x)) * x,
@@ -273,6 +274,11 @@ impl OrientationPath {
 }
 
 impl Through {
+    /// Stretches that join on their own, each over the arc lengths from `s[i]` to `s[i + 1]`.
+    pub(crate) fn from_stretches(s: Vec<f64>, stretches: Vec<Stretch>) -> Self {
+        Self { s, stretches }
+    }
+
     /// The rates at the keys follow from equal angular accelerations on both sides of each key, and none at the ends.
     ///
     /// With the steps `r`, their widths `h`, the rates `w` in axes of their keys and the right Jacobian `J` of the
@@ -351,7 +357,8 @@ impl Through {
         for i in 0..n - 1 {
             let (mean, v) = (r[i] / h[i], j_inverse[i] * w[i + 1]);
             let [c1, c2, c3] = [w[i], (mean * 3.0 - w[i] * 2.0 - v) / h[i], (w[i] + v - mean * 2.0) / (h[i] * h[i])];
-            stretches.push(Stretch { key: keys[i].1, c: [c1, c2, c3, Vector3::zeros(), Vector3::zeros()] });
+            let zero = Vector3::zeros();
+            stretches.push(Stretch { key: keys[i].1, first: zero, c: [c1, c2, c3, zero, zero] });
         }
         let mut path = Self { s: keys.iter().map(|k| k.0).collect(), stretches };
         if !found {
@@ -410,7 +417,7 @@ impl Through {
 }
 
 /// Rotation vector from `a` to `b` in the axes of `a`, at most half a turn long.
-fn shorter_way(a: &UnitQuaternion<f64>, b: &UnitQuaternion<f64>) -> Vector3<f64> {
+pub(crate) fn shorter_way(a: &UnitQuaternion<f64>, b: &UnitQuaternion<f64>) -> Vector3<f64> {
     let q = (a.inverse() * b).into_inner();
     let (sin, cos) = (q.imag().norm(), q.w.abs());
     if sin == 0.0 {

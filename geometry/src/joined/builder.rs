@@ -1,0 +1,231 @@
+//! Building a path piece by piece.
+
+use nalgebra::Vector3;
+
+use super::arcs::{ArcTo, Turning, rounding};
+use super::path::{JoinedPath, PathPiece, PieceKind, SAME_DIRECTION, angle_between};
+use super::spans::{Spans, homogeneous, jet, length, standardise};
+use crate::bezier::{Homogeneous, restrict};
+use crate::chord::check_positive;
+use crate::error::GeometryError;
+use crate::nurbs::{NurbsCurve, check_points};
+
+/// No piece is shorter, in the unit of the path: squares of lengths stay inside the range of f64.
+const SHORTEST: f64 = 1e-100;
+/// A span of a curve is halved until one quadrature rule agrees with itself on both halves to this part of the length.
+const TAME: f64 = 1e-10;
+/// A span of a curve is halved at most this often.
+const MOST_HALVINGS: u32 = 10;
+/// Curvatures on both sides of a knot of a curve that differ by this part are a jump.
+const SAME_CURVATURE: f64 = 1e-6;
+
+/// Builds a [`JoinedPath`] from its start, piece by piece. A piece that is refused leaves the builder as it was.
+///
+/// ```
+/// use arcfeed_geometry::nalgebra::{Vector3, vector};
+/// use arcfeed_geometry::{ArcTo, JoinedPathBuilder};
+///
+/// let mut builder = JoinedPathBuilder::new(vector![0.0, 0.0, 0.0], 1e-6)?;
+/// builder.line_to(vector![1.0, 0.0, 0.0], 1)?;
+/// let centre = vector![1.0, 1.0, 0.0];
+/// builder.arc(&ArcTo { centre, normal: Vector3::z_axis(), end: vector![1.0, 2.0, 0.0], turns: 0 }, 2)?;
+/// let path = builder.build()?;
+/// assert!((path.length() - 1.0 - std::f64::consts::PI).abs() < 1e-14);
+/// # Ok::<(), arcfeed_geometry::GeometryError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct JoinedPathBuilder {
+    position: Vector3<f64>,
+    tolerance: f64,
+    spans: Spans,
+    pieces: Vec<PathPiece>,
+    calls: Vec<f64>,
+}
+
+impl JoinedPathBuilder {
+    /// A path that starts at `start`. `tolerance` is how far the end of an arc may be off its circle, and the start of a curve
+    /// off the present end of the path, in the unit of the path.
+    ///
+    /// # Errors
+    /// Fails when a coordinate is not finite or the tolerance is not above 0.
+    pub fn new(start: Vector3<f64>, tolerance: f64) -> Result<Self, GeometryError> {
+        check_points("start", &[start])?;
+        check_positive("tolerance", tolerance)?;
+        Ok(Self { position: start, tolerance, spans: Spans::default(), pieces: Vec::new(), calls: vec![0.0] })
+    }
+
+    /// The present end of the path.
+    pub fn position(&self) -> Vector3<f64> {
+        self.position
+    }
+
+    /// Appends a straight line to `end`. `source` is the line of the input it comes from.
+    ///
+    /// # Errors
+    /// Fails when a coordinate is not finite or the line has no length: its ends differ by rounding at most.
+    pub fn line_to(&mut self, end: Vector3<f64>, source: usize) -> Result<&mut Self, GeometryError> {
+        check_source("end of the line from input line", source, &end)?;
+        let length = (end - self.position).norm();
+        self.check_length(length, &end, source)?;
+        let mut spans = Spans::default();
+        spans.push(&[homogeneous(&self.position), homogeneous(&end)], length);
+        self.append(PieceKind::Line, &spans, source);
+        Ok(self.finish_call(end))
+    }
+
+    /// Appends a circular arc of any sweep. It ends exactly in `to.end`: within the tolerance its centre is moved so that both
+    /// radii are equal, and its plane is tilted.
+    ///
+    /// # Errors
+    /// Fails when a number is not finite, the radius is 0, the end is off the circle by more than the tolerance, or there are
+    /// more than 10 000 turns.
+    pub fn arc(&mut self, to: &ArcTo, source: usize) -> Result<&mut Self, GeometryError> {
+        check_arc(to, source)?;
+        let arc = Turning::arc(&self.position, to, self.tolerance, source)?;
+        self.check_length(arc.length(), &to.end, source)?;
+        self.append(PieceKind::Arc, &arc.arc_spans(&self.position), source);
+        Ok(self.finish_call(to.end))
+    }
+
+    /// Appends a helix: as [`JoinedPathBuilder::arc`], and it rises along the axis to the height of its end. The path stays
+    /// within `tolerance` of the helix. One that does not rise becomes an exact arc.
+    ///
+    /// # Errors
+    /// As [`JoinedPathBuilder::arc`], and when the tolerance is lost in the rounding of the coordinates.
+    pub fn helix(&mut self, to: &ArcTo, tolerance: f64, source: usize) -> Result<&mut Self, GeometryError> {
+        check_arc(to, source)?;
+        check_positive("tolerance of the helix", tolerance)?;
+        let rise = (to.end - self.position).dot(&to.normal).abs();
+        if rise <= rounding(&[&self.position, &to.end]) {
+            return self.arc(to, source);
+        }
+        let helix = Turning::about(&self.position, to, self.tolerance, source)?;
+        self.check_length(helix.length(), &to.end, source)?;
+        let spans = helix.helix_spans(&self.position, tolerance)?;
+        self.append(PieceKind::Helix, &spans, source);
+        Ok(self.finish_call(to.end))
+    }
+
+    /// Appends a NURBS curve. It is moved as a whole onto the end of the path where it starts beside it within the tolerance.
+    /// Where its tangent or its curvature jumps inside, it becomes several pieces.
+    ///
+    /// # Errors
+    /// Fails when the curve starts farther away, has no length, or stands still at a knot.
+    pub fn curve(&mut self, curve: &NurbsCurve<3>, source: usize) -> Result<&mut Self, GeometryError> {
+        let curve = curve.clamped()?;
+        let points = curve.control_points();
+        let gap = self.position - points[0];
+        if !(gap.norm() <= self.tolerance) {
+            return Err(GeometryError::CurveStart { line: source, gap: gap.norm(), tolerance: self.tolerance });
+        }
+        let end = points[points.len() - 1] + gap;
+        check_source("end of the curve from input line", source, &end)?;
+        let mut parts = vec![Spans::default()];
+        for bezier in curve.decompose() {
+            let moved = |h: &Homogeneous| [h[0] + gap.x * h[3], h[1] + gap.y * h[3], h[2] + gap.z * h[3], h[3]];
+            let mut span: Vec<Homogeneous> = bezier.homogeneous().iter().map(moved).collect();
+            standardise(&mut span);
+            for (end, at) in [(0.0, bezier.interval().0), (1.0, bezier.interval().1)] {
+                let speed = jet(&span, end).d1.norm();
+                let mean = length(&span, 0.0, 1.0);
+                if !(speed > 1e-9 * mean) {
+                    return Err(GeometryError::StandsStill { u: at, speed, mean });
+                }
+            }
+            let last = parts.len() - 1;
+            if parts[last].len() > 0 && jumps(&parts[last], &span) {
+                parts.push(Spans::default());
+            }
+            if let Some(part) = parts.last_mut() {
+                push_tame(part, &span, length(&span, 0.0, 1.0), MOST_HALVINGS);
+            }
+        }
+        let whole: f64 = parts.iter().flat_map(|p| p.lengths()).sum();
+        self.check_length(whole, &end, source)?;
+        parts[0].set_end(false, &self.position);
+        for part in &parts {
+            self.append(PieceKind::Curve, part, source);
+        }
+        Ok(self.finish_call(end))
+    }
+
+    /// The path.
+    ///
+    /// # Errors
+    /// Fails when it has no pieces.
+    pub fn build(self) -> Result<JoinedPath, GeometryError> {
+        if self.pieces.is_empty() {
+            return Err(GeometryError::EmptyPath);
+        }
+        Ok(JoinedPath::from_parts(self.spans, self.pieces, self.calls))
+    }
+
+    fn check_length(&self, length: f64, end: &Vector3<f64>, line: usize) -> Result<(), GeometryError> {
+        let least = rounding(&[&self.position, end]).max(SHORTEST);
+        if length > least { Ok(()) } else { Err(GeometryError::PieceTooShort { line, length, least }) }
+    }
+
+    fn append(&mut self, kind: PieceKind, spans: &Spans, source: usize) {
+        let first = self.spans.len();
+        self.spans.append(spans);
+        let before = self.pieces.last().map_or(0.0, |p| p.programmed[2]);
+        let after = before + spans.lengths().iter().sum::<f64>();
+        self.pieces.push(PathPiece {
+            kind,
+            sources: [source; 2],
+            start: 0.0,
+            end: 0.0,
+            length: 0.0,
+            spans: first..self.spans.len(),
+            programmed: [before, 0.5 * (before + after), after],
+        });
+    }
+
+    fn finish_call(&mut self, end: Vector3<f64>) -> &mut Self {
+        self.position = end;
+        self.calls.push(self.pieces.last().map_or(0.0, |p| p.programmed[2]));
+        self
+    }
+}
+
+/// Checks a point; an error names the line of the input.
+fn check_source(what: &'static str, source: usize, point: &Vector3<f64>) -> Result<(), GeometryError> {
+    check_points(what, &[*point]).map_err(|error| match error {
+        GeometryError::PointNotFinite { what, axis, value, .. } => {
+            GeometryError::PointNotFinite { what, index: source, axis, value }
+        }
+        other => other,
+    })
+}
+
+fn check_arc(to: &ArcTo, source: usize) -> Result<(), GeometryError> {
+    check_source("end of the arc from input line", source, &to.end)?;
+    check_source("centre of the arc from input line", source, &to.centre)?;
+    let norm = to.normal.norm();
+    if (norm - 1.0).abs() <= 1e-9 { Ok(()) } else { Err(GeometryError::ArcNormal { line: source, norm }) }
+}
+
+/// True where the tangent or the curvature jumps from the last of some spans to the next one.
+fn jumps(spans: &Spans, next: &[Homogeneous]) -> bool {
+    let last = spans.len() - 1;
+    let (a, b) = (jet(spans.get(last), 1.0), jet(next, 0.0));
+    let (before, after) = (a.curvature(), b.curvature());
+    let step = (after - before).norm();
+    let shorter = spans.lengths()[last].min(length(next, 0.0, 1.0));
+    angle_between(&a.tangent(), &b.tangent()) > SAME_DIRECTION
+        || (step > SAME_CURVATURE * before.norm().max(after.norm()) && step * shorter > SAME_DIRECTION)
+}
+
+/// Appends a span, in halves where its length is not resolved.
+fn push_tame(out: &mut Spans, span: &[Homogeneous], whole: f64, halvings: u32) {
+    let halves = [length(span, 0.0, 0.5), length(span, 0.5, 1.0)];
+    if halvings == 0 || (halves[0] + halves[1] - whole).abs() <= TAME * whole {
+        return out.push(span, halves[0] + halves[1]);
+    }
+    for (half, length) in [(0.0, 0.5), (0.5, 1.0)].into_iter().zip(halves) {
+        let mut part = span.to_vec();
+        restrict(&mut part, half.0, half.1);
+        standardise(&mut part);
+        push_tame(out, &part, length, halvings - 1);
+    }
+}
