@@ -42,8 +42,8 @@ pub(super) fn allocate(lengths: &[f64], wishes: &[f64]) -> Vec<[f64; 2]> {
         let before = piece.checked_sub(1).map_or(0.0, |i| out[i][1]);
         let after = if piece < n { out[piece][0] } else { 0.0 };
         let missing = LEAST_LEFT * length - (length - before - after);
-        // Two halves are a whole, to the last digit.
-        if before + after == length || missing <= 0.0 {
+        let meet = (length - before - after).abs() <= 1e-13 * length;
+        if meet || missing <= 0.0 {
             continue;
         }
         if before >= after {

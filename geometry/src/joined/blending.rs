@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use super::allocation::allocate;
 use super::arcs::rounding;
 use super::certificate::{Rail, deviation};
-use super::path::{JoinedPath, Joint, PathPiece, PieceKind, SAME_DIRECTION};
+use super::path::{JoinedPath, Joint, PathPiece, PieceKind, SAME_DIRECTION, SAME_PLACE};
 use super::shape::{Blend, between, leads_on, of_lines, symmetric_deviation};
 use super::spans::{Place, Spans, homogeneous, length};
 use crate::error::GeometryError;
@@ -20,6 +20,8 @@ const AIM: f64 = 0.96;
 const ENOUGH: f64 = 0.85;
 /// A blend over the length `l` of a jump of curvature `k` deviates by about this part of `k l^2`.
 const JUMP_DEVIATION: f64 = 0.0024;
+/// A blend takes no more of a piece than would turn by this angle (rad) with the curvature at the joint.
+const MOST_TURN: f64 = 1.0;
 /// A jump of curvature that turns by less over its pieces (rad) is rounding.
 const NO_TURN: f64 = 1e-9;
 
@@ -190,7 +192,7 @@ impl JoinedPath {
         } else if joint.angle >= std::f64::consts::PI - setting.reversal {
             return Err(KeptJoint::Reversal);
         }
-        let most = setting.radius.min(before).min(after);
+        let most = setting.radius.min(before).min(after).min(MOST_TURN / larger);
         let size = 8.0 * rounding(&[&self.jet(self.last_place(joint.piece)).point]);
         if size > setting.tolerance {
             return Err(KeptJoint::NotCertified);
@@ -262,12 +264,14 @@ impl JoinedPath {
         if !(taken[0] > 0.0 && taken[1] > 0.0) {
             return None;
         }
-        let corner = self.jet(self.last_place(before));
+        let (corner, cuts) = (self.jet(self.last_place(before)), self.cuts(joint, taken));
         if self.joins_lines(joint) {
             let along = [corner.tangent(), self.jet(self.first_place(after)).tangent()];
-            return Some(of_lines(&corner.point, &along, joint.angle, taken));
+            let mut blend = of_lines(&corner.point, &along, joint.angle, taken);
+            // The ends are where the lines are cut, to the last digit.
+            (blend.points[0], blend.points[5]) = (self.jet(cuts[0]).point, self.jet(cuts[1]).point);
+            return Some(blend);
         }
-        let cuts = self.cuts(joint, taken);
         let rails = [
             Rail::new(self.spans.part(cuts[0], self.last_place(before))),
             Rail::new(self.spans.part(self.first_place(after), cuts[1])),
@@ -299,7 +303,7 @@ impl JoinedPath {
             let (x0, x1) = (before.map_or(0.0, |b| b.taken[1]), piece.length - after.map_or(0.0, |b| b.taken[0]));
             let from = before.map_or(self.first_place(i), |_| self.place(i, x0));
             let to = after.map_or(self.last_place(i), |_| self.place(i, x1));
-            if x0 < x1 {
+            if x1 - x0 > SAME_PLACE * piece.length {
                 let mut part = self.spans.part(from, to);
                 before.iter().for_each(|b| part.set_end(false, &b.points[5]));
                 after.iter().for_each(|b| part.set_end(true, &b.points[0]));

@@ -13,6 +13,8 @@ const PRECISION: f64 = 0.02;
 const FIRST_INTERVALS: usize = 8;
 /// Most intervals; a bound that is not sharp by then is a bound nevertheless.
 const MOST_INTERVALS: usize = 160;
+/// Points of a stretch at which the search for the nearest one may begin.
+const SAMPLES: usize = 7;
 /// Steps of Newton's method towards the nearest point of the path.
 const MOST_STEPS: usize = 8;
 
@@ -22,6 +24,8 @@ pub(super) struct Rail {
     spans: Spans,
     /// Arc length at the start of each span, and the whole.
     starts: Vec<f64>,
+    /// Points at equal distances, where the search for the nearest one may begin.
+    samples: [Vector3<f64>; SAMPLES],
 }
 
 impl Rail {
@@ -32,7 +36,14 @@ impl Rail {
             at += length;
             starts.push(at);
         }
-        Self { spans, starts }
+        let mut this = Self { spans, starts, samples: [Vector3::zeros(); SAMPLES] };
+        this.samples = std::array::from_fn(|i| this.jet(this.sample(i)).point);
+        this
+    }
+
+    /// Arc length of a sample.
+    fn sample(&self, i: usize) -> f64 {
+        self.length() * (i as f64 / (SAMPLES - 1) as f64)
     }
 
     /// Arc length of the stretch.
@@ -56,7 +67,14 @@ impl Rail {
 
     /// A place near the point of the stretch that is nearest to `p`, its point and the distance.
     fn nearest(&self, p: &Vector3<f64>, guess: f64) -> Foot {
-        let mut x = guess.max(0.0).min(self.length());
+        let distance = |q: &Vector3<f64>| (q - p).norm_squared();
+        let guess = guess.max(0.0).min(self.length());
+        let (mut x, mut least) = (guess, distance(&self.jet(guess).point));
+        for (i, sample) in self.samples.iter().enumerate() {
+            if distance(sample) < least {
+                (x, least) = (self.sample(i), distance(sample));
+            }
+        }
         let mut best = Foot { x, point: Vector3::zeros(), distance: f64::INFINITY };
         for _ in 0..MOST_STEPS {
             let at = self.jet(x);

@@ -13,6 +13,8 @@ use crate::nurbs::NurbsCurve;
 const NARROWEST: f64 = 2e-12;
 /// A cut this near to a border between two spans of a piece is made there, as a part of the span.
 const SNAP: f64 = 1e-4;
+/// Places of a piece within this part of its length are the same: rounding.
+pub(super) const SAME_PLACE: f64 = 1e-12;
 /// Two tangents within this angle (rad) count as one: what rounding makes of a smooth joint.
 pub(super) const SAME_DIRECTION: f64 = 1e-9;
 
@@ -226,6 +228,11 @@ impl JoinedPath {
         let Range { start, end } = self.pieces[piece].spans.clone();
         let lengths = self.spans.lengths();
         let whole = self.pieces[piece].length;
+        if x <= SAME_PLACE * whole {
+            return self.first_place(piece);
+        } else if x >= whole - SAME_PLACE * whole {
+            return self.last_place(piece);
+        }
         let span;
         // Arc length from the start of the span, counted from the nearer end of the piece.
         let mut rest;
