@@ -29,6 +29,7 @@ pub use output::compiled_report::{CertifiedRatio, CertifiedToolRatio, CompiledRe
 pub use output::joint_report::JointReport;
 #[cfg(feature = "plot")]
 pub use output::plot;
+pub use output::program_report::{LineTime, ProgramReport, StopLine, line_times};
 pub use output::report::{Report, SegmentCount};
 pub use output::run_report::{Accuracy, DetourLine, EventLine, ExcursionLine, RunReport, StateSpan};
 pub use output::schedule_figure::{BindingBar, JointFigure, JointPanel, ShareFigure, SharePanel, SpeedFigure};
@@ -44,6 +45,7 @@ pub use run::limit_line::{LimitLine, LimitUnit};
 pub use run::limit_lines::limit_lines;
 pub use run::online_events::Happening;
 pub use run::online_run::{OnlineRun, ScenarioError};
+pub use run::outline::{MarkerLine, Outline};
 pub use run::play::{Clock, Cycle, Played, StepTimes};
 pub use run::robot::{Drives, Robot};
 pub use run::samples::{MOST_CYCLES, MOST_SAMPLES, TooManySamples, few_enough, sample_times};

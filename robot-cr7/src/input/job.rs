@@ -9,7 +9,7 @@ use arcfeed_interp::{Extent, FeedSection, Method};
 use nalgebra::{Isometry3, Unit, UnitQuaternion, Vector3};
 
 use super::error::{InputError, read_text, text_of};
-use super::job_file::{RawFeed, RawJob, RawMode, RawOrientation, RawPlan, RawSection, RawTorque};
+use super::job_file::{RawFeed, RawJob, RawMode, RawOrientation, RawPlan, RawSection, RawThrough, RawTorque};
 use super::joint_values::{JointOverrides, JointValues};
 use super::toml_check::{Check, read_toml, rotation};
 use super::unit::LengthUnit;
@@ -83,6 +83,13 @@ pub struct Job {
     pub csv_unit: Option<LengthUnit>,
     /// Largest distance between the points of a CSV file and the curve laid through them, in m.
     pub fit_tolerance: f64,
+    /// True where the points of a CSV file are the corners of a polyline, and not those of a smooth curve.
+    pub polyline: bool,
+    /// Largest distance of a blended corner from the programmed path, in m; `None` where the tool stops in corners. A program that states
+    /// its own (G61, G64 P) overrules it.
+    pub blend: Option<f64>,
+    /// Largest turn of the tool away from the programmed orientation where its rate would jump, in rad.
+    pub blend_angle: f64,
     /// Workpiece frame (the frame of the path) in the base frame.
     pub workpiece: Isometry3<f64>,
     /// Tool tip in the flange frame.
@@ -115,6 +122,9 @@ impl Default for Job {
             path_file: None,
             csv_unit: None,
             fit_tolerance: 1e-6,
+            polyline: false,
+            blend: None,
+            blend_angle: 1e-3,
             workpiece: Isometry3::translation(0.4, -0.05, 0.2),
             tool: Isometry3::identity(),
             orientation: ToolOrientation::Constant(rotation([180.0, 0.0, 0.0])),
@@ -195,6 +205,14 @@ impl JobCheck<'_> {
                 raw.path.fit_tolerance_mm,
                 mm,
                 default.fit_tolerance,
+            )?,
+            polyline: raw.path.through == RawThrough::Polyline,
+            blend: self.0.limit("path.blend_mm", raw.path.blend_mm, mm)?,
+            blend_angle: self.0.limit_or(
+                "path.blend_deg",
+                raw.path.blend_deg,
+                180.0 / std::f64::consts::PI,
+                default.blend_angle,
             )?,
             workpiece: self.0.frame("workpiece", &raw.workpiece, default.workpiece)?,
             tool: self.0.frame("tool", &raw.tool, default.tool)?,

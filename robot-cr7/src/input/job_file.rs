@@ -27,6 +27,17 @@ pub(crate) struct RawPath {
     pub file: Option<String>,
     pub csv_unit: Option<String>,
     pub fit_tolerance_mm: Option<f64>,
+    pub through: RawThrough,
+    pub blend_mm: Option<f64>,
+    pub blend_deg: Option<f64>,
+}
+
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum RawThrough {
+    #[default]
+    Spline,
+    Polyline,
 }
 
 #[derive(Debug, Clone, Default, Deserialize)]

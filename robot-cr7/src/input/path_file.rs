@@ -16,6 +16,8 @@
 //!
 //! A **CSV** file holds one point a row, `x,y` or `x,y,z`. Its header names columns and unit (`x_mm,y_mm`); without a
 //! unit there, the caller has to give one. Blank lines and lines that start with `#` are skipped.
+//!
+//! A **G-code** file holds a program; see [`GcodeProgram`].
 
 use std::path::{Path, PathBuf};
 
@@ -24,6 +26,7 @@ use nalgebra::{Vector2, Vector3};
 use serde::Deserialize;
 
 use super::error::{InputError, read_text, text_of};
+use super::gcode::{GcodeOptions, GcodeProgram};
 use super::unit::LengthUnit;
 
 /// Two consecutive points of a CSV file have to be this far apart, in metres.
@@ -49,6 +52,8 @@ pub enum PathGeometry {
         /// Line of each point in the file, from 1.
         lines: Vec<u64>,
     },
+    /// A G-code program.
+    Program(Box<GcodeProgram>),
 }
 
 /// A path as read from a file.
@@ -82,10 +87,11 @@ struct RawCurve {
 }
 
 impl PathFile {
-    /// Reads a path file; the extension (`.json` or `.csv`, in any case) tells its kind.
+    /// Reads a path file; the extension (`.json`, `.csv`, or one of G-code: `.ngc`, `.nc`, `.gcode`, `.cnc`, `.tap`; in any case) tells its
+    /// kind.
     ///
-    /// `csv_unit` is the unit of CSV files whose header names none; it is not used for JSON files, which always name
-    /// their own.
+    /// `csv_unit` is the unit of CSV files whose header names none, and of programs before G20 or G21; it is not used for JSON files, which
+    /// always name their own.
     ///
     /// # Errors
     /// Fails when the file cannot be read, or breaks a rule of its format; the message names the place and the remedy.
@@ -93,6 +99,7 @@ impl PathFile {
         match Kind::of(file)? {
             Kind::Json => Self::parse_json(&read_text(file, EXPECTED_JSON)?, file),
             Kind::Csv => Self::parse_csv(&read_text(file, EXPECTED_CSV)?, file, csv_unit),
+            Kind::Gcode => Ok(Self::of_program(GcodeProgram::read(file, &options(csv_unit))?)),
         }
     }
 
@@ -104,19 +111,25 @@ impl PathFile {
         match Kind::of(file)? {
             Kind::Json => Self::parse_json(&text_of(bytes, file, EXPECTED_JSON)?, file),
             Kind::Csv => Self::parse_csv(&text_of(bytes, file, EXPECTED_CSV)?, file, csv_unit),
+            Kind::Gcode => Ok(Self::of_program(GcodeProgram::from_bytes(bytes, file, &options(csv_unit))?)),
         }
     }
 
-    /// The curve: the file's own, or what `fit` makes of its points (in metres).
+    /// The curve: the file's own, the programmed one with its corners, or what `fit` makes of its points (in metres).
     ///
     /// # Errors
-    /// The error of `fit`, with the file and the line added.
+    /// The error of `fit`, with the file and the line added; what [`GcodeProgram::joined`] refuses.
     pub fn curve_with<F>(&self, fit: F) -> Result<NurbsCurve<3>, InputError>
     where
         F: FnOnce(&[Vector3<f64>]) -> Result<NurbsCurve<3>, GeometryError>,
     {
         match &self.geometry {
             PathGeometry::Curve(curve) => Ok(curve.clone()),
+            PathGeometry::Program(program) => program.joined()?.to_curve().map_err(|source| InputError::Curve {
+                file: self.file.clone(),
+                key: "the program".to_owned(),
+                source,
+            }),
             PathGeometry::Points { points, lines } => fit(points).map_err(|source| {
                 let line = match source {
                     GeometryError::PointNotFinite { index, .. } | GeometryError::DuplicatePoints { index, .. } => {
@@ -138,6 +151,17 @@ impl PathFile {
                 NurbsCurve::new(c.degree(), points, c.weights().to_vec(), c.knots().as_slice().to_vec()).ok()
             }
             _ => None,
+        }
+    }
+
+    fn of_program(program: GcodeProgram) -> Self {
+        Self {
+            name: stem(&program.file),
+            source: None,
+            file: program.file.clone(),
+            planar: false,
+            warnings: program.warnings.clone(),
+            geometry: PathGeometry::Program(Box::new(program)),
         }
     }
 
@@ -299,10 +323,16 @@ fn point_of(
     Ok(point)
 }
 
+/// How a program is read where a unit was asked for.
+fn options(unit: Option<LengthUnit>) -> GcodeOptions {
+    GcodeOptions { unit: unit.unwrap_or(LengthUnit::Millimetre), ..GcodeOptions::default() }
+}
+
 /// Kind of a path file, told by its extension.
 enum Kind {
     Json,
     Csv,
+    Gcode,
 }
 
 impl Kind {
@@ -311,6 +341,7 @@ impl Kind {
         match extension.to_ascii_lowercase().as_str() {
             "json" => Ok(Self::Json),
             "csv" => Ok(Self::Csv),
+            "ngc" | "nc" | "gcode" | "cnc" | "tap" => Ok(Self::Gcode),
             _ => Err(InputError::Extension { file: file.to_owned(), extension }),
         }
     }

@@ -31,11 +31,12 @@ pub(crate) fn limit_table(f: &mut Formatter<'_>, limits: &[LimitLine]) -> fmt::R
     if !groups.is_empty() {
         writeln!(f)?;
         let place = if limits.iter().any(|l| l.at_s_m.is_some()) { "at s [mm]" } else { "" };
-        writeln!(
-            f,
+        let when = if limits.iter().any(|l| l.lines.is_some()) { "line" } else { "at t [s]" };
+        let head = format!(
             "  {:<24}{:<6}{:>12}{:>12}  {:<9}{:>8}{:>12}{:>10}",
-            "limit", "worst", "value", "limit", "", "used", place, "at t [s]"
-        )?;
+            "limit", "worst", "value", "limit", "", "used", place, when
+        );
+        writeln!(f, "{}", head.trim_end())?;
     }
     for (name, lines) in groups.iter().take(MOST_LIMITS) {
         let Some(worst) = worst(lines.iter().copied()) else { continue };
@@ -50,7 +51,7 @@ pub(crate) fn limit_table(f: &mut Formatter<'_>, limits: &[LimitLine]) -> fmt::R
             number(worst.limit * factor),
             percent(worst.ratio),
             worst.at_s_m.map(|s| format!("{:.2}", s * 1e3)).unwrap_or_default(),
-            format!("{:.3}", worst.at_t_s),
+            worst.lines.map_or_else(|| format!("{:.3}", worst.at_t_s), line_words),
         )?;
     }
     more(f, groups.len(), MOST_LIMITS, "limits")?;
@@ -75,6 +76,11 @@ pub(crate) fn limit_table(f: &mut Formatter<'_>, limits: &[LimitLine]) -> fmt::R
         more(f, jointed.len(), MOST_JOINT_ROWS, "kinds")?;
     }
     Ok(())
+}
+
+/// A line of a file, or the two whose corner is blended.
+pub(crate) fn line_words([from, to]: [usize; 2]) -> String {
+    if from == to { from.to_string() } else { format!("{from}-{to}") }
 }
 
 /// Names of the limits in their order, each with its lines.

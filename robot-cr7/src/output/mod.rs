@@ -7,6 +7,7 @@ pub(crate) mod limit_table;
 pub(crate) mod paper_figure;
 #[cfg(feature = "plot")]
 pub mod plot;
+pub(crate) mod program_report;
 pub(crate) mod report;
 pub(crate) mod run_report;
 pub(crate) mod schedule_figure;

@@ -10,6 +10,7 @@ use serde::Serialize;
 use super::bound_report::BoundReport;
 use super::compiled_report::{CompiledReport, LINES};
 use super::limit_table::{ending, limit_table};
+use super::program_report::ProgramReport;
 use crate::run::limit_line::{LimitLine, worst};
 use crate::run::limit_lines::limit_lines;
 use crate::run::stream::StreamReport;
@@ -67,6 +68,9 @@ pub struct Report {
     pub bound: Option<BoundReport>,
     /// The compiled motion, where one was asked for.
     pub compiled: Option<CompiledReport>,
+    /// The lines of the path file along the motion, where it has such.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub program: Option<ProgramReport>,
     /// What the look-ahead cost, where segments arrived while the motion ran.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stream: Option<StreamReport>,
@@ -111,13 +115,23 @@ impl<const N: usize> Motion<'_, N> {
             verification_time_s,
             sampling_time_s,
             motion_per_computing: plan.duration() / (planning_time_s + verification_time_s + sampling_time_s),
-            limits: limit_lines(plan.verification(), plan.path().parameter()),
+            limits: self.limits(),
             bound: None,
+            program: None,
             compiled: None,
             stream: self.stream().cloned(),
             warnings: self.warnings().to_vec(),
             files: Vec::new(),
         }
+    }
+
+    /// Every limit with its worst place, and the line of the file there.
+    fn limits(&self) -> Vec<LimitLine> {
+        let mut limits = limit_lines(self.trajectory().verification(), self.trajectory().path().parameter());
+        for limit in &mut limits {
+            limit.lines = self.outline().zip(limit.at_s_m).map(|(outline, s)| outline.lines_at(s));
+        }
+        limits
     }
 
     /// Segments by each method for the chord tolerance, the one in use first.
@@ -210,6 +224,9 @@ impl Display for Report {
             number(self.motion_per_computing)
         )?;
         writeln!(f, "  {:<11}{}", "segments", clip(&segments, WIDTH - 13))?;
+        if let Some(program) = &self.program {
+            writeln!(f, "  {:<11}{}", "corners", clip(&program.line(), WIDTH - 13))?;
+        }
         let compiled = self.compiled.as_ref().map(CompiledReport::lines);
         for (name, line) in ["compiled", "", ""].into_iter().zip(compiled.iter().flatten()) {
             writeln!(f, "  {name:<11}{}", clip(line, WIDTH - 13))?;
@@ -219,7 +236,8 @@ impl Display for Report {
         let taken = usize::from(second)
             + usize::from(self.bound.is_some())
             + LINES * usize::from(compiled.is_some())
-            + usize::from(self.stream.is_some());
+            + usize::from(self.stream.is_some())
+            + usize::from(self.program.is_some());
         ending(
             f,
             &self.warnings,
@@ -237,7 +255,17 @@ mod tests {
 
     fn line(name: &str, joint: Option<usize>, unit: LimitUnit, value: f64, limit: f64) -> LimitLine {
         let ratio = (value / limit).abs();
-        LimitLine { name: name.to_owned(), joint, unit, value, limit, ratio, at_s_m: Some(0.123456), at_t_s: 1.234567 }
+        LimitLine {
+            name: name.to_owned(),
+            joint,
+            unit,
+            value,
+            limit,
+            ratio,
+            at_s_m: Some(0.123456),
+            at_t_s: 1.234567,
+            lines: None,
+        }
     }
 
     fn report() -> Report {
@@ -274,6 +302,7 @@ mod tests {
             motion_per_computing: 323.4,
             limits,
             bound: None,
+            program: None,
             compiled: None,
             stream: None,
             warnings: vec!["the path passes the wrist singularity at 3 deg".to_owned()],

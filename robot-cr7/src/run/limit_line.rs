@@ -78,6 +78,9 @@ pub struct LimitLine {
     pub at_s_m: Option<f64>,
     /// Its time in s.
     pub at_t_s: f64,
+    /// The line of the path file there, twice, or the two lines whose corner is blended there.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lines: Option<[usize; 2]>,
 }
 
 impl LimitLine {

@@ -15,6 +15,7 @@ pub fn limit_lines(verification: &Verification, parameter: PathParameter) -> Vec
         ratio: check.ratio,
         at_s_m: (parameter == PathParameter::ArcLength).then_some(check.s),
         at_t_s: check.t,
+        lines: None,
     };
     verification.checks().iter().map(line).collect()
 }

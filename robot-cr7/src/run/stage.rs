@@ -2,12 +2,13 @@
 
 use arcfeed_geometry::{ArcLengthCurve, NurbsCurve, OrientationPath, PosePath};
 use arcfeed_interp::{
-    Command, Excursion, Limits, LiveError, LivePath, LiveRoute, MotionPath, PathArm, Planner, ToolPath,
+    Command, Excursion, FeedSection, Limits, LiveError, LivePath, LiveRoute, MotionPath, PathArm, Planner, ToolPath,
 };
 use arcfeed_kinematics::{AnalyticInverse, JointLimits, Joints};
 
 use super::error::Cr7Error;
-use super::task::{ARC_LENGTH_TOLERANCE, live_error, path_of, tool_of};
+use super::placed_path::{ARC_LENGTH_TOLERANCE, PlacedPath, tool_of};
+use super::task::live_error;
 use crate::input::error::InputError;
 use crate::input::joint_values::JointValues;
 use crate::input::path_file::PathFile;
@@ -67,6 +68,18 @@ impl<'a> Stage<'a> {
     }
 }
 
+/// The path of a scenario.
+struct Loaded {
+    name: String,
+    /// The file for messages.
+    shown: String,
+    path: PosePath,
+    sections: Vec<FeedSection>,
+    warnings: Vec<String>,
+    /// Where the arm stands at its start, if the file says so.
+    first: Option<Joints<6>>,
+}
+
 impl Scenario {
     /// Makes the scenario ready for `arm` (tool included) under joint `limits`.
     ///
@@ -77,7 +90,7 @@ impl Scenario {
     where
         A: PathArm<6> + AnalyticInverse<6>,
     {
-        let (name, shown, path, warnings, first) = self.load(arm)?;
+        let Loaded { name, shown, path, sections, warnings, first } = self.load(arm)?;
         let near = match (&self.start, first) {
             (Some(place), _) => Some(self.joints_at("run.start", place, arm, &Joints::zeros())?),
             (None, first) => first,
@@ -91,7 +104,7 @@ impl Scenario {
             Planner::new(arm, Limits::new(*limits).with_tool(tool_of(job)?))
                 .with_chord_tolerance(job.chord_tolerance)?
                 .with_period(job.period)?
-                .with_sections(job.sections.clone())
+                .with_sections(sections)
                 .route(arm, path, self.singularities)
         };
         let route = route().map_err(|error: LiveError| live_error(&shown, error))?;
@@ -104,9 +117,7 @@ impl Scenario {
         Check::new(&self.text, &self.file)
     }
 
-    /// Name, file for messages, path, warnings, and where the arm stands at its start if the file says so.
-    #[allow(clippy::type_complexity, reason = "used in one place")]
-    fn load<A>(&self, arm: &A) -> Result<(String, String, PosePath, Vec<String>, Option<Joints<6>>), Cr7Error>
+    fn load<A>(&self, arm: &A) -> Result<Loaded, Cr7Error>
     where
         A: PathArm<6> + AnalyticInverse<6>,
     {
@@ -124,13 +135,15 @@ impl Scenario {
                 let curve = NurbsCurve::line(a.translation.vector, b.translation.vector).map_err(wrong)?;
                 let curve = ArcLengthCurve::new(curve, ARC_LENGTH_TOLERANCE).map_err(wrong)?;
                 let turn = OrientationPath::slerp(curve.length(), a.rotation, b.rotation).map_err(wrong)?;
-                return Ok(("line".to_owned(), shown, PosePath::new(curve, turn), warnings, Some(from)));
+                let (name, path, sections) = ("line".to_owned(), PosePath::new(curve, turn), job.sections.clone());
+                return Ok(Loaded { name, shown, path, sections, warnings, first: Some(from) });
             }
         };
         warnings.extend(file.warnings.iter().cloned());
         let shown = file.file.display().to_string();
-        let path = path_of(job, &file)?;
-        Ok((file.name, shown, path, warnings, None))
+        let PlacedPath { path, sections, warnings: more, .. } = PlacedPath::new(job, &file)?;
+        warnings.extend(more);
+        Ok(Loaded { name: file.name, shown, path, sections, warnings, first: None })
     }
 
     fn values(&self, key: &str, values: &JointValues) -> Result<Joints<6>, InputError> {

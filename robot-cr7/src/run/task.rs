@@ -4,28 +4,23 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use arcfeed_feedrate::{FeedError, FeedPlanner, StreamedScan};
-use arcfeed_geometry::{ArcLengthCurve, GeometryError, NurbsCurve, OrientationPath, PosePath, Spacing};
+use arcfeed_geometry::PosePath;
 use arcfeed_interp::{
     CompileError, CompiledPlan, FeedSection, JointTrajectory, LimitError, Limits, LiveError, Method, MotionPath,
-    PathArm, PathError, PlanError, Planner, Setpoints, ToolCertificate, ToolLimits, ToolPath, Trajectory,
+    PathArm, PathError, PlanError, Planner, Setpoints, SpeedError, ToolCertificate, ToolLimits, ToolPath, Trajectory,
 };
 use arcfeed_kinematics::{JointLimits, Joints, KinematicsError, ParallelAxisArm};
-use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::Vector3;
 
 use super::cr7::Cr7;
 use super::error::Cr7Error;
+use super::outline::Outline;
+use super::placed_path::{PlacedPath, tool_of};
 use super::robot::{Drives, Robot};
 use super::stream::StreamReport;
-use crate::input::error::InputError;
-use crate::input::job::{Job, ToolOrientation};
-use crate::input::path_file::{MOST_CONTROL_POINTS, PathFile};
+use crate::input::job::Job;
+use crate::input::path_file::PathFile;
 
-/// Positions along the path are good to this, m: far below what any encoder resolves.
-pub(crate) const ARC_LENGTH_TOLERANCE: f64 = 1e-15;
-/// Largest angle between the tangent and a tool that follows it, rad.
-const HEADING_TOLERANCE: f64 = 1e-3;
-/// Degree of curves laid through points.
-const FIT_DEGREE: usize = 3;
 /// A path this far out of reach is probably given in another unit than meant, m.
 const FAR_OUT: f64 = 2.0;
 
@@ -36,6 +31,7 @@ pub struct Motion<'t, const N: usize = 6> {
     trajectory: Trajectory<'t, N>,
     preparation: Duration,
     stream: Option<StreamReport>,
+    outline: Option<&'t Outline>,
     warnings: Vec<String>,
 }
 
@@ -63,6 +59,7 @@ pub struct Task<A = ParallelAxisArm, const N: usize = 6> {
     tool: ToolLimits,
     drives: Option<Drives<N>>,
     sections: Vec<FeedSection>,
+    outline: Option<Outline>,
     end_speeds: [f64; 2],
     chord_tolerance: f64,
     period: f64,
@@ -99,11 +96,13 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
     ) -> Result<Self, Cr7Error> {
         let begin = Instant::now();
         let shown = file.file.display().to_string();
-        let path = path_of(job, file)?;
+        let placed = PlacedPath::new(job, file)?;
+        let path = placed.path;
         let tool = tool_of(job).map_err(|source| plan_error(&shown, source.into()))?;
         let (arm, start) = arm_for(&path).map_err(|source| plan_error(&shown, source.into()))?;
         let mut warnings = file.warnings.clone();
         warnings.extend(job.warnings.iter().cloned());
+        warnings.extend(placed.warnings);
         Ok(Self {
             name: file.name.clone(),
             file: shown,
@@ -113,7 +112,8 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
             limits: *limits,
             tool,
             drives,
-            sections: job.sections.clone(),
+            sections: placed.sections,
+            outline: placed.outline,
             end_speeds: job.feed.end_speeds,
             chord_tolerance: job.chord_tolerance,
             period: job.period,
@@ -193,7 +193,10 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
             _ => String::new(),
         };
         match plan_error(&self.file, source) {
-            Cr7Error::Plan { file, source, hint } => Cr7Error::Plan { file, source, hint: hint + &slow },
+            Cr7Error::Plan { file, source, hint } => {
+                let line = self.outline.as_ref().zip(place_of(&source)).map(|(outline, s)| outline.words_at(s));
+                Cr7Error::Plan { file, source, hint: hint + &line.unwrap_or_default() + &slow }
+            }
             other => other,
         }
     }
@@ -252,7 +255,8 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
         if corners > 0 {
             warnings.push(format!("the path has {corners} corners, where the tool stops"));
         }
-        Motion { name: &self.name, trajectory, preparation: self.preparation, stream: None, warnings }
+        let outline = self.outline.as_ref();
+        Motion { name: &self.name, trajectory, preparation: self.preparation, stream: None, outline, warnings }
     }
 }
 
@@ -282,7 +286,8 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
         let (held_back_m, waits_m_s) = (run.held_back, run.waits);
         let stream = Some(StreamReport { look_ahead, gap_s: gap, whole_duration_s, held_back_m, waits_m_s });
         let warnings = self.warnings.clone();
-        Ok(Motion { name: &self.name, trajectory, preparation: self.preparation, stream, warnings })
+        let outline = self.outline.as_ref();
+        Ok(Motion { name: &self.name, trajectory, preparation: self.preparation, stream, outline, warnings })
     }
 }
 
@@ -299,65 +304,20 @@ pub(crate) fn plan_error(file: &str, source: PlanError) -> Cr7Error {
     Cr7Error::Plan { file: file.to_owned(), source: Box::new(source), hint }
 }
 
-/// The path of a file where the job places it, with the orientation that the job asks for.
-pub(crate) fn path_of(job: &Job, file: &PathFile) -> Result<PosePath, Cr7Error> {
-    let curve_error = |source| Cr7Error::Curve { file: file.file.display().to_string(), source };
-    let curve = file
-        .curve_with(|points| {
-            let degree = FIT_DEGREE.min(points.len().saturating_sub(1));
-            Ok(NurbsCurve::approximate(points, degree, Spacing::default(), job.fit_tolerance)?.curve)
-        })?
-        .transformed(&job.workpiece)
-        .map_err(curve_error)?;
-    let count = curve.control_points().len();
-    if count > MOST_CONTROL_POINTS {
-        return Err(Cr7Error::Input(InputError::Value {
-            file: file.file.clone(),
-            line: None,
-            key: "the curve through the points".to_owned(),
-            value: format!("one of {count} control points"),
-            rule: "a path has at most 25000 control points",
-            remedy: "raise path.fit_tolerance_mm of the job, or split the path",
-        }));
-    }
-    let curve = ArcLengthCurve::new(curve, ARC_LENGTH_TOLERANCE).map_err(curve_error)?;
-    let orientation = orientation_of(job, &curve).map_err(curve_error)?;
-    Ok(PosePath::new(curve, orientation))
-}
-
-/// The limits of the tool in a job.
-pub(crate) fn tool_of(job: &Job) -> Result<ToolLimits, LimitError> {
-    let feed = &job.feed;
-    let mut tool = ToolLimits::new()
-        .with_feed(feed.feed)?
-        .with_tangential_acceleration(feed.tangential_acceleration)?
-        .with_tangential_jerk(feed.tangential_jerk)?
-        .with_normal_acceleration(feed.normal_acceleration)?;
-    if let Some(jerk) = feed.normal_jerk {
-        tool = tool.with_normal_jerk(jerk)?;
-    }
-    if let Some(speed) = feed.angular_speed {
-        tool = tool.with_angular_speed(speed)?;
-    }
-    Ok(tool)
-}
-
-fn orientation_of(job: &Job, curve: &ArcLengthCurve<3>) -> Result<OrientationPath, GeometryError> {
-    let frame = job.workpiece.rotation;
-    match job.orientation {
-        ToolOrientation::Constant(rotation) => Ok(OrientationPath::Constant(frame * rotation)),
-        ToolOrientation::Slerp { from, to } => OrientationPath::slerp(curve.length(), frame * from, frame * to),
-        ToolOrientation::Tangent { axis } => {
-            let z = frame * axis;
-            let tangent = curve.jet(0.0).d1;
-            let x = (tangent - z.as_ref() * z.dot(&tangent))
-                .try_normalize(1e-6)
-                .ok_or(GeometryError::NoHeading { s: 0.0 })?;
-            let axes = Matrix3::from_columns(&[x, z.cross(&x), z.into_inner()]);
-            let start = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes));
-            OrientationPath::following_tangent(curve, z, start, HEADING_TOLERANCE)
+/// The arc length at which a plan fails, where it is one place.
+fn place_of(error: &PlanError) -> Option<f64> {
+    let place = match error {
+        PlanError::Path(
+            PathError::Arm { place, .. } | PathError::BranchChange { place, .. } | PathError::JointRange { place, .. },
+        )
+        | PlanError::Speed(SpeedError::Infeasible { place, .. })
+        | PlanError::Unverified { place, .. } => place,
+        PlanError::Path(PathError::NoConfiguration { best, .. }) => {
+            return place_of(&PlanError::Path((**best).clone()));
         }
-    }
+        _ => return None,
+    };
+    Some(place.s)
 }
 
 /// A mix-up of millimetres and metres shows as a path that is metres out of reach.
@@ -394,6 +354,11 @@ impl<'t, const N: usize> Motion<'t, N> {
     /// What the look-ahead cost, if the motion was streamed.
     pub fn stream(&self) -> Option<&StreamReport> {
         self.stream.as_ref()
+    }
+
+    /// The lines of the file along the path, where it has such.
+    pub fn outline(&self) -> Option<&Outline> {
+        self.outline
     }
 
     /// Warnings about the motion.

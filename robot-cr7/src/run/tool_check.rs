@@ -96,7 +96,17 @@ impl Worst {
 
     fn line(self, name: &str, unit: LimitUnit) -> LimitLine {
         let Self { ratio, value, limit, t } = self;
-        LimitLine { name: name.to_owned(), joint: None, unit, value, limit, ratio, at_s_m: None, at_t_s: t }
+        LimitLine {
+            name: name.to_owned(),
+            joint: None,
+            unit,
+            value,
+            limit,
+            ratio,
+            at_s_m: None,
+            at_t_s: t,
+            lines: None,
+        }
     }
 }
 

@@ -70,6 +70,7 @@ mod tests {
             ratio,
             at_s_m: None,
             at_t_s: 0.25,
+            lines: None,
         }
     }
 

@@ -165,15 +165,15 @@ fn the_first_line_of_a_nurbs_block_has_one_weight() {
 fn path_control_stays_until_it_changes() {
     let found = program("G21 G0 X1\nG61.1 X2\nG64 X3\nG64 P0.1\nX4\nG64 P0.1 Q0 X5\nG64 Q0.2 X6\nG61 X7");
     let controls: Vec<_> = found.moves.iter().map(|step| step.control).collect();
-    let blend = |tolerance, naive| PathControl::Blend { tolerance, naive };
+    let blend = |tolerance, naive| Some(PathControl::Blend { tolerance, naive });
     let expected = [
-        PathControl::ExactPath,
-        PathControl::ExactStop,
+        None,
+        Some(PathControl::ExactStop),
         blend(None, 0.0),
         blend(Some(1e-4), 1e-4),
         blend(Some(1e-4), 0.0),
         blend(None, 2e-4),
-        PathControl::ExactPath,
+        Some(PathControl::ExactPath),
     ];
     assert_eq!(controls, expected);
 }

@@ -77,7 +77,7 @@ fn a_square_with_blends() {
     assert_feed(&program.moves[1], 300.0);
     program.moves[2..6].iter().for_each(|step| assert_feed(step, 1200.0));
     let blend = PathControl::Blend { tolerance: Some(5e-5), naive: 5e-5 };
-    assert!(program.moves.iter().all(|step| step.control == blend));
+    assert!(program.moves.iter().all(|step| step.control == Some(blend)));
     assert!(program.moves.iter().all(|step| step.rotary.is_none()));
     assert_eq!(codes(&program), [(11, 7, code("M2"))]);
     assert!(program.warnings.is_empty(), "{:?}", program.warnings);
@@ -101,8 +101,8 @@ fn a_pocket_with_corners_by_centre_and_by_radius() {
     assert_feed(&program.moves[3], 900.0);
     assert_feed(&program.moves[10], 250.0);
     assert_near(program.moves[18].end(), mm(8.0, 0.0, -2.0));
-    assert_eq!(program.moves[18].control, PathControl::Blend { tolerance: Some(2e-5), naive: 1e-5 });
-    assert_eq!(program.moves[19].control, PathControl::ExactPath);
+    assert_eq!(program.moves[18].control, Some(PathControl::Blend { tolerance: Some(2e-5), naive: 1e-5 }));
+    assert_eq!(program.moves[19].control, Some(PathControl::ExactPath));
     let expected = [
         (3, 0, MarkerKind::Tool(2)),
         (3, 0, code("M6")),

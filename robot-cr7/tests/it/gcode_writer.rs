@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use arcfeed_geometry::NurbsCurve;
 use arcfeed_geometry::nalgebra::{Unit, Vector3, vector};
 use arcfeed_testing::Random;
-use robot_cr7::{GcodeMove, MoveKind, MoveShape, PathControl};
+use robot_cr7::{GcodeMove, MoveKind, MoveShape};
 
 const INCH: f64 = 0.0254;
 
@@ -210,7 +210,7 @@ impl Writer {
     }
 
     fn push(&mut self, line: u64, number: Option<u32>, kind: MoveKind, shape: MoveShape) {
-        let step = GcodeMove { line, number, kind, shape, control: PathControl::ExactPath, rotary: self.rotary };
+        let step = GcodeMove { line, number, kind, shape, control: None, rotary: self.rotary };
         self.position = step.end();
         self.moves.push(step);
     }

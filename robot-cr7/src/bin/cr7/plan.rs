@@ -6,8 +6,8 @@ use std::time::Instant;
 use arcfeed_interp::PathArm;
 use robot_cr7::plot::{Along, Bound, JointQuantity, feed_picture, joint_picture, path_picture, speed_picture};
 use robot_cr7::{
-    BindingBar, BoundReport, CompiledReport, Job, Motion, Series, SpeedFigure, Staging, StreamReport, Task,
-    TrajectoryRow, TrajectoryWriter, drawn_segments, few_enough,
+    BindingBar, BoundReport, CompiledReport, Job, LineTime, Motion, ProgramReport, Series, SpeedFigure, Staging,
+    StreamReport, Task, TrajectoryRow, TrajectoryWriter, drawn_segments, few_enough, line_times,
 };
 
 use crate::Failure;
@@ -22,6 +22,7 @@ use crate::tool_path::{OnToolPath, on_tool_path, read_path};
   cr7 plan                                 the embedded butterfly
   cr7 plan part.json                       a NURBS curve (JSON)
   cr7 plan points.csv --unit mm            a curve fitted to points
+  cr7 plan part.ngc --job job.toml         a G-code program; path.blend_mm of the job rounds its corners
   cr7 plan --job robot-cr7/jobs/butterfly.toml --out butterfly
   cr7 plan --robot ur5e                    another robot: a name of `cr7 robots`, a .urdf or a .json file
   cr7 plan --compile-rad 1e-6              the joints as polynomials of the time, too, within 1 urad
@@ -32,7 +33,7 @@ use crate::tool_path::{OnToolPath, on_tool_path, read_path};
 pub struct Args {
     #[command(flatten)]
     robot: RobotArgs,
-    /// Path file: .json (NURBS curve) or .csv (points). Without it: the job's, else an embedded butterfly
+    /// Path file: .json (NURBS curve), .csv (points) or .ngc, .nc, .gcode (G-code). Without it: the job's, else an embedded butterfly
     path: Option<PathBuf>,
     /// Job file (TOML): workpiece, tool, feed, limits, tolerance, period. Without it: documented defaults
     #[arg(long)]
@@ -89,7 +90,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 }
 
 /// The files of the command.
-const FILES: [&str; 11] = [
+const FILES: [&str; 12] = [
     "trajectory.csv",
     "path.svg",
     "feed.svg",
@@ -99,11 +100,14 @@ const FILES: [&str; 11] = [
     "joint_jerk.svg",
     COMPILED,
     "stream.svg",
+    LINES,
     REPORTS[0],
     REPORTS[1],
 ];
 /// The file of the compiled motion, where one is asked for.
 const COMPILED: &str = "joint_trajectory.json";
+/// The time of each line of a program.
+const LINES: &str = "lines.csv";
 /// The keys that make a motion faster that has too many samples.
 const LEVERS: &str = "feed.feed_mm_s and the limits of the job";
 
@@ -179,11 +183,28 @@ impl OnToolPath for Plan<'_> {
             None => None,
         };
         drop(progress);
+        let program = motion.outline().map(|outline| {
+            let (t, s) = (series.column(0), series.column(1));
+            (line_times(outline, t, s), ProgramReport::new(outline, t, s))
+        });
+        if let Some((lines, _)) = &program {
+            let file = staging.create(LINES)?;
+            write_lines(file, lines).map_err(|source| staging.failed(LINES, source))?;
+        }
         let remedy = "lower the feed, or give the limits of the job more distance";
         let mut report = motion.report(samples, sampling);
-        (report.compiled, report.bound) = (compiled, bound);
+        (report.compiled, report.bound, report.program) = (compiled, bound, program.map(|(_, report)| report));
         conclude(report, staging, args.json, remedy)
     }
+}
+
+/// One row for each line of the file.
+fn write_lines(file: std::fs::File, lines: &[LineTime]) -> std::io::Result<()> {
+    let mut writer = csv::Writer::from_writer(file);
+    for line in lines {
+        writer.serialize(line).map_err(std::io::Error::other)?;
+    }
+    writer.flush()
 }
 
 type Picture = (&'static str, Result<String, std::io::Error>);

@@ -21,7 +21,7 @@
 //! * The tool starts at [`GcodeOptions::start`]. A coordinate that a program does not give stays as it was there.
 //! * The unit holds for the whole block of G20 or G21, F included. F keeps its speed when the unit changes, and is
 //!   cleared when G93, G94 or G95 changes the feed mode.
-//! * A program begins with G61 in force ([`PathControl::ExactPath`]).
+//! * Until G61, G61.1 or G64 a move has no [`PathControl`] of its own.
 //! * An assignment takes effect behind its block. A parameter without a value is refused; LinuxCNC reads 0.
 //! * The ends of an arc may differ in their distance from the centre as LinuxCNC allows: by 0.005 mm (0.0005 in) or a
 //!   thousandth of the radius, and never by more than 0.5 mm (0.05 in). The centre is then moved along the chord, until
@@ -41,6 +41,7 @@ mod codes;
 mod expression;
 pub(crate) mod fault;
 mod interpreter;
+mod joined;
 mod modal;
 mod motion;
 mod nurbs;

@@ -33,7 +33,7 @@ pub(super) struct Modal {
     pub(super) incremental: bool,
     /// True after G90.1.
     pub(super) absolute_centres: bool,
-    pub(super) control: PathControl,
+    pub(super) control: Option<PathControl>,
     /// G code in tenths of the motion that a block without one continues.
     pub(super) motion: Option<u16>,
     /// G code in tenths of the coordinate system, where the program has named one.
@@ -55,7 +55,7 @@ impl Modal {
             plane: Plane::Xy,
             incremental: false,
             absolute_centres: false,
-            control: PathControl::ExactPath,
+            control: None,
             motion: None,
             system: None,
             feed_mode: FeedMode::PerMinute,
@@ -142,7 +142,7 @@ impl Modal {
 
     fn path_control(&mut self, block: &mut Block) -> Result<(), Located> {
         let Some(code) = block.code_of(Group::PathControl) else { return Ok(()) };
-        self.control = match code.code {
+        self.control = Some(match code.code {
             610 => PathControl::ExactPath,
             611 => PathControl::ExactStop,
             _ => {
@@ -153,7 +153,7 @@ impl Modal {
                 let (tolerance, naive) = (length(b'p')?, length(b'q')?);
                 PathControl::Blend { tolerance, naive: naive.or(tolerance).unwrap_or(0.0) }
             }
-        };
+        });
         Ok(())
     }
 

@@ -76,8 +76,8 @@ pub struct GcodeMove {
     pub kind: MoveKind,
     /// The path of the tool.
     pub shape: MoveShape,
-    /// How exactly the end of the move is passed.
-    pub control: PathControl,
+    /// How exactly the end of the move is passed; `None` where the program has not said so.
+    pub control: Option<PathControl>,
     /// Positions of the rotary axes A, B and C at the end of the move, in rad. `None` before the first A, B or C word.
     ///
     /// They change in proportion to the travel along the move.
@@ -145,7 +145,7 @@ pub enum MoveShape {
 /// How exactly the end of a move is passed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PathControl {
-    /// Through the programmed point, slower or at rest where the path has a corner (G61). The default.
+    /// Through the programmed point, slower or at rest where the path has a corner (G61).
     ExactPath,
     /// At rest at the programmed point (G61.1).
     ExactStop,

@@ -157,7 +157,12 @@ fn job_of(text: &str, file: &Path, raw: &RawScenario) -> Result<Job, InputError>
         }
     }
     let job = RawJob {
-        path: RawPath { file: None, csv_unit: raw.path.csv_unit.clone(), fit_tolerance_mm: raw.path.fit_tolerance_mm },
+        path: RawPath {
+            file: None,
+            csv_unit: raw.path.csv_unit.clone(),
+            fit_tolerance_mm: raw.path.fit_tolerance_mm,
+            ..RawPath::default()
+        },
         workpiece: raw.workpiece.clone().unwrap_or_default(),
         tool: raw.tool.clone(),
         orientation: raw.orientation.clone().unwrap_or_default(),

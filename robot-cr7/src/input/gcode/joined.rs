@@ -1,0 +1,92 @@
+//! A program as one path.
+
+use std::f64::consts::TAU;
+
+use arcfeed_geometry::{ArcTo, GeometryError, JoinedPath, JoinedPathBuilder};
+
+use super::program::{GcodeMove, GcodeProgram, MoveKind, MoveShape};
+use crate::input::error::InputError;
+
+/// By how much the ends of arcs and the starts of curves may be off, in metres: the rounding of coordinates.
+const GAP: f64 = 1e-7;
+/// A helix is kept within this, in metres.
+const HELIX: f64 = 1e-8;
+
+impl GcodeProgram {
+    /// The moves from the first one that is not rapid on: where the tool comes from is not part of the work. A program of rapid moves
+    /// alone is kept.
+    pub fn working_moves(&self) -> &[GcodeMove] {
+        let first = self.moves.iter().position(|step| step.kind != MoveKind::Rapid).unwrap_or(0);
+        &self.moves[first..]
+    }
+
+    /// The [working moves](Self::working_moves) as one path, in metres. The source of each piece is its line in the file.
+    ///
+    /// # Errors
+    /// [`InputError::Value`] for a program without moves and for a move that only turns rotary axes, [`InputError::Curve`] for a shape that
+    /// is no path.
+    pub fn joined(&self) -> Result<JoinedPath, InputError> {
+        let moves = self.working_moves();
+        let Some(first) = moves.first() else {
+            return Err(self.wrong(
+                None,
+                "the program",
+                "without a move",
+                "a path needs one",
+                "write G1, G2, G3 or G5",
+            ));
+        };
+        let before = self.moves.len() - moves.len();
+        let start = if before == 0 { self.start } else { self.moves[before - 1].end() };
+        let error = |step: &GcodeMove, source| InputError::Curve {
+            file: self.file.clone(),
+            key: format!("line {}", step.line),
+            source,
+        };
+        let mut path = JoinedPathBuilder::new(start, GAP).map_err(|e| error(first, e))?;
+        for step in moves {
+            append(&mut path, step).map_err(|source| match source {
+                GeometryError::PieceTooShort { .. } if matches!(step.kind, MoveKind::RotaryFeed { .. }) => {
+                    let rule = "along a path the tool moves while it turns";
+                    self.wrong(
+                        Some(step.line),
+                        "the move",
+                        "rotary axes alone",
+                        rule,
+                        "turn the axes during a move of the tool",
+                    )
+                }
+                source => error(step, source),
+            })?;
+        }
+        path.build().map_err(|source| error(first, source))
+    }
+
+    /// The error of a value in the program.
+    pub(crate) fn wrong(
+        &self,
+        line: Option<u64>,
+        key: &str,
+        value: &str,
+        rule: &'static str,
+        remedy: &'static str,
+    ) -> InputError {
+        let line = line.and_then(|line| usize::try_from(line).ok());
+        InputError::Value { file: self.file.clone(), line, key: key.to_owned(), value: value.to_owned(), rule, remedy }
+    }
+}
+
+fn append(path: &mut JoinedPathBuilder, step: &GcodeMove) -> Result<(), GeometryError> {
+    let source = usize::try_from(step.line).unwrap_or(usize::MAX);
+    match &step.shape {
+        MoveShape::Line { to } => path.line_to(*to, source)?,
+        MoveShape::Arc { centre, normal, sweep, to, .. } => {
+            // A sweep of full turns ends where it starts, to rounding.
+            let turns = (sweep.abs() / TAU - 1e-9).ceil().max(1.0) as u32 - 1;
+            let normal = if *sweep < 0.0 { -*normal } else { *normal };
+            path.helix(&ArcTo { centre: *centre, normal, end: *to, turns }, HELIX, source)?
+        }
+        MoveShape::Curve(curve) => path.curve(curve, source)?,
+    };
+    Ok(())
+}

@@ -1,0 +1,132 @@
+//! The lines of a file along a motion: corners, marks, and the time of each line.
+
+use arcfeed_geometry::KeptJoint;
+use serde::Serialize;
+
+use super::limit_table::line_words;
+use crate::run::outline::{CornerLine, MarkerLine, Outline};
+use crate::text::number;
+
+/// What became of the corners of a program or a polyline, and where its codes stand in time.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ProgramReport {
+    /// Corners and jumps of curvature that were blended.
+    pub blended: usize,
+    /// Largest distance of a blend from the programmed path that is possible, m.
+    pub blend_deviation_m: f64,
+    /// Corners in which the tool stops.
+    pub stops: Vec<StopLine>,
+    /// Codes that switch, wait or inform, with the time at which the tool is there.
+    pub markers: Vec<MarkerLine>,
+}
+
+/// A corner in which the tool stops.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct StopLine {
+    /// The lines that meet there.
+    pub lines: [usize; 2],
+    /// The angle between them, rad.
+    pub angle_rad: f64,
+    /// Why it was not blended.
+    pub why: &'static str,
+}
+
+/// One line of a file along a motion.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LineTime {
+    /// The line of the file, or the two whose corner is blended.
+    pub line: String,
+    /// The N word, where there is one.
+    pub n: Option<u32>,
+    /// Where it begins on the path, m.
+    pub s_from_m: f64,
+    /// Where it ends, m.
+    pub s_to_m: f64,
+    /// When it begins, s.
+    pub t_from_s: f64,
+    /// When it ends, s.
+    pub t_to_s: f64,
+    /// Programmed feed, m/s.
+    pub feed_m_s: Option<f64>,
+    /// Of a blend: how far it can be from the programmed path, m.
+    pub deviation_m: Option<f64>,
+}
+
+impl ProgramReport {
+    /// The report of `outline` on a motion that is at the places `s` (m) at the times `t` (s).
+    pub fn new(outline: &Outline, t: &[f64], s: &[f64]) -> Self {
+        let markers = outline.markers.iter().cloned();
+        let stop = |corner: &CornerLine| {
+            let why = corner.blend.err()?;
+            Some(StopLine { lines: corner.lines, angle_rad: corner.angle, why: reason(why) })
+        };
+        let deviations = || outline.corners.iter().filter_map(|corner| corner.blend.ok());
+        Self {
+            blended: deviations().count(),
+            blend_deviation_m: deviations().fold(0.0, f64::max),
+            stops: outline.corners.iter().filter_map(stop).collect(),
+            markers: markers.map(|m| MarkerLine { t_s: Some(time_at(t, s, m.s_m)), ..m }).collect(),
+        }
+    }
+
+    /// The report on one line.
+    pub(crate) fn line(&self) -> String {
+        let stops = match self.stops.as_slice() {
+            [] => "no stop".to_owned(),
+            [one] => format!("1 stop at line {}: {}", line_words(one.lines), one.why),
+            [one, ..] => {
+                format!("{} stops, the first at line {}: {}", self.stops.len(), line_words(one.lines), one.why)
+            }
+        };
+        match self.blended {
+            0 => stops,
+            n => format!("{n} blended within {} um; {stops}", number(self.blend_deviation_m * 1e6)),
+        }
+    }
+}
+
+/// The lines of a file with their times, in order.
+pub fn line_times(outline: &Outline, t: &[f64], s: &[f64]) -> Vec<LineTime> {
+    let mut lines: Vec<LineTime> = Vec::with_capacity(outline.pieces.len());
+    let (mut from, mut before) = (0.0, 0.0);
+    let mut corners = outline.corners.iter().filter(|corner| corner.blend.is_ok()).peekable();
+    for piece in &outline.pieces {
+        let blend = piece.lines[0] != piece.lines[1];
+        let corner = corners.next_if(|corner| blend && corner.lines == piece.lines);
+        let words = line_words(piece.lines);
+        let (s_to_m, t_to_s) = (piece.to, time_at(t, s, piece.to));
+        match lines.last_mut().filter(|last| last.line == words) {
+            Some(last) => (last.s_to_m, last.t_to_s) = (s_to_m, t_to_s),
+            None => lines.push(LineTime {
+                line: words,
+                n: outline.number_of(piece.lines[1]),
+                s_from_m: from,
+                s_to_m,
+                t_from_s: before,
+                t_to_s,
+                feed_m_s: piece.feed,
+                deviation_m: corner.and_then(|corner| corner.blend.ok()),
+            }),
+        }
+        (from, before) = (s_to_m, t_to_s);
+    }
+    lines
+}
+
+/// The time at which a motion is at `place` (m), between two samples as if its speed were constant there.
+fn time_at(t: &[f64], s: &[f64], place: f64) -> f64 {
+    let i = s.partition_point(|&at| at < place).clamp(1, s.len().saturating_sub(1).max(1));
+    let (Some(&s0), Some(&s1), Some(&t0), Some(&t1)) = (s.get(i - 1), s.get(i), t.get(i - 1), t.get(i)) else {
+        return 0.0;
+    };
+    if s1 > s0 { t0 + (t1 - t0) * ((place - s0) / (s1 - s0)).clamp(0.0, 1.0) } else { t1 }
+}
+
+fn reason(why: KeptJoint) -> &'static str {
+    match why {
+        KeptJoint::ExactStop => "no tolerance to blend it within (G64 P, or path.blend_mm)",
+        KeptJoint::Reversal => "the path turns back",
+        KeptJoint::NotCertified => "no blend is certain to stay within the tolerance",
+        KeptJoint::Smooth => "smooth",
+    }
+}

@@ -1,0 +1,71 @@
+//! Where the lines of a file lie on a path, and what became of its corners.
+
+use arcfeed_geometry::KeptJoint;
+use serde::Serialize;
+
+/// The lines of a file along a path, by arc length in m.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outline {
+    pub(crate) pieces: Vec<OutlinePiece>,
+    pub(crate) corners: Vec<CornerLine>,
+    pub(crate) markers: Vec<MarkerLine>,
+    /// N words by line.
+    pub(crate) numbers: Vec<(usize, u32)>,
+}
+
+/// A piece of the path, which begins where the one before it ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct OutlinePiece {
+    /// Its end, m.
+    pub to: f64,
+    /// Its line twice, or the lines that a blend joins.
+    pub lines: [usize; 2],
+    /// Programmed feed, m/s.
+    pub feed: Option<f64>,
+}
+
+/// A corner of the programmed path.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct CornerLine {
+    pub lines: [usize; 2],
+    /// rad.
+    pub angle: f64,
+    /// By how much its blend deviates at most, m, or why the tool stops there.
+    pub blend: Result<f64, KeptJoint>,
+}
+
+/// A code between moves that switches, waits or informs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MarkerLine {
+    /// The line of the file.
+    pub line: u64,
+    /// The place on the path, m.
+    pub s_m: f64,
+    /// The time at which the tool is there, s.
+    pub t_s: Option<f64>,
+    /// The code.
+    pub what: String,
+}
+
+impl Outline {
+    /// The line of the file at the arc length `s` (m); on a blend the lines that it joins.
+    pub fn lines_at(&self, s: f64) -> [usize; 2] {
+        let i = self.pieces.partition_point(|piece| piece.to < s);
+        self.pieces.get(i).or(self.pieces.last()).map_or([0; 2], |piece| piece.lines)
+    }
+
+    /// The N word of a line.
+    pub(crate) fn number_of(&self, line: usize) -> Option<u32> {
+        self.numbers.binary_search_by_key(&line, |n| n.0).ok().map(|i| self.numbers[i].1)
+    }
+
+    /// The same in words, to follow a message: with the N word where there is one.
+    pub(crate) fn words_at(&self, s: f64) -> String {
+        let [from, to] = self.lines_at(s);
+        let number = self.number_of(to).map(|n| format!(" (N{n})")).unwrap_or_default();
+        match from == to {
+            true => format!("; that is at line {to}{number}"),
+            false => format!("; that is in the blend between lines {from} and {to}{number}"),
+        }
+    }
+}

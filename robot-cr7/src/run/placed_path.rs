@@ -1,0 +1,132 @@
+//! A path file where its job places it: curve, orientation and feeds, ready for an arm.
+
+use arcfeed_geometry::{ArcLengthCurve, Fit, GeometryError, NurbsCurve, OrientationPath, PosePath, Spacing};
+use arcfeed_interp::{FeedSection, LimitError, ToolLimits};
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
+
+use super::error::Cr7Error;
+use super::outline::Outline;
+use super::programmed::Programmed;
+use crate::input::error::InputError;
+use crate::input::job::{Job, ToolOrientation};
+use crate::input::path_file::{MOST_CONTROL_POINTS, PathFile, PathGeometry};
+
+/// Positions along the path are good to this, m: far below what any encoder resolves.
+pub(crate) const ARC_LENGTH_TOLERANCE: f64 = 1e-15;
+/// Largest angle between the tangent and a tool that follows it, rad.
+const HEADING_TOLERANCE: f64 = 1e-3;
+/// Degree of curves laid through points.
+const FIT_DEGREE: usize = 3;
+
+/// A path in the base frame, with what its file says of the feed.
+#[derive(Debug, Clone)]
+pub(crate) struct PlacedPath {
+    pub path: PosePath,
+    /// Feeds of the job, or of the program.
+    pub sections: Vec<FeedSection>,
+    /// Lines of the file along the path, where it has such.
+    pub outline: Option<Outline>,
+    pub warnings: Vec<String>,
+}
+
+impl PlacedPath {
+    /// The path of a file where the job places it, with the orientation that the job asks for.
+    pub fn new(job: &Job, file: &PathFile) -> Result<Self, Cr7Error> {
+        let error = |source| curve_error(file, source);
+        let programmed = match &file.geometry {
+            PathGeometry::Program(program) => Some(Programmed::of_program(program, job)?),
+            PathGeometry::Points { points, lines } if job.polyline => {
+                Some(Programmed::of_polyline(file, points, lines, job)?)
+            }
+            PathGeometry::Points { .. } | PathGeometry::Curve(_) => None,
+        };
+        let curve = match &programmed {
+            Some(programmed) => programmed.path.to_curve().map_err(error)?,
+            None => file.curve_with(|points| Ok(fitted(points, job)?.curve))?,
+        };
+        let curve = small_enough(file, curve.transformed(&job.workpiece).map_err(error)?)?;
+        let curve = ArcLengthCurve::new(curve, ARC_LENGTH_TOLERANCE).map_err(error)?;
+        let Some(programmed) = programmed else {
+            let orientation = orientation_of(job, &curve).map_err(error)?;
+            let path = PosePath::new(curve, orientation);
+            return Ok(Self { path, sections: job.sections.clone(), outline: None, warnings: Vec::new() });
+        };
+        let orientation = match &programmed.turns {
+            Some(turns) => {
+                let ToolOrientation::Constant(rotation) = job.orientation else {
+                    return Err(programmed.turns_twice().into());
+                };
+                let keys: Vec<_> = turns.iter().map(|turn| job.workpiece.rotation * turn * rotation).collect();
+                programmed.path.orientation(&curve, &keys, job.blend_angle).map_err(error)?
+            }
+            None => orientation_of(job, &curve).map_err(error)?,
+        };
+        let sections = programmed.sections(job);
+        let outline = Some(programmed.outline(&curve));
+        Ok(Self { path: PosePath::new(curve, orientation), sections, outline, warnings: programmed.warnings })
+    }
+}
+
+fn curve_error(file: &PathFile, source: GeometryError) -> Cr7Error {
+    Cr7Error::Curve { file: file.file.display().to_string(), source }
+}
+
+/// The smooth curve through points.
+fn fitted(points: &[nalgebra::Vector3<f64>], job: &Job) -> Result<Fit<3>, GeometryError> {
+    let degree = FIT_DEGREE.min(points.len().saturating_sub(1));
+    NurbsCurve::approximate(points, degree, Spacing::default(), job.fit_tolerance)
+}
+
+fn small_enough(file: &PathFile, curve: NurbsCurve<3>) -> Result<NurbsCurve<3>, Cr7Error> {
+    let count = curve.control_points().len();
+    if count <= MOST_CONTROL_POINTS {
+        return Ok(curve);
+    }
+    let (key, remedy) = match &file.geometry {
+        PathGeometry::Program(_) => ("the curve of the program", "split the program"),
+        _ => ("the curve through the points", "raise path.fit_tolerance_mm of the job, or split the path"),
+    };
+    Err(Cr7Error::Input(InputError::Value {
+        file: file.file.clone(),
+        line: None,
+        key: key.to_owned(),
+        value: format!("one of {count} control points"),
+        rule: "a path has at most 25000 control points",
+        remedy,
+    }))
+}
+
+/// The limits of the tool in a job.
+pub(crate) fn tool_of(job: &Job) -> Result<ToolLimits, LimitError> {
+    let feed = &job.feed;
+    let mut tool = ToolLimits::new()
+        .with_feed(feed.feed)?
+        .with_tangential_acceleration(feed.tangential_acceleration)?
+        .with_tangential_jerk(feed.tangential_jerk)?
+        .with_normal_acceleration(feed.normal_acceleration)?;
+    if let Some(jerk) = feed.normal_jerk {
+        tool = tool.with_normal_jerk(jerk)?;
+    }
+    if let Some(speed) = feed.angular_speed {
+        tool = tool.with_angular_speed(speed)?;
+    }
+    Ok(tool)
+}
+
+fn orientation_of(job: &Job, curve: &ArcLengthCurve<3>) -> Result<OrientationPath, GeometryError> {
+    let frame = job.workpiece.rotation;
+    match job.orientation {
+        ToolOrientation::Constant(rotation) => Ok(OrientationPath::Constant(frame * rotation)),
+        ToolOrientation::Slerp { from, to } => OrientationPath::slerp(curve.length(), frame * from, frame * to),
+        ToolOrientation::Tangent { axis } => {
+            let z = frame * axis;
+            let tangent = curve.jet(0.0).d1;
+            let x = (tangent - z.as_ref() * z.dot(&tangent))
+                .try_normalize(1e-6)
+                .ok_or(GeometryError::NoHeading { s: 0.0 })?;
+            let axes = Matrix3::from_columns(&[x, z.cross(&x), z.into_inner()]);
+            let start = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes));
+            OrientationPath::following_tangent(curve, z, start, HEADING_TOLERANCE)
+        }
+    }
+}

@@ -1,0 +1,247 @@
+//! A program or a polyline as a path with blended corners and the feeds of its lines.
+
+use std::path::PathBuf;
+
+use arcfeed_geometry::{
+    ArcLengthCurve, Blending, GeometryError, JoinedPath, JoinedPathBuilder, Joint, JointOutcome, PathPiece,
+};
+use arcfeed_interp::{Extent, FeedSection};
+use nalgebra::{UnitQuaternion, Vector3};
+
+use super::error::Cr7Error;
+use super::outline::{CornerLine, MarkerLine, Outline, OutlinePiece};
+use crate::input::error::InputError;
+use crate::input::gcode::{GcodeMove, GcodeProgram, MarkerKind, MoveKind, PathControl};
+use crate::input::job::Job;
+use crate::input::path_file::PathFile;
+use crate::text::number;
+
+/// Blends of a program that asks for them (G64) and states no tolerance, where the job does not either, m.
+const UNSTATED_BLEND: f64 = 1e-4;
+/// A joint with a smaller angle is no corner, rad.
+const CORNER: f64 = 1e-6;
+/// Ends of the lines of a polyline may be off by rounding, m.
+const GAP: f64 = 1e-9;
+
+/// One line of the file.
+#[derive(Debug, Clone, Copy)]
+struct Step {
+    line: usize,
+    number: Option<u32>,
+    /// m/s, where the file states one.
+    feed: Option<f64>,
+    /// Tolerance of the joint at its end, m.
+    tolerance: f64,
+}
+
+/// A path from lines of a file, with blends in place of its corners.
+pub(crate) struct Programmed {
+    file: PathBuf,
+    steps: Vec<Step>,
+    pub path: JoinedPath,
+    joints: Vec<(Joint, JointOutcome)>,
+    /// Turns of the tool by rotary axes: at the start, then at the end of each line.
+    pub turns: Option<Vec<UnitQuaternion<f64>>>,
+    /// Index of the step before it, line, and words.
+    markers: Vec<(usize, u64, String)>,
+    pub warnings: Vec<String>,
+}
+
+impl Programmed {
+    /// The working moves of a program: blends where it says G64, or where the job gives a tolerance and the program says nothing.
+    pub fn of_program(program: &GcodeProgram, job: &Job) -> Result<Self, Cr7Error> {
+        if !job.sections.is_empty() {
+            let rule = "a program states its own feeds (F)";
+            return Err(program.wrong(None, "[[section]] of the job", "given", rule, "remove the sections").into());
+        }
+        let programmed = program.joined()?;
+        let moves = program.working_moves();
+        let mut warnings = Vec::new();
+        let steps = steps(moves, &programmed, job, &mut warnings);
+        let skipped = program.moves.len() - moves.len();
+        let markers = program.markers.iter().map(|m| (m.after.saturating_sub(skipped), m.line, words(&m.kind)));
+        let markers: Vec<_> = markers.collect();
+        let rests = program.markers.iter().filter(|m| matches!(m.kind, MarkerKind::Dwell { .. })).count();
+        if rests > 0 {
+            warnings.push(format!("{rests} dwells (G4) are marks in the report: the motion does not wait there"));
+        }
+        if skipped > 0 {
+            warnings.push(format!(
+                "the motion begins at line {}: the {skipped} rapid moves before it lead to its start",
+                moves[0].line
+            ));
+        }
+        let blended = blend(&programmed, &steps).map_err(|source| curve_error(&program.file, source))?;
+        Ok(Self {
+            file: program.file.clone(),
+            steps,
+            path: blended.path,
+            joints: blended.joints,
+            turns: turns(program, moves),
+            markers,
+            warnings,
+        })
+    }
+
+    /// The lines through `points`, each with its line in the file.
+    pub fn of_polyline(file: &PathFile, points: &[Vector3<f64>], lines: &[u64], job: &Job) -> Result<Self, Cr7Error> {
+        let error = |source| curve_error(&file.file, source);
+        let (start, rest) = points.split_first().ok_or_else(|| error(GeometryError::EmptyPath))?;
+        let mut path = JoinedPathBuilder::new(*start, GAP).map_err(error)?;
+        let tolerance = job.blend.unwrap_or(0.0);
+        let mut steps = Vec::with_capacity(rest.len());
+        for (point, &line) in rest.iter().zip(lines.iter().skip(1)) {
+            let line = usize::try_from(line).unwrap_or(usize::MAX);
+            path.line_to(*point, line).map_err(error)?;
+            steps.push(Step { line, number: None, feed: None, tolerance });
+        }
+        let blended = blend(&path.build().map_err(error)?, &steps).map_err(error)?;
+        let (path, joints) = (blended.path, blended.joints);
+        let file = file.file.clone();
+        Ok(Self { file, steps, path, joints, turns: None, markers: Vec::new(), warnings: Vec::new() })
+    }
+
+    /// The feeds along the path: those of the program, else those of the job.
+    pub fn sections(&self, job: &Job) -> Vec<FeedSection> {
+        let mut sections: Vec<(f64, f64, f64)> = Vec::new();
+        for piece in self.path.pieces() {
+            let feeds = piece.sources.map(|line| self.step(line).and_then(|step| step.feed));
+            let [Some(before), Some(after)] = feeds else { return job.sections.clone() };
+            let feed = before.min(after);
+            match sections.last_mut() {
+                Some(last) if last.2 == feed => last.1 = piece.end,
+                _ => sections.push((piece.start, piece.end, feed)),
+            }
+        }
+        let section = |(from, to, feed)| FeedSection { extent: Extent::Parameter { from, to }, feed };
+        sections.into_iter().map(section).collect()
+    }
+
+    /// Where the lines of the file lie on the path, by arc length.
+    pub fn outline(&self, curve: &ArcLengthCurve<3>) -> Outline {
+        let piece = |piece: &PathPiece| OutlinePiece {
+            to: curve.arc_length_at(piece.end),
+            lines: piece.sources,
+            feed: self.step(piece.sources[1]).and_then(|step| step.feed),
+        };
+        let pieces: Vec<OutlinePiece> = self.path.pieces().iter().map(piece).collect();
+        let end_of = |line: usize| {
+            let last = pieces.iter().rev().find(|piece| piece.lines[0] == line);
+            last.map_or(0.0, |piece| piece.to)
+        };
+        let markers = self.markers.iter().map(|(after, line, what)| MarkerLine {
+            line: *line,
+            s_m: after.checked_sub(1).and_then(|i| self.steps.get(i)).map_or(0.0, |step| end_of(step.line)),
+            t_s: None,
+            what: what.clone(),
+        });
+        let corner = |(joint, outcome): &(Joint, JointOutcome)| match outcome {
+            JointOutcome::Kept(_) if joint.angle < CORNER => None,
+            JointOutcome::Kept(why) => Some(CornerLine { lines: joint.sources, angle: joint.angle, blend: Err(*why) }),
+            JointOutcome::Blended { deviation, .. } => {
+                Some(CornerLine { lines: joint.sources, angle: joint.angle, blend: Ok(*deviation) })
+            }
+        };
+        let corners = self.joints.iter().filter_map(corner).collect();
+        let numbers = self.steps.iter().filter_map(|step| step.number.map(|n| (step.line, n))).collect();
+        Outline { markers: markers.collect(), pieces, corners, numbers }
+    }
+
+    /// That both the job and the program turn the tool.
+    pub fn turns_twice(&self) -> InputError {
+        InputError::Value {
+            file: self.file.clone(),
+            line: None,
+            key: "the orientation of the job".to_owned(),
+            value: "one that changes along the path".to_owned(),
+            rule: "a program with rotary axes (A, B, C) turns the tool itself",
+            remedy: "set orientation.mode = \"constant\"",
+        }
+    }
+
+    fn step(&self, line: usize) -> Option<&Step> {
+        step_of(&self.steps, line)
+    }
+}
+
+/// Lines of a file only go up.
+fn step_of(steps: &[Step], line: usize) -> Option<&Step> {
+    steps.binary_search_by_key(&line, |step| step.line).ok().map(|i| &steps[i])
+}
+
+fn blend(path: &JoinedPath, steps: &[Step]) -> Result<arcfeed_geometry::BlendedPath, GeometryError> {
+    path.blended_by(|joint| Blending::within(step_of(steps, joint.sources[0]).map_or(0.0, |step| step.tolerance)))
+}
+
+fn curve_error(file: &std::path::Path, source: GeometryError) -> Cr7Error {
+    Cr7Error::Curve { file: file.display().to_string(), source }
+}
+
+/// Feed and tolerance of each move. A feed is at most that of the job, which rapid moves have.
+fn steps(moves: &[GcodeMove], path: &JoinedPath, job: &Job, warnings: &mut Vec<String>) -> Vec<Step> {
+    let (mut capped, mut unstated) = (None, None);
+    let mut pieces = path.pieces().iter().peekable();
+    let mut steps = Vec::with_capacity(moves.len());
+    for step in moves {
+        let line = usize::try_from(step.line).unwrap_or(usize::MAX);
+        let mut length = 0.0;
+        while let Some(piece) = pieces.next_if(|piece| piece.sources[0] == line) {
+            length += piece.length;
+        }
+        let speed = match step.kind {
+            MoveKind::Rapid => job.feed.feed,
+            MoveKind::Feed { speed } => speed,
+            MoveKind::InverseTime { seconds } => length / seconds,
+            // Refused before: the tool rests.
+            MoveKind::RotaryFeed { .. } => job.feed.feed,
+        };
+        if speed > job.feed.feed * (1.0 + 1e-12) {
+            let (_, highest) = *capped.get_or_insert((line, speed));
+            capped = capped.map(|(first, _)| (first, highest.max(speed)));
+        }
+        let tolerance = match step.control {
+            None => job.blend.unwrap_or(0.0),
+            Some(PathControl::ExactPath | PathControl::ExactStop) => 0.0,
+            Some(PathControl::Blend { tolerance: Some(tolerance), .. }) => tolerance,
+            Some(PathControl::Blend { tolerance: None, .. }) => {
+                if job.blend.is_none() {
+                    unstated.get_or_insert(line);
+                }
+                job.blend.unwrap_or(UNSTATED_BLEND)
+            }
+        };
+        steps.push(Step { line, number: step.number, feed: Some(speed.min(job.feed.feed)), tolerance });
+    }
+    if let Some((first, highest)) = capped {
+        let [highest, most] = [highest, job.feed.feed].map(|v| number(v * 1e3));
+        warnings.push(format!(
+            "F of up to {highest} mm/s, first at line {first}, is held to feed.feed_mm_s = {most} of the job"
+        ));
+    }
+    if let Some(line) = unstated {
+        warnings.push(format!(
+            "G64 without P at line {line}: corners are blended within 0.1 mm; give path.blend_mm in the job"
+        ));
+    }
+    steps
+}
+
+/// What the rotary axes make of the tool: a turn by A about x, then by B about y, then by C about z.
+fn turns(program: &GcodeProgram, moves: &[GcodeMove]) -> Option<Vec<UnitQuaternion<f64>>> {
+    moves.iter().any(|step| step.rotary.is_some()).then(|| {
+        let before = program.moves.len() - moves.len();
+        let start = before.checked_sub(1).and_then(|i| program.moves[i].rotary);
+        let axes = std::iter::once(start).chain(moves.iter().map(|step| step.rotary));
+        axes.map(|abc| abc.unwrap_or_default()).map(|a| UnitQuaternion::from_euler_angles(a.x, a.y, a.z)).collect()
+    })
+}
+
+fn words(kind: &MarkerKind) -> String {
+    match kind {
+        MarkerKind::Code(code) => code.clone(),
+        MarkerKind::SpindleSpeed(speed) => format!("S{}", number(*speed)),
+        MarkerKind::Tool(tool) => format!("T{tool}"),
+        MarkerKind::Message(text) => text.clone(),
+        MarkerKind::Dwell { seconds } => format!("dwell of {} s", number(*seconds)),
+    }
+}
