@@ -85,6 +85,8 @@ pub struct Job {
     pub fit_tolerance: f64,
     /// True where the points of a CSV file are the corners of a polyline, and not those of a smooth curve.
     pub polyline: bool,
+    /// By how much a smooth curve may leave the lines between its points, in m; a quarter of their length where the job does not say.
+    pub bulge: Option<f64>,
     /// Largest distance of a blended corner from the programmed path, in m; `None` where the tool stops in corners. A program that states
     /// its own (G61, G64 P) overrules it.
     pub blend: Option<f64>,
@@ -123,8 +125,9 @@ impl Default for Job {
             csv_unit: None,
             fit_tolerance: 1e-6,
             polyline: false,
+            bulge: None,
             blend: None,
-            blend_angle: 1e-3,
+            blend_angle: 0.05 / (180.0 / std::f64::consts::PI),
             workpiece: Isometry3::translation(0.4, -0.05, 0.2),
             tool: Isometry3::identity(),
             orientation: ToolOrientation::Constant(rotation([180.0, 0.0, 0.0])),
@@ -207,6 +210,7 @@ impl JobCheck<'_> {
                 default.fit_tolerance,
             )?,
             polyline: raw.path.through == RawThrough::Polyline,
+            bulge: self.0.limit("path.bulge_mm", raw.path.bulge_mm, mm)?,
             blend: self.0.limit("path.blend_mm", raw.path.blend_mm, mm)?,
             blend_angle: self.0.limit_or(
                 "path.blend_deg",

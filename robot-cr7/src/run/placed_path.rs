@@ -1,8 +1,8 @@
 //! A path file where its job places it: curve, orientation and feeds, ready for an arm.
 
-use arcfeed_geometry::{ArcLengthCurve, Fit, GeometryError, NurbsCurve, OrientationPath, PosePath, Spacing};
+use arcfeed_geometry::{ArcLengthCurve, Curve, Fit, GeometryError, NurbsCurve, OrientationPath, PosePath, Spacing};
 use arcfeed_interp::{FeedSection, LimitError, ToolLimits};
-use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 use super::error::Cr7Error;
 use super::outline::Outline;
@@ -10,6 +10,7 @@ use super::programmed::Programmed;
 use crate::input::error::InputError;
 use crate::input::job::{Job, ToolOrientation};
 use crate::input::path_file::{MOST_CONTROL_POINTS, PathFile, PathGeometry};
+use crate::text::number;
 
 /// Positions along the path are good to this, m: far below what any encoder resolves.
 pub(crate) const ARC_LENGTH_TOLERANCE: f64 = 1e-15;
@@ -42,7 +43,7 @@ impl PlacedPath {
         };
         let curve = match &programmed {
             Some(programmed) => programmed.path.to_curve().map_err(error)?,
-            None => file.curve_with(|points| Ok(fitted(points, job)?.curve))?,
+            None => smooth_curve(file, job)?,
         };
         let curve = small_enough(file, curve.transformed(&job.workpiece).map_err(error)?)?;
         let curve = ArcLengthCurve::new(curve, ARC_LENGTH_TOLERANCE).map_err(error)?;
@@ -71,10 +72,70 @@ fn curve_error(file: &PathFile, source: GeometryError) -> Cr7Error {
     Cr7Error::Curve { file: file.file.display().to_string(), source }
 }
 
-/// The smooth curve through points.
-fn fitted(points: &[nalgebra::Vector3<f64>], job: &Job) -> Result<Fit<3>, GeometryError> {
-    let degree = FIT_DEGREE.min(points.len().saturating_sub(1));
-    NurbsCurve::approximate(points, degree, Spacing::default(), job.fit_tolerance)
+/// The curve of a file, or the smooth one through its points, which may not bulge far beside the lines between them.
+fn smooth_curve(file: &PathFile, job: &Job) -> Result<NurbsCurve<3>, Cr7Error> {
+    let mut fit = None;
+    let curve = file.curve_with(|points| {
+        let degree = FIT_DEGREE.min(points.len().saturating_sub(1));
+        let found = NurbsCurve::approximate(points, degree, Spacing::default(), job.fit_tolerance)?;
+        Ok(fit.insert(found).curve.clone())
+    })?;
+    if let (Some(fit), PathGeometry::Points { points, lines }) = (fit, &file.geometry)
+        && let Some(bulge) = Bulge::worst(&fit, points, job.bulge)
+    {
+        return Err(bulge.error(file, lines).into());
+    }
+    Ok(curve)
+}
+
+/// Where a curve through points is beside the line from one point to the next.
+#[derive(Debug, Clone, Copy)]
+struct Bulge {
+    /// The point before it.
+    point: usize,
+    /// m.
+    distance: f64,
+    /// Distance of the two points, m.
+    chord: f64,
+}
+
+impl Bulge {
+    /// Places looked at between two points.
+    const LOOKS: i32 = 8;
+    /// A smooth curve through points of a circle bulges by this part of their distance where there are four of them.
+    const PART: f64 = 0.25;
+
+    /// The worst bulge over `limit` (m), or over a quarter of the distance of its points where there is no limit.
+    fn worst(fit: &Fit<3>, points: &[Vector3<f64>], limit: Option<f64>) -> Option<Self> {
+        let between = |i: usize| {
+            let (a, b) = (points[i], points[i + 1]);
+            let (from, to) = (fit.parameters[i], fit.parameters[i + 1]);
+            let chord = (b - a).norm();
+            let along = (b - a) / chord;
+            let distance = |k: i32| {
+                let off = fit.curve.point(from + (to - from) * f64::from(k) / f64::from(Self::LOOKS)) - a;
+                (off - along * off.dot(&along).clamp(0.0, chord)).norm()
+            };
+            Self { point: i, distance: (1..Self::LOOKS).map(distance).fold(0.0, f64::max), chord }
+        };
+        let over = |bulge: &Self| bulge.distance / limit.unwrap_or(Self::PART * bulge.chord);
+        let worst = (0..points.len().saturating_sub(1)).map(between).max_by(|a, b| over(a).total_cmp(&over(b)));
+        worst.filter(|bulge| over(bulge) > 1.0)
+    }
+
+    fn error(&self, file: &PathFile, lines: &[u64]) -> InputError {
+        let line = |i: usize| lines.get(i).copied().unwrap_or_default();
+        let (from, to) = (line(self.point), line(self.point + 1));
+        let [distance, chord] = [self.distance, self.chord].map(|m| number(m * 1e3));
+        InputError::Value {
+            file: file.file.clone(),
+            line: usize::try_from(from).ok(),
+            key: "the smooth curve through the points".to_owned(),
+            value: format!("{distance} mm beside the line of {chord} mm from line {from} to line {to}"),
+            rule: "it may leave the lines between its points by a quarter of their length, or by path.bulge_mm of the job",
+            remedy: "set path.through = \"polyline\" if the points are corners, give more points, or path.bulge_mm",
+        }
+    }
 }
 
 fn small_enough(file: &PathFile, curve: NurbsCurve<3>) -> Result<NurbsCurve<3>, Cr7Error> {

@@ -52,7 +52,7 @@ impl Programmed {
     pub fn of_program(program: &GcodeProgram, job: &Job) -> Result<Self, Cr7Error> {
         if !job.sections.is_empty() {
             let rule = "a program states its own feeds (F)";
-            return Err(program.wrong(None, "[[section]] of the job", "given", rule, "remove the sections").into());
+            return Err(program.wrong(None, "[[sections]] of the job", "given", rule, "remove the sections").into());
         }
         let programmed = program.joined()?;
         let moves = program.working_moves();

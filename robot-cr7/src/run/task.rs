@@ -96,13 +96,18 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
     ) -> Result<Self, Cr7Error> {
         let begin = Instant::now();
         let shown = file.file.display().to_string();
-        let placed = PlacedPath::new(job, file)?;
-        let path = placed.path;
+        let PlacedPath { path, sections, outline, warnings: of_path } = PlacedPath::new(job, file)?;
         let tool = tool_of(job).map_err(|source| plan_error(&shown, source.into()))?;
-        let (arm, start) = arm_for(&path).map_err(|source| plan_error(&shown, source.into()))?;
+        let (arm, start) = arm_for(&path).map_err(|source| match plan_error(&shown, source.into()) {
+            Cr7Error::Plan { file, source, hint } => {
+                let line = outline.as_ref().map(|outline| line_words(outline, &source));
+                Cr7Error::Plan { file, source, hint: hint + &line.unwrap_or_default() }
+            }
+            other => other,
+        })?;
         let mut warnings = file.warnings.clone();
         warnings.extend(job.warnings.iter().cloned());
-        warnings.extend(placed.warnings);
+        warnings.extend(of_path);
         Ok(Self {
             name: file.name.clone(),
             file: shown,
@@ -112,8 +117,8 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
             limits: *limits,
             tool,
             drives,
-            sections: placed.sections,
-            outline: placed.outline,
+            sections,
+            outline,
             end_speeds: job.feed.end_speeds,
             chord_tolerance: job.chord_tolerance,
             period: job.period,
@@ -194,7 +199,7 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
         };
         match plan_error(&self.file, source) {
             Cr7Error::Plan { file, source, hint } => {
-                let line = self.outline.as_ref().zip(place_of(&source)).map(|(outline, s)| outline.words_at(s));
+                let line = self.outline.as_ref().map(|outline| line_words(outline, &source));
                 Cr7Error::Plan { file, source, hint: hint + &line.unwrap_or_default() + &slow }
             }
             other => other,
@@ -302,6 +307,11 @@ pub(crate) fn live_error(file: &str, error: LiveError) -> Cr7Error {
 pub(crate) fn plan_error(file: &str, source: PlanError) -> Cr7Error {
     let hint = unit_hint(&source);
     Cr7Error::Plan { file: file.to_owned(), source: Box::new(source), hint }
+}
+
+/// The line of the file at which a plan fails, to follow its message.
+fn line_words(outline: &Outline, error: &PlanError) -> String {
+    place_of(error).map(|s| outline.words_at(s)).unwrap_or_default()
 }
 
 /// The arc length at which a plan fails, where it is one place.

@@ -7,6 +7,7 @@ mod command_line;
 mod common;
 mod compare;
 mod gcode_hostile;
+mod gcode_plan;
 mod gcode_refusals;
 mod gcode_round_trip;
 mod gcode_rules;

@@ -1,5 +1,6 @@
 //! Scenario files: those that come with the program run, and bad ones are refused by line and rule.
 
+use crate::common::Desk;
 use std::path::Path;
 
 use robot_cr7::{Clock, Cr7, Cr7Error, Played, RunReport, Scenario};
