@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
 use nalgebra::{Unit, Vector3};
 
-use super::spans::{Spans, homogeneous};
+use super::spans::{Spans, homogeneous, length};
 use crate::error::GeometryError;
 
 /// Most full turns of an arc or a helix.
@@ -180,7 +180,8 @@ impl Turning {
             let second = |angle: f64| self.out(angle) * (-h * h / 20.0);
             let (d0, d1) = (first(a), first(b));
             let points = [p, p + d0, p + d0 * 2.0 + second(a), q - d1 * 2.0 + second(b), q - d1, q];
-            spans.push(&points.map(|p| homogeneous(&p)), self.length() / count as f64);
+            let points = points.map(|p| homogeneous(&p));
+            spans.push(&points, length(&points, 0.0, 1.0));
         }
         Ok(spans)
     }

@@ -19,7 +19,7 @@ const AIM: f64 = 0.96;
 /// A blend of curved pieces is large enough from this part of its tolerance on.
 const ENOUGH: f64 = 0.85;
 /// A blend over the length `l` of a jump of curvature `k` deviates by about this part of `k l^2`.
-const JUMP_DEVIATION: f64 = 0.0024;
+const JUMP_DEVIATION: f64 = 0.003;
 /// A blend takes no more of a piece than would turn by this angle (rad) with the curvature at the joint.
 const MOST_TURN: f64 = 1.0;
 /// A jump of curvature that turns by less over its pieces (rad) is rounding.
@@ -280,7 +280,8 @@ impl JoinedPath {
         if replaced.iter().any(|&length| !(length > 0.0 && length <= setting.radius * (1.0 + 1e-9))) {
             return None;
         }
-        let points = between(&cuts.map(|cut| self.jet(cut)), replaced);
+        let jump = joint.curvature_jump * replaced[0].max(replaced[1]);
+        let points = between(&cuts.map(|cut| self.jet(cut)), replaced, joint.angle / (joint.angle + jump));
         if !leads_on(&points) {
             return None;
         }

@@ -1,11 +1,15 @@
 //! Tests of curves, editing, arc length, orientation, segments and fits, in one binary.
 
 mod arc_length;
+mod blend_shape;
+mod blending;
 mod close_knots;
 mod common;
 mod editing;
 #[cfg(feature = "fit")]
 mod fit;
+mod joined;
+mod joined_orientation;
 mod oracle;
 mod orientation;
 mod pose_motion;
@@ -14,3 +18,6 @@ mod segmentation;
 
 #[path = "common/close_knots.rs"]
 mod close_knots_cases;
+
+#[global_allocator]
+static ALLOCATOR: arcfeed_testing::Counting = arcfeed_testing::Counting;

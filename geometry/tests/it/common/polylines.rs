@@ -14,6 +14,8 @@ pub struct Seen {
     pub kept: usize,
     /// Largest certified deviation over the sampled one.
     pub pessimism: f64,
+    /// Blends whose certified deviation is more than a tenth above the sampled one.
+    pub loose: usize,
     /// Largest jumps of the tangent, and of the curvature times the length of the shorter neighbour, above rounding.
     pub tangent: f64,
     pub curvature: f64,
