@@ -280,6 +280,18 @@ fn inches_and_feed_per_revolution() {
 }
 
 #[test]
+fn the_star_is_ten_lines_within_two_millimetres() {
+    let program = sample("star.ngc");
+    assert_eq!(program.moves.len(), 11);
+    let blend = PathControl::Blend { tolerance: Some(2e-3), naive: 2e-3 };
+    assert!(program.moves.iter().all(|step| step.control == Some(blend)));
+    program.moves[1..].iter().for_each(|step| assert_feed(step, 4800.0));
+    assert_near(program.moves[0].end(), mm(0.0, 40.0, 0.0));
+    assert_near(program.moves[5].end(), mm(0.0, -15.3, 0.0));
+    assert_near(program.moves[10].end(), mm(0.0, 40.0, 0.0));
+}
+
+#[test]
 fn every_sample_is_tested() {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("data/gcode");
     let mut names: Vec<String> = std::fs::read_dir(folder)
@@ -288,7 +300,7 @@ fn every_sample_is_tested() {
         .collect();
     names.sort();
     let tested = include_str!("gcode_samples.rs");
-    assert_eq!(names.len(), 9);
+    assert_eq!(names.len(), 10);
     for name in names {
         assert!(tested.contains(&format!("sample(\"{name}\")")), "{name} has no test");
     }

@@ -3,8 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use arcfeed_interp::PathArm;
-use robot_cr7::plot::{Along, Bound, JointQuantity, feed_picture, joint_picture, path_picture, speed_picture};
+use arcfeed_interp::{PathArm, Trajectory};
+use robot_cr7::plot::{
+    Along, Bound, JointQuantity, feed_picture, joint_picture, path_picture, speed_path_picture, speed_picture,
+};
 use robot_cr7::{
     BindingBar, BoundReport, CompiledReport, Job, LineTime, Motion, ProgramReport, Series, SpeedFigure, Staging,
     StreamReport, Task, TrajectoryRow, TrajectoryWriter, drawn_segments, few_enough, line_times,
@@ -90,9 +92,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 }
 
 /// The files of the command.
-const FILES: [&str; 12] = [
+const FILES: [&str; 13] = [
     "trajectory.csv",
     "path.svg",
+    "path_speed.svg",
     "feed.svg",
     "feed_time.svg",
     "joint_velocity.svg",
@@ -235,6 +238,7 @@ fn pictures<const N: usize>(motion: &Motion<'_, N>, job: &Job, series: &Series) 
     let deviations = plan.segmentation().map_or(&[] as &[f64], |segmentation| segmentation.deviations());
     let mut all = vec![
         ("path.svg", path_picture(name, &segments, deviations, plan.chord_tolerance())),
+        ("path_speed.svg", speed_path_picture(name, &places(plan, job, series))),
         ("feed.svg", feed_picture(name, Along::Length, &series.pairs(1, 2), &limit)),
         ("feed_time.svg", feed_picture(name, Along::Time, &series.pairs(0, 2), &limit_by_time)),
         ("joint_velocity.svg", picture(JointQuantity::Velocity, 3, rates[0])),
@@ -243,6 +247,19 @@ fn pictures<const N: usize>(motion: &Motion<'_, N>, job: &Job, series: &Series) 
     ];
     all.extend(streamed.map(|svg| ("stream.svg", svg)));
     Ok(all)
+}
+
+/// Places along the motion, seen along the z axis of the workpiece (m), with the speed there (m/s).
+fn places<const N: usize>(plan: &Trajectory<'_, N>, job: &Job, series: &Series) -> Vec<[f64; 3]> {
+    const MOST: usize = 6000;
+    let Some(path) = plan.path().tool_curve() else { return Vec::new() };
+    let inverse = job.workpiece.inverse();
+    let (s, v) = (series.column(1), series.column(2));
+    let place = |(&s, &v): (&f64, &f64)| {
+        let p = inverse.transform_point(&path.curve().point(s).into());
+        [p.x, p.y, v]
+    };
+    s.iter().zip(v).step_by(s.len().div_ceil(MOST).max(1)).map(place).collect()
 }
 
 /// The speed under its limit, with the stretches in which the look-ahead held it back.

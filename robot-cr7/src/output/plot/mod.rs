@@ -9,6 +9,7 @@ mod decimate;
 mod paper;
 mod run;
 mod schedule;
+mod speed;
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -20,6 +21,7 @@ use crate::text::{number, percent};
 pub use paper::paper_picture;
 pub use run::{Picture, run_pictures};
 pub use schedule::{joint_panels_picture, shares_picture, speed_picture};
+pub use speed::speed_path_picture;
 
 use canvas::{Anchor, Canvas, LIMIT, PALETTE, Panel, Pen, page, range, widened};
 
