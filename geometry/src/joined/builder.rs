@@ -12,10 +12,13 @@ use crate::nurbs::{NurbsCurve, check_points};
 
 /// No piece is shorter, in the unit of the path: squares of lengths stay inside the range of f64.
 const SHORTEST: f64 = 1e-100;
-/// A span of a curve is halved until one quadrature rule agrees with itself on both halves to this part of the length.
+/// A span of a curve is halved until one quadrature rule agrees with itself on both halves to this part of the
+/// length.
 const TAME: f64 = 1e-10;
 /// A span of a curve is halved at most this often.
 const MOST_HALVINGS: u32 = 10;
+/// A curve stands still where its speed is below this part of the mean over its span.
+const STANDING: f64 = 1e-9;
 /// Curvatures on both sides of a knot of a curve that differ by this part are a jump.
 const SAME_CURVATURE: f64 = 1e-6;
 
@@ -43,8 +46,8 @@ pub struct JoinedPathBuilder {
 }
 
 impl JoinedPathBuilder {
-    /// A path that starts at `start`. `tolerance` is how far the end of an arc may be off its circle, and the start of a curve
-    /// off the present end of the path, in the unit of the path.
+    /// A path that starts at `start`. `tolerance` is how far the end of an arc may be off its circle, and the start
+    /// of a curve off the present end of the path, in the unit of the path.
     ///
     /// # Errors
     /// Fails when a coordinate is not finite or the tolerance is not above 0.
@@ -73,12 +76,12 @@ impl JoinedPathBuilder {
         Ok(self.finish_call(end))
     }
 
-    /// Appends a circular arc of any sweep. It ends exactly in `to.end`: within the tolerance its centre is moved so that both
-    /// radii are equal, and its plane is tilted.
+    /// Appends a circular arc of any sweep. It ends exactly in `to.end`: within the tolerance its centre is moved
+    /// so that both radii are equal, and its plane is tilted.
     ///
     /// # Errors
-    /// Fails when a number is not finite, the radius is 0, the end is off the circle by more than the tolerance, or there are
-    /// more than 10 000 turns.
+    /// Fails when a number is not finite, the radius is 0, the end is off the circle by more than the tolerance, or
+    /// there are more than 10 000 turns.
     pub fn arc(&mut self, to: &ArcTo, source: usize) -> Result<&mut Self, GeometryError> {
         check_arc(to, source)?;
         let arc = Turning::arc(&self.position, to, self.tolerance, source)?;
@@ -87,8 +90,8 @@ impl JoinedPathBuilder {
         Ok(self.finish_call(to.end))
     }
 
-    /// Appends a helix: as [`JoinedPathBuilder::arc`], and it rises along the axis to the height of its end. The path stays
-    /// within `tolerance` of the helix. One that does not rise becomes an exact arc.
+    /// Appends a helix: as [`JoinedPathBuilder::arc`], and it rises along the axis to the height of its end. The
+    /// path stays within `tolerance` of the helix. One that does not rise becomes an exact arc.
     ///
     /// # Errors
     /// As [`JoinedPathBuilder::arc`], and when the tolerance is lost in the rounding of the coordinates.
@@ -106,8 +109,8 @@ impl JoinedPathBuilder {
         Ok(self.finish_call(to.end))
     }
 
-    /// Appends a NURBS curve. It is moved as a whole onto the end of the path where it starts beside it within the tolerance.
-    /// Where its tangent or its curvature jumps inside, it becomes several pieces.
+    /// Appends a NURBS curve. It is moved as a whole onto the end of the path where it starts beside it within the
+    /// tolerance. Where its tangent or its curvature jumps inside, it becomes several pieces.
     ///
     /// # Errors
     /// Fails when the curve starts farther away, has no length, or stands still at a knot.
@@ -115,8 +118,9 @@ impl JoinedPathBuilder {
         let curve = curve.clamped()?;
         let points = curve.control_points();
         let gap = self.position - points[0];
-        if !(gap.norm() <= self.tolerance) {
-            return Err(GeometryError::CurveStart { line: source, gap: gap.norm(), tolerance: self.tolerance });
+        let distance = gap.norm();
+        if distance.is_nan() || distance > self.tolerance {
+            return Err(GeometryError::CurveStart { line: source, gap: distance, tolerance: self.tolerance });
         }
         let end = points[points.len() - 1] + gap;
         check_source("end of the curve from input line", source, &end)?;
@@ -128,7 +132,7 @@ impl JoinedPathBuilder {
             for (end, at) in [(0.0, bezier.interval().0), (1.0, bezier.interval().1)] {
                 let speed = jet(&span, end).d1.norm();
                 let mean = length(&span, 0.0, 1.0);
-                if !(speed > 1e-9 * mean) {
+                if speed.is_nan() || speed <= STANDING * mean {
                     return Err(GeometryError::StandsStill { u: at, speed, mean });
                 }
             }

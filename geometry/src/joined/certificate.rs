@@ -147,13 +147,14 @@ fn hull_distance(points: &[Homogeneous], a: &Vector3<f64>, b: &Vector3<f64>) -> 
     points.iter().map(distance).fold(0.0, f64::max)
 }
 
-/// An upper bound on the distance of every point of `blend` from the two stretches, at most a few hundredths above the
-/// largest distance where the points of the blend are near their feet.
+/// An upper bound on the distance of every point of `blend` from the two stretches, at most a few hundredths above
+/// the largest distance where the points of the blend are near their feet.
 ///
-/// On each interval of the parameter the control points of the blend are within some distance of the chord between two
-/// points of a stretch, and with them the blend is, because the distance from a segment is convex. The stretch itself
-/// passes every point of its chord within the largest distance of its hull from the chord, because it leads continuously
-/// from one end to the other. The sum of both distances is a bound, and it falls with the square of the interval.
+/// On each interval of the parameter the control points of the blend are within some distance of the chord between
+/// two points of a stretch, and with them the blend is, because the distance from a segment is convex. The stretch
+/// itself passes every point of its chord within the largest distance of its hull from the chord, because it leads
+/// continuously from one end to the other. The sum of both distances is a bound, and it falls with the square of
+/// the interval.
 pub(super) fn deviation(blend: &[Vector3<f64>; 6], rails: &[Rail; 2]) -> f64 {
     let points = blend.map(|p| homogeneous(&p));
     let whole = [rails[0].length(), rails[1].length()];

@@ -27,19 +27,20 @@ struct Key {
 impl JoinedPath {
     /// The orientation of the tool along the path, from the orientations between the programmed pieces.
     ///
-    /// `keys` are the orientation at the start and one at the end of each piece that was appended to the builder; `curve` is
-    /// [`JoinedPath::to_curve`] of this path by arc length. Along each programmed piece the orientation goes from key to key
-    /// on the shorter way, in step with the arc length (slerp). On a blend that replaces a joint, the key stands in its middle
-    /// and each half runs through the length that was taken on its side.
+    /// `keys` are the orientation at the start and one at the end of each piece that was appended to the builder;
+    /// `curve` is [`JoinedPath::to_curve`] of this path by arc length. Along each programmed piece the orientation
+    /// goes from key to key on the shorter way, in step with the arc length (slerp). On a blend that replaces a
+    /// joint, the key stands in its middle and each half runs through the length that was taken on its side.
     ///
-    /// Where the rate jumps, it is blended over so short a stretch that the orientation stays within `tolerance` (rad) of
-    /// that, by half of either neighbour at most, and then the angular acceleration is continuous. The bound is certain: the
-    /// deviation in the chart about the key is `3/16` of the jump times half the stretch, and angles between orientations are
-    /// not larger than distances in the chart. Where all keys are equal the orientation is constant.
+    /// Where the rate jumps, it is blended over so short a stretch that the orientation stays within `tolerance`
+    /// (rad) of that, by half of either neighbour at most, and then the angular acceleration is continuous. The
+    /// bound is certain: the deviation in the chart about the key is `3/16` of the jump times half the stretch, and
+    /// angles between orientations are not larger than distances in the chart. Where all keys are equal the
+    /// orientation is constant.
     ///
     /// # Errors
-    /// Fails when the number of keys does not fit, a quaternion is not finite, the tolerance is not above 0, or the curve is
-    /// that of another path.
+    /// Fails when the number of keys does not fit, a quaternion is not finite, the tolerance is not above 0, or the
+    /// curve is that of another path.
     pub fn orientation(
         &self,
         curve: &ArcLengthCurve<3>,
@@ -99,9 +100,9 @@ impl JoinedPath {
 
 /// Constant rates from key to key, with a blend about each key between them.
 ///
-/// About the key both slerps are straight in the rotation vector `phi` of `key * exp(phi)`: `a y` before it and `b y` after
-/// it. The blend over `-h < y < h` is `(a + b) y / 2 + (b - a) h (3/16 + 3/8 (y/h)^2 - 1/16 (y/h)^4)`, which has the value,
-/// the slope and the vanishing second derivative of both at its ends.
+/// About the key both slerps are straight in the rotation vector `phi` of `key * exp(phi)`: `a y` before it and `b
+/// y` after it. The blend over `-h < y < h` is `(a + b) y / 2 + (b - a) h (3/16 + 3/8 (y/h)^2 - 1/16 (y/h)^4)`,
+/// which has the value, the slope and the vanishing second derivative of both at its ends.
 fn blended_rates(keys: &[Key], tolerance: f64) -> Through {
     let last = keys.len() - 1;
     let half = |i: usize| {

@@ -71,8 +71,8 @@ pub struct Joint {
 /// One path of many pieces: lines, arcs, helices and NURBS curves, each with the line of the input it came from.
 ///
 /// [`JoinedPathBuilder`](crate::JoinedPathBuilder) makes it, [`JoinedPath::blended`] rounds its corners, and
-/// [`JoinedPath::to_curve`] makes one curve of it. The parameter of the path is that of this curve. It is close to the
-/// arc length: exactly on lines, and otherwise as the length of each span, so that the speed `|C'|` is near 1.
+/// [`JoinedPath::to_curve`] makes one curve of it. The parameter of the path is that of this curve. It is close to
+/// the arc length: exactly on lines, and otherwise as the length of each span, so that the speed `|C'|` is near 1.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JoinedPath {
     pub(super) spans: Spans,
@@ -128,8 +128,8 @@ impl JoinedPath {
         project(&last[last.len() - 1])
     }
 
-    /// The line of the input that the place at the parameter `u` came from; on a blend the first half belongs to the piece
-    /// before it. Parameters outside the domain are taken to its nearest end.
+    /// The line of the input that the place at the parameter `u` came from; on a blend the first half belongs to
+    /// the piece before it. Parameters outside the domain are taken to its nearest end.
     pub fn source_at(&self, u: f64) -> usize {
         let after = self.pieces.partition_point(|p| p.start <= u);
         let piece = &self.pieces[after.max(1) - 1];
@@ -168,8 +168,8 @@ impl JoinedPath {
 
     /// The path as one curve through all pieces, over [`JoinedPath::domain`].
     ///
-    /// Its degree is the highest of the pieces, to which all others are raised. Lines and arcs are exact, a helix keeps the
-    /// tolerance it was built with. Every joint is a knot of full multiplicity, so that corners stay.
+    /// Its degree is the highest of the pieces, to which all others are raised. Lines and arcs are exact, a helix
+    /// keeps the tolerance it was built with. Every joint is a knot of full multiplicity, so that corners stay.
     ///
     /// ```
     /// use arcfeed_geometry::{ArcLengthCurve, JoinedPathBuilder, nalgebra::vector};

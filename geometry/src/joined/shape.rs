@@ -21,13 +21,14 @@ pub(super) struct Blend {
     pub replaced: [f64; 2],
 }
 
-/// Distances of the second and the third control point from the joint of two lines, as parts of the length taken, at a
-/// corner of `angle`.
+/// Distances of the second and the third control point from the joint of two lines, as parts of the length taken,
+/// at a corner of `angle`.
 ///
-/// At equal deviation, and at equal length too, these make the largest third derivative by arc length nearly the smallest,
-/// and so allow nearly the highest speed under a limit on jerk: within 1 % of that of the best pair for corners from 10 to
-/// 130 degrees, and within 5 % up to 170. Under a limit on acceleration, where the largest curvature counts, it is within
-/// 9 %. The test `the_ratios_are_nearly_the_best` compares with a sweep, to whose best pairs the polynomials are fitted.
+/// At equal deviation, and at equal length too, these make the largest third derivative by arc length nearly the
+/// smallest, and so allow nearly the highest speed under a limit on jerk: within 1 % of that of the best pair for
+/// corners from 10 to 130 degrees, and within 5 % up to 170. Under a limit on acceleration, where the largest
+/// curvature counts, it is within 9 %. The test `the_ratios_are_nearly_the_best` compares with a sweep, to whose
+/// best pairs the polynomials are fitted.
 pub(super) fn ratios(angle: f64) -> [f64; 2] {
     // 1 - cos(angle / 2), without cancellation.
     let w = 2.0 * (0.25 * angle).sin().powi(2);
@@ -43,8 +44,9 @@ pub(super) fn symmetric_deviation(angle: f64) -> f64 {
 
 /// The blend of two lines with the directions `along` that meet in `corner`, and its deviation but for rounding.
 ///
-/// The distance of the blend from the first line is a polynomial whose coefficients rise, and that from the second one is
-/// its mirror image. So the smaller of both is largest where they are equal, and there the feet are on the lines.
+/// The distance of the blend from the first line is a polynomial whose coefficients rise, and that from the second
+/// one is its mirror image. So the smaller of both is largest where they are equal, and there the feet are on the
+/// lines.
 pub(super) fn of_lines(corner: &Vector3<f64>, along: &[Vector3<f64>; 2], angle: f64, taken: [f64; 2]) -> Blend {
     let [b, c] = ratios(angle);
     let before = |part: f64| corner - along[0] * (part * taken[0]);
@@ -68,15 +70,15 @@ pub(super) fn of_lines(corner: &Vector3<f64>, along: &[Vector3<f64>; 2], angle: 
     Blend { points, deviation, taken, replaced: taken }
 }
 
-/// The same for a joint without a corner, where the curvature jumps: from a line into an arc these make the largest third
-/// derivative the smallest at equal deviation, 37 % below that with the ratios of a flat corner.
+/// The same for a joint without a corner, where the curvature jumps: from a line into an arc these make the largest
+/// third derivative the smallest at equal deviation, 37 % below that with the ratios of a flat corner.
 const RATIOS_OF_A_JUMP: [f64; 2] = [0.6, 0.2];
 
-/// Control points between two places with given tangents and curvatures, where `taken` is what is replaced on either side
-/// and `corner` the part of the turn that is due to the corner and not to the jump of the curvature.
+/// Control points between two places with given tangents and curvatures, where `taken` is what is replaced on
+/// either side and `corner` the part of the turn that is due to the corner and not to the jump of the curvature.
 ///
-/// A curve of degree 5 has the curvature `4/5 d / l^2` at its start, with the length `l` of the first leg of its control
-/// polygon and the distance `d` of the third point from the tangent.
+/// A curve of degree 5 has the curvature `4/5 d / l^2` at its start, with the length `l` of the first leg of its
+/// control polygon and the distance `d` of the third point from the tangent.
 pub(super) fn between(ends: &[SpanJet; 2], taken: [f64; 2], corner: f64) -> [Vector3<f64>; 6] {
     let tangents = [ends[0].tangent(), ends[1].tangent()];
     let turn = ratios(angle_between(&tangents[0], &tangents[1]));
@@ -91,8 +93,9 @@ pub(super) fn between(ends: &[SpanJet; 2], taken: [f64; 2], corner: f64) -> [Vec
     [p0, p1, p2, p3, p4, p5]
 }
 
-/// True where every leg of the control polygon leads towards its end, so that the blend neither stands still nor turns back.
+/// True where every leg of the control polygon has a part in the direction half-way between the tangents at both
+/// ends. The derivative is in the hull of the legs, so the blend neither stands still nor forms a loop.
 pub(super) fn leads_on(points: &[Vector3<f64>; 6]) -> bool {
-    let chord = points[5] - points[0];
-    points.windows(2).all(|leg| (leg[1] - leg[0]).dot(&chord) > 0.0)
+    let along = (points[1] - points[0]).normalize() + (points[5] - points[4]).normalize();
+    points.windows(2).all(|leg| (leg[1] - leg[0]).dot(&along) > 0.0)
 }

@@ -7,7 +7,8 @@ use crate::quadrature::gauss_legendre;
 
 /// Spans with more control points than this are evaluated on the heap.
 const ON_STACK: usize = 8;
-/// Steps of Newton's method that find the parameter of an arc length; from the middle of the error of a tame span three do.
+/// Steps of Newton's method that find the parameter of an arc length; from the middle of the error of a tame span
+/// three do.
 const MOST_STEPS: usize = 6;
 
 /// Many spans, one after the other, with their lengths. The weights at both ends of a span are 1.
@@ -25,6 +26,12 @@ pub(super) struct Place {
     pub span: usize,
     /// Parameter on the span, from 0 to 1.
     pub t: f64,
+}
+
+#[cfg(test)]
+thread_local! {
+    /// How often this thread has looked at a span: the measure of effort in tests.
+    pub(super) static LOOKS: std::cell::Cell<usize> = const { std::cell::Cell::new(0) };
 }
 
 impl Spans {
@@ -45,6 +52,8 @@ impl Spans {
     }
 
     pub fn get(&self, i: usize) -> &[Homogeneous] {
+        #[cfg(test)]
+        LOOKS.with(|count| count.set(count.get() + 1));
         let start = if i == 0 { 0 } else { self.ends[i - 1] };
         &self.points[start..self.ends[i]]
     }

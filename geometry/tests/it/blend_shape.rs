@@ -6,9 +6,9 @@ use arcfeed_geometry::{Blending, Curve, JoinedPathBuilder, JointOutcome, NurbsCu
 
 /// Largest curvature and largest third derivative by arc length, at a deviation of 1.
 ///
-/// At the constant speed `v` through the blend a point mass has the acceleration `v^2 k` and the jerk `v^3 |d3|`, with
-/// `|d3|^2 = k'^2 + k^4` in the plane: the first limit allows the speed `k^(-1/2)`, the second one `|d3|^(-1/3)`. They are
-/// norms, so that limits per axis allow at least as much however the corner is turned.
+/// At the constant speed `v` through the blend a point mass has the acceleration `v^2 k` and the jerk `v^3 |d3|`,
+/// with `|d3|^2 = k'^2 + k^4` in the plane: the first limit allows the speed `k^(-1/2)`, the second one
+/// `|d3|^(-1/3)`. They are norms, so that limits per axis allow at least as much however the corner is turned.
 #[derive(Debug, Clone, Copy)]
 struct Demand {
     acceleration: f64,

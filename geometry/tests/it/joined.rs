@@ -29,7 +29,7 @@ fn arcs_of_any_sweep_are_exact() {
         let u = normal.cross(&vector![r.signed(), r.signed(), r.signed()]).normalize();
         let v = normal.cross(&u);
         let (radius, turns) = (r.log(1e-2, 1e3), r.below(4) as u32);
-        let sweep = if case % 5 == 0 { TAU } else { r.log(1e-3, 6.28) };
+        let sweep = if case % 5 == 0 { TAU } else { r.log(1e-3, 6.2) };
         let at = |angle: f64| centre + (u * angle.cos() + v * angle.sin()) * radius;
         let end = if sweep == TAU { at(0.0) } else { at(sweep) };
         let mut builder = JoinedPathBuilder::new(at(0.0), 1e-9).unwrap();

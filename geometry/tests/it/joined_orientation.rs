@@ -15,8 +15,9 @@ fn by_length(path: &JoinedPath) -> ArcLengthCurve<3> {
     ArcLengthCurve::new(path.to_curve().unwrap(), 1e-10).unwrap()
 }
 
-/// The programmed orientation at a place of the blended path, told from the report alone: pieces are numbered in order,
-/// each is shortened by what the blends at its ends take, and each half of a blend runs through what is taken on its side.
+/// The programmed orientation at a place of the blended path, told from the report alone: pieces are numbered in
+/// order, each is shortened by what the blends at its ends take, and each half of a blend runs through what is
+/// taken on its side.
 fn programmed(
     place: (usize, f64),
     blends: &[Option<[f64; 2]>],

@@ -92,6 +92,8 @@ pub struct Job {
     pub blend: Option<f64>,
     /// Largest turn of the tool away from the programmed orientation where its rate would jump, in rad.
     pub blend_angle: f64,
+    /// Joint values near which the configuration at the start is taken, in rad; without them that which has most room along the path.
+    pub start_near: Option<JointValues>,
     /// Workpiece frame (the frame of the path) in the base frame.
     pub workpiece: Isometry3<f64>,
     /// Tool tip in the flange frame.
@@ -126,6 +128,7 @@ impl Default for Job {
             fit_tolerance: 1e-6,
             polyline: false,
             bulge: None,
+            start_near: None,
             blend: None,
             blend_angle: 0.05 / (180.0 / std::f64::consts::PI),
             workpiece: Isometry3::translation(0.4, -0.05, 0.2),
@@ -218,6 +221,12 @@ impl JobCheck<'_> {
                 180.0 / std::f64::consts::PI,
                 default.blend_angle,
             )?,
+            start_near: raw
+                .start
+                .near_deg
+                .as_ref()
+                .map(|near| self.0.places("start.near_deg", near, std::f64::consts::PI / 180.0))
+                .transpose()?,
             workpiece: self.0.frame("workpiece", &raw.workpiece, default.workpiece)?,
             tool: self.0.frame("tool", &raw.tool, default.tool)?,
             orientation: self.orientation(&raw.orientation)?,

@@ -9,6 +9,7 @@ use super::joint_values::JointValues;
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct RawJob {
     pub path: RawPath,
+    pub start: RawStart,
     pub workpiece: RawFrame,
     pub tool: RawFrame,
     pub orientation: RawOrientation,
@@ -19,6 +20,12 @@ pub(crate) struct RawJob {
     pub tolerance: RawTolerance,
     pub sampling: RawSampling,
     pub plan: RawPlan,
+}
+
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct RawStart {
+    pub near_deg: Option<JointValues>,
 }
 
 #[derive(Debug, Clone, Default, Deserialize)]

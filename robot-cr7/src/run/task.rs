@@ -9,7 +9,7 @@ use arcfeed_interp::{
     CompileError, CompiledPlan, FeedSection, JointTrajectory, LimitError, Limits, LiveError, Method, MotionPath,
     PathArm, PathError, PlanError, Planner, Setpoints, SpeedError, ToolCertificate, ToolLimits, ToolPath, Trajectory,
 };
-use arcfeed_kinematics::{JointLimits, Joints, KinematicsError, ParallelAxisArm};
+use arcfeed_kinematics::{AnalyticInverse, JointLimits, Joints, KinematicsError, ParallelAxisArm};
 use nalgebra::Vector3;
 
 use super::cr7::Cr7;
@@ -75,9 +75,30 @@ impl Task {
     /// [`Cr7Error`], naming the file and the place.
     pub fn of_cr7(job: &Job, file: &PathFile) -> Result<Self, Cr7Error> {
         let cr7 = Cr7::of(job)?;
-        Self::new(job, file, cr7.limits(), Robot::load("cr7", None, None)?.drives::<6>(job)?, |path| {
-            let start = ToolPath::new(cr7.arm(), path.clone(), cr7.limits().range())?.start();
-            Ok((*cr7.arm(), start))
+        Self::of_six_joints(job, file, *cr7.arm(), cr7.limits(), Robot::load("cr7", None, None)?.drives::<6>(job)?)
+    }
+}
+
+impl<A: PathArm<6> + AnalyticInverse<6>> Task<A> {
+    /// The task of an arm of six joints, tool included, in the configuration that the job asks for or else in the best one.
+    ///
+    /// # Errors
+    /// As [`Task::new`]; [`Cr7Error::JointCount`] for start.near_deg of another length.
+    pub fn of_six_joints(
+        job: &Job,
+        file: &PathFile,
+        arm: A,
+        limits: &JointLimits<6>,
+        drives: Option<Drives<6>>,
+    ) -> Result<Self, Cr7Error> {
+        let near = job.start_near.as_ref().map(|near| near.of::<6>()).transpose();
+        let near = near.map_err(|given| Cr7Error::JointCount { key: "start.near_deg", given, joints: 6 })?;
+        Self::new(job, file, limits, drives, |path| {
+            let start = match near {
+                Some(near) => ToolPath::starting_near(&arm, path.clone(), &Joints::from(near))?.start(),
+                None => ToolPath::new(&arm, path.clone(), limits.range())?.start(),
+            };
+            Ok((arm, start))
         })
     }
 }

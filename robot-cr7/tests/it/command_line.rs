@@ -507,3 +507,27 @@ fn an_unwritable_place_is_named() {
     let run = desk.run(&["inspect", "line.json", "--out", "file"]);
     assert!(run.code == 2 && run.stderr.contains("cannot be written"), "{run:?}");
 }
+
+#[test]
+fn the_configuration_at_the_start_can_be_asked_for() {
+    let desk = Desk::new("start_near");
+    let first = |job: &str| {
+        desk.write("job.toml", job);
+        desk.run(&["plan", "--job", "job.toml"]).done();
+        desk.trajectory::<6>("out")[0].q
+    };
+    let best = first("[path]\n");
+    // Another one: the wrist turned over.
+    let near = [best[0], best[1], best[2], best[3] + std::f64::consts::PI, -best[4], best[5] - std::f64::consts::PI];
+    let list: Vec<String> = near.iter().map(|q| format!("{:.3}", q.to_degrees())).collect();
+    let other = first(&format!("[start]\nnear_deg = [{}]\n", list.join(", ")));
+    assert!((other[4] + best[4]).abs() < 1.0 && other[4] * best[4] < 0.0, "{other:?}, not {best:?}");
+    for (text, parts) in
+        [("near_deg = [1, 2]", ["start.near_deg", "6"]), ("near_deg = 1e9", ["start.near_deg", "hundred turns"])]
+    {
+        desk.write("job.toml", &format!("[start]\n{text}\n"));
+        desk.run(&["plan", "--job", "job.toml"]).refused(2, &parts);
+    }
+    desk.write("job.toml", "[start]\nnear_deg = 0\n");
+    desk.run(&["plan", "--job", "job.toml", "--robot", "panda"]).refused(2, &["start.near_deg", "six joints"]);
+}

@@ -1,4 +1,5 @@
-//! Random paths of lines, arcs, helices and curves, with blends, checked against dense samples of the programmed path.
+//! Random paths of lines, arcs, helices and curves, with blends, checked against dense samples of the programmed
+//! path.
 #![allow(dead_code)]
 
 use arcfeed_geometry::nalgebra::{Unit, vector};

@@ -72,8 +72,8 @@ fn to_polyline(p: &Point, points: &[Point]) -> f64 {
     points.windows(2).map(|w| to_segment(p, &w[0], &w[1])).fold(f64::INFINITY, f64::min)
 }
 
-/// Tangent and curvature on both sides of every knot of the one curve, except where joints were kept (`stops`). Rounding of
-/// the coordinates is allowed for: it turns the legs of the control polygon next to a knot.
+/// Tangent and curvature on both sides of every knot of the one curve, except where joints were kept (`stops`).
+/// Rounding of the coordinates is allowed for: it turns the legs of the control polygon next to a knot.
 pub fn continuity(curve: &NurbsCurve<3>, stops: &[Point], seen: &mut Seen) -> Result<(), String> {
     let size = curve.control_points().iter().fold(0.0f64, |m, p| m.max(p.amax()));
     let knots: Vec<f64> = curve.knots().runs().map(|run| run.1).collect();

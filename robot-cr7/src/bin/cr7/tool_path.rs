@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use arcfeed_interp::{LockedArm, MotionPath, PathArm, ToolPath};
+use arcfeed_interp::{LockedArm, PathArm};
 use robot_cr7::{Cr7Error, Job, LengthUnit, PathFile, Task, butterfly};
 
 use crate::Failure;
@@ -24,12 +24,12 @@ pub fn on_tool_path(args: &RobotArgs, job: &Job, file: &PathFile, command: impl 
         6 => {
             let (limits, assumed) = robot.limits::<6>(&job.joints)?;
             let arm = robot.arm::<6>(job.tool).map_err(Cr7Error::from)?;
-            let task = Task::new(job, file, &limits, robot.drives::<6>(job)?, |path| {
-                let start = ToolPath::new(&arm, path.clone(), limits.range())?.start();
-                Ok((arm, start))
-            })?;
-            command.run(task, assumed)
+            command.run(Task::of_six_joints(job, file, arm, &limits, robot.drives::<6>(job)?)?, assumed)
         }
+        7 if job.start_near.is_some() => Err(Failure::BadInput(format!(
+            "start.near_deg is for arms of six joints, and {} has seven: remove the key",
+            args.robot
+        ))),
         7 => {
             let (limits, assumed) = robot.limits::<7>(&job.joints)?;
             let arm = robot.arm::<7>(job.tool).map_err(Cr7Error::from)?;
