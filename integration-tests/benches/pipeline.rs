@@ -36,7 +36,7 @@ use robot_cr7::{Cr7, Job, PathGeometry, ToolOrientation, butterfly};
 fn curve(job: &Job) -> NurbsCurve<3> {
     match butterfly().expect("comes with the program").geometry {
         PathGeometry::Curve(curve) => curve.transformed(&job.workpiece).expect("finite numbers"),
-        PathGeometry::Points { .. } => unreachable!("the butterfly is a curve"),
+        PathGeometry::Points { .. } | PathGeometry::Program(_) => unreachable!("the butterfly is a curve"),
     }
 }
 

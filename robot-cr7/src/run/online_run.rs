@@ -44,7 +44,7 @@ pub enum ScenarioError {
         /// Which part of the scenario.
         place: String,
         /// The reason.
-        source: ToolTargetError,
+        source: Box<ToolTargetError>,
     },
     /// The motion is still under way at the end of what is simulated.
     #[error("{}: after run.longest_s = {longest} s the target is not reached, {left:.3} s are missing: raise run.longest_s", file.display())]

@@ -50,7 +50,12 @@ impl ToolScenario {
 
     fn refused(&self, place: &Place, source: ToolTargetError) -> ScenarioError {
         let line = Check::new(&self.text, &self.file).line_of(&place.key);
-        ScenarioError::RefusedTool { file: self.file.clone(), line, place: place.what.clone(), source }
+        ScenarioError::RefusedTool {
+            file: self.file.clone(),
+            line,
+            place: place.what.clone(),
+            source: Box::new(source),
+        }
     }
 }
 
