@@ -70,6 +70,9 @@ fn what_is_wrong_is_named_by_line() {
     desk.run(&["online", "s.toml"]).refused(1, &["longest_s", "not reached"]);
 }
 
+/// A change of a motion that a check has to notice.
+type Spoil = fn(&mut ToolRun<6>);
+
 /// The lines of the example after `spoil`, and which of them are broken.
 fn broken(spoil: impl Fn(&mut ToolRun<6>)) -> Vec<String> {
     let scenario = ToolScenario::parse(ToolScenario::EXAMPLE, "tool.toml".as_ref()).expect("a scenario");
@@ -85,7 +88,7 @@ fn broken(spoil: impl Fn(&mut ToolRun<6>)) -> Vec<String> {
 #[test]
 fn a_spoilt_motion_of_the_tool_breaks_a_named_line() {
     assert_eq!(broken(|_| {}), Vec::<String>::new());
-    let cases: [(&str, fn(&mut ToolRun<6>)); 8] = [
+    let cases: [(&str, Spoil); 8] = [
         ("tool speed", |run| run.limits.iter_mut().for_each(|(_, l)| l[0] *= 0.9)),
         ("tool acceleration", |run| run.limits.iter_mut().for_each(|(_, l)| l[1] *= 0.5)),
         ("tool jerk", |run| run.limits.iter_mut().for_each(|(_, l)| l[2] *= 0.7)),
