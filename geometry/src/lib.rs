@@ -15,6 +15,7 @@
 //! |---|---|
 //! | a curve | [`NurbsCurve::new`], [`NurbsCurve::bspline`], or a ready shape: `line`, `polyline`, `arc`, `circle` |
 //! | a curve through points | `NurbsCurve::interpolate`, `NurbsCurve::approximate` (feature `fit`) |
+//! | smooth curves through dense points of a machine program | `DenseFit`, `NurbsCurve::fit_dense` (feature `fit`) |
 //! | point and derivatives by `u` | [`Curve::jet`], [`Jet::curvature`] |
 //! | another form of the same curve | [`NurbsCurve::with_knot`], [`NurbsCurve::split`], [`NurbsCurve::elevated`], [`NurbsCurve::decompose`], ... |
 //! | one path of lines, arcs, helices and curves | [`JoinedPathBuilder`], [`JoinedPath`] |
@@ -68,6 +69,8 @@ mod basis;
 mod bezier;
 mod chord;
 mod curve;
+#[cfg(feature = "fit")]
+mod dense;
 mod error;
 #[cfg(feature = "fit")]
 mod fit;
@@ -90,6 +93,8 @@ pub use basis::basis_functions;
 pub use bezier::RationalBezier;
 pub use chord::{ChordMeter, Deviation};
 pub use curve::{Curve, Jet};
+#[cfg(feature = "fit")]
+pub use dense::{DenseFit, FittedStretch, StretchShape};
 pub use error::GeometryError;
 #[cfg(feature = "fit")]
 pub use fit::{Fit, Spacing};

@@ -5,6 +5,8 @@ mod blend_shape;
 mod blending;
 mod close_knots;
 mod common;
+#[cfg(feature = "fit")]
+mod dense;
 mod editing;
 #[cfg(feature = "fit")]
 mod fit;

@@ -87,6 +87,9 @@ pub struct Job {
     pub polyline: bool,
     /// By how much a smooth curve may leave the lines between its points, in m; a quarter of their length where the job does not say.
     pub bulge: Option<f64>,
+    /// Runs of short lines in a program become smooth curves within this distance of them, in m; `None` for that of blends. A program that
+    /// states its own (G64 P Q) overrules it.
+    pub smooth: Option<f64>,
     /// Largest distance of a blended corner from the programmed path, in m; `None` where the tool stops in corners. A program that states
     /// its own (G61, G64 P) overrules it.
     pub blend: Option<f64>,
@@ -129,6 +132,7 @@ impl Default for Job {
             polyline: false,
             bulge: None,
             start_near: None,
+            smooth: None,
             blend: None,
             blend_angle: 0.05 / (180.0 / std::f64::consts::PI),
             workpiece: Isometry3::translation(0.4, -0.05, 0.2),
@@ -214,6 +218,7 @@ impl JobCheck<'_> {
             )?,
             polyline: raw.path.through == RawThrough::Polyline,
             bulge: self.0.limit("path.bulge_mm", raw.path.bulge_mm, mm)?,
+            smooth: self.0.limit("path.smooth_mm", raw.path.smooth_mm, mm)?,
             blend: self.0.limit("path.blend_mm", raw.path.blend_mm, mm)?,
             blend_angle: self.0.limit_or(
                 "path.blend_deg",

@@ -36,6 +36,7 @@ pub(crate) struct RawPath {
     pub fit_tolerance_mm: Option<f64>,
     pub through: RawThrough,
     pub bulge_mm: Option<f64>,
+    pub smooth_mm: Option<f64>,
     pub blend_mm: Option<f64>,
     pub blend_deg: Option<f64>,
 }

@@ -31,10 +31,10 @@ pub(crate) fn limit_table(f: &mut Formatter<'_>, limits: &[LimitLine]) -> fmt::R
     if !groups.is_empty() {
         writeln!(f)?;
         let place = if limits.iter().any(|l| l.at_s_m.is_some()) { "at s [mm]" } else { "" };
-        let when = if limits.iter().any(|l| l.lines.is_some()) { "line" } else { "at t [s]" };
+        let (when, wide) = if limits.iter().any(|l| l.lines.is_some()) { ("line", 13) } else { ("at t [s]", 10) };
         let head = format!(
-            "  {:<24}{:<6}{:>12}{:>12}  {:<9}{:>8}{:>12}{:>10}",
-            "limit", "worst", "value", "limit", "", "used", place, when
+            "  {:<24}{:<6}{:>12}{:>12}  {:<9}{:>8}{:>12}{when:>wide$}",
+            "limit", "worst", "value", "limit", "", "used", place
         );
         writeln!(f, "{}", head.trim_end())?;
     }
@@ -44,14 +44,14 @@ pub(crate) fn limit_table(f: &mut Formatter<'_>, limits: &[LimitLine]) -> fmt::R
         let joint = worst.joint.map(|j| format!("J{j}")).unwrap_or_default();
         writeln!(
             f,
-            "{} {:<24}{joint:<6}{:>12}{:>12}  {unit:<9}{:>8}{:>12}{:>10}",
+            "{} {:<24}{joint:<6}{:>12}{:>12}  {unit:<9}{:>8}{:>12}{}",
             if worst.holds() { " " } else { "!" },
             clip(name, 23),
             number(worst.value * factor),
             number(worst.limit * factor),
             percent(worst.ratio),
             worst.at_s_m.map(|s| format!("{:.2}", s * 1e3)).unwrap_or_default(),
-            worst.lines.map_or_else(|| format!("{:.3}", worst.at_t_s), line_words),
+            worst.lines.map_or_else(|| format!("{:>10.3}", worst.at_t_s), |lines| format!("{:>13}", line_words(lines))),
         )?;
     }
     more(f, groups.len(), MOST_LIMITS, "limits")?;

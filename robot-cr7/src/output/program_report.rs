@@ -34,7 +34,7 @@ pub struct StopLine {
 /// One line of a file along a motion.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LineTime {
-    /// The line of the file, or the two whose corner is blended.
+    /// The line of the file, or the two whose corner is blended, or the first and last of those that one curve stands for.
     pub line: String,
     /// The N word, where there is one.
     pub n: Option<u32>,
@@ -89,10 +89,9 @@ impl ProgramReport {
 pub fn line_times(outline: &Outline, t: &[f64], s: &[f64]) -> Vec<LineTime> {
     let mut lines: Vec<LineTime> = Vec::with_capacity(outline.pieces.len());
     let (mut from, mut before) = (0.0, 0.0);
-    let mut corners = outline.corners.iter().filter(|corner| corner.blend.is_ok()).peekable();
+    let mut corners = outline.corners.iter().filter(|corner| corner.blend.is_ok());
     for piece in &outline.pieces {
-        let blend = piece.lines[0] != piece.lines[1];
-        let corner = corners.next_if(|corner| blend && corner.lines == piece.lines);
+        let corner = if piece.blend { corners.next() } else { None };
         let words = line_words(piece.lines);
         let (s_to_m, t_to_s) = (piece.to, time_at(t, s, piece.to));
         match lines.last_mut().filter(|last| last.line == words) {

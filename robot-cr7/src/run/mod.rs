@@ -2,6 +2,7 @@
 
 pub(crate) mod compare;
 pub(crate) mod cr7;
+pub(crate) mod dense_lines;
 pub(crate) mod error;
 pub(crate) mod limit_line;
 pub(crate) mod limit_lines;

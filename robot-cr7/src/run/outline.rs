@@ -18,8 +18,9 @@ pub struct Outline {
 pub(crate) struct OutlinePiece {
     /// Its end, m.
     pub to: f64,
-    /// Its line twice, or the lines that a blend joins.
+    /// The first and last line that it stands for, or the lines that a blend joins.
     pub lines: [usize; 2],
+    pub blend: bool,
     /// Programmed feed, m/s.
     pub feed: Option<f64>,
 }
@@ -48,10 +49,14 @@ pub struct MarkerLine {
 }
 
 impl Outline {
-    /// The line of the file at the arc length `s` (m); on a blend the lines that it joins.
+    /// The first and last line of the file that belong to the arc length `s` (m): mostly the same one; on a blend the lines that it joins.
     pub fn lines_at(&self, s: f64) -> [usize; 2] {
+        self.piece_at(s).map_or([0; 2], |piece| piece.lines)
+    }
+
+    fn piece_at(&self, s: f64) -> Option<&OutlinePiece> {
         let i = self.pieces.partition_point(|piece| piece.to < s);
-        self.pieces.get(i).or(self.pieces.last()).map_or([0; 2], |piece| piece.lines)
+        self.pieces.get(i).or(self.pieces.last())
     }
 
     /// The N word of a line.
@@ -61,11 +66,14 @@ impl Outline {
 
     /// The same in words, to follow a message: with the N word where there is one.
     pub(crate) fn words_at(&self, s: f64) -> String {
-        let [from, to] = self.lines_at(s);
+        let Some(OutlinePiece { lines: [from, to], blend, .. }) = self.piece_at(s).copied() else {
+            return String::new();
+        };
         let number = self.number_of(to).map(|n| format!(" (N{n})")).unwrap_or_default();
-        match from == to {
-            true => format!("; that is at line {to}{number}"),
-            false => format!("; that is in the blend between lines {from} and {to}{number}"),
+        match (from == to, blend) {
+            (true, _) => format!("; that is at line {to}{number}"),
+            (false, true) => format!("; that is in the blend between lines {from} and {to}{number}"),
+            (false, false) => format!("; that is in the curve through lines {from} to {to}{number}"),
         }
     }
 }

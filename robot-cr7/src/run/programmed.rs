@@ -3,11 +3,12 @@
 use std::path::PathBuf;
 
 use arcfeed_geometry::{
-    ArcLengthCurve, Blending, GeometryError, JoinedPath, JoinedPathBuilder, Joint, JointOutcome, PathPiece,
+    ArcLengthCurve, Blending, GeometryError, JoinedPath, JoinedPathBuilder, Joint, JointOutcome, PathPiece, PieceKind,
 };
 use arcfeed_interp::{Extent, FeedSection};
 use nalgebra::{UnitQuaternion, Vector3};
 
+use super::dense_lines;
 use super::error::Cr7Error;
 use super::outline::{CornerLine, MarkerLine, Outline, OutlinePiece};
 use crate::input::error::InputError;
@@ -27,6 +28,8 @@ const GAP: f64 = 1e-9;
 #[derive(Debug, Clone, Copy)]
 struct Step {
     line: usize,
+    /// The last line of a curve that takes the place of several.
+    last: usize,
     number: Option<u32>,
     /// m/s, where the file states one.
     feed: Option<f64>,
@@ -54,12 +57,18 @@ impl Programmed {
             let rule = "a program states its own feeds (F)";
             return Err(program.wrong(None, "[[sections]] of the job", "given", rule, "remove the sections").into());
         }
-        let programmed = program.joined()?;
         let moves = program.working_moves();
         let mut warnings = Vec::new();
-        let steps = steps(moves, &programmed, job, &mut warnings);
+        let (programmed, runs) = joined(program, job)?;
+        let steps = steps(moves, &runs, &programmed, job, &mut warnings);
         let skipped = program.moves.len() - moves.len();
-        let markers = program.markers.iter().map(|m| (m.after.saturating_sub(skipped), m.line, words(&m.kind)));
+        // Of the curve that takes the place of the move before a mark.
+        let unit_before = |moves: usize| runs.partition_point(|run| run.1 < moves);
+        let markers = program.markers.iter().map(|m| {
+            let after = m.after.saturating_sub(skipped);
+            let place = if after == 0 { 0 } else { unit_before(after - 1) + 1 };
+            (place, m.line, words(&m.kind))
+        });
         let markers: Vec<_> = markers.collect();
         let rests = program.markers.iter().filter(|m| matches!(m.kind, MarkerKind::Dwell { .. })).count();
         if rests > 0 {
@@ -93,7 +102,7 @@ impl Programmed {
         for (point, &line) in rest.iter().zip(lines.iter().skip(1)) {
             let line = usize::try_from(line).unwrap_or(usize::MAX);
             path.line_to(*point, line).map_err(error)?;
-            steps.push(Step { line, number: None, feed: None, tolerance });
+            steps.push(Step { line, last: line, number: None, feed: None, tolerance });
         }
         let blended = blend(&path.build().map_err(error)?, &steps).map_err(error)?;
         let (path, joints) = (blended.path, blended.joints);
@@ -119,10 +128,15 @@ impl Programmed {
 
     /// Where the lines of the file lie on the path, by arc length.
     pub fn outline(&self, curve: &ArcLengthCurve<3>) -> Outline {
-        let piece = |piece: &PathPiece| OutlinePiece {
-            to: curve.arc_length_at(piece.end),
-            lines: piece.sources,
-            feed: self.step(piece.sources[1]).and_then(|step| step.feed),
+        let piece = |piece: &PathPiece| {
+            let (blend, [first, second]) = (piece.kind == PieceKind::Blend, piece.sources);
+            let step = self.step(second);
+            OutlinePiece {
+                to: curve.arc_length_at(piece.end),
+                lines: if blend { [first, second] } else { [first, step.map_or(first, |step| step.last)] },
+                blend,
+                feed: step.and_then(|step| step.feed),
+            }
         };
         let pieces: Vec<OutlinePiece> = self.path.pieces().iter().map(piece).collect();
         let end_of = |line: usize| {
@@ -177,13 +191,42 @@ fn curve_error(file: &std::path::Path, source: GeometryError) -> Cr7Error {
     Cr7Error::Curve { file: file.display().to_string(), source }
 }
 
-/// Feed and tolerance of each move. A feed is at most that of the job, which rapid moves have.
-fn steps(moves: &[GcodeMove], path: &JoinedPath, job: &Job, warnings: &mut Vec<String>) -> Vec<Step> {
+/// The working moves as one path, runs of short lines as smooth curves where the program permits. The first and last move of each piece
+/// that was appended, by index.
+fn joined(program: &GcodeProgram, job: &Job) -> Result<(JoinedPath, Vec<(usize, usize)>), Cr7Error> {
+    let moves = program.working_moves();
+    let mut path = program.begin()?;
+    let mut runs = Vec::with_capacity(moves.len());
+    let mut at = 0;
+    while at < moves.len() {
+        if let Some((count, tolerance)) = dense_lines::run(&moves[at..], job.smooth.or(job.blend)) {
+            let curves = dense_lines::append_smooth(&mut path, &moves[at..at + count], tolerance);
+            let curves = curves.map_err(|source| program.curve_error(moves[at].line, source))?;
+            runs.extend(curves.into_iter().map(|(first, last)| (at + first, at + last)));
+            at += count;
+        } else {
+            program.append(&mut path, &moves[at])?;
+            runs.push((at, at));
+            at += 1;
+        }
+    }
+    Ok((path.build().map_err(|source| program.curve_error(0, source))?, runs))
+}
+
+/// Feed and tolerance of each piece. A feed is at most that of the job, which rapid moves have.
+fn steps(
+    moves: &[GcodeMove],
+    runs: &[(usize, usize)],
+    path: &JoinedPath,
+    job: &Job,
+    warnings: &mut Vec<String>,
+) -> Vec<Step> {
     let (mut capped, mut unstated) = (None, None);
     let mut pieces = path.pieces().iter().peekable();
-    let mut steps = Vec::with_capacity(moves.len());
-    for step in moves {
-        let line = usize::try_from(step.line).unwrap_or(usize::MAX);
+    let mut steps = Vec::with_capacity(runs.len());
+    let line_of = |i: usize| usize::try_from(moves[i].line).unwrap_or(usize::MAX);
+    for &(first, last) in runs {
+        let (step, line) = (&moves[first], line_of(first));
         let mut length = 0.0;
         while let Some(piece) = pieces.next_if(|piece| piece.sources[0] == line) {
             length += piece.length;
@@ -210,7 +253,8 @@ fn steps(moves: &[GcodeMove], path: &JoinedPath, job: &Job, warnings: &mut Vec<S
                 job.blend.unwrap_or(UNSTATED_BLEND)
             }
         };
-        steps.push(Step { line, number: step.number, feed: Some(speed.min(job.feed.feed)), tolerance });
+        let feed = Some(speed.min(job.feed.feed));
+        steps.push(Step { line, last: line_of(last), number: step.number, feed, tolerance });
     }
     if let Some((first, highest)) = capped {
         let [highest, most] = [highest, job.feed.feed].map(|v| number(v * 1e3));

@@ -6,6 +6,7 @@ mod bad_path_files;
 mod command_line;
 mod common;
 mod compare;
+mod dense_gcode;
 mod gcode_hostile;
 mod gcode_plan;
 mod gcode_refusals;

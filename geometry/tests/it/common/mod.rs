@@ -1,6 +1,8 @@
 //! What several tests share: fixtures, and a measurement of deviations that knows nothing of the library's own.
 #![allow(dead_code, clippy::unwrap_used)]
 
+#[cfg(feature = "fit")]
+pub mod dense;
 pub mod mixed;
 pub mod polylines;
 pub mod random;

@@ -26,6 +26,15 @@ impl GcodeProgram {
     /// [`InputError::Value`] for a program without moves and for a move that only turns rotary axes, [`InputError::Curve`] for a shape that
     /// is no path.
     pub fn joined(&self) -> Result<JoinedPath, InputError> {
+        let mut path = self.begin()?;
+        for step in self.working_moves() {
+            self.append(&mut path, step)?;
+        }
+        path.build().map_err(|source| self.curve_error(0, source))
+    }
+
+    /// A path that starts where the working moves do.
+    pub(crate) fn begin(&self) -> Result<JoinedPathBuilder, InputError> {
         let moves = self.working_moves();
         let Some(first) = moves.first() else {
             return Err(self.wrong(
@@ -38,28 +47,24 @@ impl GcodeProgram {
         };
         let before = self.moves.len() - moves.len();
         let start = if before == 0 { self.start } else { self.moves[before - 1].end() };
-        let error = |step: &GcodeMove, source| InputError::Curve {
-            file: self.file.clone(),
-            key: format!("line {}", step.line),
-            source,
-        };
-        let mut path = JoinedPathBuilder::new(start, GAP).map_err(|e| error(first, e))?;
-        for step in moves {
-            append(&mut path, step).map_err(|source| match source {
-                GeometryError::PieceTooShort { .. } if matches!(step.kind, MoveKind::RotaryFeed { .. }) => {
-                    let rule = "along a path the tool moves while it turns";
-                    self.wrong(
-                        Some(step.line),
-                        "the move",
-                        "rotary axes alone",
-                        rule,
-                        "turn the axes during a move of the tool",
-                    )
-                }
-                source => error(step, source),
-            })?;
-        }
-        path.build().map_err(|source| error(first, source))
+        JoinedPathBuilder::new(start, GAP).map_err(|source| self.curve_error(first.line, source))
+    }
+
+    /// Appends one move to a path.
+    pub(crate) fn append(&self, path: &mut JoinedPathBuilder, step: &GcodeMove) -> Result<(), InputError> {
+        append(path, step).map_err(|source| match source {
+            GeometryError::PieceTooShort { .. } if matches!(step.kind, MoveKind::RotaryFeed { .. }) => {
+                let rule = "along a path the tool moves while it turns";
+                let remedy = "turn the axes during a move of the tool";
+                self.wrong(Some(step.line), "the move", "rotary axes alone", rule, remedy)
+            }
+            source => self.curve_error(step.line, source),
+        })
+    }
+
+    /// The error of a shape in a line.
+    pub(crate) fn curve_error(&self, line: u64, source: GeometryError) -> InputError {
+        InputError::Curve { file: self.file.clone(), key: format!("line {line}"), source }
     }
 
     /// The error of a value in the program.

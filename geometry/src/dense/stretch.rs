@@ -1,0 +1,333 @@
+//! The fit of the polyline between two corners.
+
+use std::collections::VecDeque;
+
+use nalgebra::SVector;
+
+use super::fitted::{FittedStretch, StretchShape, joined, line};
+use super::march::March;
+use super::piece::Piece;
+use super::polyline::{Vertex, angle, between};
+use super::window::{End, Start, Window};
+use crate::error::GeometryError;
+
+/// Chords that are known ahead before a window is fitted, at least, and at most: between these numbers as many
+/// as wide spans need.
+const FEW_CHORDS: usize = 128;
+const MANY_CHORDS: usize = 8192;
+/// Chords that are known before the first window of a stretch is fitted: it may be a line, or begin with wide spans.
+const FIRST_CHORDS: usize = 2048;
+/// Length that is known ahead before a window is fitted, in tolerances.
+const LENGTH: f64 = 32.0;
+/// Part of the tolerance for the rounding of the curve, which is some 1e-13 of the coordinates. The tolerance is
+/// at least 1e-9 of them.
+const ROUNDING: f64 = 1e-3;
+/// Most pieces of one curve.
+const MOST_PIECES: usize = 1 << 13;
+/// Longest curve, as a multiple of its narrowest span. Spans narrower than 1e-9 of a curve are no spans of it.
+const LONGEST: f64 = 1e7;
+/// A chord is a line where its length times the larger angle at its ends exceeds so many tolerances: an arc over
+/// it would leave it by an eighth of the product.
+const STRAIGHT: f64 = 12.0;
+/// A chord is a line, too, where it is longer than both its neighbours by this factor,
+const FAR_LONGER: f64 = 16.0;
+/// and than the tolerance by this one.
+const LONG: f64 = 64.0;
+
+/// Finished stretches.
+pub(super) type Output<const D: usize> = VecDeque<FittedStretch<D>>;
+
+/// A fit from one corner to the next.
+#[derive(Debug, Clone)]
+pub(super) struct StretchFit<const D: usize> {
+    tolerance: f64,
+    /// The part of the tolerance that is left to the rounding of the curve.
+    rounding: f64,
+    march: March,
+    vertices: Vec<Vertex<D>>,
+    /// Parameter up to which the fit is done, and the condition there.
+    at: f64,
+    start: Start<D>,
+    /// True where nothing of the polyline was left behind.
+    fresh: bool,
+    /// The curve so far: its pieces, the point and the index where it starts, and whether it continues another.
+    pieces: Vec<Piece<D>>,
+    from: SVector<f64, D>,
+    first: usize,
+    continues: bool,
+    narrowest: f64,
+}
+
+impl<const D: usize> StretchFit<D> {
+    /// A fit that starts in the corner `point`.
+    pub fn new(tolerance: f64, point: SVector<f64, D>, index: usize) -> Self {
+        let rounding = ROUNDING * tolerance;
+        Self {
+            tolerance,
+            rounding,
+            march: March::new(tolerance - rounding),
+            vertices: vec![Vertex { point, at: 0.0, index }],
+            at: 0.0,
+            start: Start::Point(point),
+            fresh: true,
+            pieces: Vec::new(),
+            from: point,
+            first: index,
+            continues: false,
+            narrowest: f64::INFINITY,
+        }
+    }
+
+    /// True where no chord has arrived.
+    pub fn is_a_point(&self) -> bool {
+        self.vertices.len() < 2
+    }
+
+    /// Number of parts of chords that were read.
+    pub fn visits(&self) -> u64 {
+        self.march.visits
+    }
+
+    /// Takes the next point, which differs from the one before.
+    pub fn push(&mut self, point: SVector<f64, D>, index: usize, out: &mut Output<D>) -> Result<(), GeometryError> {
+        let last = self.vertices[self.vertices.len() - 1];
+        self.vertices.push(Vertex { point, at: last.at + (point - last.point).norm(), index });
+        let n = self.vertices.len();
+        if n < 3 {
+            return Ok(());
+        }
+        // The last chord is not known to be no line.
+        let limit = self.vertices[n - 2].at;
+        self.take_line(n - 3, out)?;
+        while self.sees_far_enough(limit) {
+            self.step(limit, End::Open, out)?;
+            self.drop_passed();
+        }
+        Ok(())
+    }
+
+    /// Ends the stretch in its last point.
+    pub fn finish(&mut self, out: &mut Output<D>) -> Result<(), GeometryError> {
+        let n = self.vertices.len();
+        if n < 2 {
+            return Ok(());
+        }
+        let last = self.vertices[n - 1];
+        if self.fresh
+            && let Some(deviation) = self.deviation_from_line()
+        {
+            let curve = line((self.vertices[0].point, last.point), last.at)?;
+            out.push_back(FittedStretch::straight(StretchShape::Line, curve, (self.first, last.index), deviation));
+            return Ok(());
+        }
+        self.take_line(n - 2, out)?;
+        self.run(last.at, End::Point(last.point), out)?;
+        self.emit(last.point, last.index, out)
+    }
+
+    /// True where enough of the polyline is known up to `limit` for another window.
+    fn sees_far_enough(&self, limit: f64) -> bool {
+        let rest = limit - self.at;
+        if self.vertices.len() < FEW_CHORDS || rest <= LENGTH * self.tolerance {
+            return false;
+        }
+        let chords = self.vertices.len() - self.vertices.partition_point(|v| v.at <= self.at);
+        let enough = if self.fresh { FIRST_CHORDS } else { FEW_CHORDS };
+        chords > MANY_CHORDS || (chords > enough && rest > self.march.wanted())
+    }
+
+    /// Drops chords that are passed, except for one before the present.
+    fn drop_passed(&mut self) {
+        let passed = self.vertices.partition_point(|v| v.at <= self.at).saturating_sub(2);
+        if passed > MANY_CHORDS / 2 {
+            self.vertices.drain(..passed);
+        }
+    }
+
+    /// Bound of the deviation from the straight line, where that is less than half the tolerance.
+    fn deviation_from_line(&self) -> Option<f64> {
+        let (first, last) = (self.vertices[0], self.vertices[self.vertices.len() - 1]);
+        let distance = |v: &Vertex<D>| (v.point - between(&first, &last, v.at)).norm();
+        // Between the vertices both are linear.
+        let largest = self.vertices.iter().map(distance).fold(0.0f64, f64::max);
+        let deviation = largest + self.rounding;
+        (deviation <= 0.5 * self.tolerance || self.vertices.len() == 2).then_some(deviation)
+    }
+
+    /// Ends the curve so far in the chord that starts in vertex `i`, and continues behind it, if the chord is a line.
+    fn take_line(&mut self, i: usize, out: &mut Output<D>) -> Result<(), GeometryError> {
+        let Some((from, to)) = self.line(i) else { return Ok(()) };
+        let (a, b) = (self.vertices[i], self.vertices[i + 1]);
+        let direction = (b.point - a.point) / (b.at - a.at);
+        let piece = Piece::line((from, to), a.at, &a.point, &direction);
+        self.run(from, End::Line(piece.point(-1.0), direction), out)?;
+        self.add(piece, out)?;
+        self.march.restart();
+        self.drop_passed();
+        Ok(())
+    }
+
+    /// The part of the chord from vertex `i` on that is a line, if one is.
+    ///
+    /// At a corner it is whole. Elsewhere the margins leave room for a curve that turns by the angle at the
+    /// joint, or whose curvature rises from 0 to that of the neighbour.
+    fn line(&self, i: usize) -> Option<(f64, f64)> {
+        let v = &self.vertices;
+        let (a, b) = (&v[i], &v[i + 1]);
+        let (chord, length) = (b.point - a.point, b.at - a.at);
+        let before = i.checked_sub(1).map(|h| a.point - v[h].point);
+        let after = v.get(i + 2).map(|c| c.point - b.point);
+        let turn = |other: &Option<SVector<f64, D>>| other.map_or(0.0, |other| angle(&chord, &other));
+        let size = |other: &Option<SVector<f64, D>>| other.map_or(0.0, |other| other.norm());
+        let product = length * turn(&before).max(turn(&after));
+        let longer = length > FAR_LONGER * size(&before).max(size(&after)) && length > LONG * self.tolerance;
+        if product <= STRAIGHT * self.tolerance && !longer {
+            return None;
+        }
+        let margin = |other: &Option<SVector<f64, D>>| {
+            if other.is_none() {
+                return 0.0;
+            }
+            let angle = turn(other);
+            let for_angle = 8.0 * self.tolerance / angle;
+            let for_curvature = (12.0 * self.tolerance * size(other) / angle).sqrt();
+            for_angle.min(for_curvature).min(0.25 * length)
+        };
+        Some((a.at + margin(&before), b.at - margin(&after)))
+    }
+
+    /// Fits up to `limit`, where the condition `end` holds.
+    fn run(&mut self, limit: f64, end: End<D>, out: &mut Output<D>) -> Result<(), GeometryError> {
+        while self.at < limit {
+            self.step(limit, end, out)?;
+        }
+        Ok(())
+    }
+
+    /// Fits some way on.
+    fn step(&mut self, limit: f64, end: End<D>, out: &mut Output<D>) -> Result<(), GeometryError> {
+        let window = Window { vertices: &self.vertices, at: self.at, start: self.start, limit, end };
+        match self.march.advance(&window) {
+            Some(pieces) => pieces.into_iter().try_for_each(|piece| self.add(piece, out)),
+            None => self.keep_polyline(limit, end, out),
+        }
+    }
+
+    fn add(&mut self, piece: Piece<D>, out: &mut Output<D>) -> Result<(), GeometryError> {
+        self.fresh = false;
+        self.narrowest = self.narrowest.min(piece.width());
+        if let Some(first) = self.pieces.first()
+            && (self.pieces.len() >= MOST_PIECES || piece.end - first.start > LONGEST * self.narrowest)
+        {
+            let smooth = matches!(self.start, Start::Jet(_));
+            self.emit(self.start.point(), self.index_from(self.at), out)?;
+            (self.continues, self.narrowest) = (smooth, piece.width());
+        }
+        self.at = piece.end;
+        self.start = Start::Jet(piece.taylor_at_end());
+        self.pieces.push(piece);
+        Ok(())
+    }
+
+    /// Goes straight to the next vertex.
+    fn keep_polyline(&mut self, limit: f64, end: End<D>, out: &mut Output<D>) -> Result<(), GeometryError> {
+        self.fresh = false;
+        let from = self.start.point();
+        self.emit(from, self.index_from(self.at), out)?;
+        let next = self.vertices.partition_point(|v| v.at <= self.at);
+        let vertex = self.vertices[next.min(self.vertices.len() - 1)];
+        let (to, at) = match end {
+            End::Line(point, _) if vertex.at > limit => (point, limit),
+            _ => (vertex.point, vertex.at),
+        };
+        if from != to {
+            let start = between(&self.vertices[next - 1], &vertex, self.at);
+            let deviation = (from - start).norm() + self.rounding;
+            let range = (self.first, vertex.index);
+            let curve = line((from, to), at - self.at)?;
+            out.push_back(FittedStretch::straight(StretchShape::Polyline, curve, range, deviation));
+        }
+        (self.at, self.start, self.from, self.continues) = (at, Start::Point(to), to, false);
+        self.first = self.index_up_to(at);
+        self.march.restart();
+        Ok(())
+    }
+
+    /// Hands out the curve so far, which ends in `to`. The next one starts there.
+    fn emit(&mut self, to: SVector<f64, D>, last: usize, out: &mut Output<D>) -> Result<(), GeometryError> {
+        if !self.pieces.is_empty() {
+            let curve = joined(&self.pieces, (self.from, to))?;
+            let origin = self.pieces[0].start;
+            let mut lines: Vec<(f64, f64)> = Vec::new();
+            for piece in self.pieces.iter().filter(|p| p.straight) {
+                lines.push((piece.start - origin, piece.end - origin));
+            }
+            let largest = self.pieces.iter().fold(0.0f64, |m, p| m.max(p.deviation));
+            out.push_back(FittedStretch {
+                curve,
+                shape: StretchShape::Curve,
+                first: self.first,
+                last,
+                max_deviation: largest + self.rounding,
+                lines,
+                continues: self.continues,
+            });
+            self.pieces.clear();
+        }
+        (self.from, self.first) = (to, self.index_up_to(self.at));
+        (self.continues, self.narrowest) = (false, f64::INFINITY);
+        Ok(())
+    }
+
+    /// Index of the last vertex that is not behind `at`.
+    fn index_up_to(&self, at: f64) -> usize {
+        self.vertices[self.vertices.partition_point(|v| v.at <= at).saturating_sub(1)].index
+    }
+
+    /// Index of the first vertex that is not before `at`.
+    fn index_from(&self, at: f64) -> usize {
+        self.vertices[self.vertices.partition_point(|v| v.at < at).min(self.vertices.len() - 1)].index
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::curve::Curve;
+    use nalgebra::vector;
+
+    /// No window can be fitted any more from the middle on: the curve ends there, lines lead from vertex to
+    /// vertex, and a line that ends within a chord is continued.
+    #[test]
+    fn the_polyline_is_kept_where_no_window_is_fitted() {
+        let circle = |i: usize| vector![20.0 * (i as f64 * 0.04).cos(), 20.0 * (i as f64 * 0.04).sin()];
+        let mut points: Vec<_> = (0..2500).map(circle).collect();
+        points.push(points[2499] + vector![300.0, 0.0]);
+        points.push(points[2500] + vector![0.1, 0.01]);
+        let mut out = Output::new();
+        let mut fit = StretchFit::new(0.005, points[0], 0);
+        for (index, &point) in points.iter().enumerate().skip(1) {
+            if index == 2400 {
+                fit.march = March::new(1e-18);
+            }
+            fit.push(point, index, &mut out).unwrap();
+        }
+        fit.finish(&mut out).unwrap();
+        let kept: Vec<_> = out.iter().filter(|s| s.shape == StretchShape::Polyline).collect();
+        assert!(out[0].shape == StretchShape::Curve && out[0].pieces() > 20);
+        assert!(kept.len() > 100 && kept.len() < 1000);
+        assert_eq!((out[0].first, out[out.len() - 1].last), (0, 2501));
+        for (before, after) in out.iter().zip(out.iter().skip(1)) {
+            let (end, start) = (before.curve.jet_left(f64::MAX).point, after.curve.jet(f64::MIN).point);
+            assert_eq!(end, start);
+            assert!(!after.continues && after.max_deviation <= 0.005);
+            assert!(after.first <= before.last && before.last <= after.first + 1);
+        }
+        // From the start of the second kept line on they start and end in the points themselves.
+        for line in kept.iter().skip(1).filter(|s| s.last < 2499) {
+            assert_eq!(line.curve.control_points(), [points[line.first], points[line.last]]);
+        }
+        let long: Vec<_> = out.iter().filter(|s| s.first == 2499 && s.shape == StretchShape::Curve).collect();
+        assert!(long.len() == 1 && long[0].lines.len() == 1);
+    }
+}

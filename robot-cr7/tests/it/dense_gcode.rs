@@ -1,0 +1,91 @@
+//! Programs of short lines: they become smooth curves within the tolerance of the program.
+
+use std::f64::consts::TAU;
+use std::fmt::Write;
+
+use nalgebra::Vector3;
+
+use crate::common::Desk;
+
+const JOB: &str = "[workpiece]\nposition_mm = [420, 0, 150]\n[orientation]\nrpy_deg = [180, 0, 0]\n";
+
+/// A flower of `count` short lines, rounded to a micrometre, and a square corner at its end. Its points in mm.
+fn flower(mode: &str, count: u32) -> (String, Vec<Vector3<f64>>) {
+    let mut program = format!("{mode}\nG21 G90 G0 X50 Y0\nF6000\n");
+    let mut points = vec![Vector3::new(50.0, 0.0, 0.0)];
+    let mut line = |x: f64, y: f64| {
+        let (x, y) = ((x * 1e3).round() / 1e3, (y * 1e3).round() / 1e3);
+        writeln!(program, "G1 X{x:.3} Y{y:.3}").expect("memory");
+        points.push(Vector3::new(x, y, 0.0));
+    };
+    for i in 1..=count {
+        let a = TAU * f64::from(i) / f64::from(count);
+        let r = 40.0 + 10.0 * (5.0 * a).cos();
+        line(r * a.cos(), r * a.sin());
+    }
+    (1..=40).for_each(|i| line(50.0 + 0.75 * f64::from(i), 0.0));
+    (1..=40).for_each(|i| line(80.0, 0.75 * f64::from(i)));
+    (program, points)
+}
+
+fn planned(desk: &Desk, (mode, count): (&str, u32), job: &str) -> (serde_json::Value, Vec<Vector3<f64>>) {
+    let (program, points) = flower(mode, count);
+    desk.write("flower.ngc", &program);
+    desk.write("job.toml", &format!("{JOB}{job}"));
+    let report = desk.run(&["plan", "flower.ngc", "--job", "job.toml", "--json"]).done().json();
+    for line in report["limits"].as_array().expect("a list") {
+        assert!(line["ratio"].as_f64().expect("a number") <= 1.0 + 1e-6, "{line}");
+    }
+    (report, points)
+}
+
+/// Largest distance in mm of the tool from the lines of the program.
+fn farthest(desk: &Desk, points: &[Vector3<f64>]) -> f64 {
+    let mut from = 0;
+    let mut worst = 0.0f64;
+    for row in desk.trajectory::<6>("out") {
+        let p = Vector3::from(row.position) * 1e3 - Vector3::new(420.0, 0.0, 150.0);
+        let off = |pair: &[Vector3<f64>]| {
+            let (a, b) = (pair[0], pair[1]);
+            let share = ((p - a).dot(&(b - a)) / (b - a).norm_squared()).clamp(0.0, 1.0);
+            (p - a - (b - a) * share).norm()
+        };
+        // The tool goes along the lines: the nearest one is ahead of the last one.
+        let window = &points[from..(from + 400).min(points.len())];
+        let (nearest, distance) = window
+            .windows(2)
+            .map(off)
+            .enumerate()
+            .fold((0, f64::INFINITY), |best, (i, d)| if d < best.1 { (i, d) } else { best });
+        from += nearest.saturating_sub(2);
+        worst = worst.max(distance);
+    }
+    worst
+}
+
+#[test]
+fn three_thousand_lines_become_curves_and_true_corners_stay() {
+    let desk = Desk::new("flower");
+    let (report, points) = planned(&desk, ("G64 P0.05 Q0.01", 3000), "");
+    // Blends are within 50 um of curves that are within 10 um of the lines.
+    let off = farthest(&desk, &points);
+    assert!(off <= 0.06 + 1e-6 && off > 0.005, "{off} mm");
+    assert_eq!(report["program"]["stops"].as_array().map(Vec::len), Some(0));
+    // The corner where the flower ends, and the one between the two straight lines.
+    assert_eq!(report["program"]["blended"], 2);
+    let smooth = report["duration_s"].as_f64().expect("a number");
+    let length = report["length_m"].as_f64().expect("a number");
+    assert!(length / smooth > 0.08, "{} mm/s of 100", 1e3 * length / smooth);
+    let table = std::fs::read_to_string(desk.folder.join("out/lines.csv")).expect("written");
+    assert!(table.lines().any(|row| row.starts_with("4-3003,")), "{table}");
+
+    // A job can say it for programs that do not.
+    let (report, _) = planned(&desk, ("", 3000), "[path]\nsmooth_mm = 0.01\nblend_mm = 0.05\n");
+    assert_eq!(report["duration_s"].as_f64(), Some(smooth));
+    // Blending alone goes from one line to the next one.
+    let [smooth, blended] = ["G64 P0.05 Q0.02", "G64 P0.05 Q0"].map(|mode| {
+        let (report, _) = planned(&desk, (mode, 300), "");
+        report["duration_s"].as_f64().expect("a number")
+    });
+    assert!(blended > 1.2 * smooth, "{blended} s, {smooth} s");
+}
