@@ -29,7 +29,7 @@ pub struct Args {
     /// Link of a .urdf file where the arm ends, the flange [default: its only end]
     #[arg(long, requires = "robot")]
     tip_link: Option<String>,
-    /// Path file: .json (NURBS curve) or .csv (points). Without it: an embedded butterfly
+    /// Path file: .json (NURBS curve), .csv (points) or .ngc, .nc, .gcode (G-code). Without it: an embedded butterfly
     path: Option<PathBuf>,
     /// Chord tolerance of the segmentations, mm
     #[arg(long, default_value_t = 0.001)]
