@@ -45,7 +45,7 @@ pub use run::limit_line::{LimitLine, LimitUnit};
 pub use run::limit_lines::limit_lines;
 pub use run::online_events::Happening;
 pub use run::online_run::{OnlineRun, ScenarioError};
-pub use run::outline::{MarkerLine, Outline};
+pub use run::outline::{MarkerLine, Outline, Smoothed};
 pub use run::play::{Clock, Cycle, Played, StepTimes};
 pub use run::robot::{Drives, Robot};
 pub use run::samples::{MOST_CYCLES, MOST_SAMPLES, TooManySamples, few_enough, sample_times};

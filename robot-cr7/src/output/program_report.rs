@@ -4,12 +4,14 @@ use arcfeed_geometry::KeptJoint;
 use serde::Serialize;
 
 use super::limit_table::line_words;
-use crate::run::outline::{CornerLine, MarkerLine, Outline};
+use crate::run::outline::{CornerLine, MarkerLine, Outline, Smoothed};
 use crate::text::number;
 
 /// What became of the corners of a program or a polyline, and where its codes stand in time.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ProgramReport {
+    /// Runs of short lines that became smooth curves. A blend between two of them adds its own distance.
+    pub smoothed: Smoothed,
     /// Corners and jumps of curvature that were blended.
     pub blended: usize,
     /// Largest distance of a blend from the programmed path that is possible, m.
@@ -62,6 +64,7 @@ impl ProgramReport {
         };
         let deviations = || outline.corners.iter().filter_map(|corner| corner.blend.ok());
         Self {
+            smoothed: outline.smoothed,
             blended: deviations().count(),
             blend_deviation_m: deviations().fold(0.0, f64::max),
             stops: outline.corners.iter().filter_map(stop).collect(),
@@ -78,9 +81,14 @@ impl ProgramReport {
                 format!("{} stops, the first at line {}: {}", self.stops.len(), line_words(one.lines), one.why)
             }
         };
+        let Smoothed { lines, curves, deviation_m } = self.smoothed;
+        let smooth = match lines {
+            0 => String::new(),
+            _ => format!("{lines} lines as {curves} curves within {} um; ", number(deviation_m * 1e6)),
+        };
         match self.blended {
-            0 => stops,
-            n => format!("{n} blended within {} um; {stops}", number(self.blend_deviation_m * 1e6)),
+            0 => smooth + &stops,
+            n => format!("{smooth}{n} blended within {} um; {stops}", number(self.blend_deviation_m * 1e6)),
         }
     }
 }

@@ -28,18 +28,29 @@ fn tolerance_of(step: &GcodeMove, unstated: Option<f64>) -> Option<f64> {
     (line && step.rotary.is_none() && naive > 0.0).then_some(naive)
 }
 
-/// Appends smooth curves along the lines of `moves` to `path`, within `tolerance` (m) of them. Returns for each curve its first and last
-/// move, by index.
+/// A piece that takes the place of moves.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Unit {
+    /// Its first move, by index.
+    pub first: usize,
+    /// Its last one.
+    pub last: usize,
+    /// Largest distance from the lines of these moves that is possible, m; 0 for a move of its own.
+    pub deviation: f64,
+}
+
+/// Appends smooth curves along the lines of `moves` to `path`, within `tolerance` (m) of them.
 pub(crate) fn append_smooth(
     path: &mut JoinedPathBuilder,
     moves: &[GcodeMove],
     tolerance: f64,
-) -> Result<Vec<(usize, usize)>, GeometryError> {
+) -> Result<Vec<Unit>, GeometryError> {
     let mut fit = DenseFit::<3>::new(tolerance)?;
     let mut curves = Vec::new();
     let mut take = |fit: &mut DenseFit<3>, path: &mut JoinedPathBuilder| -> Result<(), GeometryError> {
         while let Some(stretch) = fit.next_stretch() {
-            curves.push((stretch.first, stretch.last.saturating_sub(1).max(stretch.first)));
+            let (first, last) = (stretch.first, stretch.last.saturating_sub(1).max(stretch.first));
+            curves.push(Unit { first, last, deviation: stretch.max_deviation });
             append_stretch(path, moves, &stretch)?;
         }
         Ok(())

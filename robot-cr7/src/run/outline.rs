@@ -11,6 +11,18 @@ pub struct Outline {
     pub(crate) markers: Vec<MarkerLine>,
     /// N words by line.
     pub(crate) numbers: Vec<(usize, u32)>,
+    pub(crate) smoothed: Smoothed,
+}
+
+/// Runs of short lines that became smooth curves.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Smoothed {
+    /// Number of lines.
+    pub lines: usize,
+    /// Number of curves that stand for them.
+    pub curves: usize,
+    /// Largest distance of a curve from its lines that is possible, m.
+    pub deviation_m: f64,
 }
 
 /// A piece of the path, which begins where the one before it ends.

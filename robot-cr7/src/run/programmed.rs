@@ -8,9 +8,9 @@ use arcfeed_geometry::{
 use arcfeed_interp::{Extent, FeedSection};
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::dense_lines;
+use super::dense_lines::{self, Unit};
 use super::error::Cr7Error;
-use super::outline::{CornerLine, MarkerLine, Outline, OutlinePiece};
+use super::outline::{CornerLine, MarkerLine, Outline, OutlinePiece, Smoothed};
 use crate::input::error::InputError;
 use crate::input::gcode::{GcodeMove, GcodeProgram, MarkerKind, MoveKind, PathControl};
 use crate::input::job::Job;
@@ -47,6 +47,7 @@ pub(crate) struct Programmed {
     pub turns: Option<Vec<UnitQuaternion<f64>>>,
     /// Index of the step before it, line, and words.
     markers: Vec<(usize, u64, String)>,
+    smoothed: Smoothed,
     pub warnings: Vec<String>,
 }
 
@@ -59,11 +60,11 @@ impl Programmed {
         }
         let moves = program.working_moves();
         let mut warnings = Vec::new();
-        let (programmed, runs) = joined(program, job)?;
-        let steps = steps(moves, &runs, &programmed, job, &mut warnings);
+        let (programmed, units) = joined(program, job)?;
+        let steps = steps(moves, &units, &programmed, job, &mut warnings);
         let skipped = program.moves.len() - moves.len();
         // Of the curve that takes the place of the move before a mark.
-        let unit_before = |moves: usize| runs.partition_point(|run| run.1 < moves);
+        let unit_before = |moves: usize| units.partition_point(|unit| unit.last < moves);
         let markers = program.markers.iter().map(|m| {
             let after = m.after.saturating_sub(skipped);
             let place = if after == 0 { 0 } else { unit_before(after - 1) + 1 };
@@ -88,6 +89,7 @@ impl Programmed {
             joints: blended.joints,
             turns: turns(program, moves),
             markers,
+            smoothed: smoothed(&units),
             warnings,
         })
     }
@@ -107,7 +109,8 @@ impl Programmed {
         let blended = blend(&path.build().map_err(error)?, &steps).map_err(error)?;
         let (path, joints) = (blended.path, blended.joints);
         let file = file.file.clone();
-        Ok(Self { file, steps, path, joints, turns: None, markers: Vec::new(), warnings: Vec::new() })
+        let (markers, warnings, smoothed) = (Vec::new(), Vec::new(), Smoothed::default());
+        Ok(Self { file, steps, path, joints, turns: None, markers, smoothed, warnings })
     }
 
     /// The feeds along the path: those of the program, else those of the job.
@@ -158,7 +161,7 @@ impl Programmed {
         };
         let corners = self.joints.iter().filter_map(corner).collect();
         let numbers = self.steps.iter().filter_map(|step| step.number.map(|n| (step.line, n))).collect();
-        Outline { markers: markers.collect(), pieces, corners, numbers }
+        Outline { markers: markers.collect(), pieces, corners, numbers, smoothed: self.smoothed }
     }
 
     /// That both the job and the program turn the tool.
@@ -191,41 +194,35 @@ fn curve_error(file: &std::path::Path, source: GeometryError) -> Cr7Error {
     Cr7Error::Curve { file: file.display().to_string(), source }
 }
 
-/// The working moves as one path, runs of short lines as smooth curves where the program permits. The first and last move of each piece
-/// that was appended, by index.
-fn joined(program: &GcodeProgram, job: &Job) -> Result<(JoinedPath, Vec<(usize, usize)>), Cr7Error> {
+/// The working moves as one path, runs of short lines as smooth curves where the program permits. What each piece that was
+/// appended stands for.
+fn joined(program: &GcodeProgram, job: &Job) -> Result<(JoinedPath, Vec<Unit>), Cr7Error> {
     let moves = program.working_moves();
     let mut path = program.begin()?;
-    let mut runs = Vec::with_capacity(moves.len());
+    let mut units = Vec::with_capacity(moves.len());
     let mut at = 0;
     while at < moves.len() {
         if let Some((count, tolerance)) = dense_lines::run(&moves[at..], job.smooth.or(job.blend)) {
             let curves = dense_lines::append_smooth(&mut path, &moves[at..at + count], tolerance);
             let curves = curves.map_err(|source| program.curve_error(moves[at].line, source))?;
-            runs.extend(curves.into_iter().map(|(first, last)| (at + first, at + last)));
+            units.extend(curves.into_iter().map(|unit| Unit { first: at + unit.first, last: at + unit.last, ..unit }));
             at += count;
         } else {
             program.append(&mut path, &moves[at])?;
-            runs.push((at, at));
+            units.push(Unit { first: at, last: at, deviation: 0.0 });
             at += 1;
         }
     }
-    Ok((path.build().map_err(|source| program.curve_error(0, source))?, runs))
+    Ok((path.build().map_err(|source| program.curve_error(0, source))?, units))
 }
 
 /// Feed and tolerance of each piece. A feed is at most that of the job, which rapid moves have.
-fn steps(
-    moves: &[GcodeMove],
-    runs: &[(usize, usize)],
-    path: &JoinedPath,
-    job: &Job,
-    warnings: &mut Vec<String>,
-) -> Vec<Step> {
+fn steps(moves: &[GcodeMove], units: &[Unit], path: &JoinedPath, job: &Job, warnings: &mut Vec<String>) -> Vec<Step> {
     let (mut capped, mut unstated) = (None, None);
     let mut pieces = path.pieces().iter().peekable();
-    let mut steps = Vec::with_capacity(runs.len());
+    let mut steps = Vec::with_capacity(units.len());
     let line_of = |i: usize| usize::try_from(moves[i].line).unwrap_or(usize::MAX);
-    for &(first, last) in runs {
+    for &Unit { first, last, .. } in units {
         let (step, line) = (&moves[first], line_of(first));
         let mut length = 0.0;
         while let Some(piece) = pieces.next_if(|piece| piece.sources[0] == line) {
@@ -268,6 +265,16 @@ fn steps(
         ));
     }
     steps
+}
+
+/// What became of runs of short lines.
+fn smoothed(units: &[Unit]) -> Smoothed {
+    let curves = || units.iter().filter(|unit| unit.last > unit.first);
+    Smoothed {
+        lines: curves().map(|unit| unit.last - unit.first + 1).sum(),
+        curves: curves().count(),
+        deviation_m: curves().map(|unit| unit.deviation).fold(0.0, f64::max),
+    }
 }
 
 /// What the rotary axes make of the tool: a turn by A about x, then by B about y, then by C about z.

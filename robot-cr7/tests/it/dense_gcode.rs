@@ -73,6 +73,10 @@ fn three_thousand_lines_become_curves_and_true_corners_stay() {
     assert_eq!(report["program"]["stops"].as_array().map(Vec::len), Some(0));
     // The corner where the flower ends, and the one between the two straight lines.
     assert_eq!(report["program"]["blended"], 2);
+    let smoothed = &report["program"]["smoothed"];
+    assert_eq!((smoothed["lines"].as_u64(), smoothed["curves"].as_u64()), (Some(3080), Some(3)));
+    let deviation = smoothed["deviation_m"].as_f64().expect("a number");
+    assert!(deviation <= 1e-5 && deviation > 5e-6, "{deviation} m");
     let smooth = report["duration_s"].as_f64().expect("a number");
     let length = report["length_m"].as_f64().expect("a number");
     assert!(length / smooth > 0.08, "{} mm/s of 100", 1e3 * length / smooth);
