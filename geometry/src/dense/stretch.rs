@@ -169,7 +169,7 @@ impl<const D: usize> StretchFit<D> {
 
     /// The part of the chord from vertex `i` on that is a line, if one is.
     ///
-    /// At a corner it is whole. Elsewhere the margins leave room for a curve that turns by the angle at the
+    /// The line reaches to a corner. At a smooth joint it ends before, and the margin leaves room for a curve that turns by the angle at the
     /// joint, or whose curvature rises from 0 to that of the neighbour.
     fn line(&self, i: usize) -> Option<(f64, f64)> {
         let v = &self.vertices;

@@ -87,6 +87,22 @@ impl<'a, const N: usize> ToolPath<'a, N> {
         Self { arm, path, start: Joints::zeros(), knots, corners }
     }
 
+    /// The same path with stops at these arc lengths (m) besides its corners. Places that are not inside the path are left out.
+    pub fn with_stops(mut self, stops: &[f64]) -> Self {
+        let length = self.length();
+        // Nearer to one another they are the same place.
+        let same = 1e-9 * length;
+        for &s in stops.iter().filter(|s| **s > same && **s < length - same) {
+            for list in [&mut self.knots, &mut self.corners] {
+                let at = list.partition_point(|&other| other < s - same);
+                if list.get(at).is_none_or(|&other| other > s + same) {
+                    list.insert(at, s);
+                }
+            }
+        }
+        self
+    }
+
     /// The curve of the tool with its orientation.
     pub fn pose_path(&self) -> &PosePath {
         &self.path

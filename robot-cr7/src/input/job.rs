@@ -95,7 +95,8 @@ pub struct Job {
     pub blend: Option<f64>,
     /// Largest turn of the tool away from the programmed orientation where its rate would jump, in rad.
     pub blend_angle: f64,
-    /// Joint values near which the configuration at the start is taken, in rad; without them that which has most room along the path.
+    /// The arm starts in the configuration nearest to these joint values, in rad. Without them it starts in the one with most room along
+    /// the path.
     pub start_near: Option<JointValues>,
     /// Workpiece frame (the frame of the path) in the base frame.
     pub workpiece: Isometry3<f64>,

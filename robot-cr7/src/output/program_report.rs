@@ -4,7 +4,7 @@ use arcfeed_geometry::KeptJoint;
 use serde::Serialize;
 
 use super::limit_table::line_words;
-use crate::run::outline::{CornerLine, MarkerLine, Outline, Smoothed};
+use crate::run::outline::{CornerLine, MarkerLine, Outline, Smoothed, Stop};
 use crate::text::number;
 
 /// What became of the corners of a program or a polyline, and where its codes stand in time.
@@ -129,11 +129,12 @@ fn time_at(t: &[f64], s: &[f64], place: f64) -> f64 {
     if s1 > s0 { t0 + (t1 - t0) * ((place - s0) / (s1 - s0)).clamp(0.0, 1.0) } else { t1 }
 }
 
-fn reason(why: KeptJoint) -> &'static str {
+fn reason(why: Stop) -> &'static str {
     match why {
-        KeptJoint::ExactStop => "no tolerance to blend it within (G64 P, or path.blend_mm)",
-        KeptJoint::Reversal => "the path turns back",
-        KeptJoint::NotCertified => "no blend is certain to stay within the tolerance",
-        KeptJoint::Smooth => "smooth",
+        Stop::Asked => "the program says so (G61.1, G4)",
+        Stop::Kept(KeptJoint::ExactStop) => "no tolerance to blend it within (G64 P, or path.blend_mm)",
+        Stop::Kept(KeptJoint::Reversal) => "the path turns back",
+        Stop::Kept(KeptJoint::NotCertified) => "no blend is certain to stay within the tolerance",
+        Stop::Kept(KeptJoint::Smooth) => "smooth",
     }
 }

@@ -30,7 +30,7 @@ fn tolerance_of(step: &GcodeMove, unstated: Option<f64>) -> Option<f64> {
 
 /// A piece that takes the place of moves.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Unit {
+pub(crate) struct MoveRange {
     /// Its first move, by index.
     pub first: usize,
     /// Its last one.
@@ -44,13 +44,13 @@ pub(crate) fn append_smooth(
     path: &mut JoinedPathBuilder,
     moves: &[GcodeMove],
     tolerance: f64,
-) -> Result<Vec<Unit>, GeometryError> {
+) -> Result<Vec<MoveRange>, GeometryError> {
     let mut fit = DenseFit::<3>::new(tolerance)?;
     let mut curves = Vec::new();
     let mut take = |fit: &mut DenseFit<3>, path: &mut JoinedPathBuilder| -> Result<(), GeometryError> {
         while let Some(stretch) = fit.next_stretch() {
             let (first, last) = (stretch.first, stretch.last.saturating_sub(1).max(stretch.first));
-            curves.push(Unit { first, last, deviation: stretch.max_deviation });
+            curves.push(MoveRange { first, last, deviation: stretch.max_deviation });
             append_stretch(path, moves, &stretch)?;
         }
         Ok(())

@@ -44,7 +44,16 @@ pub(crate) struct CornerLine {
     /// rad.
     pub angle: f64,
     /// By how much its blend deviates at most, m, or why the tool stops there.
-    pub blend: Result<f64, KeptJoint>,
+    pub blend: Result<f64, Stop>,
+}
+
+/// Why the tool stops in a joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Stop {
+    /// The file says so.
+    Asked,
+    /// It could not be blended.
+    Kept(KeptJoint),
 }
 
 /// A code between moves that switches, waits or informs.

@@ -25,6 +25,8 @@ pub(crate) struct PlacedPath {
     pub path: PosePath,
     /// Feeds of the job, or of the program.
     pub sections: Vec<FeedSection>,
+    /// Where the tool stops because the file says so, by arc length.
+    pub stops: Vec<f64>,
     /// Lines of the file along the path, where it has such.
     pub outline: Option<Outline>,
     pub warnings: Vec<String>,
@@ -50,7 +52,8 @@ impl PlacedPath {
         let Some(programmed) = programmed else {
             let orientation = orientation_of(job, &curve).map_err(error)?;
             let path = PosePath::new(curve, orientation);
-            return Ok(Self { path, sections: job.sections.clone(), outline: None, warnings: Vec::new() });
+            let (sections, stops) = (job.sections.clone(), Vec::new());
+            return Ok(Self { path, sections, stops, outline: None, warnings: Vec::new() });
         };
         let orientation = match &programmed.turns {
             Some(turns) => {
@@ -63,8 +66,8 @@ impl PlacedPath {
             None => orientation_of(job, &curve).map_err(error)?,
         };
         let sections = programmed.sections(job);
-        let outline = Some(programmed.outline(&curve));
-        Ok(Self { path: PosePath::new(curve, orientation), sections, outline, warnings: programmed.warnings })
+        let (outline, stops) = (Some(programmed.outline(&curve)), programmed.stops(&curve));
+        Ok(Self { path: PosePath::new(curve, orientation), sections, stops, outline, warnings: programmed.warnings })
     }
 }
 

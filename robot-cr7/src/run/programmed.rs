@@ -8,9 +8,9 @@ use arcfeed_geometry::{
 use arcfeed_interp::{Extent, FeedSection};
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::dense_lines::{self, Unit};
+use super::dense_lines::{self, MoveRange};
 use super::error::Cr7Error;
-use super::outline::{CornerLine, MarkerLine, Outline, OutlinePiece, Smoothed};
+use super::outline::{CornerLine, MarkerLine, Outline, OutlinePiece, Smoothed, Stop};
 use crate::input::error::InputError;
 use crate::input::gcode::{GcodeMove, GcodeProgram, MarkerKind, MoveKind, PathControl};
 use crate::input::job::Job;
@@ -35,6 +35,16 @@ struct Step {
     feed: Option<f64>,
     /// Tolerance of the joint at its end, m.
     tolerance: f64,
+    /// The tool stops at its end, even where the path is smooth.
+    stop: bool,
+}
+
+/// A code between moves.
+struct Mark {
+    /// Index of the step that it belongs to, and the part of that which lies before it.
+    place: Option<(usize, f64)>,
+    line: u64,
+    what: String,
 }
 
 /// A path from lines of a file, with blends in place of its corners.
@@ -45,8 +55,7 @@ pub(crate) struct Programmed {
     joints: Vec<(Joint, JointOutcome)>,
     /// Turns of the tool by rotary axes: at the start, then at the end of each line.
     pub turns: Option<Vec<UnitQuaternion<f64>>>,
-    /// Index of the step before it, line, and words.
-    markers: Vec<(usize, u64, String)>,
+    marks: Vec<Mark>,
     smoothed: Smoothed,
     pub warnings: Vec<String>,
 }
@@ -61,19 +70,17 @@ impl Programmed {
         let moves = program.working_moves();
         let mut warnings = Vec::new();
         let (programmed, units) = joined(program, job)?;
-        let steps = steps(moves, &units, &programmed, job, &mut warnings);
+        let steps = steps(program, &units, &programmed, job, &mut warnings);
         let skipped = program.moves.len() - moves.len();
-        // Of the curve that takes the place of the move before a mark.
-        let unit_before = |moves: usize| units.partition_point(|unit| unit.last < moves);
-        let markers = program.markers.iter().map(|m| {
-            let after = m.after.saturating_sub(skipped);
-            let place = if after == 0 { 0 } else { unit_before(after - 1) + 1 };
-            (place, m.line, words(&m.kind))
+        let marks = program.markers.iter().map(|m| Mark {
+            place: m.after.checked_sub(skipped + 1).map(|before| place_of(before, &units, moves, programmed.start())),
+            line: m.line,
+            what: words(&m.kind),
         });
-        let markers: Vec<_> = markers.collect();
+        let marks = marks.collect();
         let rests = program.markers.iter().filter(|m| matches!(m.kind, MarkerKind::Dwell { .. })).count();
         if rests > 0 {
-            warnings.push(format!("{rests} dwells (G4) are marks in the report: the motion does not wait there"));
+            warnings.push(format!("the tool stops at {rests} dwells (G4), but the motion does not wait there: the times are marks in the report"));
         }
         if skipped > 0 {
             warnings.push(format!(
@@ -87,8 +94,8 @@ impl Programmed {
             steps,
             path: blended.path,
             joints: blended.joints,
-            turns: turns(program, moves),
-            markers,
+            turns: turns(program, moves, &units),
+            marks,
             smoothed: smoothed(&units),
             warnings,
         })
@@ -104,13 +111,13 @@ impl Programmed {
         for (point, &line) in rest.iter().zip(lines.iter().skip(1)) {
             let line = usize::try_from(line).unwrap_or(usize::MAX);
             path.line_to(*point, line).map_err(error)?;
-            steps.push(Step { line, last: line, number: None, feed: None, tolerance });
+            steps.push(Step { line, last: line, number: None, feed: None, tolerance, stop: false });
         }
         let blended = blend(&path.build().map_err(error)?, &steps).map_err(error)?;
         let (path, joints) = (blended.path, blended.joints);
         let file = file.file.clone();
-        let (markers, warnings, smoothed) = (Vec::new(), Vec::new(), Smoothed::default());
-        Ok(Self { file, steps, path, joints, turns: None, markers, smoothed, warnings })
+        let (marks, warnings, smoothed) = (Vec::new(), Vec::new(), Smoothed::default());
+        Ok(Self { file, steps, path, joints, turns: None, marks, smoothed, warnings })
     }
 
     /// The feeds along the path: those of the program, else those of the job.
@@ -142,26 +149,35 @@ impl Programmed {
             }
         };
         let pieces: Vec<OutlinePiece> = self.path.pieces().iter().map(piece).collect();
-        let end_of = |line: usize| {
-            let last = pieces.iter().rev().find(|piece| piece.lines[0] == line);
-            last.map_or(0.0, |piece| piece.to)
-        };
-        let markers = self.markers.iter().map(|(after, line, what)| MarkerLine {
-            line: *line,
-            s_m: after.checked_sub(1).and_then(|i| self.steps.get(i)).map_or(0.0, |step| end_of(step.line)),
-            t_s: None,
-            what: what.clone(),
+        let markers = self.marks.iter().map(|mark| {
+            let on = mark.place.and_then(|(i, share)| Some((range_of(&pieces, self.steps.get(i)?.line), share)));
+            let s_m = on.map_or(0.0, |((from, to), share)| from + share * (to - from));
+            MarkerLine { line: mark.line, s_m, t_s: None, what: mark.what.clone() }
         });
-        let corner = |(joint, outcome): &(Joint, JointOutcome)| match outcome {
-            JointOutcome::Kept(_) if joint.angle < CORNER => None,
-            JointOutcome::Kept(why) => Some(CornerLine { lines: joint.sources, angle: joint.angle, blend: Err(*why) }),
-            JointOutcome::Blended { deviation, .. } => {
-                Some(CornerLine { lines: joint.sources, angle: joint.angle, blend: Ok(*deviation) })
+        let corner = |(joint, outcome): &(Joint, JointOutcome)| {
+            let (lines, angle) = (joint.sources, joint.angle);
+            let asked = self.step(lines[0]).is_some_and(|step| step.stop) && lines[0] != lines[1];
+            match outcome {
+                JointOutcome::Kept(_) if asked => Some(CornerLine { lines, angle, blend: Err(Stop::Asked) }),
+                JointOutcome::Kept(_) if angle < CORNER => None,
+                JointOutcome::Kept(why) => Some(CornerLine { lines, angle, blend: Err(Stop::Kept(*why)) }),
+                JointOutcome::Blended { deviation, .. } => Some(CornerLine { lines, angle, blend: Ok(*deviation) }),
             }
         };
         let corners = self.joints.iter().filter_map(corner).collect();
         let numbers = self.steps.iter().filter_map(|step| step.number.map(|n| (step.line, n))).collect();
         Outline { markers: markers.collect(), pieces, corners, numbers, smoothed: self.smoothed }
+    }
+
+    /// Where the tool stops because the file says so, by arc length.
+    pub fn stops(&self, curve: &ArcLengthCurve<3>) -> Vec<f64> {
+        let asked = |piece: &PathPiece, next: Option<&PathPiece>| {
+            let line = piece.sources[1];
+            self.step(line).is_some_and(|step| step.stop) && next.is_some_and(|next| next.sources[0] != line)
+        };
+        let pieces = self.path.pieces();
+        let ends = pieces.iter().enumerate().filter(|(i, piece)| asked(piece, pieces.get(i + 1)));
+        ends.map(|(_, piece)| curve.arc_length_at(piece.end)).collect()
     }
 
     /// That both the job and the program turn the tool.
@@ -196,33 +212,76 @@ fn curve_error(file: &std::path::Path, source: GeometryError) -> Cr7Error {
 
 /// The working moves as one path, runs of short lines as smooth curves where the program permits. What each piece that was
 /// appended stands for.
-fn joined(program: &GcodeProgram, job: &Job) -> Result<(JoinedPath, Vec<Unit>), Cr7Error> {
+fn joined(program: &GcodeProgram, job: &Job) -> Result<(JoinedPath, Vec<MoveRange>), Cr7Error> {
     let moves = program.working_moves();
     let mut path = program.begin()?;
     let mut units = Vec::with_capacity(moves.len());
     let mut at = 0;
+    // A curve does not go on through a dwell.
+    let skipped = program.moves.len() - moves.len();
+    let mut dwells = dwells(program).map(|after| after.saturating_sub(skipped)).peekable();
     while at < moves.len() {
-        if let Some((count, tolerance)) = dense_lines::run(&moves[at..], job.smooth.or(job.blend)) {
+        while dwells.next_if(|&after| after <= at).is_some() {}
+        let ahead = &moves[at..dwells.peek().map_or(moves.len(), |&after| after.min(moves.len()))];
+        if let Some((count, tolerance)) = dense_lines::run(ahead, job.smooth.or(job.blend)) {
             let curves = dense_lines::append_smooth(&mut path, &moves[at..at + count], tolerance);
             let curves = curves.map_err(|source| program.curve_error(moves[at].line, source))?;
-            units.extend(curves.into_iter().map(|unit| Unit { first: at + unit.first, last: at + unit.last, ..unit }));
+            units.extend(curves.into_iter().map(|unit| MoveRange {
+                first: at + unit.first,
+                last: at + unit.last,
+                ..unit
+            }));
             at += count;
         } else {
             program.append(&mut path, &moves[at])?;
-            units.push(Unit { first: at, last: at, deviation: 0.0 });
+            units.push(MoveRange { first: at, last: at, deviation: 0.0 });
             at += 1;
         }
     }
     Ok((path.build().map_err(|source| program.curve_error(0, source))?, units))
 }
 
+/// The number of moves before each dwell.
+fn dwells(program: &GcodeProgram) -> impl Iterator<Item = usize> + '_ {
+    program.markers.iter().filter(|m| matches!(m.kind, MarkerKind::Dwell { .. })).map(|m| m.after)
+}
+
+/// The piece that stands for the move `before`, by index, and the part of it up to the end of that move.
+fn place_of(before: usize, units: &[MoveRange], moves: &[GcodeMove], start: Vector3<f64>) -> (usize, f64) {
+    let i = units.partition_point(|unit| unit.last < before).min(units.len().saturating_sub(1));
+    let MoveRange { first, last, .. } = units[i];
+    if first == last {
+        return (i, 1.0);
+    }
+    let from = |k: usize| k.checked_sub(1).map_or(start, |k| moves[k].end());
+    let length = |to: usize| (first..=to).map(|k| (moves[k].end() - from(k)).norm()).sum::<f64>();
+    (i, length(before.min(last)) / length(last))
+}
+
+/// Start and end of a line on the path, m. Lines only go up along it.
+fn range_of(pieces: &[OutlinePiece], line: usize) -> (f64, f64) {
+    let to = pieces.partition_point(|piece| piece.lines[0] <= line);
+    let from = pieces.partition_point(|piece| piece.lines[0] < line);
+    let end = |i: usize| i.checked_sub(1).and_then(|i| pieces.get(i)).map_or(0.0, |piece| piece.to);
+    (end(from), end(to))
+}
+
 /// Feed and tolerance of each piece. A feed is at most that of the job, which rapid moves have.
-fn steps(moves: &[GcodeMove], units: &[Unit], path: &JoinedPath, job: &Job, warnings: &mut Vec<String>) -> Vec<Step> {
+fn steps(
+    program: &GcodeProgram,
+    units: &[MoveRange],
+    path: &JoinedPath,
+    job: &Job,
+    warnings: &mut Vec<String>,
+) -> Vec<Step> {
+    let moves = program.working_moves();
+    let skipped = program.moves.len() - moves.len();
+    let mut dwells = dwells(program).map(|after| after.saturating_sub(skipped)).peekable();
     let (mut capped, mut unstated) = (None, None);
     let mut pieces = path.pieces().iter().peekable();
     let mut steps = Vec::with_capacity(units.len());
     let line_of = |i: usize| usize::try_from(moves[i].line).unwrap_or(usize::MAX);
-    for &Unit { first, last, .. } in units {
+    for &MoveRange { first, last, .. } in units {
         let (step, line) = (&moves[first], line_of(first));
         let mut length = 0.0;
         while let Some(piece) = pieces.next_if(|piece| piece.sources[0] == line) {
@@ -251,7 +310,10 @@ fn steps(moves: &[GcodeMove], units: &[Unit], path: &JoinedPath, job: &Job, warn
             }
         };
         let feed = Some(speed.min(job.feed.feed));
-        steps.push(Step { line, last: line_of(last), number: step.number, feed, tolerance });
+        while dwells.next_if(|&after| after <= last).is_some() {}
+        let stop = step.control == Some(PathControl::ExactStop) || dwells.peek() == Some(&(last + 1));
+        let tolerance = if stop { 0.0 } else { tolerance };
+        steps.push(Step { line, last: line_of(last), number: step.number, feed, tolerance, stop });
     }
     if let Some((first, highest)) = capped {
         let [highest, most] = [highest, job.feed.feed].map(|v| number(v * 1e3));
@@ -268,7 +330,7 @@ fn steps(moves: &[GcodeMove], units: &[Unit], path: &JoinedPath, job: &Job, warn
 }
 
 /// What became of runs of short lines.
-fn smoothed(units: &[Unit]) -> Smoothed {
+fn smoothed(units: &[MoveRange]) -> Smoothed {
     let curves = || units.iter().filter(|unit| unit.last > unit.first);
     Smoothed {
         lines: curves().map(|unit| unit.last - unit.first + 1).sum(),
@@ -278,11 +340,11 @@ fn smoothed(units: &[Unit]) -> Smoothed {
 }
 
 /// What the rotary axes make of the tool: a turn by A about x, then by B about y, then by C about z.
-fn turns(program: &GcodeProgram, moves: &[GcodeMove]) -> Option<Vec<UnitQuaternion<f64>>> {
+fn turns(program: &GcodeProgram, moves: &[GcodeMove], units: &[MoveRange]) -> Option<Vec<UnitQuaternion<f64>>> {
     moves.iter().any(|step| step.rotary.is_some()).then(|| {
         let before = program.moves.len() - moves.len();
         let start = before.checked_sub(1).and_then(|i| program.moves[i].rotary);
-        let axes = std::iter::once(start).chain(moves.iter().map(|step| step.rotary));
+        let axes = std::iter::once(start).chain(units.iter().map(|unit| moves[unit.last].rotary));
         axes.map(|abc| abc.unwrap_or_default()).map(|a| UnitQuaternion::from_euler_angles(a.x, a.y, a.z)).collect()
     })
 }

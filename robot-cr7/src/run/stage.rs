@@ -75,6 +75,7 @@ struct Loaded {
     shown: String,
     path: PosePath,
     sections: Vec<FeedSection>,
+    stops: Vec<f64>,
     warnings: Vec<String>,
     /// Where the arm stands at its start, if the file says so.
     first: Option<Joints<6>>,
@@ -90,7 +91,7 @@ impl Scenario {
     where
         A: PathArm<6> + AnalyticInverse<6>,
     {
-        let Loaded { name, shown, path, sections, warnings, first } = self.load(arm)?;
+        let Loaded { name, shown, path, sections, stops, warnings, first } = self.load(arm)?;
         let near = match (&self.start, first) {
             (Some(place), _) => Some(self.joints_at("run.start", place, arm, &Joints::zeros())?),
             (None, first) => first,
@@ -101,6 +102,7 @@ impl Scenario {
                 Some(near) => ToolPath::starting_near(arm, path, &near)?,
                 None => ToolPath::new(arm, path, limits.range())?,
             };
+            let path = path.with_stops(&stops);
             Planner::new(arm, Limits::new(*limits).with_tool(tool_of(job)?))
                 .with_chord_tolerance(job.chord_tolerance)?
                 .with_period(job.period)?
@@ -136,14 +138,14 @@ impl Scenario {
                 let curve = ArcLengthCurve::new(curve, ARC_LENGTH_TOLERANCE).map_err(wrong)?;
                 let turn = OrientationPath::slerp(curve.length(), a.rotation, b.rotation).map_err(wrong)?;
                 let (name, path, sections) = ("line".to_owned(), PosePath::new(curve, turn), job.sections.clone());
-                return Ok(Loaded { name, shown, path, sections, warnings, first: Some(from) });
+                return Ok(Loaded { name, shown, path, sections, stops: Vec::new(), warnings, first: Some(from) });
             }
         };
         warnings.extend(file.warnings.iter().cloned());
         let shown = file.file.display().to_string();
-        let PlacedPath { path, sections, warnings: more, .. } = PlacedPath::new(job, &file)?;
+        let PlacedPath { path, sections, stops, warnings: more, .. } = PlacedPath::new(job, &file)?;
         warnings.extend(more);
-        Ok(Loaded { name: file.name, shown, path, sections, warnings, first: None })
+        Ok(Loaded { name: file.name, shown, path, sections, stops, warnings, first: None })
     }
 
     fn values(&self, key: &str, values: &JointValues) -> Result<Joints<6>, InputError> {

@@ -59,6 +59,7 @@ pub struct Task<A = ParallelAxisArm, const N: usize = 6> {
     tool: ToolLimits,
     drives: Option<Drives<N>>,
     sections: Vec<FeedSection>,
+    stops: Vec<f64>,
     outline: Option<Outline>,
     end_speeds: [f64; 2],
     chord_tolerance: f64,
@@ -117,7 +118,7 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
     ) -> Result<Self, Cr7Error> {
         let begin = Instant::now();
         let shown = file.file.display().to_string();
-        let PlacedPath { path, sections, outline, warnings: of_path } = PlacedPath::new(job, file)?;
+        let PlacedPath { path, sections, stops, outline, warnings: of_path } = PlacedPath::new(job, file)?;
         let tool = tool_of(job).map_err(|source| plan_error(&shown, source.into()))?;
         let (arm, start) = arm_for(&path).map_err(|source| match plan_error(&shown, source.into()) {
             Cr7Error::Plan { file, source, hint } => {
@@ -139,6 +140,7 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
             tool,
             drives,
             sections,
+            stops,
             outline,
             end_speeds: job.feed.end_speeds,
             chord_tolerance: job.chord_tolerance,
@@ -189,7 +191,8 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
     /// # Errors
     /// [`Cr7Error::Plan`] when the arm cannot stand at the start.
     pub fn tool_path(&self) -> Result<ToolPath<'_, N>, Cr7Error> {
-        ToolPath::starting_near(&self.arm, self.path.clone(), &self.start).map_err(|source| self.error(source.into()))
+        let path = ToolPath::starting_near(&self.arm, self.path.clone(), &self.start);
+        Ok(path.map_err(|source| self.error(source.into()))?.with_stops(&self.stops))
     }
 
     /// The planner with all limits of the job.

@@ -83,6 +83,15 @@ fn three_thousand_lines_become_curves_and_true_corners_stay() {
     let table = std::fs::read_to_string(desk.folder.join("out/lines.csv")).expect("written");
     assert!(table.lines().any(|row| row.starts_with("4-3003,")), "{table}");
 
+    // A code in the middle of the flower stands where its line ends, and rotary axes may follow a curve.
+    let (program, points) = flower("G64 P0.05 Q0.01", 3000);
+    let lines: Vec<&str> = program.lines().collect();
+    let text = format!("{}\nM62 P1\n{}\nG1 Y60 A5\n", lines[..1503].join("\n"), lines[1503..].join("\n"));
+    desk.write("flower.ngc", &text);
+    let report = desk.run(&["plan", "flower.ngc", "--job", "job.toml", "--json"]).done().json();
+    let mark = &report["program"]["markers"][0];
+    let way: f64 = points[..1501].windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
+    assert!((mark["s_m"].as_f64().expect("a number") * 1e3 - way).abs() < 0.1, "{mark}, {way} mm");
     // A job can say it for programs that do not.
     let (report, _) = planned(&desk, ("", 3000), "[path]\nsmooth_mm = 0.01\nblend_mm = 0.05\n");
     assert_eq!(report["duration_s"].as_f64(), Some(smooth));

@@ -110,6 +110,35 @@ fn corners_without_a_tolerance_are_stops_and_blends_are_faster() {
     assert_eq!((mark["what"].as_str(), mark["line"].as_u64()), (Some("half way"), Some(6)));
 }
 
+/// The speed of the tool in mm/s where it is nearest to x = `at` mm.
+fn speed_at(desk: &Desk, at: f64) -> f64 {
+    let points = tool_points(desk);
+    let i = (1..points.len()).min_by(|&i, &k| (points[i].1.x - at).abs().total_cmp(&(points[k].1.x - at).abs()));
+    let i = i.expect("points");
+    (points[i].1 - points[i - 1].1).norm() / (points[i].0 - points[i - 1].0)
+}
+
+#[test]
+fn the_tool_stops_on_a_smooth_line_where_the_program_says_so() {
+    let desk = Desk::new("gcode_exact_stops");
+    let stop = |middle: &str| {
+        desk.write("p.ngc", &format!("G21 G64 P1 G0 X0 Y0\nG1 X40 F6000\n{middle}\nX120\n"));
+        let report = planned(&desk, "p.ngc", "");
+        (speed_at(&desk, 80.0), report["program"]["stops"].clone(), report)
+    };
+    let (speed, stops, _) = stop("X80");
+    assert!(speed > 99.0 && stops.as_array().is_some_and(Vec::is_empty), "{speed} mm/s, {stops}");
+    let (speed, stops, _) = stop("G61.1 X80\nG64 P1");
+    assert!(speed < 2.0 && stops[0]["lines"] == serde_json::json!([3, 5]), "{speed} mm/s, {stops}");
+    let (speed, _, report) = stop("X80\nG4 P0.5");
+    assert!(speed < 2.0, "{speed} mm/s");
+    // The dwell is a mark at the place where the tool stands.
+    let mark = &report["program"]["markers"][0];
+    assert_eq!(mark["what"], "dwell of 0.5 s");
+    assert!((mark["s_m"].as_f64().expect("a number") - 0.08).abs() < 1e-9, "{mark}");
+    assert!(report["warnings"].to_string().contains("does not wait"), "{}", report["warnings"]);
+}
+
 #[test]
 fn rotary_axes_turn_the_tool_in_step_with_the_way() {
     let desk = Desk::new("gcode_rotary");
