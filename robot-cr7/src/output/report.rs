@@ -158,6 +158,17 @@ const STREAMED: &str = "per-segment, streamed";
 const MOST_WARNINGS: usize = 3;
 const MOST_FILES: usize = 2;
 
+fn stream_words(stream: &StreamReport) -> String {
+    format!(
+        "{} ahead: held back {} times, on {} mm, waits {} s; whole path known: {} s",
+        stream.look_ahead,
+        stream.held_back_m.len(),
+        number(stream.held_back() * 1e3),
+        number(stream.waited()),
+        number(stream.whole_duration_s)
+    )
+}
+
 impl Display for Report {
     /// The report for a terminal: at most 40 lines of 100 columns, lengths in mm, angles in degrees.
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
@@ -199,15 +210,7 @@ impl Display for Report {
             writeln!(f, "  {:<11}{}", "bound", clip(&bound.line(), WIDTH - 13))?;
         }
         if let Some(stream) = &self.stream {
-            let line = format!(
-                "{} ahead: held back {} times, on {} mm, waits {} s; whole path known: {} s",
-                stream.look_ahead,
-                stream.held_back_m.len(),
-                number(stream.held_back() * 1e3),
-                number(stream.waited()),
-                number(stream.whole_duration_s)
-            );
-            writeln!(f, "  {:<11}{}", "stream", clip(&line, WIDTH - 13))?;
+            writeln!(f, "  {:<11}{}", "stream", clip(&stream_words(stream), WIDTH - 13))?;
         }
         let mut segments = String::new();
         for (i, s) in self.segments.iter().enumerate() {

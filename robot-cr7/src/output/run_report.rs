@@ -317,7 +317,11 @@ impl Display for RunReport {
         writeln!(f, "  {:<16}{duration} s, {} cycles of {period} ms; {end}", "motion", self.cycles)?;
         let live = [self.live_acceleration_m_s2, self.live_jerk_m_s3].map(|v| number((v * 1e4).round() / 10.0));
         let [acceleration, jerk] = live;
-        writeln!(f, "  {:<16}{acceleration} mm/s^2 and {jerk} mm/s^3 along the path, at every place", "live bounds")?;
+        writeln!(
+            f,
+            "  {:<16}{acceleration} mm/s^2 and {jerk} mm/s^3 along the path: more would leave less speed in bends",
+            "live bounds"
+        )?;
         let times = &self.step_times;
         let us = |s: f64| number((s * 1e7).round() / 10.0);
         let (median, p99, worst) = (us(times.median_s), us(times.p99_s), us(times.worst_s));

@@ -151,13 +151,7 @@ fn space_picture(stage: &Stage<'_>, played: &Played, report: &RunReport) -> Resu
             let at = place(&p);
             canvas.line(&[at, place(&floor(&p))], Pen { dashed: true, ..Pen::solid(SHADOW, 0.9) })?;
             dot(canvas, at)?;
-            let (x, mut y) = (at.0 + 9.0, at.1 + if above { -12.0 } else { 14.0 });
-            let end = x + 6.6 * words.chars().count() as f64;
-            // A name that would cover another one moves away from its place.
-            while taken.iter().any(|&[from, to, at]| x < to && end > from && (y - at).abs() < 16.0) {
-                y += if above { -4.0 } else { 4.0 };
-            }
-            taken.push([x, end, y]);
+            let [x, end, y] = free_place(&mut taken, at, words.chars().count(), above);
             let ground = [(x - 2.0, y - 8.0), (end, y - 8.0), (end, y + 8.0), (x - 2.0, y + 8.0)];
             canvas.fill(&ground, RGBColor(255, 255, 255), 0.8)?;
             canvas.text(&words, (x, y), Anchor::Left)?;
@@ -241,6 +235,17 @@ fn triad(canvas: &Canvas<'_>, place: &impl Fn(&Vector3<f64>) -> (f64, f64)) -> R
         canvas.text(name, place(&(axis * 140.0)), Anchor::Middle)?;
     }
     canvas.text("base", (origin.0 + 8.0, origin.1 + 12.0), Anchor::Left)
+}
+
+/// Start, end and height of a name of so many characters beside `at`: one that would cover another one moves away.
+fn free_place(taken: &mut Vec<[f64; 3]>, at: (f64, f64), characters: usize, above: bool) -> [f64; 3] {
+    let (x, mut y) = (at.0 + 9.0, at.1 + if above { -12.0 } else { 14.0 });
+    let end = x + 6.6 * characters as f64;
+    while taken.iter().any(|&[from, to, at]| x < to && end > from && (y - at).abs() < 16.0) {
+        y += if above { -4.0 } else { 4.0 };
+    }
+    taken.push([x, end, y]);
+    [x, end, y]
 }
 
 /// Places with a name: start, end, events, points reached in joint space; and whether the name stands above the place.
