@@ -83,7 +83,16 @@ fn distance(ours: &Isometry3<f64>, translation: [f64; 3]) -> f64 {
     (ours.translation.vector - nalgebra::Vector3::from(translation)).norm()
 }
 
-fn benches(criterion: &mut Criterion) {
+/// The numbers of the samples, round and round.
+fn turns() -> impl FnMut() -> usize {
+    let mut i = 0;
+    move || {
+        i = (i + 1) % COUNT;
+        i
+    }
+}
+
+fn kr6(criterion: &mut Criterion) {
     let kr6 = models::kr6_r700();
     let kr6_links: ArmDynamics<6> = *models::description("kr6_r700")
         .and_then(|arm| arm.build::<6>().ok()?.dynamics().copied())
@@ -100,11 +109,7 @@ fn benches(criterion: &mut Criterion) {
         let theirs = k_kr6.end_transform().translation;
         assert!(distance(pose, [theirs.x, theirs.y, theirs.z]) < 1e-9, "k has another arm");
     }
-    let mut i = 0;
-    let mut next = || {
-        i = (i + 1) % COUNT;
-        i
-    };
+    let mut next = turns();
     let mut group = criterion.benchmark_group("kr6");
     group.warm_up_time(Duration::from_millis(500)).measurement_time(Duration::from_secs(2)).sample_size(50);
     group.bench_function("forward", |b| b.iter(|| kr6.forward(black_box(&joints[next()]))));
@@ -135,7 +140,10 @@ fn benches(criterion: &mut Criterion) {
         b.iter(|| kr6_links.along_path(black_box(&joints[next()]), &d1, &d2))
     });
     group.finish();
+}
 
+fn other_closed_forms(criterion: &mut Criterion) {
+    let mut next = turns();
     let mut group = criterion.benchmark_group("other closed forms");
     group.warm_up_time(Duration::from_millis(500)).measurement_time(Duration::from_secs(2)).sample_size(50);
     let puma = models::puma560();
@@ -145,7 +153,10 @@ fn benches(criterion: &mut Criterion) {
     let ur_poses: Vec<_> = samples(ur.range()).iter().map(|q| ur.forward(q)).collect();
     group.bench_function("ur5e inverse_all", |b| b.iter(|| ur.inverse_all(black_box(&ur_poses[next()]))));
     group.finish();
+}
 
+fn panda(criterion: &mut Criterion) {
+    let mut next = turns();
     let panda = models::panda();
     let k_panda = k_chain("panda");
     let panda_joints = samples(panda.range());
@@ -182,5 +193,5 @@ fn benches(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(all, benches);
+criterion_group!(all, kr6, other_closed_forms, panda);
 criterion_main!(all);

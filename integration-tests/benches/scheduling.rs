@@ -78,43 +78,39 @@ fn path() -> Path {
         .expect("a smooth path")
 }
 
-/// Rows and solution by COPP: duration.
-fn copp_second(grid: &[f64], path: &Path) -> f64 {
+/// Rows of COPP, those on jerk too where it is limited.
+fn copp_robot(grid: &[f64], path: &Path, jerk: bool) -> Robot<usize> {
     let n = grid.len();
-    let mut robot = Robot::with_capacity(JOINTS, n);
     let low = |limits: [f64; JOINTS]| limits.map(|limit| -limit);
-    robot
-        .with_s(grid)
-        .expect("a grid")
-        .with_q_from_path_2nd(path, 0, n)
-        .expect("derivatives")
+    let mut robot = Robot::with_capacity(JOINTS, n);
+    let rows = robot.with_s(grid).expect("a grid");
+    let rows = if jerk { rows.with_q_from_path_3rd(path, 0, n) } else { rows.with_q_from_path_2nd(path, 0, n) };
+    rows.expect("derivatives")
         .with_axial_velocity((&V_MAX[..], n), (&low(V_MAX)[..], n), 0)
         .and_then(|robot| robot.with_axial_acceleration((&A_MAX[..], n), (&low(A_MAX)[..], n), 0))
+        .and_then(
+            |robot| if jerk { robot.with_axial_jerk((&J_MAX[..], n), (&low(J_MAX)[..], n), 0) } else { Ok(robot) },
+        )
         .expect("rows");
-    let problem = Topp2ProblemBuilder::new(&robot, (0, n - 1), (0.0, 0.0)).build().expect("a problem");
-    let options = ReachSet2OptionsBuilder::new().build().expect("options");
-    let x = topp2_ra(&problem, &options).expect("a solution");
+    robot
+}
+
+/// Squared speeds at the grid points without limits on jerk, by COPP.
+fn copp_squared_speeds(robot: &Robot<usize>, n: usize) -> Vec<f64> {
+    let problem = Topp2ProblemBuilder::new(robot, (0, n - 1), (0.0, 0.0)).build().expect("a problem");
+    topp2_ra(&problem, &ReachSet2OptionsBuilder::new().build().expect("options")).expect("a solution")
+}
+
+/// Rows and solution by COPP: duration.
+fn copp_second(grid: &[f64], path: &Path) -> f64 {
+    let x = copp_squared_speeds(&copp_robot(grid, path, false), grid.len());
     s_to_t_topp2(grid, &x, 0.0).expect("times").0
 }
 
 /// Third order by COPP (conic programs of clarabel), the given number of them: duration.
 fn copp_third(grid: &[f64], path: &Path, programs: usize) -> f64 {
-    let n = grid.len();
-    let mut robot = Robot::with_capacity(JOINTS, n);
-    let low = |limits: [f64; JOINTS]| limits.map(|limit| -limit);
-    robot
-        .with_s(grid)
-        .expect("a grid")
-        .with_q_from_path_3rd(path, 0, n)
-        .expect("derivatives")
-        .with_axial_velocity((&V_MAX[..], n), (&low(V_MAX)[..], n), 0)
-        .and_then(|robot| robot.with_axial_acceleration((&A_MAX[..], n), (&low(A_MAX)[..], n), 0))
-        .and_then(|robot| robot.with_axial_jerk((&J_MAX[..], n), (&low(J_MAX)[..], n), 0))
-        .expect("rows");
-    let mut near = {
-        let problem = Topp2ProblemBuilder::new(&robot, (0, n - 1), (0.0, 0.0)).build().expect("a problem");
-        topp2_ra(&problem, &ReachSet2OptionsBuilder::new().build().expect("options")).expect("a solution")
-    };
+    let mut robot = copp_robot(grid, path, true);
+    let mut near = copp_squared_speeds(&robot, grid.len());
     robot.constraints.amax_substitute(&near, 0).expect("a bound");
     let options = ClarabelOptionsBuilder::new().allow_almost_solved(true).build().expect("options");
     let mut duration = f64::NAN;

@@ -119,61 +119,38 @@ fn report(name: &str, ours: &[f64], theirs: &[f64]) {
 }
 
 fn one_axis(c: &mut Criterion) {
-    let all = cases::<1>(1, 4096);
-    let mut otg = Ruckig::<1, ThrowErrorHandler>::new(None, 0.005);
-    let mut trajectory = Theirs::new(None);
     let mut motion = StateToState::default();
-    let mut ours = |case: &Case<1>| {
+    beside_rsruckig::<1>(c, "one axis", 1, |case| {
         let case = black_box(case);
-        let done = motion.recompute(&case.start[0], &case.target[0], &case.limits[0]);
+        let _ = motion.recompute(&case.start[0], &case.target[0], &case.limits[0]);
         black_box(&motion);
-        done
-    };
-    let a = least_times(&all, |case| {
-        let _ = ours(case);
     });
-    let b = least_times(&all, |case| {
-        let _ = black_box(otg.calculate(black_box(&case.theirs), &mut trajectory));
-    });
-    report("one axis", &a, &b);
-    let mut group = c.benchmark_group("one axis");
-    let mut i = 0;
-    group.bench_function("arcfeed", |bench| {
-        bench.iter(|| {
-            i = (i + 1) & 4095;
-            ours(&all[i])
-        });
-    });
-    group.bench_function("rsruckig", |bench| {
-        bench.iter(|| {
-            i = (i + 1) & 4095;
-            otg.calculate(black_box(&all[i].theirs), &mut trajectory)
-        });
-    });
-    group.finish();
 }
 
 fn six_axes(c: &mut Criterion) {
-    let all = cases::<6>(2, 4096);
     let options = MotionOptions::new(Synchronisation::Time);
-    let mut otg = Ruckig::<6, ThrowErrorHandler>::new(None, 0.005);
-    let mut trajectory = Theirs::new(None);
-    let ours = |case: &Case<6>| {
-        black_box(Trajectory::new(black_box(&case.start), black_box(&case.target), black_box(&case.limits), &options))
-    };
-    let a = least_times(&all, |case| {
-        let _ = ours(case);
+    beside_rsruckig::<6>(c, "six axes", 2, |case| {
+        let case = black_box(case);
+        let _ = black_box(Trajectory::new(&case.start, &case.target, &case.limits, &options));
     });
+}
+
+/// One calculation of ours and of rsruckig's on the same cases.
+fn beside_rsruckig<const N: usize>(c: &mut Criterion, name: &str, seed: u64, mut ours: impl FnMut(&Case<N>)) {
+    let all = cases::<N>(seed, 4096);
+    let mut otg = Ruckig::<N, ThrowErrorHandler>::new(None, 0.005);
+    let mut trajectory = Theirs::new(None);
+    let a = least_times(&all, &mut ours);
     let b = least_times(&all, |case| {
         let _ = black_box(otg.calculate(black_box(&case.theirs), &mut trajectory));
     });
-    report("six axes", &a, &b);
-    let mut group = c.benchmark_group("six axes");
+    report(name, &a, &b);
+    let mut group = c.benchmark_group(name);
     let mut i = 0;
     group.bench_function("arcfeed", |bench| {
         bench.iter(|| {
             i = (i + 1) & 4095;
-            ours(&all[i])
+            ours(&all[i]);
         });
     });
     group.bench_function("rsruckig", |bench| {

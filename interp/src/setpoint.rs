@@ -32,3 +32,42 @@ pub struct Setpoint<const N: usize = 6> {
 pub(crate) fn cycles(duration: f64, period: f64) -> usize {
     ((duration / period * (1.0 - 1e-12)).floor() as usize).saturating_add(1)
 }
+
+/// The times of the setpoints of a motion, s: one per control period and one exactly at the end.
+#[derive(Debug, Clone)]
+pub(crate) struct SetpointTimes {
+    duration: f64,
+    period: f64,
+    cycle: usize,
+    cycles: usize,
+}
+
+impl SetpointTimes {
+    pub(crate) fn new(duration: f64, period: f64) -> Self {
+        Self { duration, period, cycle: 0, cycles: cycles(duration, period) }
+    }
+
+    /// Number of times in all, both ends included.
+    pub(crate) fn samples(&self) -> usize {
+        self.cycles.saturating_add(1)
+    }
+}
+
+impl Iterator for SetpointTimes {
+    type Item = f64;
+
+    #[inline]
+    fn next(&mut self) -> Option<f64> {
+        if self.cycle > self.cycles {
+            return None;
+        }
+        let t = if self.cycle == self.cycles { self.duration } else { self.cycle as f64 * self.period };
+        self.cycle += 1;
+        Some(t)
+    }
+
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        let rest = self.samples().saturating_sub(self.cycle);
+        (rest, Some(rest))
+    }
+}

@@ -12,7 +12,7 @@ use crate::limits::{Limits, Section};
 use crate::method::Method;
 use crate::path::{JointJet, JointPath, MotionPath};
 use crate::problem::{PathProblem, RowsNeeded};
-use crate::setpoint::{Setpoint, cycles};
+use crate::setpoint::{Setpoint, SetpointTimes};
 use crate::verify::Verification;
 
 /// Who planned a motion, and how.
@@ -364,25 +364,20 @@ fn first_conflict(rows: &[Row], x: f64) -> Option<LimitId> {
 pub struct Setpoints<'t, 'p, const N: usize = 6> {
     problem: &'t PathProblem<'p, N>,
     cursor: Cursor<'t>,
-    duration: f64,
-    period: f64,
-    cycle: usize,
-    cycles: usize,
+    times: SetpointTimes,
     near: JointJet<N>,
 }
 
 impl<'t, 'p, const N: usize> Setpoints<'t, 'p, N> {
     fn new(problem: &'t PathProblem<'p, N>, law: &'t SpeedLaw, period: f64) -> Result<Self, LimitError> {
         positive("control period", period)?;
-        let duration = law.duration();
-        let cycles = cycles(duration, period);
-        let near = problem.joint_path().nodes()[0];
-        Ok(Self { problem, cursor: law.cursor(), duration, period, cycle: 0, cycles, near })
+        let times = SetpointTimes::new(law.duration(), period);
+        Ok(Self { problem, cursor: law.cursor(), times, near: problem.joint_path().nodes()[0] })
     }
 
     /// Number of setpoints in all, both ends included.
     pub fn samples(&self) -> usize {
-        self.cycles.saturating_add(1)
+        self.times.samples()
     }
 
     /// The setpoint at any time `t`, s (taken to the nearest end of the motion).
@@ -408,16 +403,11 @@ impl<const N: usize> Iterator for Setpoints<'_, '_, N> {
     type Item = Result<Setpoint<N>, PlanError>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        if self.cycle > self.cycles {
-            return None;
-        }
-        let t = if self.cycle == self.cycles { self.duration } else { self.cycle as f64 * self.period };
-        self.cycle += 1;
+        let t = self.times.next()?;
         Some(self.at(t))
     }
 
     fn size_hint(&self) -> (usize, Option<usize>) {
-        let rest = self.samples().saturating_sub(self.cycle);
-        (rest, Some(rest))
+        self.times.size_hint()
     }
 }

@@ -50,30 +50,34 @@ fn samples() -> Vec<Joints<6>> {
     all
 }
 
-fn benches(criterion: &mut Criterion) {
+/// The numbers of the samples, round and round.
+fn turns(samples: usize) -> impl FnMut() -> usize {
+    let mut i = 0;
+    move || {
+        i = (i + 1) % samples;
+        i
+    }
+}
+
+fn forward(criterion: &mut Criterion) {
     let joints = samples();
     let mut group = criterion.benchmark_group("forward");
     group.warm_up_time(Duration::from_millis(500)).measurement_time(Duration::from_secs(2)).sample_size(50);
     for name in ["cr7", "ur5e", "kr6_r700", "puma560"] {
         let arm =
             models::description(name).and_then(|arm| arm.build::<6>().ok()).expect("a built-in arm of six joints");
-        let mut i = 0;
-        group.bench_function(name, |b| {
-            b.iter(|| {
-                i = (i + 1) % joints.len();
-                arm.forward(black_box(&joints[i]))
-            })
-        });
+        let mut next = turns(joints.len());
+        group.bench_function(name, |b| b.iter(|| arm.forward(black_box(&joints[next()]))));
     }
     group.finish();
+}
+
+fn cr7(criterion: &mut Criterion) {
+    let joints = samples();
     let arm = models::cr7();
     let poses: Vec<Isometry3<f64>> = joints.iter().map(|q| arm.forward(q)).collect();
     let tool = ToolDerivatives { first: Twist::repeat(0.3), second: Twist::repeat(-0.2), third: Twist::repeat(0.1) };
-    let mut i = 0;
-    let mut next = || {
-        i = (i + 1) % joints.len();
-        i
-    };
+    let mut next = turns(joints.len());
     let mut group = criterion.benchmark_group("cr7");
     group.warm_up_time(Duration::from_millis(500)).measurement_time(Duration::from_secs(2)).sample_size(50);
     group.bench_function("forward", |b| b.iter(|| arm.forward(black_box(&joints[next()]))));
@@ -97,7 +101,11 @@ fn benches(criterion: &mut Criterion) {
         b.iter(|| smallest_singular_value(black_box(&jacobians[next()])))
     });
     group.finish();
+}
 
+fn kr6(criterion: &mut Criterion) {
+    let joints = samples();
+    let mut next = turns(joints.len());
     let described = models::description("kr6_r700").and_then(|arm| arm.build::<6>().ok());
     let arm = described.expect("a built-in arm of six joints");
     let dynamics = arm.dynamics().expect("its links are known");
@@ -114,7 +122,11 @@ fn benches(criterion: &mut Criterion) {
         b.iter(|| dynamics.along_path(black_box(&joints[next()]), &rates, &accelerations))
     });
     group.finish();
+}
 
+fn panda(criterion: &mut Criterion) {
+    let joints = samples();
+    let mut next = turns(joints.len());
     let panda = models::panda();
     let (lower, upper) = (panda.range().lower(), panda.range().upper());
     let places: Vec<Joints<7>> = joints
@@ -133,5 +145,5 @@ fn benches(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(all, benches);
+criterion_group!(all, forward, cr7, kr6, panda);
 criterion_main!(all);

@@ -18,6 +18,7 @@ pub use input::job::{FeedLimits, Job, Payload, ToolOrientation, TorqueJob};
 pub use input::joint_values::{JointOverrides, JointValues};
 pub use input::online_file::OnlineFile;
 pub use input::online_scenario::OnlineScenario;
+pub use input::online_settings::OnlineSettings;
 pub use input::path_file::{PathFile, PathGeometry};
 pub use input::sample_paths::{SamplePath, butterfly};
 pub use input::scenario::Scenario;

@@ -4,22 +4,11 @@
 use crate::common;
 
 use arcfeed_geometry::{Curve, NurbsCurve, nalgebra::SVector};
-use common::{points, published};
+use common::{OracleCurve, oracle, published};
 use serde::Deserialize;
 
 #[derive(Deserialize)]
-struct Oracle {
-    curves: Vec<OracleCurve>,
-}
-
-#[derive(Deserialize)]
-struct OracleCurve {
-    id: usize,
-    dim: usize,
-    degree: usize,
-    control_points: Vec<Vec<f64>>,
-    weights: Vec<f64>,
-    knots: Vec<f64>,
+struct Values {
     bezier: Vec<OracleBezier>,
     samples: Vec<Sample>,
 }
@@ -54,11 +43,10 @@ fn relative<const D: usize>(ours: &SVector<f64, D>, theirs: &[f64], derivative: 
     ((ours - theirs).norm() - f64::EPSILON * u.abs() * derivative).max(0.0) / theirs.norm()
 }
 
-fn compare<const D: usize>(c: &OracleCurve, signed: impl Fn(&NurbsCurve<D>, f64) -> Option<f64>) -> Worst {
-    let curve: NurbsCurve<D> =
-        NurbsCurve::new(c.degree, points(&c.control_points), c.weights.clone(), c.knots.clone()).unwrap();
+fn compare<const D: usize>(c: &OracleCurve<Values>, signed: impl Fn(&NurbsCurve<D>, f64) -> Option<f64>) -> Worst {
+    let curve = c.data.curve::<D>();
     let mut worst = [0.0; 6];
-    for s in &c.samples {
+    for s in &c.values.samples {
         let jet = curve.jet(s.u);
         let errors = [
             relative(&jet.point, &s.point, jet.d1.norm(), s.u),
@@ -76,14 +64,14 @@ fn compare<const D: usize>(c: &OracleCurve, signed: impl Fn(&NurbsCurve<D>, f64)
         }
     }
     let pieces = curve.decompose();
-    assert_eq!(pieces.len(), c.bezier.len());
-    for (ours, theirs) in pieces.iter().zip(&c.bezier) {
+    assert_eq!(pieces.len(), c.values.bezier.len());
+    for (ours, theirs) in pieces.iter().zip(&c.values.bezier) {
         assert_eq!(ours.interval(), (theirs.a, theirs.b));
         for (p, q) in ours.control_points().zip(&theirs.control_points) {
             worst[5] = worst[5].max(relative(&p, q, 0.0, 0.0));
         }
         // Ours are relative to the largest weight of the curve.
-        let largest = c.weights.iter().fold(0.0f64, |m, &w| m.max(w));
+        let largest = c.data.weights.iter().fold(0.0f64, |m, &w| m.max(w));
         for (w, v) in ours.weights().zip(&theirs.weights) {
             worst[5] = worst[5].max((w * largest - v).abs() / v);
         }
@@ -93,16 +81,14 @@ fn compare<const D: usize>(c: &OracleCurve, signed: impl Fn(&NurbsCurve<D>, f64)
 
 #[test]
 fn agrees_with_fifty_digits() {
-    let oracle: Oracle = serde_json::from_str(include_str!("../fixtures/nurbs.json")).unwrap();
-    assert_eq!(oracle.curves.len(), 30);
     let mut worst = [0.0; 6];
-    for c in &oracle.curves {
+    for c in &oracle::<Values>() {
         let w = if c.dim == 2 {
             compare::<2>(c, |curve, u| Some(curve.jet(u).signed_curvature()))
         } else {
             compare::<3>(c, |_, _| None)
         };
-        println!("{} dim {} degree {}: {w:?}", c.id, c.dim, c.degree);
+        println!("{} dim {} degree {}: {w:?}", c.id, c.dim, c.data.degree);
         for (a, b) in worst.iter_mut().zip(w) {
             *a = f64::max(*a, b);
         }

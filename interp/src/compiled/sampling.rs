@@ -2,7 +2,7 @@
 
 use super::joint_trajectory::{JointSetpoint, JointTrajectory};
 use crate::error::{LimitError, positive};
-use crate::setpoint::cycles;
+use crate::setpoint::SetpointTimes;
 
 impl<const N: usize> JointTrajectory<N> {
     /// A sampler that remembers its place, for times that increase.
@@ -48,21 +48,17 @@ impl<'a, const N: usize> JointCursor<'a, N> {
 #[derive(Debug, Clone)]
 pub struct JointSetpoints<'a, const N: usize = 6> {
     cursor: JointCursor<'a, N>,
-    duration: f64,
-    period: f64,
-    cycle: usize,
-    cycles: usize,
+    times: SetpointTimes,
 }
 
 impl<'a, const N: usize> JointSetpoints<'a, N> {
     fn new(motion: &'a JointTrajectory<N>, period: f64) -> Self {
-        let duration = motion.duration();
-        Self { cursor: motion.cursor(), duration, period, cycle: 0, cycles: cycles(duration, period) }
+        Self { cursor: motion.cursor(), times: SetpointTimes::new(motion.duration(), period) }
     }
 
     /// Number of setpoints in all, both ends included.
     pub fn samples(&self) -> usize {
-        self.cycles.saturating_add(1)
+        self.times.samples()
     }
 }
 
@@ -71,16 +67,11 @@ impl<const N: usize> Iterator for JointSetpoints<'_, N> {
 
     #[inline]
     fn next(&mut self) -> Option<Self::Item> {
-        if self.cycle > self.cycles {
-            return None;
-        }
-        let t = if self.cycle == self.cycles { self.duration } else { self.cycle as f64 * self.period };
-        self.cycle += 1;
+        let t = self.times.next()?;
         Some(self.cursor.at(t))
     }
 
     fn size_hint(&self) -> (usize, Option<usize>) {
-        let rest = self.samples().saturating_sub(self.cycle);
-        (rest, Some(rest))
+        self.times.size_hint()
     }
 }

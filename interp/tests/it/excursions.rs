@@ -3,8 +3,7 @@
 use crate::common;
 
 use arcfeed_interp::{
-    Command, Excursion, HybridError, HybridMotion, HybridState, JointMoveBy, LeaveBy, Limits, Planner, Setpoint,
-    ToolPath,
+    Command, Excursion, HybridError, HybridMotion, HybridState, JointMoveBy, LeaveBy, LivePath, Setpoint,
 };
 use arcfeed_kinematics::Joints;
 
@@ -14,11 +13,15 @@ type Record = Vec<(Setpoint, HybridState, bool)>;
 /// Leaves the path in cycle 500, returns from the goal, and ends the path; the points start from the start of the path. The whole motion is
 /// held against every limit.
 fn played(points: &[Joints<6>], shape: impl Fn(Excursion) -> Excursion) -> (Record, Vec<Joints<6>>) {
-    let arm = common::arm();
-    let planner = Planner::new(&arm, Limits::new(common::limits(&arm)).with_tool(common::tool()));
-    let path = ToolPath::new(&arm, common::tool_down(common::knotted()), arm.range()).expect("in reach");
-    let live = planner.live(path).expect("in reach");
-    let mut motion = HybridMotion::new(&live, 0.8 * common::FEED).expect("a feed");
+    common::live_on_the_knotted_path(|live, motion| along(live, motion, points, shape))
+}
+
+fn along(
+    live: &LivePath<'_>,
+    mut motion: HybridMotion<'_>,
+    points: &[Joints<6>],
+    shape: impl Fn(Excursion) -> Excursion,
+) -> (Record, Vec<Joints<6>>) {
     let start = motion.setpoint().q;
     let points: Vec<Joints<6>> = points.iter().map(|by| start + by).collect();
     let excursion = shape(Excursion::new(&points, LeaveBy::Braking).expect("points"));

@@ -2,9 +2,7 @@
 
 use crate::common;
 
-use arcfeed_interp::{
-    Command, Excursion, HybridMotion, HybridState, LeaveBy, Limits, Planner, Quantity, Setpoint, ToolPath,
-};
+use arcfeed_interp::{Command, Excursion, HybridMotion, HybridState, LeaveBy, LivePath, Quantity, Setpoint};
 use arcfeed_kinematics::Joints;
 
 /// Setpoints with whether the tool is on the path.
@@ -39,11 +37,10 @@ fn played(motion: &mut HybridMotion<'_>, goal: Joints<6>) -> Record {
 
 #[test]
 fn a_live_motion_holds_and_each_spoilt_one_is_named() {
-    let arm = common::arm();
-    let planner = Planner::new(&arm, Limits::new(common::limits(&arm)).with_tool(common::tool()));
-    let path = ToolPath::new(&arm, common::tool_down(common::knotted()), arm.range()).expect("in reach");
-    let live = planner.live(path).expect("in reach");
-    let mut motion = HybridMotion::new(&live, 0.8 * common::FEED).expect("a feed");
+    common::live_on_the_knotted_path(each_spoilt_one_is_named);
+}
+
+fn each_spoilt_one_is_named(live: &LivePath<'_>, mut motion: HybridMotion<'_>) {
     let start = motion.setpoint().q;
     let record = played(&mut motion, start + Joints::from([0.2, -0.1, 0.1, 0.1, 0.1, 0.2]));
     let judge = |record: &Record| live.verify(&record[0].0, record[1..].iter().map(|(p, on_path)| (p, *on_path)));
@@ -109,11 +106,10 @@ fn a_live_motion_holds_and_each_spoilt_one_is_named() {
 
 #[test]
 fn a_late_motion_is_no_false_alarm() {
-    let arm = common::arm();
-    let planner = Planner::new(&arm, Limits::new(common::limits(&arm)).with_tool(common::tool()));
-    let path = ToolPath::new(&arm, common::tool_down(common::knotted()), arm.range()).expect("in reach");
-    let live = planner.live(path).expect("in reach");
-    let mut motion = HybridMotion::new(&live, 0.8 * common::FEED).expect("a feed");
+    common::live_on_the_knotted_path(late);
+}
+
+fn late(live: &LivePath<'_>, mut motion: HybridMotion<'_>) {
     let start = motion.setpoint().q;
     let mut record = played(&mut motion, start + Joints::from([1.2, -0.4, 0.5, 0.1, 0.1, 1.2]));
     // The same motion after a day.

@@ -1,7 +1,9 @@
 //! Closed-form inverse kinematics.
 
+mod arm_plane;
 mod parallel_axis;
 mod planar;
+mod rules;
 mod solutions;
 mod spherical_wrist;
 

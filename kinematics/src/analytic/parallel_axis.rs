@@ -16,25 +16,20 @@
 
 use super::{
     ClosedForm, Solutions,
-    planar::{FirstJoint, Miss, TwoLink, for_first_joints, plane_of_arm},
+    arm_plane::ArmPlane,
+    planar::{FirstJoint, Miss, TwoLink},
+    rules::{Rules, WRIST_SINGULAR, distances},
 };
 use crate::{
     error::KinematicsError,
     jacobian::Configuration,
-    joint::{JointKind, Joints, checked_pose},
+    joint::Joints,
     singularity::SingularityDistances,
     trig::{atan2, principal, sin_cos},
 };
-use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector2, Vector3};
+use nalgebra::{Isometry3, Matrix3, Rotation3, Vector2, Vector3};
 use std::f64::consts::PI;
 
-/// Largest deviation of a chain from the ideal geometry, rad and m; above [`EXACT`] its solutions are polished.
-const ACCEPTED: f64 = 1e-4;
-/// Deviation that is nothing but rounding, rad and m.
-const EXACT: f64 = 1e-14;
-/// Sine of the angle between axes 4 and 6 below which the wrist is taken as singular, rad. Then joint 6 is free, and the
-/// orientation may be off by that much.
-const WRIST_SINGULAR: f64 = 1e-10;
 /// Sine below which joint 6 is so badly determined by the pose that its error can put the elbow out of reach.
 const NEARLY_SINGULAR: f64 = 1e-3;
 /// Error of orientation that is taken as rounding, rad.
@@ -43,15 +38,8 @@ const ORIENTATION_ROUNDING: f64 = 1e-12;
 /// The numbers of one arm with three parallel axes.
 #[derive(Debug, Clone, Copy)]
 pub struct ParallelAxes {
-    /// Base to F, transposed rotation and origin.
-    to_frame: Matrix3<f64>,
-    origin: Vector3<f64>,
-    /// The wrist point in the tool frame.
-    wrist_in_tool: Vector3<f64>,
-    /// Tool to the frame whose orientation is Rz(A) Rx(B) Rz(C) in F.
-    tool_to_wrist: Matrix3<f64>,
-    /// n . W, the offset of the wrist from the plane through axis 1.
-    shoulder_offset: f64,
+    /// The frame F and the wrist in the tool.
+    plane: ArmPlane,
     /// A point of axis 2 in (u, v).
     axis2: Vector2<f64>,
     /// The links between the parallel axes.
@@ -67,8 +55,6 @@ pub struct ParallelAxes {
     /// True if axes 3 and 4 point along n (+1) or against it (-1).
     sign3: f64,
     sign4: f64,
-    /// The scale of the roundings.
-    size: f64,
     exact: bool,
 }
 
@@ -184,16 +170,12 @@ impl ClosedForm for ParallelAxes {
 
     fn recognise(zero: &Configuration<6>) -> Result<Self, KinematicsError> {
         let (z, o) = (&zero.axes, &zero.points);
-        let mut worst = 0.0_f64;
-        let mut rule = |rule: &'static str, deviation: f64| {
-            worst = worst.max(deviation);
-            if deviation <= ACCEPTED {
-                return Ok(());
-            }
-            Err(KinematicsError::NotParallelAxis { rule, deviation, tolerance: ACCEPTED })
-        };
-        let sliding = zero.kinds.iter().filter(|kind| **kind != JointKind::Revolute).count();
-        rule("all six joints must be revolute", sliding as f64)?;
+        let mut rules = Rules::new(zero, |rule, deviation, tolerance| KinematicsError::NotParallelAxis {
+            rule,
+            deviation,
+            tolerance,
+        })?;
+        let mut rule = |rule: &'static str, deviation: f64| rules.hold(rule, deviation);
         let n = z[1];
         rule("axes 2 and 3 must be parallel", n.cross(&z[2]).norm())?;
         rule("axes 2 and 4 must be parallel", n.cross(&z[3]).norm())?;
@@ -203,30 +185,25 @@ impl ClosedForm for ParallelAxes {
         let between = o[5] - o[4];
         rule("axes 5 and 6 must meet", between.dot(&z[4].cross(&z[5])).abs())?;
 
-        let to_frame = plane_of_arm(zero);
         let wrist = o[4] + z[4] * z[4].dot(&between);
-        let in_frame = |point: &Vector3<f64>| to_frame * (point - o[0]);
-        let plane: [Vector2<f64>; 3] = [o[1], o[2], o[3]].map(|point| in_frame(&point).xy());
-        let wrist_in_frame = in_frame(&wrist);
-        let (upper_arm, forearm) = (plane[1] - plane[0], plane[2] - plane[1]);
-        rule("axes 2 and 3 must not coincide", if upper_arm.norm() > ACCEPTED { 0.0 } else { 1.0 })?;
-        rule("axes 3 and 4 must not coincide", if forearm.norm() > ACCEPTED { 0.0 } else { 1.0 })?;
+        let plane = ArmPlane::new(zero, &wrist);
+        let axes: [Vector2<f64>; 3] = [o[1], o[2], o[3]].map(|point| plane.in_frame(&point).xy());
+        let wrist_in_frame = plane.in_frame(&wrist);
+        let (upper_arm, forearm) = (axes[1] - axes[0], axes[2] - axes[1]);
+        rules.has_length("axes 2 and 3 must not coincide", upper_arm.norm())?;
+        rules.has_length("axes 3 and 4 must not coincide", forearm.norm())?;
 
-        let axis5 = to_frame * z[4];
+        let axis5 = plane.to_frame * z[4];
         let axis5_angle = axis5.y.atan2(axis5.x);
         let wrist_zero = z[5].dot(&z[4].cross(&n)).atan2(z[5].dot(&n));
         let axis5_in_frame = nalgebra::Unit::new_normalize(Vector3::new(axis5.x, axis5.y, 0.0));
         let to_singular = Rotation3::from_axis_angle(&axis5_in_frame, wrist_zero).into_inner();
-        let tool_to_base = zero.rotation.transpose();
-        let hand = wrist_in_frame.xy() - plane[2];
-        let size = upper_arm.norm() + forearm.norm() + hand.norm() + wrist_in_frame.z.abs() + plane[0].norm();
+        let tool_to_wrist = zero.rotation.transpose() * plane.to_frame.transpose() * to_singular;
+        let hand = wrist_in_frame.xy() - axes[2];
+        let size = upper_arm.norm() + forearm.norm() + hand.norm() + wrist_in_frame.z.abs() + axes[0].norm();
         Ok(Self {
-            to_frame,
-            origin: o[0],
-            wrist_in_tool: tool_to_base * (wrist - zero.tool),
-            tool_to_wrist: tool_to_base * to_frame.transpose() * to_singular,
-            shoulder_offset: wrist_in_frame.z,
-            axis2: plane[0],
+            plane: plane.with_wrist(tool_to_wrist, size),
+            axis2: axes[0],
             links: TwoLink::new(&upper_arm, &forearm, size),
             hand,
             axis5_angle,
@@ -235,8 +212,7 @@ impl ClosedForm for ParallelAxes {
             wrist_zero,
             sign3: z[2].dot(&n).signum(),
             sign4: z[3].dot(&n).signum(),
-            size,
-            exact: worst <= EXACT * size.max(1.0),
+            exact: rules.exact(size),
         })
     }
 
@@ -245,27 +221,15 @@ impl ClosedForm for ParallelAxes {
     }
 
     fn solve(&self, target: &Isometry3<f64>, seed: &Joints<6>) -> Result<Solutions<6>, KinematicsError> {
-        let target = checked_pose("target", target)?;
-        let turned = self.to_frame * rotation_matrix(&target.rotation);
-        let wrist = self.to_frame * (target.translation.vector - self.origin) + turned * self.wrist_in_tool;
-        let orientation = turned * self.tool_to_wrist;
-
-        for_first_joints(&wrist, self.shoulder_offset, self.size, seed[0], |first, solutions, miss| {
-            self.wrist_branches(&undo_first(first, &orientation, &wrist), seed, solutions, miss);
+        self.plane.solve(target, seed, |first, seen, solutions, miss| {
+            self.wrist_branches(&undo_first(first, &seen.orientation, &seen.wrist), seed, solutions, miss);
         })
     }
 
     fn singularity_distances(&self, at: &Configuration<6>) -> SingularityDistances {
         let (z, o) = (&at.axes, &at.points);
-        let n = &z[1];
-        let across = |vector: Vector3<f64>| vector - n * n.dot(&vector);
         let wrist = o[4] + z[4] * z[4].dot(&(o[5] - o[4]));
-        SingularityDistances::new(
-            SingularityDistances::between_lines(n, &z[5]),
-            SingularityDistances::between_lines(&across(o[2] - o[1]), &across(o[3] - o[2])),
-            z[0].cross(n).dot(&(wrist - o[0])).abs(),
-            self.size,
-        )
+        distances(at, &wrist, [&z[1], &z[5]], &o[3], self.plane.size)
     }
 }
 
@@ -284,8 +248,4 @@ fn undo_first(first: &FirstJoint, orientation: &Matrix3<f64>, wrist: &Vector3<f6
         turned[(2, column)] = sin * x + cos * z;
     }
     Shoulder { q1: q, rounding, orientation: turned, wrist: Vector2::new(cos * wrist.x - sin * wrist.z, wrist.y) }
-}
-
-fn rotation_matrix(rotation: &UnitQuaternion<f64>) -> Matrix3<f64> {
-    rotation.to_rotation_matrix().into_inner()
 }

@@ -16,40 +16,27 @@
 
 use super::{
     ClosedForm, Solutions,
-    planar::{TwoLink, for_first_joints, plane_of_arm},
+    arm_plane::{ArmPlane, Seen},
+    planar::TwoLink,
+    rules::{Rules, WRIST_SINGULAR, distances},
 };
 use crate::{
     error::KinematicsError,
     jacobian::Configuration,
-    joint::{JointKind, Joints, checked_pose},
+    joint::Joints,
     singularity::SingularityDistances,
     trig::{atan2, principal, sin_cos},
 };
-use nalgebra::{Isometry3, Matrix3, Vector2, Vector3};
+use nalgebra::{Isometry3, Matrix3, Vector2};
 use std::f64::consts::PI;
-
-/// Largest deviation of a chain from the ideal geometry, rad and m; above [`EXACT`] its solutions are polished.
-const ACCEPTED: f64 = 1e-4;
-/// Deviation that is nothing but rounding, rad and m.
-const EXACT: f64 = 1e-14;
-/// Sine of the angle between axes 4 and 6 below which the wrist is taken as singular, rad. Then joint 4 is free, and the
-/// orientation may be off by that much.
-const WRIST_SINGULAR: f64 = 1e-10;
 
 /// The numbers of one arm with a spherical wrist.
 #[derive(Debug, Clone, Copy)]
 pub struct SphericalWrist {
-    /// Base to F, transposed rotation and origin.
-    to_frame: Matrix3<f64>,
-    origin: Vector3<f64>,
-    /// The wrist point in the tool frame.
-    wrist_in_tool: Vector3<f64>,
-    /// Tool to the frame whose orientation in that of the wrist is Rz(A) Rx(B) Rz(C).
-    tool_to_wrist: Matrix3<f64>,
+    /// The frame F and the wrist in the tool.
+    plane: ArmPlane,
     /// F to the frame of the wrist: z along axis 4, x along axis 5, at zero.
     frame_to_wrist: Matrix3<f64>,
-    /// n . W, the offset of the wrist from the plane through axis 1.
-    shoulder_offset: f64,
     /// A point of axis 2 in (u, v).
     axis2: Vector2<f64>,
     /// From axis 2 to axis 3 to W.
@@ -58,8 +45,6 @@ pub struct SphericalWrist {
     wrist_zero: f64,
     /// True if axis 3 points along n (+1) or against it (-1).
     sign3: f64,
-    /// The scale of the roundings.
-    size: f64,
     exact: bool,
 }
 
@@ -93,16 +78,12 @@ impl ClosedForm for SphericalWrist {
 
     fn recognise(zero: &Configuration<6>) -> Result<Self, KinematicsError> {
         let (z, o) = (&zero.axes, &zero.points);
-        let mut worst = 0.0_f64;
-        let mut rule = |rule: &'static str, deviation: f64| {
-            worst = worst.max(deviation);
-            if deviation <= ACCEPTED {
-                return Ok(());
-            }
-            Err(KinematicsError::NotSphericalWrist { rule, deviation, tolerance: ACCEPTED })
-        };
-        let sliding = zero.kinds.iter().filter(|kind| **kind != JointKind::Revolute).count();
-        rule("all six joints must be revolute", sliding as f64)?;
+        let mut rules = Rules::new(zero, |rule, deviation, tolerance| KinematicsError::NotSphericalWrist {
+            rule,
+            deviation,
+            tolerance,
+        })?;
+        let mut rule = |rule: &'static str, deviation: f64| rules.hold(rule, deviation);
         rule("axes 4 and 5 must be perpendicular", z[3].dot(&z[4]).abs())?;
         rule("axes 5 and 6 must be perpendicular", z[4].dot(&z[5]).abs())?;
         // W: where axis 5 comes nearest to axis 4; the three distances of the axes from it must vanish.
@@ -114,12 +95,12 @@ impl ClosedForm for SphericalWrist {
         rule("axes 2 and 3 must be parallel", n.cross(&z[2]).norm())?;
         rule("axes 1 and 2 must be perpendicular", z[0].dot(&n).abs())?;
 
-        let to_frame = plane_of_arm(zero);
-        let in_frame = |point: &Vector3<f64>| to_frame * (point - o[0]);
-        let (axis2, axis3, centre) = (in_frame(&o[1]).xy(), in_frame(&o[2]).xy(), in_frame(&wrist));
+        let plane = ArmPlane::new(zero, &wrist);
+        let [axis2, axis3] = [o[1], o[2]].map(|point| plane.in_frame(&point).xy());
+        let centre = plane.in_frame(&wrist);
         let (upper_arm, forearm) = (axis3 - axis2, centre.xy() - axis3);
-        rule("axes 2 and 3 must not coincide", if upper_arm.norm() > ACCEPTED { 0.0 } else { 1.0 })?;
-        rule("the wrist must not lie on axis 3", if forearm.norm() > ACCEPTED { 0.0 } else { 1.0 })?;
+        rules.has_length("axes 2 and 3 must not coincide", upper_arm.norm())?;
+        rules.has_length("the wrist must not lie on axis 3", forearm.norm())?;
 
         let x = (z[4] - z[3] * z[3].dot(&z[4])).normalize();
         let wrist_frame = Matrix3::from_columns(&[x, z[3].cross(&x), z[3]]);
@@ -127,21 +108,16 @@ impl ClosedForm for SphericalWrist {
         let wrist_zero = (-last.y).atan2(last.z);
         let (sin, cos) = wrist_zero.sin_cos();
         let to_singular = Matrix3::new(1.0, 0.0, 0.0, 0.0, cos, -sin, 0.0, sin, cos);
-        let base_to_tool = zero.rotation.transpose();
+        let tool_to_wrist = zero.rotation.transpose() * wrist_frame * to_singular;
         let size = upper_arm.norm() + forearm.norm() + centre.z.abs() + axis2.norm();
         Ok(Self {
-            to_frame,
-            origin: o[0],
-            wrist_in_tool: base_to_tool * (wrist - zero.tool),
-            tool_to_wrist: base_to_tool * wrist_frame * to_singular,
-            frame_to_wrist: wrist_frame.transpose() * to_frame.transpose(),
-            shoulder_offset: centre.z,
+            plane: plane.with_wrist(tool_to_wrist, size),
+            frame_to_wrist: wrist_frame.transpose() * plane.to_frame.transpose(),
             axis2,
             links: TwoLink::new(&upper_arm, &forearm, size),
             wrist_zero,
             sign3: z[2].dot(&n).signum(),
-            size,
-            exact: worst <= EXACT * size.max(1.0),
+            exact: rules.exact(size),
         })
     }
 
@@ -150,13 +126,8 @@ impl ClosedForm for SphericalWrist {
     }
 
     fn solve(&self, target: &Isometry3<f64>, seed: &Joints<6>) -> Result<Solutions<6>, KinematicsError> {
-        let target = checked_pose("target", target)?;
-        let turned = self.to_frame * target.rotation.to_rotation_matrix().into_inner();
-        let wrist = self.to_frame * (target.translation.vector - self.origin) + turned * self.wrist_in_tool;
-        let orientation = turned * self.tool_to_wrist;
-
-        for_first_joints(&wrist, self.shoulder_offset, self.size, seed[0], |first, solutions, miss| {
-            let upright = orientation_undone::<0, 2>(&orientation, -first.sin, first.cos);
+        self.plane.solve(target, seed, |first, Seen { orientation, wrist }, solutions, miss| {
+            let upright = orientation_undone::<0, 2>(orientation, -first.sin, first.cos);
             let end = Vector2::new(first.cos * wrist.x - first.sin * wrist.z, wrist.y) - self.axis2;
             self.links.solve(&end, first.rounding, miss, |q2, q3| {
                 let ([sin], [cos]) = sin_cos(&[q2 + q3]);
@@ -168,15 +139,8 @@ impl ClosedForm for SphericalWrist {
 
     fn singularity_distances(&self, at: &Configuration<6>) -> SingularityDistances {
         let (z, o) = (&at.axes, &at.points);
-        let n = &z[1];
-        let across = |vector: Vector3<f64>| vector - n * n.dot(&vector);
         let wrist = o[3] + z[3] * z[3].dot(&(o[4] - o[3]));
-        SingularityDistances::new(
-            SingularityDistances::between_lines(&z[3], &z[5]),
-            SingularityDistances::between_lines(&across(o[2] - o[1]), &across(wrist - o[2])),
-            z[0].cross(n).dot(&(wrist - o[0])).abs(),
-            self.size,
-        )
+        distances(at, &wrist, [&z[3], &z[5]], &wrist, self.plane.size)
     }
 }
 

@@ -7,13 +7,14 @@ use arcfeed_kinematics::{
     AnalyticInverse, BranchTracker, Candidate, Chain, ForwardKinematics, InverseKinematics, Joint, JointRange, Joints,
     KinematicsError, ParallelAxisArm, ReachSide, largest_step, models, nearest_turns, smallest_singular_value,
 };
+use common::closed_forms::{
+    WRIST_SINGULAR, joints, nearest, nothing_is_lost_at, poses, solutions_reproduce_the_pose, special_joints,
+    tracks_through_the_wrist,
+};
 use common::{angle_difference, chain, pose_distance};
 use nalgebra::{Isometry3, Vector3};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
-
-/// How exact the orientation is where the wrist counts as singular, rad, as documented.
-const WRIST_SINGULAR: f64 = 1e-10;
 
 /// Built-in arms by name, so that failing input is short to read.
 fn arms() -> impl Strategy<Value = &'static str> {
@@ -24,32 +25,9 @@ fn arm_named(name: &str) -> ParallelAxisArm {
     if name == "cr7" { models::cr7() } else { models::ur5e() }
 }
 
-fn joints(range: f64) -> impl Strategy<Value = Joints<6>> {
-    prop::array::uniform6(-range..range).prop_map(Joints::from)
-}
-
-fn poses() -> impl Strategy<Value = Isometry3<f64>> {
-    prop::array::uniform6(-3.0..3.0)
-        .prop_map(|v: [f64; 6]| Isometry3::new(Vector3::new(v[0], v[1], v[2]) * 0.3, Vector3::new(v[3], v[4], v[5])))
-}
-
-/// Joint values that are often exactly those of singular poses.
-fn special_joints() -> impl Strategy<Value = Joints<6>> {
-    let special = prop_oneof![
-        2 => -3.0..3.0,
-        3 => prop::sample::select(vec![0.0, FRAC_PI_2, -FRAC_PI_2, PI, -PI]),
-        1 => (-10.0..-1.0_f64).prop_map(|e| 10.0_f64.powf(e)),
-    ];
-    prop::collection::vec(special, 6).prop_map(|values| Joints::from_column_slice(&values))
-}
-
 /// Wide enough that no limit is in the way.
 fn without_limits(arm: &ParallelAxisArm) -> ParallelAxisArm {
     arm.with_range(JointRange::new(Joints::repeat(-12.0), Joints::repeat(12.0)).unwrap())
-}
-
-fn nearest(solutions: &[Joints<6>], q: &Joints<6>) -> f64 {
-    solutions.iter().map(|solution| angle_difference(solution, q)).fold(f64::INFINITY, f64::min)
 }
 
 proptest! {
@@ -60,17 +38,7 @@ proptest! {
         name in arms(), q in joints(PI), tool in poses(), base in poses(),
     ) {
         let arm = arm_named(name);
-        let arm = arm.with_tool(tool).unwrap().with_base(base).unwrap();
-        let target = arm.forward(&q);
-        let solutions = arm.inverse_all(&target).unwrap();
-        for solution in &solutions {
-            let distance = pose_distance(&arm.forward(solution), &target);
-            prop_assert!(distance < 1e-12, "{distance:e}");
-            prop_assert!(solution.iter().all(|v| -PI < *v && *v <= PI));
-        }
-        if smallest_singular_value(&arm.jacobian(&q)) > 1e-4 {
-            prop_assert!(nearest(&solutions, &q) < 1e-9, "{}", nearest(&solutions, &q));
-        }
+        solutions_reproduce_the_pose(&arm.with_tool(tool).unwrap().with_base(base).unwrap(), &q)?;
     }
 
     #[test]
@@ -144,16 +112,7 @@ proptest! {
 
     #[test]
     fn several_singularities_at_once_lose_nothing(name in arms(), q in special_joints()) {
-        let arm = arm_named(name);
-        let arm = without_limits(&arm);
-        let target = arm.forward(&q);
-        let found = arm.inverse(&target, &q).map_err(|error| TestCaseError::fail(error.to_string()))?;
-        let distance = pose_distance(&arm.forward(&found), &target);
-        prop_assert!(distance < WRIST_SINGULAR, "{distance:e}");
-        for solution in &arm.inverse_all(&target).unwrap() {
-            let distance = pose_distance(&arm.forward(solution), &target);
-            prop_assert!(distance < WRIST_SINGULAR, "{distance:e}");
-        }
+        nothing_is_lost_at(&without_limits(&arm_named(name)), &q)?;
     }
 
     #[test]
@@ -285,18 +244,7 @@ fn turns_follow_the_seed() {
 
 #[test]
 fn a_path_through_the_wrist_singularity_stays_continuous() {
-    // Joint 5 passes through 0 while all others move slowly: tracked from poses alone.
-    let arm = models::cr7();
-    let joints = |t: f64| Joints::from([0.2 + 0.1 * t, -0.3, 1.2 + 0.1 * t, 0.4 - 0.2 * t, 0.5 * t, 0.3 + 0.2 * t]);
-    let mut tracker = BranchTracker::new(&arm, joints(-1.0)).with_max_step(0.02);
-    for k in -100..=100 {
-        let t = f64::from(k) / 100.0;
-        let q = tracker.next(&arm.forward(&joints(t))).unwrap();
-        // In the singular pose itself joint 6 is free and stays; on either side it is determined.
-        let free = if k == 0 { 3e-3 } else { 1e-9 };
-        assert!((q - joints(t)).amax() < free, "{t}: {q}");
-        assert!(pose_distance(&arm.forward(&q), &arm.forward(&joints(t))) < 1e-12);
-    }
+    tracks_through_the_wrist(&models::cr7(), -0.3);
 }
 
 #[test]

@@ -4,16 +4,17 @@
 use crate::common;
 
 use arcfeed_kinematics::{
-    AnalyticInverse, BranchTracker, Chain, ForwardKinematics, InverseKinematics, Joint, JointRange, Joints,
-    KinematicsError, SingularityKind, SphericalWristArm, models, smallest_singular_value,
+    AnalyticInverse, Chain, ForwardKinematics, InverseKinematics, Joint, JointRange, Joints, KinematicsError,
+    SingularityKind, SphericalWristArm, models, smallest_singular_value,
+};
+use common::closed_forms::{
+    WRIST_SINGULAR, joints, nearest, nothing_is_lost_at, poses, solutions_reproduce_the_pose, special_joints,
+    tracks_through_the_wrist,
 };
 use common::{angle_difference, chain, pose_distance};
 use nalgebra::{Isometry3, Vector3};
 use proptest::prelude::*;
-use std::f64::consts::{FRAC_PI_2, PI};
-
-/// How exact the orientation is where the wrist counts as singular, rad, as documented.
-const WRIST_SINGULAR: f64 = 1e-10;
+use std::f64::consts::PI;
 
 fn arms() -> impl Strategy<Value = &'static str> {
     prop::sample::select(vec!["kr6_r700_2", "puma560", "kr6_r700_sixx", "drv70l"])
@@ -43,29 +44,6 @@ fn arm_named(name: &str) -> SphericalWristArm {
         }
         name => SphericalWristArm::new(chain(name), wide()).unwrap(),
     }
-}
-
-fn joints(range: f64) -> impl Strategy<Value = Joints<6>> {
-    prop::array::uniform6(-range..range).prop_map(Joints::from)
-}
-
-fn poses() -> impl Strategy<Value = Isometry3<f64>> {
-    prop::array::uniform6(-3.0..3.0)
-        .prop_map(|v: [f64; 6]| Isometry3::new(Vector3::new(v[0], v[1], v[2]) * 0.3, Vector3::new(v[3], v[4], v[5])))
-}
-
-/// Joint values that are often exactly those of singular poses.
-fn special_joints() -> impl Strategy<Value = Joints<6>> {
-    let special = prop_oneof![
-        2 => -3.0..3.0,
-        3 => prop::sample::select(vec![0.0, FRAC_PI_2, -FRAC_PI_2, PI, -PI]),
-        1 => (-10.0..-1.0_f64).prop_map(|e| 10.0_f64.powf(e)),
-    ];
-    prop::collection::vec(special, 6).prop_map(|values| Joints::from_column_slice(&values))
-}
-
-fn nearest(solutions: &[Joints<6>], q: &Joints<6>) -> f64 {
-    solutions.iter().map(|solution| angle_difference(solution, q)).fold(f64::INFINITY, f64::min)
 }
 
 /// Joint 3 at which the arm is stretched: upper arm and forearm in one line.
@@ -99,16 +77,9 @@ proptest! {
         name in arms(), q in joints(PI), tool in poses(), base in poses(),
     ) {
         let arm = arm_named(name).with_tool(tool).unwrap().with_base(base).unwrap();
-        let target = arm.forward(&q);
-        let solutions = arm.inverse_all(&target).unwrap();
-        for solution in &solutions {
-            let distance = pose_distance(&arm.forward(solution), &target);
-            prop_assert!(distance < 1e-12, "{distance:e}");
-            prop_assert!(solution.iter().all(|v| -PI < *v && *v <= PI));
-        }
+        let count = solutions_reproduce_the_pose(&arm, &q)?;
         if smallest_singular_value(&arm.jacobian(&q)) > 1e-4 {
-            prop_assert!(nearest(&solutions, &q) < 1e-9, "{}", nearest(&solutions, &q));
-            prop_assert!(solutions.len() == 8 || solutions.len() == 4, "{}", solutions.len());
+            prop_assert!(count == 8 || count == 4, "{count}");
         }
     }
 
@@ -191,13 +162,7 @@ proptest! {
 
     #[test]
     fn several_singularities_at_once_lose_nothing(name in arms(), q in special_joints()) {
-        let arm = arm_named(name);
-        let target = arm.forward(&q);
-        let found = arm.inverse(&target, &q).map_err(|error| TestCaseError::fail(error.to_string()))?;
-        prop_assert!(pose_distance(&arm.forward(&found), &target) < WRIST_SINGULAR);
-        for solution in &arm.inverse_all(&target).unwrap() {
-            prop_assert!(pose_distance(&arm.forward(solution), &target) < WRIST_SINGULAR);
-        }
+        nothing_is_lost_at(&arm_named(name), &q)?;
     }
 
     #[test]
@@ -256,16 +221,7 @@ fn a_singular_wrist_uses_the_whole_family_to_stay_inside_the_limits() {
 
 #[test]
 fn a_path_through_the_wrist_singularity_stays_continuous() {
-    let arm = models::kr6_r700();
-    let joints = |t: f64| Joints::from([0.2 + 0.1 * t, -1.3, 1.2 + 0.1 * t, 0.4 - 0.2 * t, 0.5 * t, 0.3 + 0.2 * t]);
-    let mut tracker = BranchTracker::new(&arm, joints(-1.0)).with_max_step(0.02);
-    for k in -100..=100 {
-        let t = f64::from(k) / 100.0;
-        let q = tracker.next(&arm.forward(&joints(t))).unwrap();
-        // In the singular pose itself joint 4 is free and stays; on either side it is determined.
-        let free = if k == 0 { 3e-3 } else { 1e-9 };
-        assert!((q - joints(t)).amax() < free, "{t}: {q}");
-    }
+    tracks_through_the_wrist(&models::kr6_r700(), -1.3);
 }
 
 #[test]

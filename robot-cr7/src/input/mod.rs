@@ -8,6 +8,7 @@ pub(crate) mod job_file;
 pub(crate) mod joint_values;
 pub(crate) mod online_file;
 pub(crate) mod online_scenario;
+pub(crate) mod online_settings;
 pub(crate) mod path_file;
 pub(crate) mod sample_paths;
 pub(crate) mod scenario;

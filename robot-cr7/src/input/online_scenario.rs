@@ -1,17 +1,16 @@
 //! Scenarios of targets and limits that change while the arm moves, as TOML.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use arcfeed_sync::Synchronisation;
 use serde::Deserialize;
 
 use super::error::InputError;
 use super::job_file::{RawJoints, RawSampling};
-use super::joint_values::{JointOverrides, JointValues};
+use super::joint_values::JointValues;
+use super::online_settings::OnlineSettings;
 use super::toml_check::{Check, read_toml};
-
-/// Radians per degree.
-const DEGREE: f64 = std::f64::consts::PI / 180.0;
+use super::unit::DEGREE;
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -68,16 +67,10 @@ struct RawChange {
 /// A checked scenario, in SI units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OnlineScenario {
-    pub(crate) file: PathBuf,
-    pub(crate) text: String,
-    /// Control period, s.
-    pub period: f64,
+    /// Control period, length and limits of the joints.
+    pub settings: OnlineSettings,
     /// The synchronisation of the joints.
     pub synchronisation: Synchronisation,
-    /// Longest motion that is simulated, s.
-    pub longest: f64,
-    /// Limits that replace those of the arm's model.
-    pub joints: JointOverrides,
     pub(crate) start: [JointValues; 3],
     pub(crate) target: [JointValues; 3],
     pub(crate) changes: Vec<Change>,
@@ -126,16 +119,12 @@ impl OnlineScenario {
             changes.push(Self::change(&check, i, at, raw)?);
         }
         Ok(Self {
-            file: file.to_owned(),
-            text: text.to_owned(),
-            period: check.period(raw.sampling.period_ms)?.unwrap_or(1e-3),
+            settings: OnlineSettings::new(&check, &raw.sampling, raw.run.longest_s, &raw.joints)?,
             synchronisation: match raw.run.mode {
                 RawMode::Time => Synchronisation::Time,
                 RawMode::Line => Synchronisation::StraightLine,
                 RawMode::None => Synchronisation::None,
             },
-            longest: check.limit("run.longest_s", raw.run.longest_s, 1.0)?.unwrap_or(60.0),
-            joints: check.overrides("joints", &raw.joints)?,
             start: state("start", &raw.start)?,
             target: state("target", &raw.target)?,
             changes,

@@ -10,10 +10,9 @@ use super::error::{InputError, read_text};
 use super::job_file::{RawFrame, RawJoints, RawSampling};
 use super::joint_values::{JointOverrides, JointValues};
 use super::toml_check::{Check, read_toml};
+use super::unit::DEGREE;
 
 const EXPECTED: &str = "a TOML file such as schedules/pick.toml";
-/// Radians per degree.
-const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields, default)]

@@ -1,17 +1,16 @@
 //! Scenarios of tool poses that change while the arm moves, as TOML.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 use serde::Deserialize;
 
 use super::error::InputError;
 use super::job_file::{RawFrame, RawJoints, RawSampling};
-use super::joint_values::{JointOverrides, JointValues};
+use super::joint_values::JointValues;
+use super::online_settings::OnlineSettings;
 use super::toml_check::{Check, read_toml};
-
-/// Radians per degree.
-const DEGREE: f64 = std::f64::consts::PI / 180.0;
+use super::unit::DEGREE;
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -123,14 +122,8 @@ pub(crate) struct ToolChange {
 /// A checked scenario of tool targets, in SI units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ToolScenario {
-    pub(crate) file: PathBuf,
-    pub(crate) text: String,
-    /// Control period, s.
-    pub period: f64,
-    /// Longest motion that is simulated, s.
-    pub longest: f64,
-    /// Limits that replace those of the arm's model.
-    pub joints: JointOverrides,
+    /// Control period, length and limits of the joints.
+    pub settings: OnlineSettings,
     /// Tool tip in the flange frame.
     pub tool: Isometry3<f64>,
     /// Velocity, acceleration and jerk of the tool tip (m), then of its rotation (rad).
@@ -165,17 +158,13 @@ impl ToolScenario {
         let given = limits(&check, "limits", &raw.limits)?;
         let defaults = [0.25, 1.0, 10.0, 1.0, 4.0, 40.0];
         Ok(Self {
-            period: check.period(raw.sampling.period_ms)?.unwrap_or(1e-3),
-            longest: check.limit("run.longest_s", raw.run.longest_s, 1.0)?.unwrap_or(60.0),
-            joints: check.overrides("joints", &raw.joints)?,
+            settings: OnlineSettings::new(&check, &raw.sampling, raw.run.longest_s, &raw.joints)?,
             tool: check.frame("tool", &raw.tool, Isometry3::identity())?,
             limits: std::array::from_fn(|k| given[k].unwrap_or(defaults[k])),
             start: check.places("start.q_deg", &raw.start.q_deg, DEGREE)?,
             target: pose(&mut check, "target", &raw.target)?,
             changes,
             warnings: std::mem::take(&mut check.warnings),
-            file: file.to_owned(),
-            text: text.to_owned(),
         })
     }
 }

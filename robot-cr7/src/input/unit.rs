@@ -1,4 +1,7 @@
-//! Units of length that files may be written in.
+//! Units that files may be written in.
+
+/// Radians per degree.
+pub(crate) const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
 /// A unit of length of a file; inside the program everything is in metres.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

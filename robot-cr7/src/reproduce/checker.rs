@@ -5,6 +5,8 @@
 //! velocity within J h^2 / 2. The mean of a derivative over a cycle is a difference quotient of the
 //! samples, and the mean of values inside limits is inside them.
 
+use arcfeed_interp::Setpoint;
+
 use super::Reproduction;
 
 /// Round-off allowed in a share of a limit.
@@ -47,6 +49,21 @@ pub struct SampledAxis {
     pub end: [f64; 3],
     /// Bounds, each from a time on (s); the first from 0 or earlier.
     pub bounds: Vec<(f64, AxisBounds)>,
+}
+
+impl SampledAxis {
+    /// The motion along a path of this length (m), from rest at its start to rest at its end.
+    pub fn of_path<'a>(setpoints: impl Iterator<Item = &'a Setpoint> + Clone, length: f64, bounds: AxisBounds) -> Self {
+        Self {
+            name: "path".to_owned(),
+            p: setpoints.clone().map(|p| p.s).collect(),
+            v: setpoints.clone().map(|p| p.feed).collect(),
+            a: setpoints.map(|p| p.acceleration).collect(),
+            start: [0.0; 3],
+            end: [length, 0.0, 0.0],
+            bounds: vec![(0.0, bounds)],
+        }
+    }
 }
 
 /// Samples of all axes at the same times.

@@ -54,6 +54,12 @@ pub struct Claim {
 }
 
 impl Claim {
+    /// Makes of a row for information one whose printed number was used to make a stand-in.
+    pub fn fitted(&mut self) -> &mut Self {
+        self.kind = Kind::Fitted;
+        self
+    }
+
     /// Adds what a reader should know.
     pub fn note(&mut self, note: impl Into<String>) -> &mut Self {
         self.note = note.into();
@@ -180,17 +186,6 @@ impl Reproduction {
         let ours = format!("({})", shown.collect::<Vec<_>>().join(", "));
         let paper = format!("({})", pairs.iter().map(|p| p.0).collect::<Vec<_>>().join(", "));
         self.add(place, (what.into(), paper, ours), Kind::Print, Some(holds))
-    }
-
-    /// Adds a row whose printed number was used to make a stand-in.
-    pub fn fitted(
-        &mut self,
-        place: &str,
-        what: impl Into<String>,
-        paper: impl Into<String>,
-        ours: impl Into<String>,
-    ) -> &mut Claim {
-        self.add(place, (what.into(), paper.into(), ours.into()), Kind::Fitted, None)
     }
 
     /// Adds a row that is shown and not judged.

@@ -13,7 +13,7 @@ use super::samples::MOST_CYCLES;
 use crate::input::error::InputError;
 use crate::input::joint_values::JointValues;
 use crate::input::online_scenario::{Change, KEYS, OnlineScenario};
-use crate::input::toml_check::Check;
+use crate::input::online_settings::OnlineSettings;
 
 /// Why a scenario did not run.
 #[derive(Debug, Error)]
@@ -68,9 +68,26 @@ pub enum ScenarioError {
     },
 }
 
+impl OnlineSettings {
+    /// Number of control cycles that are simulated.
+    pub(super) fn most_cycles(&self) -> usize {
+        (self.longest / self.period).ceil().min(MOST_CYCLES as f64) as usize
+    }
+
+    /// The error of a motion that misses its target by the time `left`, s.
+    pub(super) fn overdue(&self, left: f64) -> ScenarioError {
+        let file = self.file.clone();
+        if self.longest > MOST_CYCLES as f64 * self.period {
+            ScenarioError::TooManyCycles { file, period_ms: self.period * 1e3, left }
+        } else {
+            ScenarioError::TooLong { file, longest: self.longest, left }
+        }
+    }
+}
+
 impl OnlineScenario {
     fn of<const N: usize>(&self, key: &str, values: &JointValues) -> Result<[f64; N], InputError> {
-        Check::new(&self.text, &self.file).of(key, values)
+        self.settings.check().of(key, values)
     }
 
     fn states<const N: usize>(&self, section: &str, v: &[JointValues; 3]) -> Result<[AxisState; N], InputError> {
@@ -87,15 +104,15 @@ impl OnlineScenario {
     pub fn run<const N: usize>(&self, limits: &JointLimits<N>) -> Result<OnlineRun<N>, ScenarioError> {
         let refused = |place: &str, key: &str, source| {
             let (source, unit) = in_degrees(source);
-            let line = Check::new(&self.text, &self.file).line_of(key);
-            ScenarioError::Refused { file: self.file.clone(), line, place: format!("{place}{unit}"), source }
+            let line = self.settings.check().line_of(key);
+            ScenarioError::Refused { file: self.settings.file.clone(), line, place: format!("{place}{unit}"), source }
         };
         let mut rates = JointRates::from(limits);
         let mut target = self.states::<N>("target", &self.target)?;
         let start = self.states::<N>("start", &self.start)?;
         let axes = axis_limits(&rates).map_err(|e| refused("joints", "joints", e))?;
         let ranges = std::array::from_fn(|k| (limits.lower()[k], limits.upper()[k]));
-        let mut generator = OnlineGenerator::new(start, axes, self.period, self.synchronisation)
+        let mut generator = OnlineGenerator::new(start, axes, self.settings.period, self.synchronisation)
             .and_then(|generator| generator.with_ranges(ranges))
             .map_err(|e| refused("start", "start", e))?;
         generator.set_target(target).map_err(|e| refused("target", "target", e))?;
@@ -107,12 +124,11 @@ impl OnlineScenario {
         };
         let mut changes = self.changes.iter().enumerate().peekable();
         let mut teller = Teller::new(self.synchronisation == Synchronisation::None);
-        let longest = (self.longest / self.period).ceil();
-        let most = longest.min(MOST_CYCLES as f64) as usize;
+        let most = self.settings.most_cycles();
         for cycle in 0.. {
-            let now = cycle as f64 * self.period;
+            let now = cycle as f64 * self.settings.period;
             // A change takes effect with the first cycle that begins at its time or later.
-            while let Some((i, change)) = changes.next_if(|(_, c)| c.at <= now + 1e-9 * self.period) {
+            while let Some((i, change)) = changes.next_if(|(_, c)| c.at <= now + 1e-9 * self.settings.period) {
                 self.apply(i, change, &mut target, &mut rates)?;
                 let axes = axis_limits(&rates).map_err(|e| refused("limits", &format!("change[{i}]"), e))?;
                 generator
@@ -128,15 +144,10 @@ impl OnlineScenario {
                 }
             }
             if cycle >= most {
-                let left = generator.time_left();
-                if longest > MOST_CYCLES as f64 {
-                    let (file, period_ms) = (self.file.clone(), self.period * 1e3);
-                    return Err(ScenarioError::TooManyCycles { file, period_ms, left });
-                }
-                return Err(ScenarioError::TooLong { file: self.file.clone(), longest: self.longest, left });
+                return Err(self.settings.overdue(generator.time_left()));
             }
             let step = generator.step();
-            let t = (cycle + 1) as f64 * self.period;
+            let t = (cycle + 1) as f64 * self.settings.period;
             run.samples.push((t, step.state, rates));
             teller.tell(&step.events, (now, t), &mut run.events);
             if !generator.is_underway() && changes.peek().is_none() {
@@ -159,7 +170,7 @@ impl OnlineScenario {
             Some(joint) if joint < N => joint..joint + 1,
             Some(joint) => {
                 let rule = "the arm has no such joint";
-                let check = Check::new(&self.text, &self.file);
+                let check = self.settings.check();
                 return Err(check.wrong(&format!("change[{i}].joint"), joint + 1, rule, "joints count from 1"));
             }
         };

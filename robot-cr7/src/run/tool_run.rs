@@ -8,8 +8,6 @@ use nalgebra::Isometry3;
 
 use super::online_events::Happening;
 use super::online_run::{OnlineRun, ScenarioError};
-use super::samples::MOST_CYCLES;
-use crate::input::toml_check::Check;
 use crate::input::tool_scenario::ToolScenario;
 
 /// A simulated scenario of tool targets.
@@ -35,10 +33,11 @@ impl ToolScenario {
         arm: &A,
         limits: &JointLimits<N>,
     ) -> Result<ToolRun<N>, ScenarioError> {
-        let start = Joints::from(Check::new(&self.text, &self.file).of::<N>("start.q_deg", &self.start)?);
+        let start = Joints::from(self.settings.check().of::<N>("start.q_deg", &self.start)?);
         let begin = Place::new("start", "start.q_deg");
         let tool = tool_limits(&self.limits).map_err(|e| self.refused(&begin, e.into()))?;
-        let motion = LiveTool::new(arm, &start, limits, &tool, self.period).map_err(|e| self.refused(&begin, e))?;
+        let motion =
+            LiveTool::new(arm, &start, limits, &tool, self.settings.period).map_err(|e| self.refused(&begin, e))?;
         let rates = JointRates::from(limits);
         let axes = std::array::from_fn(|k| AxisState::rest(start[k]));
         let samples = vec![(0.0, motion.joints(), rates)];
@@ -49,9 +48,9 @@ impl ToolScenario {
     }
 
     fn refused(&self, place: &Place, source: ToolTargetError) -> ScenarioError {
-        let line = Check::new(&self.text, &self.file).line_of(&place.key);
+        let line = self.settings.check().line_of(&place.key);
         ScenarioError::RefusedTool {
-            file: self.file.clone(),
+            file: self.settings.file.clone(),
             line,
             place: place.what.clone(),
             source: Box::new(source),
@@ -108,18 +107,17 @@ impl<A: PathArm<N>, const N: usize> Simulation<'_, '_, A, N> {
         let first = Place::new("target", "target");
         self.set(0.0, "off to the target", &first, self.run.target, self.limits)?;
         let mut changes = scenario.changes.iter().enumerate().peekable();
-        let most = (scenario.longest / scenario.period).ceil().min(MOST_CYCLES as f64) as usize;
-        for cycle in 0..=most {
-            let now = cycle as f64 * scenario.period;
+        for cycle in 0..=scenario.settings.most_cycles() {
+            let now = cycle as f64 * scenario.settings.period;
             // A change takes effect with the first cycle that begins at its time or later.
-            while let Some((i, change)) = changes.next_if(|(_, c)| c.at <= now + 1e-9 * scenario.period) {
+            while let Some((i, change)) = changes.next_if(|(_, c)| c.at <= now + 1e-9 * scenario.settings.period) {
                 let place = Place::new(format!("change at {} s", change.at), format!("change[{i}].at_s"));
                 let limits = std::array::from_fn(|k| change.limits[k].unwrap_or(self.limits[k]));
                 let target = change.pose.after(&self.run.target);
                 self.set(now, &change.words(), &place, target, limits)?;
             }
             let step = self.motion.step().map_err(|e| scenario.refused(&first, e))?;
-            let t = (cycle + 1) as f64 * scenario.period;
+            let t = (cycle + 1) as f64 * scenario.settings.period;
             self.run.joints.samples.push((t, step.joints, self.rates));
             if let ProjectionStatus::Reached { .. } = step.status {
                 if std::mem::replace(&mut self.underway, false) {
@@ -130,12 +128,7 @@ impl<A: PathArm<N>, const N: usize> Simulation<'_, '_, A, N> {
                 }
             }
         }
-        let (file, left) = (scenario.file.clone(), self.motion.time_left().unwrap_or_default());
-        Err(if scenario.longest > MOST_CYCLES as f64 * scenario.period {
-            ScenarioError::TooManyCycles { file, period_ms: scenario.period * 1e3, left }
-        } else {
-            ScenarioError::TooLong { file, longest: scenario.longest, left }
-        })
+        Err(scenario.settings.overdue(self.motion.time_left().unwrap_or_default()))
     }
 }
 

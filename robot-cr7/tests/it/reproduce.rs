@@ -81,7 +81,7 @@ fn one_paper_is_shown_as_text_as_tables_and_drawn() {
 fn a_broken_row_ends_the_command_with_one() {
     let mut r = Reproduction::new("a paper");
     r.print("Table 1", "x", "0.10", 0.101);
-    r.fitted("Table 1", "y", "1", "2");
+    r.information("Table 1", "y", "1", "2").fitted();
     r.information("Table 1", "z", "1", "2");
     assert_eq!(Overview::of(vec![r.clone()]).exit_code(), 0);
     r.print("Table 1", "x", "0.10", 0.106);

@@ -78,7 +78,7 @@ fn broken(spoil: impl Fn(&mut ToolRun<6>)) -> Vec<String> {
     let scenario = ToolScenario::parse(ToolScenario::EXAMPLE, "tool.toml".as_ref()).expect("a scenario");
     let robot = Robot::load("cr7", None, None).expect("built in");
     let arm = robot.arm::<6>(scenario.tool).expect("six joints");
-    let (limits, _) = robot.limits::<6>(&scenario.joints).expect("limits");
+    let (limits, _) = robot.limits::<6>(&scenario.settings.joints).expect("limits");
     let mut run = scenario.run(&arm, &limits).expect("a motion");
     spoil(&mut run);
     let lines: Vec<LimitLine> = tool_lines(&arm, &run);

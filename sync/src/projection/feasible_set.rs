@@ -12,6 +12,21 @@ pub(super) enum Order {
     Acceleration,
 }
 
+impl Order {
+    /// Largest factor of a part of a coordinate with which it and the rest of `whole` keep `bound`; infinite for no part.
+    pub fn share(self, [part, whole]: [f64; 2], bound: f64) -> f64 {
+        let (p, c, against) = (part.abs(), whole.abs(), part * whole < 0.0);
+        let most = match self {
+            // A velocity that is braked stays on its side of zero and so leaves the other one free.
+            Self::Velocity if against => bound - c,
+            Self::Velocity => bound,
+            Self::Acceleration if against => (0.5 * (bound - c)).min((1.0 - RESERVE) * bound),
+            Self::Acceleration => (0.5 * (bound + c)).min((1.0 - RESERVE) * bound),
+        };
+        if p > 0.0 { (most / p).max(0.0) } else { f64::INFINITY }
+    }
+}
+
 /// Bounds of the scalar along the line, as `(lower, upper)`.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ScalarBounds {
@@ -59,7 +74,7 @@ pub(super) trait FeasibleSet<const M: usize> {
 pub(super) const FLOOR: f64 = 1e-10;
 
 /// The line leaves at least this part of the acceleration to what has to brake.
-pub(super) const RESERVE: f64 = 0.1;
+const RESERVE: f64 = 0.1;
 
 /// Excess over a bound that counts as round-off.
 pub(super) const SLACK: f64 = 1e-11;

@@ -3,7 +3,7 @@
 use arcfeed_feedrate::AxisLimits;
 use nalgebra::{SMatrix, SVector};
 
-use super::feasible_set::{FLOOR, FeasibleSet, NONE, Order, RESERVE, SLACK, ScalarBounds, WIDEST};
+use super::feasible_set::{FLOOR, FeasibleSet, NONE, Order, SLACK, ScalarBounds, WIDEST};
 use super::line::{LinePlan, Start};
 use super::recover::Recovery;
 use super::status::ProjectionStatus;
@@ -281,19 +281,7 @@ impl<const N: usize> FeasibleSet<N> for [AxisLimits; N] {
     fn share(&self, order: Order, part: &SVector<f64, N>, whole: &SVector<f64, N>) -> f64 {
         let mut share = 1.0f64;
         for (k, limits) in self.iter().enumerate() {
-            let (p, c, b) = (part[k].abs(), whole[k].abs(), order.bound(limits));
-            let against = part[k] * whole[k] < 0.0;
-            let most = match order {
-                // A velocity that is braked stays on its side of zero and so leaves the other one
-                // free.
-                Order::Velocity if against => b - c,
-                Order::Velocity => b,
-                Order::Acceleration if against => (0.5 * (b - c)).min((1.0 - RESERVE) * b),
-                Order::Acceleration => (0.5 * (b + c)).min((1.0 - RESERVE) * b),
-            };
-            if p > 0.0 {
-                share = share.min((most / p).max(0.0));
-            }
+            share = share.min(order.share([part[k], whole[k]], order.bound(limits)));
         }
         share
     }

@@ -23,7 +23,7 @@
 
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
-use super::feasible_set::{FeasibleSet, NONE, Order, RESERVE, SLACK, ScalarBounds, WIDEST};
+use super::feasible_set::{FeasibleSet, NONE, Order, SLACK, ScalarBounds, WIDEST};
 use super::transverse_brake::{BrakeLimits, Ranges};
 use crate::error::SyncError;
 
@@ -208,16 +208,7 @@ impl FeasibleSet<6> for PoseLimits {
             // The line has its first axis alone.
             let across = whole[i + 1].hypot(whole[i + 2]);
             let b = ((bound - across) * (bound + across)).max(0.0).sqrt();
-            let (p, c, against) = (part[i].abs(), whole[i].abs(), part[i] * whole[i] < 0.0);
-            let most = match order {
-                Order::Velocity if against => b - c,
-                Order::Velocity => b,
-                Order::Acceleration if against => (0.5 * (b - c)).min((1.0 - RESERVE) * b),
-                Order::Acceleration => (0.5 * (b + c)).min((1.0 - RESERVE) * b),
-            };
-            if p > 0.0 {
-                share = share.min((most / p).max(0.0));
-            }
+            share = share.min(order.share([part[i], whole[i]], b));
         }
         share
     }

@@ -9,6 +9,7 @@ pub mod random;
 
 use arcfeed_geometry::{Curve, NurbsCurve, nalgebra::SVector};
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 
 #[derive(Deserialize)]
 pub struct CurveFile {
@@ -18,10 +19,44 @@ pub struct CurveFile {
 #[derive(Deserialize)]
 pub struct NamedCurve {
     pub name: String,
+    #[serde(flatten)]
+    pub data: CurveData,
+}
+
+#[derive(Deserialize)]
+pub struct CurveData {
     pub degree: usize,
     pub control_points: Vec<Vec<f64>>,
     pub weights: Vec<f64>,
     pub knots: Vec<f64>,
+}
+
+impl CurveData {
+    pub fn curve<const D: usize>(&self) -> NurbsCurve<D> {
+        NurbsCurve::new(self.degree, points(&self.control_points), self.weights.clone(), self.knots.clone()).unwrap()
+    }
+}
+
+/// A curve of `fixtures/nurbs.json` with what a test needs of its values, computed with 50 digits.
+#[derive(Deserialize)]
+pub struct OracleCurve<T> {
+    pub id: usize,
+    pub dim: usize,
+    #[serde(flatten)]
+    pub data: CurveData,
+    #[serde(flatten)]
+    pub values: T,
+}
+
+/// All thirty curves.
+pub fn oracle<T: DeserializeOwned>() -> Vec<OracleCurve<T>> {
+    #[derive(Deserialize)]
+    struct File<T> {
+        curves: Vec<OracleCurve<T>>,
+    }
+    let file: File<T> = serde_json::from_str(include_str!("../../fixtures/nurbs.json")).unwrap();
+    assert_eq!(file.curves.len(), 30);
+    file.curves
 }
 
 pub fn points<const D: usize>(rows: &[Vec<f64>]) -> Vec<SVector<f64, D>> {
@@ -31,8 +66,7 @@ pub fn points<const D: usize>(rows: &[Vec<f64>]) -> Vec<SVector<f64, D>> {
 /// A published plane curve of `fixtures/curves.json`, in mm.
 pub fn published(name: &str) -> NurbsCurve<2> {
     let file: CurveFile = serde_json::from_str(include_str!("../../fixtures/curves.json")).unwrap();
-    let c = file.curves.into_iter().find(|c| c.name == name).unwrap();
-    NurbsCurve::new(c.degree, points(&c.control_points), c.weights, c.knots).unwrap()
+    file.curves.into_iter().find(|c| c.name == name).unwrap().data.curve()
 }
 
 pub fn distance_from_segment<const D: usize>(p: &SVector<f64, D>, a: &SVector<f64, D>, b: &SVector<f64, D>) -> f64 {

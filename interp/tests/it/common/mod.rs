@@ -5,7 +5,9 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use arcfeed_geometry::{ArcLengthCurve, NurbsCurve, OrientationPath, PosePath};
-use arcfeed_interp::{Limits, MotionPath, PlanError, Planner, ToolLimits, ToolPath, Trajectory};
+use arcfeed_interp::{
+    HybridMotion, Limits, LivePath, MotionPath, PlanError, Planner, ToolLimits, ToolPath, Trajectory,
+};
 use arcfeed_kinematics::{JointLimits, Joints, ParallelAxisArm, models};
 use nalgebra::{UnitQuaternion, Vector3, vector};
 
@@ -82,6 +84,16 @@ pub fn knotted() -> NurbsCurve<3> {
         vec![0.0, 0.0, 0.0, 0.0, 0.3, 0.5, 0.8, 1.0, 1.0, 1.0, 1.0],
     )
     .expect("a valid curve")
+}
+
+/// A live motion along [`knotted`] at 80 % of the feed.
+pub fn live_on_the_knotted_path<R>(run: impl FnOnce(&LivePath<'_>, HybridMotion<'_>) -> R) -> R {
+    let arm = arm();
+    let planner = Planner::new(&arm, Limits::new(limits(&arm)).with_tool(tool()));
+    let path = ToolPath::new(&arm, tool_down(knotted()), arm.range()).expect("in reach");
+    let live = planner.live(path).expect("in reach");
+    let motion = HybridMotion::new(&live, 0.8 * FEED).expect("a feed");
+    run(&live, motion)
 }
 
 /// A line that runs into a quarter circle of `radius`: the tangent is continuous, the curvature jumps to 1 / radius.

@@ -77,7 +77,7 @@ fn joint_targets<const N: usize>(
     scenario: &OnlineScenario,
     mut staging: Staging,
 ) -> Result<(), Failure> {
-    let (limits, warnings) = robot.limits::<N>(&scenario.joints)?;
+    let (limits, warnings) = robot.limits::<N>(&scenario.settings.joints)?;
     let arm = robot.arm::<N>(Isometry3::identity()).map_err(Cr7Error::from)?;
     staging.clear()?;
     let progress = Progress::new("simulating");
@@ -92,11 +92,11 @@ fn joint_targets<const N: usize>(
         warnings,
         remedy: "change the target, the limits or the mode",
     };
-    simulated.write(args, &arm, &limits, scenario.period, staging, progress)
+    simulated.write(args, &arm, &limits, scenario.settings.period, staging, progress)
 }
 
 fn tool_targets(args: &Args, robot: &Robot, scenario: &ToolScenario, mut staging: Staging) -> Result<(), Failure> {
-    let (limits, mut warnings) = robot.limits::<6>(&scenario.joints)?;
+    let (limits, mut warnings) = robot.limits::<6>(&scenario.settings.joints)?;
     warnings.extend(scenario.warnings.iter().cloned());
     let arm = robot.arm::<6>(scenario.tool).map_err(Cr7Error::from)?;
     staging.clear()?;
@@ -115,7 +115,7 @@ fn tool_targets(args: &Args, robot: &Robot, scenario: &ToolScenario, mut staging
         warnings,
         remedy: "change the target, or the limits of the tool",
     };
-    simulated.write(args, &arm, &limits, scenario.period, staging, progress)
+    simulated.write(args, &arm, &limits, scenario.settings.period, staging, progress)
 }
 
 /// The states of the joints at the end.

@@ -30,6 +30,27 @@ impl Angles {
     }
 }
 
+/// An arm at given joint values.
+#[derive(Debug, clap::Args)]
+pub struct PoseArgs {
+    #[command(flatten)]
+    robot: RobotArgs,
+    #[command(flatten)]
+    angles: Angles,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+impl PoseArgs {
+    /// The robot and its joint values, rad or m.
+    fn load(&self) -> Result<(Robot, Vec<f64>), Failure> {
+        let robot = self.robot.load()?;
+        let q = self.angles.of(&robot)?;
+        Ok((robot, q))
+    }
+}
+
 /// Arguments of `cr7 fk`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
@@ -38,12 +59,7 @@ impl Angles {
   cr7 fk --robot panda --deg 0 -23 0 -115 0 92 40")]
 pub struct ForwardArgs {
     #[command(flatten)]
-    robot: RobotArgs,
-    #[command(flatten)]
-    angles: Angles,
-    /// Print one JSON object
-    #[arg(long)]
-    json: bool,
+    pose: PoseArgs,
 }
 
 /// Arguments of `cr7 ik`.
@@ -80,12 +96,7 @@ pub struct InverseArgs {
   cr7 jacobian --robot arm.urdf --rad 0.1 0.2 0.3 0.4 0.5 0.6 --json")]
 pub struct JacobianArgs {
     #[command(flatten)]
-    robot: RobotArgs,
-    #[command(flatten)]
-    angles: Angles,
-    /// Print one JSON object
-    #[arg(long)]
-    json: bool,
+    pose: PoseArgs,
 }
 
 /// Arguments of `cr7 torque`.
@@ -95,18 +106,13 @@ pub struct JacobianArgs {
   cr7 torque --robot panda --deg 0 -23 0 -115 0 92 40 --deg-s 10 10 10 10 10 10 10 --json")]
 pub struct TorqueArgs {
     #[command(flatten)]
-    robot: RobotArgs,
-    #[command(flatten)]
-    angles: Angles,
+    pose: PoseArgs,
     /// Joint velocities in degrees per second [default: 0]
     #[arg(long, num_args = 1..=10, allow_negative_numbers = true, value_name = "V")]
     deg_s: Option<Vec<f64>>,
     /// Joint accelerations in degrees per second squared [default: 0]
     #[arg(long, num_args = 1..=10, allow_negative_numbers = true, value_name = "A")]
     deg_s2: Option<Vec<f64>>,
-    /// Print one JSON object
-    #[arg(long)]
-    json: bool,
 }
 
 fn undoable(error: impl ToString) -> Failure {
@@ -114,8 +120,7 @@ fn undoable(error: impl ToString) -> Failure {
 }
 
 pub fn forward(args: &ForwardArgs) -> Result<(), Failure> {
-    let robot = args.robot.load()?;
-    let q = args.angles.of(&robot)?;
+    let (robot, q) = args.pose.load()?;
     let pose = robot.any().forward(&q).map_err(undoable)?;
     let at = robot.any().dexterity(&q).map_err(undoable)?;
     let inside = inside(&robot, &q);
@@ -123,7 +128,7 @@ pub fn forward(args: &ForwardArgs) -> Result<(), Failure> {
     let (roll, pitch, yaw) = r.euler_angles();
     let quaternion = r.quaternion();
     let xyzw = [quaternion.i, quaternion.j, quaternion.k, quaternion.w];
-    if args.json {
+    if args.pose.json {
         let object = serde_json::json!({
             "position_m": [p.x, p.y, p.z],
             "quaternion_xyzw": xyzw,
@@ -223,11 +228,10 @@ pub fn inverse(args: &InverseArgs) -> Result<(), Failure> {
 }
 
 pub fn jacobian(args: &JacobianArgs) -> Result<(), Failure> {
-    let robot = args.robot.load()?;
-    let q = args.angles.of(&robot)?;
+    let (robot, q) = args.pose.load()?;
     let at = robot.any().dexterity(&q).map_err(undoable)?;
     let near = robot.any().nearest_singular_pose(&q).map_err(undoable)?;
-    if args.json {
+    if args.pose.json {
         let object = serde_json::json!({
             "columns": at.jacobian, "smallest_singular_value": at.sigma_min, "condition": at.condition,
             "manipulability": at.manipulability, "nearest_singularity": at.singularities.map(|d| d.nearest.to_string()),
@@ -254,8 +258,7 @@ pub fn jacobian(args: &JacobianArgs) -> Result<(), Failure> {
 }
 
 pub fn torque(args: &TorqueArgs) -> Result<(), Failure> {
-    let robot = args.robot.load()?;
-    let q = args.angles.of(&robot)?;
+    let (robot, q) = args.pose.load()?;
     let rates = |flag: &str, given: &Option<Vec<f64>>| -> Result<Vec<f64>, Failure> {
         match given {
             Some(given) => Ok(joint_values(flag, given, &robot)?.iter().map(|d| d.to_radians()).collect()),
@@ -265,7 +268,7 @@ pub fn torque(args: &TorqueArgs) -> Result<(), Failure> {
     let (qd, qdd) = (rates("--deg-s", &args.deg_s)?, rates("--deg-s2", &args.deg_s2)?);
     let torque = robot.any().torque(&q, &qd, &qdd).map_err(undoable)?;
     let joints = &robot.description().joints;
-    if args.json {
+    if args.pose.json {
         let limits: Vec<_> = joints.iter().map(|j| j.torque).collect();
         say!("{}", serde_json::json!({ "torque": torque, "limit": limits }));
         return Ok(());

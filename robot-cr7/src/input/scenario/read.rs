@@ -17,11 +17,10 @@ use crate::input::job_file::{RawJob, RawPath};
 use crate::input::joint_values::{JointOverrides, JointValues};
 use crate::input::sample_paths::SamplePath;
 use crate::input::toml_check::{Check, read_toml};
+use crate::input::unit::DEGREE;
 
 const EXPECTED: &str = "a TOML scenario such as scenarios/event.toml";
 const EXAMPLE: &str = "scenarios/event.toml";
-/// Radians per degree.
-const DEGREE: f64 = std::f64::consts::PI / 180.0;
 /// Largest distance at which a point is passed, deg.
 const MOST_WITHIN: f64 = 90.0;
 /// Highest override that can be ordered.
@@ -227,89 +226,110 @@ fn place_of(check: &Check<'_>, key: &str, raw: &RawPlace) -> Result<Place, Input
 }
 
 fn event_of(check: &Check<'_>, i: usize, raw: &RawEvent) -> Result<Event, InputError> {
-    let key = |name: &str| format!("event[{i}].{name}");
     let when = when_of(check, i, raw)?;
     only_its_keys(check, i, raw)?;
-    let missing = |name: &str| {
-        let rule = "the event needs this key";
-        check.wrong(&key("do"), format!("without {name}"), rule, "add the key")
-    };
-    let feed = || {
-        raw.feed_mm_s.ok_or_else(|| missing("feed_mm_s"))?;
-        Ok(check.limit(&key("feed_mm_s"), raw.feed_mm_s, 1e3)?.unwrap_or_default())
-    };
-    let length = |name: &str, value: Option<f64>| {
-        let mm = value.ok_or_else(|| missing(name))?;
+    Ok(Event { when, action: EventKeys { check, i, raw }.action()? })
+}
+
+/// The keys of one event.
+struct EventKeys<'a> {
+    check: &'a Check<'a>,
+    i: usize,
+    raw: &'a RawEvent,
+}
+
+impl EventKeys<'_> {
+    fn key(&self, name: &str) -> String {
+        format!("event[{}].{name}", self.i)
+    }
+
+    fn wrong(&self, name: &str, value: impl ToString, rule: &'static str, remedy: &'static str) -> InputError {
+        self.check.wrong(&self.key(name), value, rule, remedy)
+    }
+
+    fn missing(&self, name: &str) -> InputError {
+        self.wrong("do", format!("without {name}"), "the event needs this key", "add the key")
+    }
+
+    fn feed(&self) -> Result<f64, InputError> {
+        self.raw.feed_mm_s.ok_or_else(|| self.missing("feed_mm_s"))?;
+        Ok(self.check.limit(&self.key("feed_mm_s"), self.raw.feed_mm_s, 1e3)?.unwrap_or_default())
+    }
+
+    fn length(&self, name: &str, value: Option<f64>) -> Result<f64, InputError> {
+        let mm = value.ok_or_else(|| self.missing(name))?;
         if mm.is_finite() && mm >= 0.0 {
             return Ok(mm / 1e3);
         }
         let rule = "a length along the path is a finite number from 0 on";
-        Err(check.wrong(&key(name), mm, rule, "count from the start of the path"))
-    };
-    let action = match raw.action {
-        RawAction::Feed => Action::Feed(feed()?),
-        RawAction::Override => {
-            let percent = raw.percent.ok_or_else(|| missing("percent"))?;
-            if !(0.0..=MOST_PERCENT).contains(&percent) {
-                let rule = "an override lies between 0 and 150 %";
-                return Err(check.wrong(&key("percent"), percent, rule, "100 is the programmed feed, 0 holds"));
+        Err(self.wrong(name, mm, rule, "count from the start of the path"))
+    }
+
+    fn action(&self) -> Result<Action, InputError> {
+        let raw = self.raw;
+        Ok(match raw.action {
+            RawAction::Feed => Action::Feed(self.feed()?),
+            RawAction::Override => {
+                let percent = raw.percent.ok_or_else(|| self.missing("percent"))?;
+                if !(0.0..=MOST_PERCENT).contains(&percent) {
+                    let rule = "an override lies between 0 and 150 %";
+                    return Err(self.wrong("percent", percent, rule, "100 is the programmed feed, 0 holds"));
+                }
+                Action::Override(percent / 100.0)
             }
-            Action::Override(percent / 100.0)
+            RawAction::Section => Action::Section(self.section()?),
+            RawAction::ClearSections => Action::ClearSections,
+            RawAction::Hold => Action::Hold,
+            RawAction::Resume => Action::Resume,
+            RawAction::StepBack => match (raw.to_mm, raw.by_mm) {
+                (Some(_), None) => Action::StepBackTo(self.length("to_mm", raw.to_mm)?),
+                (None, Some(_)) => Action::StepBackBy(self.length("by_mm", raw.by_mm)?),
+                _ => {
+                    let rule = "a step back goes to a place or by a length";
+                    return Err(self.wrong("do", "neither or both", rule, "give one of to_mm and by_mm"));
+                }
+            },
+            RawAction::Leave => Action::Leave(self.leave()?),
+            RawAction::Return => Action::Return,
+            RawAction::Stop => Action::Stop,
+        })
+    }
+
+    fn section(&self) -> Result<LiveSection, InputError> {
+        let (from, to) = (self.length("from_mm", self.raw.from_mm)?, self.length("to_mm", self.raw.to_mm)?);
+        if to <= from {
+            let value = format!("{} after {}", to * 1e3, from * 1e3);
+            return Err(self.wrong("to_mm", value, "a section ends behind its start", "raise to_mm"));
         }
-        RawAction::Section => {
-            let (from, to) = (length("from_mm", raw.from_mm)?, length("to_mm", raw.to_mm)?);
-            if to <= from {
-                let value = format!("{} after {}", to * 1e3, from * 1e3);
-                let rule = "a section ends behind its start";
-                return Err(check.wrong(&key("to_mm"), value, rule, "raise to_mm"));
-            }
-            Action::Section(LiveSection { from, to, feed: feed()? })
+        Ok(LiveSection { from, to, feed: self.feed()? })
+    }
+
+    fn leave(&self) -> Result<Leave, InputError> {
+        let points = self.raw.points.as_deref().ok_or_else(|| self.missing("points"))?;
+        if points.is_empty() || points.len() > MAX_POINTS {
+            let value = format!("a list of {}", points.len());
+            let rule = "an excursion has 1 to 8 points, the goal last";
+            return Err(self.wrong("points", value, rule, "add or remove points"));
         }
-        RawAction::ClearSections => Action::ClearSections,
-        RawAction::Hold => Action::Hold,
-        RawAction::Resume => Action::Resume,
-        RawAction::StepBack => match (raw.to_mm, raw.by_mm) {
-            (Some(_), None) => Action::StepBackTo(length("to_mm", raw.to_mm)?),
-            (None, Some(_)) => Action::StepBackBy(length("by_mm", raw.by_mm)?),
-            _ => {
-                let rule = "a step back goes to a place or by a length";
-                return Err(check.wrong(&key("do"), "neither or both", rule, "give one of to_mm and by_mm"));
-            }
-        },
-        RawAction::Leave => {
-            let points = raw.points.as_deref().ok_or_else(|| missing("points"))?;
-            if points.is_empty() || points.len() > MAX_POINTS {
-                let value = format!("a list of {}", points.len());
-                let rule = "an excursion has 1 to 8 points, the goal last";
-                return Err(check.wrong(&key("points"), value, rule, "add or remove points"));
-            }
-            let places = points
-                .iter()
-                .enumerate()
-                .map(|(k, raw)| place_of(check, &key(&format!("points[{k}]")), raw))
-                .collect::<Result<_, _>>()?;
-            let within = raw.pass_within_deg.unwrap_or(0.0);
-            if !(0.0..=MOST_WITHIN).contains(&within) {
-                let rule = "points are passed within 0 to 90 deg";
-                return Err(check.wrong(&key("pass_within_deg"), within, rule, "0 stops at each point"));
-            }
-            Action::Leave(Leave {
-                points: places,
-                leave: match raw.leave {
-                    None | Some(RawLeave::Braking) => LeaveBy::Braking,
-                    Some(RawLeave::AtOnce) => LeaveBy::AtOnce,
-                },
-                within: within * DEGREE,
-                by: match raw.joint_moves {
-                    None | Some(RawJointMoves::LeastTime) => JointMoveBy::LeastTime,
-                    Some(RawJointMoves::Projection) => JointMoveBy::Projection,
-                },
-            })
+        let place = |(k, raw)| place_of(self.check, &self.key(&format!("points[{k}]")), raw);
+        let within = self.raw.pass_within_deg.unwrap_or(0.0);
+        if !(0.0..=MOST_WITHIN).contains(&within) {
+            let rule = "points are passed within 0 to 90 deg";
+            return Err(self.wrong("pass_within_deg", within, rule, "0 stops at each point"));
         }
-        RawAction::Return => Action::Return,
-        RawAction::Stop => Action::Stop,
-    };
-    Ok(Event { when, action })
+        Ok(Leave {
+            points: points.iter().enumerate().map(place).collect::<Result<_, _>>()?,
+            leave: match self.raw.leave {
+                None | Some(RawLeave::Braking) => LeaveBy::Braking,
+                Some(RawLeave::AtOnce) => LeaveBy::AtOnce,
+            },
+            within: within * DEGREE,
+            by: match self.raw.joint_moves {
+                None | Some(RawJointMoves::LeastTime) => JointMoveBy::LeastTime,
+                Some(RawJointMoves::Projection) => JointMoveBy::Projection,
+            },
+        })
+    }
 }
 
 fn when_of(check: &Check<'_>, i: usize, raw: &RawEvent) -> Result<When, InputError> {

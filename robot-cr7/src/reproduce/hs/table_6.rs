@@ -119,18 +119,8 @@ impl Table6Run {
             let points: Vec<_> =
                 std::iter::once(played.start()).chain(played.cycles().iter().map(|c| &c.setpoint)).collect();
             let t: Vec<f64> = points.iter().map(|p| p.t).collect();
-            let axis = SampledAxis {
-                name: "path".to_owned(),
-                p: points.iter().map(|p| p.s).collect(),
-                v: points.iter().map(|p| p.feed).collect(),
-                a: points.iter().map(|p| p.acceleration).collect(),
-                start: [0.0; 3],
-                end: [length, 0.0, 0.0],
-                bounds: vec![(
-                    0.0,
-                    AxisBounds { v: (0.0, 0.015), ..AxisBounds::symmetric(0.015, TANGENTIAL.0, TANGENTIAL.1) },
-                )],
-            };
+            let bounds = AxisBounds { v: (0.0, 0.015), ..AxisBounds::symmetric(0.015, TANGENTIAL.0, TANGENTIAL.1) };
+            let axis = SampledAxis::of_path(points.iter().copied(), length, bounds);
             let asked = std::iter::once(FEED).chain(played.cycles().iter().map(|c| c.asked));
             let cycle = |(p, asked): (&&arcfeed_interp::Setpoint, f64)| PathCycle {
                 s: p.s,

@@ -73,15 +73,8 @@ impl MotionRun {
         let (lo, hi) = spline.domain();
         let feed = Job::default().feed;
         let t: Vec<f64> = points.iter().map(|p| p.t).collect();
-        let axis = SampledAxis {
-            name: "path".to_owned(),
-            p: points.iter().map(|p| p.s).collect(),
-            v: points.iter().map(|p| p.feed).collect(),
-            a: points.iter().map(|p| p.acceleration).collect(),
-            start: [0.0; 3],
-            end: [spline.length(lo, hi, 4000), 0.0, 0.0],
-            bounds: vec![(0.0, AxisBounds::symmetric(feed.feed, feed.tangential_acceleration, feed.tangential_jerk))],
-        };
+        let bounds = AxisBounds::symmetric(feed.feed, feed.tangential_acceleration, feed.tangential_jerk);
+        let axis = SampledAxis::of_path(points.iter(), spline.length(lo, hi, 4000), bounds);
         let limits = task.joint_limits();
         let joint = |k: usize| {
             let state = |i: usize| [points[i].q[k], points[i].qd[k], points[i].qdd[k]];

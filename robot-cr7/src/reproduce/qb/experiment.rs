@@ -76,7 +76,8 @@ impl Experiment {
         }
         let fourth = || self.torque.iter().map(|t| t[3]);
         let (lo, hi) = (fourth().fold(f64::INFINITY, f64::min), fourth().fold(f64::NEG_INFINITY, f64::max));
-        r.fitted(PLACE, "torque of joint 4, which stands, N m", "-6.81 and 6.30", format!("{lo:.2} and {hi:.2}"))
+        r.information(PLACE, "torque of joint 4, which stands, N m", "-6.81 and 6.30", format!("{lo:.2} and {hi:.2}"))
+            .fitted()
             .note("the Coulomb friction of the stand-in is 6 N m; its sign follows the noise of the encoder");
     }
 }

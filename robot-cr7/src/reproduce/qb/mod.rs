@@ -170,14 +170,21 @@ impl QbRun {
         let clamps = self.scans[1].clamps();
         for (i, printed) in ["0.066 .. 0.32", "0.77 .. 0.84"].into_iter().enumerate() {
             let ours = clamps.get(i).map_or("none".to_owned(), |(a, b)| format!("{a:.3} .. {b:.3}"));
-            r.fitted(COMPOSITE, format!("clamp {} by the initial velocity limit", i + 1), printed, ours)
+            r.information(COMPOSITE, format!("clamp {} by the initial velocity limit", i + 1), printed, ours)
+                .fitted()
                 .note("friction and inertia of the stand-in were chosen so that these come out");
         }
         let shares = self.composite.binding();
         for (what, share) in
             [("acceleration of joint 3", shares.0), ("torque of joint 1", shares.1), ("torque of joint 3", shares.2)]
         {
-            r.fitted(COMPOSITE, format!("{what}, largest share of its limit"), "reaches it", format!("{share:.4}"));
+            r.information(
+                COMPOSITE,
+                format!("{what}, largest share of its limit"),
+                "reaches it",
+                format!("{share:.4}"),
+            )
+            .fitted();
         }
         self.judge_scan(r, COMPOSITE, 1);
         r.information(COMPOSITE, "time to plan, forward-backward, ms", "5.63", format!("{:.2}", self.planning * 1e3))
