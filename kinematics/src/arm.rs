@@ -10,6 +10,7 @@ use crate::{
     jacobian::Configuration,
     joint::{JointLimits, JointRange, Joints, check_finite},
     numeric::{NumericArm, NumericSettings, size},
+    posture::Posture,
     singular_pose::{Search, SingularPose},
     singularity::SingularityDistances,
     singularity_kind::SingularityKind,
@@ -392,6 +393,14 @@ impl<const N: usize> AnalyticInverse<N> for Arm<N> {
             Solver::ParallelAxis(arm) => arm.inverse_all(target).map(|all| all.for_joints()),
             Solver::SphericalWrist(arm) => arm.inverse_all(target).map(|all| all.for_joints()),
             Solver::Numeric(arm) => arm.inverse_all(target),
+        }
+    }
+
+    fn posture(&self, q: &Joints<N>) -> Option<Posture> {
+        match &self.solver {
+            Solver::ParallelAxis(arm) => arm.posture(&renamed(q)),
+            Solver::SphericalWrist(arm) => arm.posture(&renamed(q)),
+            Solver::Numeric(_) => None,
         }
     }
 }

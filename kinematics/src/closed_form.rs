@@ -8,6 +8,7 @@ use crate::{
     jacobian::{Configuration, Target},
     joint::{JointRange, Joints, check_finite},
     lu::Lu6,
+    posture::Posture,
     singularity::SingularityDistances,
     singularity_kind::SingularityKind,
     traits::{AnalyticInverse, ForwardKinematics, InverseKinematics, PoseResidual},
@@ -166,6 +167,10 @@ impl<S: ClosedForm> ForwardKinematics<6> for ClosedFormArm<S> {
 impl<S: ClosedForm> AnalyticInverse<6> for ClosedFormArm<S> {
     fn inverse_all(&self, target: &Isometry3<f64>) -> Result<Solutions<6>, KinematicsError> {
         self.solve(target, &Joints::zeros())
+    }
+
+    fn posture(&self, q: &Joints<6>) -> Option<Posture> {
+        Some(self.solver.posture(&self.chain.configuration(q)))
     }
 }
 

@@ -63,6 +63,7 @@ mod lu;
 pub mod models;
 mod normalised;
 mod numeric;
+mod posture;
 mod singular_pose;
 mod singularity;
 mod singularity_kind;
@@ -90,6 +91,7 @@ pub use error::{KinematicsError, Part, ReachSide};
 pub use jacobian::{Configuration, Jacobian, Twist};
 pub use joint::{Joint, JointKind, JointLimits, JointRange, Joints};
 pub use numeric::{NullSpace, NumericArm, NumericSettings, NumericSolution};
+pub use posture::{NoPosture, Posture};
 pub use singular_pose::{SingularPose, WeakestMotion, weakest_motion};
 pub use singularity::{
     SingularityDistances, condition_number, manipulability, singular_values, smallest_singular_value,

@@ -5,6 +5,7 @@ use crate::{
     error::KinematicsError,
     jacobian::{Configuration, Jacobian, Twist},
     joint::Joints,
+    posture::Posture,
     singularity_kind::SingularityKind,
 };
 use nalgebra::Isometry3;
@@ -103,4 +104,9 @@ pub trait AnalyticInverse<const N: usize> {
     /// [`KinematicsError::Unreachable`] when there is none; [`KinematicsError::NotFinite`] and
     /// [`KinematicsError::NotUnit`] for a target that is none.
     fn inverse_all(&self, target: &Isometry3<f64>) -> Result<Solutions<N>, KinematicsError>;
+
+    /// Which of the solutions of its pose `q` is, by name; `None` for an arm whose solutions have no names.
+    fn posture(&self, _q: &Joints<N>) -> Option<Posture> {
+        None
+    }
 }

@@ -1,7 +1,7 @@
 //! Errors in a path, with their place.
 
 use arcfeed_geometry::GeometryError;
-use arcfeed_kinematics::{Joints, KinematicsError};
+use arcfeed_kinematics::{Joints, KinematicsError, Posture};
 use thiserror::Error;
 
 use crate::place::PathPlace;
@@ -56,6 +56,14 @@ pub enum PathError {
         /// Why the one that came farthest failed.
         best: Box<PathError>,
     },
+    /// No solution at the start of the path stands in the posture asked for.
+    #[error("no solution at the start stands \"{wanted}\"{}", of_those(there))]
+    NoPosture {
+        /// The posture.
+        wanted: Posture,
+        /// Those of the solutions there; none for an arm whose solutions have no names.
+        there: Vec<Posture>,
+    },
     /// A path through joint way-points needs two of them.
     #[error("{count} way-points: a path needs two at least")]
     TooFewWaypoints {
@@ -101,6 +109,15 @@ pub enum PathError {
         /// Why that is not gone round, and what to do.
         rule: &'static str,
     },
+}
+
+/// The postures to choose from, in words.
+fn of_those(postures: &[Posture]) -> String {
+    if postures.is_empty() {
+        return ": the solutions of this arm have no names; start near given joints instead".to_owned();
+    }
+    let names: Vec<String> = postures.iter().map(|posture| format!("\"{posture}\"")).collect();
+    format!(": choose one of {}", names.join(", "))
 }
 
 impl PathError {

@@ -1,7 +1,7 @@
 //! A curve of the tool as the joints of an arm follow it.
 
 use arcfeed_geometry::{PoseJet, PosePath};
-use arcfeed_kinematics::{AnalyticInverse, JointRange, Joints, KinematicsError};
+use arcfeed_kinematics::{AnalyticInverse, JointRange, Joints, KinematicsError, Posture};
 
 use super::configuration::select_configuration;
 use super::inverse;
@@ -57,8 +57,32 @@ impl<'a, const N: usize> ToolPath<'a, N> {
         Self::judged(arm, path, range).map(|(_, path)| path)
     }
 
-    /// The same with the quality of the configuration: the more, the better.
-    pub(super) fn judged<A>(arm: &'a A, path: PosePath, range: &JointRange<N>) -> Result<(f64, Self), PathError>
+    /// The path from a configuration of this posture.
+    ///
+    /// # Errors
+    /// [`PathError::NoPosture`] when no solution at the start stands like that; else as [`ToolPath::new`].
+    pub fn in_posture<A>(arm: &'a A, path: PosePath, range: &JointRange<N>, posture: Posture) -> Result<Self, PathError>
+    where
+        A: PathArm<N> + AnalyticInverse<N>,
+    {
+        let bare = Self::bare(arm, path);
+        let all = arm.inverse_all(&bare.pose(0.0)).map_err(bare.refused(0.0))?;
+        let there = |q: &Joints<N>| arm.posture(q);
+        let wanted: Vec<_> = all.iter().filter(|q| there(q) == Some(posture)).collect();
+        if wanted.is_empty() {
+            let there = all.iter().filter_map(there).collect();
+            return Err(PathError::NoPosture { wanted: posture, there });
+        }
+        let (_, start) = select_configuration(&bare, arm, wanted.into_iter(), range)?;
+        Ok(Self { start, ..bare })
+    }
+
+    /// The path of [`ToolPath::new`] with the quality of its configuration: the least of the smallest singular value and a tenth
+    /// of the distance (rad) to the end of a joint's range, over some sixty places of the path. The more, the better.
+    ///
+    /// # Errors
+    /// As [`ToolPath::new`].
+    pub fn judged<A>(arm: &'a A, path: PosePath, range: &JointRange<N>) -> Result<(f64, Self), PathError>
     where
         A: PathArm<N> + AnalyticInverse<N>,
     {

@@ -11,7 +11,9 @@ pub use parallel_axis::ParallelAxes;
 pub use solutions::Solutions;
 pub use spherical_wrist::SphericalWrist;
 
-use crate::{error::KinematicsError, jacobian::Configuration, joint::Joints, singularity::SingularityDistances};
+use crate::{
+    error::KinematicsError, jacobian::Configuration, joint::Joints, posture::Posture, singularity::SingularityDistances,
+};
 use nalgebra::Isometry3;
 
 /// A family of six-joint arms whose inverse is known in closed form, with the numbers of one of them.
@@ -37,4 +39,7 @@ pub trait ClosedForm: Copy + Send + Sync + 'static {
 
     /// Distances of an arm that looks like `at` from the singular poses of its kinds.
     fn singularity_distances(&self, at: &Configuration<6>) -> SingularityDistances;
+
+    /// Which of the solutions an arm that looks like `at` stands in.
+    fn posture(&self, at: &Configuration<6>) -> Posture;
 }

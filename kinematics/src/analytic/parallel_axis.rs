@@ -24,6 +24,7 @@ use crate::{
     error::KinematicsError,
     jacobian::Configuration,
     joint::Joints,
+    posture::Posture,
     singularity::SingularityDistances,
     trig::{atan2, principal, sin_cos},
 };
@@ -230,6 +231,12 @@ impl ClosedForm for ParallelAxes {
         let (z, o) = (&at.axes, &at.points);
         let wrist = o[4] + z[4] * z[4].dot(&(o[5] - o[4]));
         distances(at, &wrist, [&z[1], &z[5]], &o[3], self.plane.size)
+    }
+
+    fn posture(&self, at: &Configuration<6>) -> Posture {
+        let (z, o) = (&at.axes, &at.points);
+        let wrist = o[4] + z[4] * z[4].dot(&(o[5] - o[4]));
+        Posture::of(at, &wrist, [&z[1], &z[5]], &o[3])
     }
 }
 

@@ -24,6 +24,7 @@ use crate::{
     error::KinematicsError,
     jacobian::Configuration,
     joint::Joints,
+    posture::Posture,
     singularity::SingularityDistances,
     trig::{atan2, principal, sin_cos},
 };
@@ -141,6 +142,12 @@ impl ClosedForm for SphericalWrist {
         let (z, o) = (&at.axes, &at.points);
         let wrist = o[3] + z[3] * z[3].dot(&(o[4] - o[3]));
         distances(at, &wrist, [&z[3], &z[5]], &wrist, self.plane.size)
+    }
+
+    fn posture(&self, at: &Configuration<6>) -> Posture {
+        let (z, o) = (&at.axes, &at.points);
+        let wrist = o[3] + z[3] * z[3].dot(&(o[4] - o[3]));
+        Posture::of(at, &wrist, [&z[3], &z[5]], &wrist)
     }
 }
 

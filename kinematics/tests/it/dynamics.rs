@@ -6,17 +6,15 @@ use crate::common;
 use arcfeed_kinematics::{
     ArmDynamics, Chain, Dynamics, ForwardKinematics, Friction, Inertial, Joint, Joints, KinematicsError, models,
 };
-use common::{chain, inertials, records};
+use common::{ArmState, chain, inertials, records};
 use nalgebra::{Cholesky, Isometry3, Matrix3, SMatrix, Vector3};
 use proptest::prelude::*;
 use serde::Deserialize;
 
 #[derive(Deserialize)]
 struct Sample {
-    arm: String,
-    id: usize,
-    q: Vec<f64>,
-    qd: Vec<f64>,
+    #[serde(flatten)]
+    at: ArmState,
     qdd: Vec<f64>,
     tau: Vec<f64>,
     gravity: Vec<f64>,
@@ -27,7 +25,7 @@ struct Sample {
 /// Largest difference from the record, relative to the largest number of its kind.
 fn dynamics_error<const N: usize>(arm: &ArmDynamics<N>, sample: &Sample) -> f64 {
     let vector = |v: &[f64]| Joints::<N>::from_column_slice(v);
-    let (q, qd, qdd) = (vector(&sample.q), vector(&sample.qd), vector(&sample.qdd));
+    let (q, qd, qdd) = (vector(&sample.at.q), vector(&sample.at.qd), vector(&sample.qdd));
     let relative = |ours: Joints<N>, theirs: &[f64]| (ours - vector(theirs)).amax() / vector(theirs).amax().max(1e-3);
     let mut worst = relative(arm.torque(&q, &qd, &qdd), &sample.tau);
     worst = worst.max(relative(arm.gravity_torque(&q), &sample.gravity));
@@ -46,7 +44,7 @@ fn dynamics_error<const N: usize>(arm: &ArmDynamics<N>, sample: &Sample) -> f64 
     let path = arm.along_path(&q, &qd, &qdd);
     worst = worst.max(relative(path.at(1.0, 0.0), &sample.tau));
     let forward = arm.acceleration(&q, &qd, &vector(&sample.tau)).unwrap();
-    assert!((forward - qdd).amax() <= 1e-8 * qdd.amax().max(1.0), "{} {}", sample.arm, sample.id);
+    assert!((forward - qdd).amax() <= 1e-8 * qdd.amax().max(1.0), "{} {}", sample.at.arm, sample.at.id);
     worst
 }
 
@@ -54,15 +52,15 @@ fn dynamics_error<const N: usize>(arm: &ArmDynamics<N>, sample: &Sample) -> f64 
 fn five_arms_agree_with_pinocchio() {
     let mut counts = std::collections::BTreeMap::new();
     for sample in records::<Sample>("dynamics.jsonl") {
-        let error = if sample.arm == "panda" {
+        let error = if sample.at.arm == "panda" {
             let arm = ArmDynamics::new(&chain::<7>("panda"), inertials("panda")).unwrap();
             dynamics_error::<7>(&arm, &sample)
         } else {
-            let arm = ArmDynamics::new(&chain::<6>(&sample.arm), inertials(&sample.arm)).unwrap();
+            let arm = ArmDynamics::new(&chain::<6>(&sample.at.arm), inertials(&sample.at.arm)).unwrap();
             dynamics_error::<6>(&arm, &sample)
         };
-        assert!(error < 1e-10, "{} {}: {error:e}", sample.arm, sample.id);
-        *counts.entry(sample.arm).or_insert(0) += 1;
+        assert!(error < 1e-10, "{} {}: {error:e}", sample.at.arm, sample.at.id);
+        *counts.entry(sample.at.arm).or_insert(0) += 1;
     }
     assert_eq!(counts.into_values().collect::<Vec<_>>(), [16; 5]);
 }

@@ -11,6 +11,7 @@ mod json;
 mod models;
 mod numeric;
 mod oracle;
+mod posture;
 mod singular_pose;
 mod spherical_wrist;
 #[cfg(feature = "urdf")]

@@ -7,16 +7,14 @@ use arcfeed_kinematics::{
     AnalyticInverse, ClosedForm, ClosedFormArm, ForwardKinematics, InverseKinematics, JointRange, Joints,
     KinematicsError, SphericalWristArm, models, smallest_singular_value,
 };
-use common::{angle_difference, chain, isometry, pose_distance, records};
+use common::{ArmState, angle_difference, chain, isometry, pose_distance, records};
 use nalgebra::SVector;
 use serde::Deserialize;
 
 #[derive(Deserialize)]
 struct Sample {
-    arm: String,
-    id: usize,
-    q: Vec<f64>,
-    qd: Vec<f64>,
+    #[serde(flatten)]
+    at: ArmState,
     pos: [f64; 3],
     quat_xyzw: [f64; 4],
     jac: Vec<Vec<f64>>,
@@ -27,8 +25,8 @@ struct Sample {
 
 /// Largest difference of all kinematic quantities from the record.
 fn kinematics_error<const N: usize>(arm: &dyn ForwardKinematics<N>, sample: &Sample) -> f64 {
-    let q = SVector::<f64, N>::from_column_slice(&sample.q);
-    let qd = SVector::<f64, N>::from_column_slice(&sample.qd);
+    let q = SVector::<f64, N>::from_column_slice(&sample.at.q);
+    let qd = SVector::<f64, N>::from_column_slice(&sample.at.qd);
     let (pose, jacobian) = arm.forward_jacobian(&q);
     let mut worst = pose_distance(&pose, &isometry(&sample.pos, &sample.quat_xyzw));
     worst = worst.max(pose_distance(&pose, &arm.forward(&q)));
@@ -46,13 +44,13 @@ fn kinematics_error<const N: usize>(arm: &dyn ForwardKinematics<N>, sample: &Sam
 fn six_arms_agree_with_pinocchio() {
     let mut counts = std::collections::BTreeMap::new();
     for sample in records::<Sample>("kinematics.jsonl") {
-        let error = if sample.arm == "panda" {
-            kinematics_error::<7>(&chain::<7>(&sample.arm), &sample)
+        let error = if sample.at.arm == "panda" {
+            kinematics_error::<7>(&chain::<7>(&sample.at.arm), &sample)
         } else {
-            kinematics_error::<6>(&chain::<6>(&sample.arm), &sample)
+            kinematics_error::<6>(&chain::<6>(&sample.at.arm), &sample)
         };
-        assert!(error < 1e-12, "{} {}: {error:e}", sample.arm, sample.id);
-        *counts.entry(sample.arm).or_insert(0) += 1;
+        assert!(error < 1e-12, "{} {}: {error:e}", sample.at.arm, sample.at.id);
+        *counts.entry(sample.at.arm).or_insert(0) += 1;
     }
     assert_eq!(counts.len(), 6, "{counts:?}");
     assert!(counts.values().all(|count| *count == 40), "{counts:?}");
@@ -61,7 +59,7 @@ fn six_arms_agree_with_pinocchio() {
 #[test]
 fn built_in_arms_agree_with_pinocchio() {
     for sample in records::<Sample>("kinematics.jsonl") {
-        let arm: &dyn ForwardKinematics<6> = match sample.arm.as_str() {
+        let arm: &dyn ForwardKinematics<6> = match sample.at.arm.as_str() {
             "cr7" => &models::cr7(),
             "ur5e" => &models::ur5e(),
             "kr6_r700_2" => &models::kr6_r700(),
@@ -69,7 +67,7 @@ fn built_in_arms_agree_with_pinocchio() {
             _ => continue,
         };
         let error = kinematics_error::<6>(arm, &sample);
-        assert!(error < 1e-12, "{} {}: {error:e}", sample.arm, sample.id);
+        assert!(error < 1e-12, "{} {}: {error:e}", sample.at.arm, sample.at.id);
     }
 }
 

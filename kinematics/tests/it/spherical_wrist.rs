@@ -8,8 +8,8 @@ use arcfeed_kinematics::{
     SingularityKind, SphericalWristArm, models, smallest_singular_value,
 };
 use common::closed_forms::{
-    WRIST_SINGULAR, joints, nearest, nothing_is_lost_at, poses, solutions_reproduce_the_pose, special_joints,
-    tracks_through_the_wrist,
+    WRIST_SINGULAR, joints, nearest, nothing_is_lost_at, poses, solutions_at, solutions_reproduce_the_pose,
+    special_joints, tracks_through_the_wrist,
 };
 use common::{angle_difference, chain, pose_distance};
 use nalgebra::{Isometry3, Vector3};
@@ -88,11 +88,7 @@ proptest! {
         let arm = arm_named(name);
         // Joint 5 at 0 or pi lines up axes 4 and 6 in all four.
         q[4] = if straight { 0.0 } else { PI };
-        let target = arm.forward(&q);
-        let all = arm.inverse_all(&target).unwrap();
-        for solution in &all {
-            prop_assert!(pose_distance(&arm.forward(solution), &target) < WRIST_SINGULAR);
-        }
+        let (target, all) = solutions_at(&arm, &q)?;
         // Beside a second singularity joints 1 to 3 follow from the target to fewer digits than the wrist's threshold has:
         // the solutions beside the singular one count too, with the same pose.
         let distances = arm.singularity_distances(&q);

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use nalgebra::Vector3;
+use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
 
 use super::error::InputError;
-use super::path_file::{PathFile, PathGeometry, size_warnings, stem};
+use super::path_file::{PathFile, PathGeometry, PointTools, size_warnings, stem};
 use super::unit::LengthUnit;
 
 /// Two consecutive points of a CSV file have to be this far apart, in metres.
@@ -28,6 +28,7 @@ impl PathFile {
         let unit = Header::unit(header.as_ref(), asked, file)?;
         let mut columns = header.map(|(line, h)| (line, h.columns));
         let (mut points, mut lines): (Vec<Vector3<f64>>, Vec<u64>) = (Vec::new(), Vec::new());
+        let (mut tool_axes, mut rotations) = (Vec::new(), Vec::new());
         for (line, cells) in rows {
             let (first_line, axes) = match &columns {
                 Some((first, axes)) => (*first, axes),
@@ -43,7 +44,13 @@ impl PathFile {
             if cells.len() != axes.len() {
                 return Err(count_error(file, line, cells.len(), first_line, axes.len()));
             }
-            let point = point_of(&cells, axes, unit, (file, line))?;
+            let row = Row::of(&cells, axes, (file, line))?;
+            let point = row.point(unit);
+            if axes.contains(&TOOL_AXIS) {
+                tool_axes.push(row.tool_axis((file, line))?);
+            } else if axes.contains(&QUATERNION) {
+                rotations.push(row.rotation((file, line))?);
+            }
             if let (Some(last), Some(&first_line)) = (points.last(), lines.last()) {
                 let distance_m = (point - last).norm();
                 if distance_m < LEAST_DISTANCE {
@@ -71,37 +78,83 @@ impl PathFile {
             name: stem(file),
             source: None,
             file: file.to_owned(),
-            planar: columns.is_some_and(|(_, axes)| axes.len() == 2),
+            planar: columns.is_some_and(|(_, axes)| !axes.contains(&2)),
             warnings: size_warnings(&points, unit),
-            geometry: PathGeometry::Points { points, lines },
+            geometry: PathGeometry::Points {
+                points,
+                lines,
+                tools: match (tool_axes.is_empty(), rotations.is_empty()) {
+                    (false, _) => Some(PointTools::Axes(tool_axes)),
+                    (_, false) => Some(PointTools::Rotations(rotations)),
+                    _ => None,
+                },
+            },
         })
     }
 }
 
-/// The point of a line, whose cells belong to `axes`.
-fn point_of(
-    cells: &[String],
-    axes: &[usize],
-    unit: LengthUnit,
-    (file, line): (&Path, u64),
-) -> Result<Vector3<f64>, InputError> {
-    let mut point = Vector3::zeros();
-    for (column, (cell, &axis)) in cells.iter().zip(axes).enumerate() {
-        let value = cell.parse::<f64>().ok().filter(|v| v.is_finite()).ok_or_else(|| InputError::Cell {
-            file: file.to_owned(),
-            line,
-            column: column + 1,
-            cell: cell.clone(),
-            remedy: "write plain numbers with a decimal point, separated by commas, as in 12.5,-3e-2",
-        })?;
-        point[axis] = unit.to_metres(value);
+/// Names of the columns that a file may have; the numbers of columns are indices of these.
+const COLUMNS: [&str; 10] = ["x", "y", "z", "i", "j", "k", "qx", "qy", "qz", "qw"];
+/// The first column of the axis of the tool, and of its orientation.
+const TOOL_AXIS: usize = 3;
+const QUATERNION: usize = 6;
+/// By how much the length of an axis or a quaternion may be off 1: what three decimals leave.
+const OFF_UNIT: f64 = 0.01;
+
+/// The numbers of a row, by column.
+struct Row([f64; 10]);
+
+impl Row {
+    /// The numbers of a line, whose cells belong to these columns.
+    fn of(cells: &[String], columns: &[usize], (file, line): (&Path, u64)) -> Result<Self, InputError> {
+        let mut row = [0.0; 10];
+        for (i, (cell, &column)) in cells.iter().zip(columns).enumerate() {
+            row[column] = cell.parse::<f64>().ok().filter(|v| v.is_finite()).ok_or_else(|| InputError::Cell {
+                file: file.to_owned(),
+                line,
+                column: i + 1,
+                cell: cell.clone(),
+                remedy: "write plain numbers with a decimal point, separated by commas, as in 12.5,-3e-2",
+            })?;
+        }
+        Ok(Self(row))
     }
-    Ok(point)
+
+    fn point(&self, unit: LengthUnit) -> Vector3<f64> {
+        Vector3::from_fn(|axis, _| unit.to_metres(self.0[axis]))
+    }
+
+    fn tool_axis(&self, place: (&Path, u64)) -> Result<Unit<Vector3<f64>>, InputError> {
+        let axis = Vector3::from_column_slice(&self.0[TOOL_AXIS..TOOL_AXIS + 3]);
+        let rule = "the axis of the tool has length 1";
+        not_unit(axis.norm(), ("i, j, k", rule), place).map_or_else(|| Ok(Unit::new_normalize(axis)), Err)
+    }
+
+    fn rotation(&self, place: (&Path, u64)) -> Result<UnitQuaternion<f64>, InputError> {
+        let [x, y, z, w] = [0, 1, 2, 3].map(|k| self.0[QUATERNION + k]);
+        let quaternion = Quaternion::new(w, x, y, z);
+        let rule = "a quaternion of an orientation has length 1";
+        not_unit(quaternion.norm(), ("qx, qy, qz, qw", rule), place)
+            .map_or_else(|| Ok(UnitQuaternion::from_quaternion(quaternion)), Err)
+    }
+}
+
+/// The error of a vector that is no unit vector.
+fn not_unit(length: f64, (key, rule): (&str, &'static str), (file, line): (&Path, u64)) -> Option<InputError> {
+    let error = || InputError::Value {
+        file: file.to_owned(),
+        line: usize::try_from(line).ok(),
+        key: key.to_owned(),
+        value: format!("a vector of length {length}"),
+        rule,
+        remedy: "divide the numbers by that, or correct them",
+    };
+    ((length - 1.0).abs() > OFF_UNIT || length.is_nan()).then(error)
 }
 
 /// The header of a CSV file.
 struct Header {
-    /// Axis of each column: 0 = x, 1 = y, 2 = z.
+    /// What each column holds, as an index of [`COLUMNS`].
     columns: Vec<usize>,
     unit: Option<LengthUnit>,
 }
@@ -131,9 +184,20 @@ impl Header {
             let wrong =
                 |rule| InputError::Column { file: file.to_owned(), line, column: i + 1, name: cell.clone(), rule };
             let name = cell.to_ascii_lowercase();
+            if let Some(column) = COLUMNS.iter().skip(TOOL_AXIS).position(|tool| *tool == name) {
+                if columns.contains(&(TOOL_AXIS + column)) {
+                    return Err(wrong("this part of the tool stands twice: remove one of the columns"));
+                }
+                columns.push(TOOL_AXIS + column);
+                continue;
+            }
             let (axis, rest) = match name.chars().next() {
                 Some(c @ 'x'..='z') => (c as usize - 'x' as usize, &name[1..]),
-                _ => return Err(wrong("a path has the columns x, y and optionally z: rename or remove this one")),
+                _ => {
+                    return Err(wrong(
+                        "a path has the columns x, y and optionally z, and i,j,k or qx,qy,qz,qw for the tool: rename or remove this one",
+                    ));
+                }
             };
             if columns.contains(&axis) {
                 return Err(wrong("this coordinate stands twice: remove one of the columns"));
@@ -148,13 +212,25 @@ impl Header {
                     unit: symbol.to_owned(),
                 })?),
             };
-            if i > 0 && here != unit {
+            if columns.iter().filter(|column| **column < TOOL_AXIS).count() > 1 && here != unit {
                 return Err(wrong("its unit differs from the one of the first column: use one unit for all columns"));
             }
             unit = here;
         }
         if !(columns.contains(&0) && columns.contains(&1)) {
             return Err(count_error(file, line, columns.len(), line, 2));
+        }
+        let given = |from: usize, to: usize| columns.iter().filter(|column| (from..to).contains(column)).count();
+        let (axis, quaternion) = (given(TOOL_AXIS, QUATERNION), given(QUATERNION, COLUMNS.len()));
+        if !matches!((axis, quaternion), (0 | 3, 0) | (0, 4)) {
+            return Err(InputError::Value {
+                file: file.to_owned(),
+                line: usize::try_from(line).ok(),
+                key: "the columns of the tool".to_owned(),
+                value: cells.join(","),
+                rule: "the tool is given by all of i,j,k, or by all of qx,qy,qz,qw",
+                remedy: "add the missing columns, or remove the others",
+            });
         }
         Ok(Self { columns, unit })
     }

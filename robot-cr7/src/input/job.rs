@@ -6,10 +6,11 @@
 use std::path::{Path, PathBuf};
 
 use arcfeed_interp::{Extent, FeedSection, Method};
+use arcfeed_kinematics::Posture;
 use nalgebra::{Isometry3, Unit, UnitQuaternion, Vector3};
 
 use super::error::{InputError, read_text, text_of};
-use super::job_file::{RawFeed, RawJob, RawMode, RawOrientation, RawPlan, RawSection, RawThrough, RawTorque};
+use super::job_file::{RawFeed, RawJob, RawMode, RawOrientation, RawPlan, RawSection, RawStart, RawThrough, RawTorque};
 use super::joint_values::{JointOverrides, JointValues};
 use super::toml_check::{Check, read_toml, rotation};
 use super::unit::LengthUnit;
@@ -98,6 +99,8 @@ pub struct Job {
     /// The arm starts in the configuration nearest to these joint values, in rad. Without them it starts in the one with most room along
     /// the path.
     pub start_near: Option<JointValues>,
+    /// The arm starts in a configuration of this posture.
+    pub start_posture: Option<Posture>,
     /// Workpiece frame (the frame of the path) in the base frame.
     pub workpiece: Isometry3<f64>,
     /// Tool tip in the flange frame.
@@ -133,6 +136,7 @@ impl Default for Job {
             polyline: false,
             bulge: None,
             start_near: None,
+            start_posture: None,
             smooth: None,
             blend: None,
             blend_angle: 0.05 / (180.0 / std::f64::consts::PI),
@@ -233,6 +237,7 @@ impl JobCheck<'_> {
                 .as_ref()
                 .map(|near| self.0.places("start.near_deg", near, std::f64::consts::PI / 180.0))
                 .transpose()?,
+            start_posture: self.posture(&raw.start)?,
             workpiece: self.0.frame("workpiece", &raw.workpiece, default.workpiece)?,
             tool: self.0.frame("tool", &raw.tool, default.tool)?,
             orientation: self.orientation(&raw.orientation)?,
@@ -374,6 +379,19 @@ impl JobCheck<'_> {
             }
         };
         Ok(FeedSection { extent, feed })
+    }
+
+    fn posture(&self, raw: &RawStart) -> Result<Option<Posture>, InputError> {
+        let Some(text) = &raw.configuration else { return Ok(None) };
+        if raw.near_deg.is_some() {
+            let rule = "the start is near given joints, or in a configuration by name";
+            return Err(self.0.wrong("start.configuration", format!("\"{text}\""), rule, "remove one of the two keys"));
+        }
+        text.parse().map(Some).map_err(|_| {
+            let rule = "a configuration is named by side, elbow and wrist";
+            let remedy = "write front or back, up or down, flip or no-flip, as in \"front up no-flip\"";
+            self.0.wrong("start.configuration", format!("\"{text}\""), rule, remedy)
+        })
     }
 
     fn torque(&self, raw: &RawTorque) -> Result<Option<TorqueJob>, InputError> {

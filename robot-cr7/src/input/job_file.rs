@@ -26,6 +26,7 @@ pub(crate) struct RawJob {
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct RawStart {
     pub near_deg: Option<JointValues>,
+    pub configuration: Option<String>,
 }
 
 #[derive(Debug, Clone, Default, Deserialize)]

@@ -15,14 +15,15 @@
 //! out (all 1); `units` must be given.
 //!
 //! A **CSV** file holds one point a row, `x,y` or `x,y,z`. Its header names columns and unit (`x_mm,y_mm`); without a
-//! unit there, the caller has to give one. Blank lines and lines that start with `#` are skipped.
+//! unit there, the caller has to give one. Further columns hold the tool: `i,j,k`, its axis from the tip to the holder, or
+//! `qx,qy,qz,qw`, its orientation. Blank lines and lines that start with `#` are skipped.
 //!
 //! A **G-code** file holds a program; see [`GcodeProgram`].
 
 use std::path::{Path, PathBuf};
 
 use arcfeed_geometry::{GeometryError, NurbsCurve};
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{Unit, UnitQuaternion, Vector2, Vector3};
 use serde::Deserialize;
 
 use super::error::{InputError, read_text, text_of};
@@ -46,9 +47,21 @@ pub enum PathGeometry {
         points: Vec<Vector3<f64>>,
         /// Line of each point in the file, from 1.
         lines: Vec<u64>,
+        /// The tool at each point, where the file has columns for it.
+        tools: Option<PointTools>,
     },
     /// A G-code program.
     Program(Box<GcodeProgram>),
+}
+
+/// The tool at each point of a file, in the workpiece frame.
+#[derive(Debug, Clone, PartialEq)]
+pub enum PointTools {
+    /// Its axis (columns i, j, k), from the tip of the tool to its holder, as in files of CAM programs: the z axis of the tool frame is
+    /// opposite. How the tool is turned about it is free.
+    Axes(Vec<Unit<Vector3<f64>>>),
+    /// Its orientation (columns qx, qy, qz, qw).
+    Rotations(Vec<UnitQuaternion<f64>>),
 }
 
 /// A path as read from a file.
@@ -125,7 +138,7 @@ impl PathFile {
                 key: "the program".to_owned(),
                 source,
             }),
-            PathGeometry::Points { points, lines } => fit(points).map_err(|source| {
+            PathGeometry::Points { points, lines, .. } => fit(points).map_err(|source| {
                 let line = match source {
                     GeometryError::PointNotFinite { index, .. } | GeometryError::DuplicatePoints { index, .. } => {
                         lines.get(index)

@@ -13,6 +13,7 @@ use super::limit_table::{ending, limit_table};
 use super::program_report::ProgramReport;
 use crate::run::limit_line::{LimitLine, worst};
 use crate::run::limit_lines::limit_lines;
+use crate::run::placed_path::PointFit;
 use crate::run::stream::StreamReport;
 use crate::run::task::Motion;
 use crate::text::{WIDTH, clip, duration, json, number};
@@ -68,6 +69,9 @@ pub struct Report {
     pub bound: Option<BoundReport>,
     /// The compiled motion, where one was asked for.
     pub compiled: Option<CompiledReport>,
+    /// How near the path is to the points of its file, where it is a smooth curve through such.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fit: Option<PointFit>,
     /// The lines of the path file along the motion, where it has such.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub program: Option<ProgramReport>,
@@ -117,6 +121,7 @@ impl<const N: usize> Motion<'_, N> {
             motion_per_computing: plan.duration() / (planning_time_s + verification_time_s + sampling_time_s),
             limits: self.limits(),
             bound: None,
+            fit: self.fit(),
             program: None,
             compiled: None,
             stream: self.stream().cloned(),
@@ -157,6 +162,16 @@ const STREAMED: &str = "per-segment, streamed";
 /// Lines that warnings and files may take, so that all of the report stays on one screen of 40 lines.
 const MOST_WARNINGS: usize = 3;
 const MOST_FILES: usize = 2;
+
+fn fit_words(fit: &PointFit) -> String {
+    format!(
+        "{}, at most {} um off the curve, which leaves the lines between them by {} mm at most (line {})",
+        fit.points,
+        number(fit.deviation_m * 1e6),
+        number(fit.bulge_m * 1e3),
+        fit.bulge_line
+    )
+}
 
 fn stream_words(stream: &StreamReport) -> String {
     format!(
@@ -227,6 +242,9 @@ impl Display for Report {
             number(self.motion_per_computing)
         )?;
         writeln!(f, "  {:<11}{}", "segments", clip(&segments, WIDTH - 13))?;
+        if let Some(fit) = &self.fit {
+            writeln!(f, "  {:<11}{}", "points", clip(&fit_words(fit), WIDTH - 13))?;
+        }
         if let Some(program) = &self.program {
             writeln!(f, "  {:<11}{}", "corners", clip(&program.line(), WIDTH - 13))?;
         }
@@ -240,6 +258,7 @@ impl Display for Report {
             + usize::from(self.bound.is_some())
             + LINES * usize::from(compiled.is_some())
             + usize::from(self.stream.is_some())
+            + usize::from(self.fit.is_some())
             + usize::from(self.program.is_some());
         ending(
             f,
@@ -305,6 +324,7 @@ mod tests {
             motion_per_computing: 323.4,
             limits,
             bound: None,
+            fit: None,
             program: None,
             compiled: None,
             stream: None,
@@ -364,6 +384,13 @@ mod tests {
         for v in [&mut r.length_m, &mut r.duration_s, &mut r.motion_per_computing, &mut r.planning_time_s] {
             *v = f64::NEG_INFINITY;
         }
+        r.fit = Some(PointFit {
+            points: usize::MAX,
+            control_points: usize::MAX,
+            deviation_m: f64::NAN,
+            bulge_m: f64::MAX,
+            bulge_line: u64::MAX,
+        });
         // A stream has neither a compiled motion nor a bound.
         let streamed = Report { bound: None, compiled: None, stream, ..r.clone() };
         for text in [r.to_string(), streamed.to_string()] {

@@ -3,9 +3,11 @@
 use arcfeed_geometry::{ArcLengthCurve, Curve, Fit, GeometryError, NurbsCurve, OrientationPath, PosePath, Spacing};
 use arcfeed_interp::{FeedSection, LimitError, ToolLimits};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+use serde::Serialize;
 
 use super::error::Cr7Error;
 use super::outline::Outline;
+use super::point_tools::orientations;
 use super::programmed::Programmed;
 use crate::input::error::InputError;
 use crate::input::job::{Job, ToolOrientation};
@@ -29,6 +31,8 @@ pub(crate) struct PlacedPath {
     pub stops: Vec<f64>,
     /// Lines of the file along the path, where it has such.
     pub outline: Option<Outline>,
+    /// How near a smooth curve is to the points of the file.
+    pub fit: Option<PointFit>,
     pub warnings: Vec<String>,
 }
 
@@ -38,36 +42,55 @@ impl PlacedPath {
         let error = |source| curve_error(file, source);
         let programmed = match &file.geometry {
             PathGeometry::Program(program) => Some(Programmed::of_program(program, job)?),
-            PathGeometry::Points { points, lines } if job.polyline => {
+            PathGeometry::Points { points, lines, .. } if job.polyline => {
                 Some(Programmed::of_polyline(file, points, lines, job)?)
             }
             PathGeometry::Points { .. } | PathGeometry::Curve(_) => None,
         };
-        let curve = match &programmed {
-            Some(programmed) => programmed.path.to_curve().map_err(error)?,
+        let tools = match &file.geometry {
+            PathGeometry::Points { lines, tools: Some(tools), .. } => Some(orientations(file, tools, lines, job)?),
+            _ => None,
+        };
+        let SmoothCurve { curve, fit } = match &programmed {
+            Some(programmed) => SmoothCurve { curve: programmed.path.to_curve().map_err(error)?, fit: None },
             None => smooth_curve(file, job)?,
         };
         let curve = small_enough(file, curve.transformed(&job.workpiece).map_err(error)?)?;
         let curve = ArcLengthCurve::new(curve, ARC_LENGTH_TOLERANCE).map_err(error)?;
         let Some(programmed) = programmed else {
-            let orientation = orientation_of(job, &curve).map_err(error)?;
+            let orientation = match (&tools, &fit) {
+                (Some(tools), Some((_, parameters))) => {
+                    let key = |(u, tool): (&f64, &UnitQuaternion<f64>)| {
+                        (curve.arc_length_at(*u), job.workpiece.rotation * tool)
+                    };
+                    let keys: Vec<_> = parameters.iter().zip(tools).map(key).collect();
+                    OrientationPath::through(&keys).map_err(error)?
+                }
+                _ => orientation_of(job, &curve).map_err(error)?,
+            };
             let path = PosePath::new(curve, orientation);
             let (sections, stops) = (job.sections.clone(), Vec::new());
-            return Ok(Self { path, sections, stops, outline: None, warnings: Vec::new() });
+            let fit = fit.map(|(fit, _)| fit);
+            return Ok(Self { path, sections, stops, outline: None, fit, warnings: Vec::new() });
         };
-        let orientation = match &programmed.turns {
-            Some(turns) => {
-                let ToolOrientation::Constant(rotation) = job.orientation else {
-                    return Err(programmed.turns_twice().into());
-                };
-                let keys: Vec<_> = turns.iter().map(|turn| job.workpiece.rotation * turn * rotation).collect();
+        let turned = match (&programmed.turns, job.orientation) {
+            (None, _) => tools,
+            (Some(turns), ToolOrientation::Constant(rotation)) => {
+                Some(turns.iter().map(|turn| turn * rotation).collect())
+            }
+            (Some(_), _) => return Err(Programmed::turns_twice(&file.file).into()),
+        };
+        let orientation = match turned {
+            Some(turned) => {
+                let keys: Vec<_> = turned.iter().map(|tool| job.workpiece.rotation * tool).collect();
                 programmed.path.orientation(&curve, &keys, job.blend_angle).map_err(error)?
             }
             None => orientation_of(job, &curve).map_err(error)?,
         };
         let sections = programmed.sections(job);
         let (outline, stops) = (Some(programmed.outline(&curve)), programmed.stops(&curve));
-        Ok(Self { path: PosePath::new(curve, orientation), sections, stops, outline, warnings: programmed.warnings })
+        let path = PosePath::new(curve, orientation);
+        Ok(Self { path, sections, stops, outline, fit: None, warnings: programmed.warnings })
     }
 }
 
@@ -75,20 +98,52 @@ fn curve_error(file: &PathFile, source: GeometryError) -> Cr7Error {
     Cr7Error::Curve { file: file.file.display().to_string(), source }
 }
 
+/// A curve, and the parameters of the points that it was laid through.
+struct SmoothCurve {
+    curve: NurbsCurve<3>,
+    fit: Option<(PointFit, Vec<f64>)>,
+}
+
 /// The curve of a file, or the smooth one through its points, which may not bulge far beside the lines between them.
-fn smooth_curve(file: &PathFile, job: &Job) -> Result<NurbsCurve<3>, Cr7Error> {
+fn smooth_curve(file: &PathFile, job: &Job) -> Result<SmoothCurve, Cr7Error> {
     let mut fit = None;
     let curve = file.curve_with(|points| {
         let degree = FIT_DEGREE.min(points.len().saturating_sub(1));
         let found = NurbsCurve::approximate(points, degree, Spacing::default(), job.fit_tolerance)?;
         Ok(fit.insert(found).curve.clone())
     })?;
-    if let (Some(fit), PathGeometry::Points { points, lines }) = (fit, &file.geometry)
-        && let Some(bulge) = Bulge::worst(&fit, points, job.bulge)
-    {
-        return Err(bulge.error(file, lines).into());
+    let (Some(fit), PathGeometry::Points { points, lines, .. }) = (fit, &file.geometry) else {
+        return Ok(SmoothCurve { curve, fit: None });
+    };
+    let bulges: Vec<Bulge> = (0..points.len().saturating_sub(1)).map(|i| Bulge::after(i, &fit, points)).collect();
+    let over = |bulge: &Bulge| bulge.distance / job.bulge.unwrap_or(Bulge::PART * bulge.chord);
+    if let Some(worst) = bulges.iter().max_by(|a, b| over(a).total_cmp(&over(b))).filter(|bulge| over(bulge) > 1.0) {
+        return Err(worst.error(file, lines).into());
     }
-    Ok(curve)
+    let largest = bulges.iter().max_by(|a, b| a.distance.total_cmp(&b.distance));
+    let known = PointFit {
+        points: points.len(),
+        control_points: curve.control_points().len(),
+        deviation_m: fit.max_deviation,
+        bulge_m: largest.map_or(0.0, |bulge| bulge.distance),
+        bulge_line: largest.and_then(|bulge| lines.get(bulge.point).copied()).unwrap_or_default(),
+    };
+    Ok(SmoothCurve { curve, fit: Some((known, fit.parameters)) })
+}
+
+/// How near a smooth curve is to the points of a file, and to the lines between them.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct PointFit {
+    /// Number of points.
+    pub points: usize,
+    /// Number of control points of the curve.
+    pub control_points: usize,
+    /// Largest distance of a point from the curve, m.
+    pub deviation_m: f64,
+    /// Largest distance of the curve from the line between two neighbouring points, m.
+    pub bulge_m: f64,
+    /// Line in the file of the first of these two points.
+    pub bulge_line: u64,
 }
 
 /// Where a curve through points is beside the line from one point to the next.
@@ -108,22 +163,17 @@ impl Bulge {
     /// A smooth curve through points of a circle bulges by this part of their distance where there are four of them.
     const PART: f64 = 0.25;
 
-    /// The worst bulge over `limit` (m), or over a quarter of the distance of its points where there is no limit.
-    fn worst(fit: &Fit<3>, points: &[Vector3<f64>], limit: Option<f64>) -> Option<Self> {
-        let between = |i: usize| {
-            let (a, b) = (points[i], points[i + 1]);
-            let (from, to) = (fit.parameters[i], fit.parameters[i + 1]);
-            let chord = (b - a).norm();
-            let along = (b - a) / chord;
-            let distance = |k: i32| {
-                let off = fit.curve.point(from + (to - from) * f64::from(k) / f64::from(Self::LOOKS)) - a;
-                (off - along * off.dot(&along).clamp(0.0, chord)).norm()
-            };
-            Self { point: i, distance: (1..Self::LOOKS).map(distance).fold(0.0, f64::max), chord }
+    /// The bulge between the points `i` and `i + 1`.
+    fn after(i: usize, fit: &Fit<3>, points: &[Vector3<f64>]) -> Self {
+        let (a, b) = (points[i], points[i + 1]);
+        let (from, to) = (fit.parameters[i], fit.parameters[i + 1]);
+        let chord = (b - a).norm();
+        let along = (b - a) / chord;
+        let distance = |k: i32| {
+            let off = fit.curve.point(from + (to - from) * f64::from(k) / f64::from(Self::LOOKS)) - a;
+            (off - along * off.dot(&along).clamp(0.0, chord)).norm()
         };
-        let over = |bulge: &Self| bulge.distance / limit.unwrap_or(Self::PART * bulge.chord);
-        let worst = (0..points.len().saturating_sub(1)).map(between).max_by(|a, b| over(a).total_cmp(&over(b)));
-        worst.filter(|bulge| over(bulge) > 1.0)
+        Self { point: i, distance: (1..Self::LOOKS).map(distance).fold(0.0, f64::max), chord }
     }
 
     fn error(&self, file: &PathFile, lines: &[u64]) -> InputError {

@@ -1,6 +1,6 @@
 //! A program or a polyline as a path with blended corners and the feeds of its lines.
 
-use std::path::PathBuf;
+use std::path::Path;
 
 use arcfeed_geometry::{
     ArcLengthCurve, Blending, GeometryError, JoinedPath, JoinedPathBuilder, Joint, JointOutcome, PathPiece, PieceKind,
@@ -49,7 +49,6 @@ struct Mark {
 
 /// A path from lines of a file, with blends in place of its corners.
 pub(crate) struct Programmed {
-    file: PathBuf,
     steps: Vec<Step>,
     pub path: JoinedPath,
     joints: Vec<(Joint, JointOutcome)>,
@@ -90,7 +89,6 @@ impl Programmed {
         }
         let blended = blend(&programmed, &steps).map_err(|source| curve_error(&program.file, source))?;
         Ok(Self {
-            file: program.file.clone(),
             steps,
             path: blended.path,
             joints: blended.joints,
@@ -115,9 +113,8 @@ impl Programmed {
         }
         let blended = blend(&path.build().map_err(error)?, &steps).map_err(error)?;
         let (path, joints) = (blended.path, blended.joints);
-        let file = file.file.clone();
         let (marks, warnings, smoothed) = (Vec::new(), Vec::new(), Smoothed::default());
-        Ok(Self { file, steps, path, joints, turns: None, marks, smoothed, warnings })
+        Ok(Self { steps, path, joints, turns: None, marks, smoothed, warnings })
     }
 
     /// The feeds along the path: those of the program, else those of the job.
@@ -180,14 +177,14 @@ impl Programmed {
         ends.map(|(_, piece)| curve.arc_length_at(piece.end)).collect()
     }
 
-    /// That both the job and the program turn the tool.
-    pub fn turns_twice(&self) -> InputError {
+    /// That both the job and the file turn the tool.
+    pub fn turns_twice(file: &Path) -> InputError {
         InputError::Value {
-            file: self.file.clone(),
+            file: file.to_owned(),
             line: None,
             key: "the orientation of the job".to_owned(),
             value: "one that changes along the path".to_owned(),
-            rule: "a program with rotary axes (A, B, C) turns the tool itself",
+            rule: "a file with rotary axes (A, B, C) or with columns of the tool turns the tool itself",
             remedy: "set orientation.mode = \"constant\"",
         }
     }
@@ -206,7 +203,7 @@ fn blend(path: &JoinedPath, steps: &[Step]) -> Result<arcfeed_geometry::BlendedP
     path.blended_by(|joint| Blending::within(step_of(steps, joint.sources[0]).map_or(0.0, |step| step.tolerance)))
 }
 
-fn curve_error(file: &std::path::Path, source: GeometryError) -> Cr7Error {
+fn curve_error(file: &Path, source: GeometryError) -> Cr7Error {
     Cr7Error::Curve { file: file.display().to_string(), source }
 }
 

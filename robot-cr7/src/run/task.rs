@@ -15,7 +15,7 @@ use nalgebra::Vector3;
 use super::cr7::Cr7;
 use super::error::Cr7Error;
 use super::outline::Outline;
-use super::placed_path::{PlacedPath, tool_of};
+use super::placed_path::{PlacedPath, PointFit, tool_of};
 use super::robot::{Drives, Robot};
 use super::stream::StreamReport;
 use crate::input::job::Job;
@@ -32,6 +32,7 @@ pub struct Motion<'t, const N: usize = 6> {
     preparation: Duration,
     stream: Option<StreamReport>,
     outline: Option<&'t Outline>,
+    fit: Option<PointFit>,
     warnings: Vec<String>,
 }
 
@@ -61,6 +62,7 @@ pub struct Task<A = ParallelAxisArm, const N: usize = 6> {
     sections: Vec<FeedSection>,
     stops: Vec<f64>,
     outline: Option<Outline>,
+    fit: Option<PointFit>,
     end_speeds: [f64; 2],
     chord_tolerance: f64,
     period: f64,
@@ -95,9 +97,10 @@ impl<A: PathArm<6> + AnalyticInverse<6>> Task<A> {
         let near = job.start_near.as_ref().map(|near| near.of::<6>()).transpose();
         let near = near.map_err(|given| Cr7Error::JointCount { key: "start.near_deg", given, joints: 6 })?;
         Self::new(job, file, limits, drives, |path| {
-            let start = match near {
-                Some(near) => ToolPath::starting_near(&arm, path.clone(), &Joints::from(near))?.start(),
-                None => ToolPath::new(&arm, path.clone(), limits.range())?.start(),
+            let start = match (near, job.start_posture) {
+                (Some(near), _) => ToolPath::starting_near(&arm, path.clone(), &Joints::from(near))?.start(),
+                (None, Some(posture)) => ToolPath::in_posture(&arm, path.clone(), limits.range(), posture)?.start(),
+                (None, None) => ToolPath::new(&arm, path.clone(), limits.range())?.start(),
             };
             Ok((arm, start))
         })
@@ -118,12 +121,13 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
     ) -> Result<Self, Cr7Error> {
         let begin = Instant::now();
         let shown = file.file.display().to_string();
-        let PlacedPath { path, sections, stops, outline, warnings: of_path } = PlacedPath::new(job, file)?;
+        let PlacedPath { path, sections, stops, outline, fit, warnings: of_path } = PlacedPath::new(job, file)?;
         let tool = tool_of(job).map_err(|source| plan_error(&shown, source.into()))?;
         let (arm, start) = arm_for(&path).map_err(|source| match plan_error(&shown, source.into()) {
             Cr7Error::Plan { file, source, hint } => {
                 let line = outline.as_ref().map(|outline| line_words(outline, &source));
-                Cr7Error::Plan { file, source, hint: hint + &line.unwrap_or_default() }
+                let reach = reach_hint(&path, &source);
+                Cr7Error::Plan { file, source, hint: hint + &reach + &line.unwrap_or_default() }
             }
             other => other,
         })?;
@@ -142,6 +146,7 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
             sections,
             stops,
             outline,
+            fit,
             end_speeds: job.feed.end_speeds,
             chord_tolerance: job.chord_tolerance,
             period: job.period,
@@ -224,7 +229,8 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
         match plan_error(&self.file, source) {
             Cr7Error::Plan { file, source, hint } => {
                 let line = self.outline.as_ref().map(|outline| line_words(outline, &source));
-                Cr7Error::Plan { file, source, hint: hint + &line.unwrap_or_default() + &slow }
+                let reach = reach_hint(&self.path, &source);
+                Cr7Error::Plan { file, source, hint: hint + &reach + &line.unwrap_or_default() + &slow }
             }
             other => other,
         }
@@ -285,7 +291,8 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
             warnings.push(format!("the path has {corners} corners, where the tool stops"));
         }
         let outline = self.outline.as_ref();
-        Motion { name: &self.name, trajectory, preparation: self.preparation, stream: None, outline, warnings }
+        let (preparation, fit) = (self.preparation, self.fit);
+        Motion { name: &self.name, trajectory, preparation, stream: None, outline, fit, warnings }
     }
 }
 
@@ -316,7 +323,8 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
         let stream = Some(StreamReport { look_ahead, gap_s: gap, whole_duration_s, held_back_m, waits_m_s });
         let warnings = self.warnings.clone();
         let outline = self.outline.as_ref();
-        Ok(Motion { name: &self.name, trajectory, preparation: self.preparation, stream, outline, warnings })
+        let (preparation, fit) = (self.preparation, self.fit);
+        Ok(Motion { name: &self.name, trajectory, preparation, stream, outline, fit, warnings })
     }
 }
 
@@ -331,6 +339,36 @@ pub(crate) fn live_error(file: &str, error: LiveError) -> Cr7Error {
 pub(crate) fn plan_error(file: &str, source: PlanError) -> Cr7Error {
     let hint = unit_hint(&source);
     Cr7Error::Plan { file: file.to_owned(), source: Box::new(source), hint }
+}
+
+/// Where the tool is and how it points at a place that the arm cannot reach, with the keys that move it.
+fn reach_hint(path: &PosePath, error: &PlanError) -> String {
+    fn out_of_reach(error: &PathError) -> bool {
+        match error {
+            PathError::Arm { source, .. } => {
+                matches!(
+                    source,
+                    KinematicsError::Unreachable { distance, .. } if *distance <= FAR_OUT
+                ) || matches!(source, KinematicsError::OutsideLimits { .. })
+            }
+            PathError::JointRange { .. } => true,
+            PathError::NoConfiguration { best, .. } => out_of_reach(best),
+            _ => false,
+        }
+    }
+    match (error, place_of(error)) {
+        (PlanError::Path(source), Some(s)) if out_of_reach(source) => {
+            let pose = path.jet(s).pose;
+            let at = pose.translation.vector * 1e3;
+            let z = pose.rotation * Vector3::z();
+            format!(
+                "; the tool is at ({:.1}, {:.1}, {:.1}) mm there and points along ({:.3}, {:.3}, {:.3}), both in the base frame: move \
+                 [workpiece] (`cr7 place` finds frames in reach) or turn [orientation]",
+                at.x, at.y, at.z, z.x, z.y, z.z
+            )
+        }
+        _ => String::new(),
+    }
 }
 
 /// The line of the file at which a plan fails, to follow its message.
@@ -393,6 +431,11 @@ impl<'t, const N: usize> Motion<'t, N> {
     /// The lines of the file along the path, where it has such.
     pub fn outline(&self) -> Option<&Outline> {
         self.outline
+    }
+
+    /// How near the path is to the points of its file, where it is a smooth curve through such.
+    pub fn fit(&self) -> Option<PointFit> {
+        self.fit
     }
 
     /// Warnings about the motion.

@@ -245,7 +245,7 @@ fn never_panics(bytes: &[u8]) -> Result<(), TestCaseError> {
     for file in ["x.json", "x.csv"] {
         for unit in [None, Some(LengthUnit::Inch)] {
             match PathFile::from_bytes(bytes, Path::new(file), unit) {
-                Ok(PathFile { geometry: PathGeometry::Points { points, lines }, .. }) => {
+                Ok(PathFile { geometry: PathGeometry::Points { points, lines, .. }, .. }) => {
                     prop_assert!(points.len() == lines.len() && points.iter().all(|p| p.iter().all(|v| v.is_finite())));
                 }
                 Ok(_) => {}

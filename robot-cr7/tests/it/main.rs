@@ -6,6 +6,7 @@ mod bad_path_files;
 mod command_line;
 mod common;
 mod compare;
+mod csv_tools;
 mod dense_gcode;
 mod gcode_hostile;
 mod gcode_plan;
@@ -24,6 +25,8 @@ mod papers;
 #[cfg(feature = "plot")]
 mod pictures;
 mod pinned;
+#[cfg(feature = "cli")]
+mod place;
 #[cfg(feature = "cli")]
 mod random_jobs;
 #[cfg(feature = "cli")]

@@ -2,7 +2,7 @@
 
 use super::{angle_difference, pose_distance};
 use arcfeed_kinematics::{
-    AnalyticInverse, BranchTracker, ClosedForm, ClosedFormArm, ForwardKinematics, InverseKinematics, Joints,
+    AnalyticInverse, BranchTracker, ClosedForm, ClosedFormArm, ForwardKinematics, InverseKinematics, Joints, Solutions,
     smallest_singular_value,
 };
 use nalgebra::{Isometry3, Vector3};
@@ -54,15 +54,26 @@ pub fn solutions_reproduce_the_pose(
     Ok(solutions.len())
 }
 
-/// Wherever `q` is, the nearest solution and all others have its pose.
-pub fn nothing_is_lost_at(arm: &ClosedFormArm<impl ClosedForm>, q: &Joints<6>) -> Result<(), TestCaseError> {
+/// The pose at `q` and all its solutions, which have it as exactly as is documented for a singular wrist.
+pub fn solutions_at(
+    arm: &ClosedFormArm<impl ClosedForm>,
+    q: &Joints<6>,
+) -> Result<(Isometry3<f64>, Solutions<6>), TestCaseError> {
     let target = arm.forward(q);
-    let found = arm.inverse(&target, q).map_err(|error| TestCaseError::fail(error.to_string()))?;
     let all = arm.inverse_all(&target).unwrap();
-    for solution in all.iter().chain([&found]) {
+    for solution in &all {
         let distance = pose_distance(&arm.forward(solution), &target);
         prop_assert!(distance < WRIST_SINGULAR, "{distance:e} at {solution}");
     }
+    Ok((target, all))
+}
+
+/// Wherever `q` is, the nearest solution and all others have its pose.
+pub fn nothing_is_lost_at(arm: &ClosedFormArm<impl ClosedForm>, q: &Joints<6>) -> Result<(), TestCaseError> {
+    let (target, _) = solutions_at(arm, q)?;
+    let found = arm.inverse(&target, q).map_err(|error| TestCaseError::fail(error.to_string()))?;
+    let distance = pose_distance(&arm.forward(&found), &target);
+    prop_assert!(distance < WRIST_SINGULAR, "{distance:e} at {found}");
     Ok(())
 }
 

@@ -45,6 +45,15 @@ pub fn chain<const N: usize>(name: &str) -> Chain<N> {
     Chain::new(joints.try_into().unwrap()).unwrap().with_flange(frame(&arm.flange)).unwrap()
 }
 
+/// A state of motion of an arm, by its number in the record.
+#[derive(Deserialize)]
+pub struct ArmState {
+    pub arm: String,
+    pub id: usize,
+    pub q: Vec<f64>,
+    pub qd: Vec<f64>,
+}
+
 /// The links of an arm of `arms/`, as published: not all of them can exist.
 pub fn inertials<const N: usize>(name: &str) -> [Inertial; N] {
     let arm: serde_json::Value = serde_json::from_str(&fixture(&format!("arms/{name}.json"))).unwrap();

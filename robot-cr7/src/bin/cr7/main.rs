@@ -6,6 +6,7 @@ mod joint_move;
 mod joint_space;
 mod online;
 mod output;
+mod place;
 mod plan;
 mod pose;
 mod progress;
@@ -38,6 +39,7 @@ const EXAMPLES: &str = "Examples:
   cr7 plan --job job.toml --json        a job file; the report as JSON on stdout
   cr7 compare job.toml                  every planner on one job
   cr7 inspect part.csv --unit mm        length, curvature and segments of a path
+  cr7 place part.ngc --z-mm 0 --turn    where the workpiece can stand
   cr7 fk --deg 0 -30 90 30 -90 0        where the tool stands
   cr7 ik --xyz-mm 400 0 300 --rpy-deg 180 0 0
   cr7 move --from-deg 0 -30 90 30 -90 0 --to-deg 60 0 60 30 -90 45
@@ -57,6 +59,8 @@ enum Command {
     Compare(compare::Args),
     /// Look at a path: length, curvature, segments by each method, a picture
     Inspect(inspect::Args),
+    /// Where a workpiece can stand so that the whole path is in reach
+    Place(place::Args),
     /// Forward kinematics: where the tool stands at given joint angles
     Fk(pose::ForwardArgs),
     /// Inverse kinematics: all joint angles that reach a pose
@@ -130,6 +134,7 @@ fn main() -> ExitCode {
         Command::Plan(args) => plan::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Inspect(args) => inspect::run(&args),
+        Command::Place(args) => place::run(&args),
         Command::Fk(args) => pose::forward(&args),
         Command::Ik(args) => pose::inverse(&args),
         Command::Jacobian(args) => pose::jacobian(&args),

@@ -1,6 +1,6 @@
 //! `cr7 fk`, `ik`, `jacobian` and `torque`: one configuration of an arm.
 
-use arcfeed_kinematics::Dexterity;
+use arcfeed_kinematics::{AnalyticInverse, Dexterity, Joints};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use robot_cr7::Robot;
 
@@ -133,6 +133,7 @@ pub fn forward(args: &ForwardArgs) -> Result<(), Failure> {
             "position_m": [p.x, p.y, p.z],
             "quaternion_xyzw": xyzw,
             "inside_limits": inside,
+            "configuration": posture(&robot, &q),
             "smallest_singular_value": at.sigma_min,
             "manipulability": at.manipulability,
         });
@@ -143,11 +144,20 @@ pub fn forward(args: &ForwardArgs) -> Result<(), Failure> {
     say!("  position     {:.4} {:.4} {:.4} mm", p.x * 1e3, p.y * 1e3, p.z * 1e3);
     say!("  rpy          {:.4} {:.4} {:.4} deg", roll.to_degrees(), pitch.to_degrees(), yaw.to_degrees());
     say!("  quaternion   {:.9} {:.9} {:.9} {:.9} (x y z w)", xyzw[0], xyzw[1], xyzw[2], xyzw[3]);
+    if let Some(name) = posture(&robot, &q) {
+        say!("  configuration {name}");
+    }
     print_dexterity(&at);
     if !inside {
         say!("  these joint angles are outside the joint ranges of the arm");
     }
     Ok(())
+}
+
+/// The name of the solution that these joint values are, for arms whose solutions have names.
+fn posture(robot: &Robot, q: &[f64]) -> Option<String> {
+    let arm = robot.any().get::<6>()?;
+    arm.posture(&Joints::from_column_slice(q)).map(|posture| posture.to_string())
 }
 
 fn inside(robot: &Robot, q: &[f64]) -> bool {
@@ -217,8 +227,9 @@ pub fn inverse(args: &InverseArgs) -> Result<(), Failure> {
     );
     let row = |q: &[f64]| q.iter().map(|a| format!("{:>10.4}", a.to_degrees())).collect::<String>();
     for q in &solutions {
+        let name = posture(&robot, q).map(|name| format!("   {name}")).unwrap_or_default();
         let note = if inside(&robot, q) { "" } else { "   outside the joint ranges" };
-        say!("{}{note}", row(q));
+        say!("{}{name}{note}", row(q));
     }
     if let Some(q) = nearest {
         say!("nearest to --near-deg, full turns included");

@@ -26,8 +26,9 @@ pub fn on_tool_path(args: &RobotArgs, job: &Job, file: &PathFile, command: impl 
             let arm = robot.arm::<6>(job.tool).map_err(Cr7Error::from)?;
             command.run(Task::of_six_joints(job, file, arm, &limits, robot.drives::<6>(job)?)?, assumed)
         }
-        7 if job.start_near.is_some() => Err(Failure::BadInput(format!(
-            "start.near_deg is for arms of six joints, and {} has seven: remove the key",
+        7 if job.start_near.is_some() || job.start_posture.is_some() => Err(Failure::BadInput(format!(
+            "{} is for arms of six joints, and {} has seven: remove the key",
+            if job.start_near.is_some() { "start.near_deg" } else { "start.configuration" },
             args.robot
         ))),
         7 => {
