@@ -5,7 +5,7 @@ use std::fmt;
 
 use arcfeed_geometry::PosePath;
 use arcfeed_kinematics::{
-    AnalyticInverse, ForwardKinematics, InverseKinematics, JointRange, Joints, Posture, smallest_singular_value,
+    AnalyticInverse, ForwardKinematics, InverseKinematics, JointRange, Joints, smallest_singular_value,
 };
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use serde::Serialize;
@@ -63,7 +63,7 @@ pub struct Placement {
     pub smallest_singular_value: f64,
     /// Least distance of a joint from the end of its range along the path, deg.
     pub range_left_deg: f64,
-    /// Largest of some distances up to 300 mm by which the frame can be moved along each axis either way, mm.
+    /// Largest of some distances up to 300 mm by which the frame can be moved along each axis either way, in the same configuration, mm.
     pub movable_mm: f64,
 }
 
@@ -258,11 +258,13 @@ where
         if quality.singular_value < LEAST_SINGULAR_VALUE {
             return None;
         }
+        let posture = self.arm.posture(&start);
         let stays = |by: f64| {
             let ways = [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| [axis * by, axis * -by]);
             ways.concat().iter().all(|way| {
                 let moved = Isometry3::from_parts(Translation3::from(at + way), frame.rotation);
-                self.best(&moved, &self.some, JUMPS[1]).is_some_and(|(q, _)| q.singular_value > LEAST_SINGULAR_VALUE)
+                let found = self.best_of(&moved, &self.some, JUMPS[1], |q| self.arm.posture(q) == posture);
+                found.is_some_and(|(quality, _)| quality.singular_value > LEAST_SINGULAR_VALUE)
             })
         };
         let movable = MOVES.into_iter().take_while(|by| stays(*by)).last().unwrap_or(0.0);
@@ -271,7 +273,7 @@ where
         Some(Placement {
             position_mm: (at * 1e3).map(tidy).into(),
             rotation_rpy_deg: [roll, pitch, yaw].map(|v| tidy(v.to_degrees())),
-            configuration: self.arm.posture(&start).map(|posture: Posture| posture.to_string()),
+            configuration: posture.map(|posture| posture.to_string()),
             smallest_singular_value: quality.singular_value,
             range_left_deg: quality.range_left.to_degrees(),
             movable_mm: movable * 1e3,
@@ -280,11 +282,22 @@ where
 
     /// The best of all configurations at the first pose, with its joints there.
     fn best(&self, frame: &Isometry3<f64>, poses: &[Isometry3<f64>], jump: f64) -> Option<(Quality, Joints<6>)> {
+        self.best_of(frame, poses, jump, |_| true)
+    }
+
+    /// The best of those configurations at the first pose that `keep` accepts.
+    fn best_of(
+        &self,
+        frame: &Isometry3<f64>,
+        poses: &[Isometry3<f64>],
+        jump: f64,
+        keep: impl Fn(&Joints<6>) -> bool,
+    ) -> Option<(Quality, Joints<6>)> {
         let first = frame * poses.first()?;
         let starts = self.arm.inverse_all(&first).ok()?;
         let middle = (self.range.lower() + self.range.upper()) / 2.0;
         let near_middle = |q: &Joints<6>| q.zip_map(&middle, |q, m| q + ((m - q) / TAU).round() * TAU);
-        let followed = starts.iter().filter_map(|q| {
+        let followed = starts.iter().filter(|q| keep(q)).filter_map(|q| {
             let start = near_middle(q);
             self.follow(frame, poses, &start, jump).map(|quality| (quality, start))
         });
@@ -340,13 +353,6 @@ fn neighbours(trial: &Trial, step: f64, search: &PlacementSearch) -> Vec<Trial> 
 impl fmt::Display for Placements {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}: {:.2} mm, {} frames of the workpiece looked at", self.path, self.length_mm, self.looked_at)?;
-        if self.frames.is_empty() {
-            return writeln!(
-                f,
-                "  in none of them the whole path is in reach: turn the tool ([orientation]), shorten the path, or leave more free \
-                 (--turn, no --z-mm)"
-            );
-        }
         writeln!(
             f,
             "\n     {:>26}  {:>22}   can be moved   joint range   smallest",
@@ -366,7 +372,7 @@ impl fmt::Display for Placements {
                 frame.smallest_singular_value
             )?;
         }
-        let best = &self.frames[0];
+        let Some(best) = self.frames.first() else { return Ok(()) };
         writeln!(f, "\nThe first one, for the job:\n\n[workpiece]")?;
         writeln!(f, "position_mm = {:?}", best.position_mm)?;
         writeln!(f, "rotation_rpy_deg = {:?}", best.rotation_rpy_deg)?;

@@ -8,6 +8,9 @@ use crate::input::error::InputError;
 use crate::input::job::{Job, ToolOrientation};
 use crate::input::path_file::{PathFile, PointTools};
 
+/// Cosine of the angle between two axes that are as good as opposite.
+const OPPOSITE: f64 = -1.0 + 1e-6;
+
 /// Orientations in the workpiece frame at the points of a file, each on a line of it.
 ///
 /// Where the file has the axis of the tool alone, the first orientation is that of the job, turned the shortest way onto the axis, and each
@@ -32,7 +35,8 @@ pub(crate) fn orientations(
     let mut all = Vec::with_capacity(axes.len());
     for (i, axis) in axes.iter().enumerate() {
         let (now, wanted) = (last * Vector3::z(), -axis.into_inner());
-        last = match UnitQuaternion::rotation_between(&now, &wanted) {
+        let shortest = UnitQuaternion::rotation_between(&now, &wanted).filter(|_| now.dot(&wanted) > OPPOSITE);
+        last = match shortest {
             Some(turn) => turn * last,
             // The opposite: at the start half a turn about the tool's own x axis.
             None if i == 0 => last * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI),

@@ -99,7 +99,7 @@ fn columns_that_do_not_say_where_the_tool_points_are_refused() {
     refused("x_mm,y_mm,i,j,k\n0,0,0,0,1\n10,0,0,0,0.9\n", &["tools.csv:3", "length 0.9", "length 1"]);
     refused("x_mm,y_mm,qx,qy,qz,qw\n0,0,1,0,0,0\n10,0,1,1,0,0\n", &["tools.csv:3", "quaternion"]);
     refused("x_mm,y_mm,i,j,k\n0,0,0,0,1\n10,0,0,0,-1\n20,0,0,0,1\n", &["tools.csv:3", "turn back", "add points"]);
-    refused("x_mm,y_mm,i,j,k\n0,0,0,0,1\n10,0,0,NaN,1\n", &["line 3", "column 4", "NaN"]);
+    refused("x_mm,y_mm,i,j,k\n0,0,0,0,1\n10,0,0,NaN,1\n", &["tools.csv:3", "column 4", "NaN"]);
     let slerp = job("[orientation]\nmode = \"slerp\"\nfrom_rpy_deg = [180, 0, 0]\nto_rpy_deg = [180, 0, 90]\n");
     let error = poses("x_mm,y_mm,i,j,k\n0,0,0,0,1\n10,0,0,0,1\n", &slerp).expect_err("turned twice");
     assert!(error.contains("orientation of the job") && error.contains("constant"), "{error}");

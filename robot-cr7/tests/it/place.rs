@@ -51,7 +51,7 @@ fn the_named_frames_are_planned_in_even_moved_as_far_as_is_said() {
 fn what_no_frame_reaches_and_arms_of_seven_joints_are_refused() {
     let desk = Desk::new("place_refused");
     desk.write("long.csv", "x_mm,y_mm\n0,0\n4000,0\n");
-    desk.run(&["place", "long.csv", "--turn"]).refused(1, &["long.csv", "no frame"]);
+    desk.run(&["place", "long.csv", "--turn"]).refused(1, &["long.csv", "in none of", "--turn"]);
     desk.write("square.csv", square());
     desk.run(&["place", "square.csv", "--robot", "panda"]).refused(1, &["six joints", "panda"]);
     desk.run(&["place", "square.csv", "--z-mm", "nan"]).refused(2, &["--z-mm"]);

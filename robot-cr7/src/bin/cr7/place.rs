@@ -65,9 +65,14 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let reach = arm.reach() + job.tool.translation.vector.norm();
     let found = Placements::search(&job, &file, (&arm, reach), arm.range(), &search, tell)?;
     drop(progress);
-    show(&found, args.json.then(|| found.to_json()));
     if found.frames.is_empty() {
-        return Err(Failure::Undoable(format!("{}: no frame of the workpiece is in reach", file.file.display())));
+        return Err(Failure::Undoable(format!(
+            "{}: in none of {} frames of the workpiece the whole path is in reach: turn the tool ([orientation]), shorten the path, or \
+             leave more free (--turn, no --z-mm)",
+            file.file.display(),
+            found.looked_at
+        )));
     }
+    show(&found, args.json.then(|| found.to_json()));
     Ok(())
 }
