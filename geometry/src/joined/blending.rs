@@ -289,7 +289,8 @@ impl JoinedPath {
         if !leads_on(&points) {
             return None;
         }
-        let deviation = deviation(&points, &rails) + rounding(&[&points[0], &points[5], &corner.point]);
+        let deviation =
+            deviation(&points.map(|p| homogeneous(&p)), &rails) + rounding(&[&points[0], &points[5], &corner.point]);
         Some(Blend { points, deviation, taken, replaced })
     }
 
@@ -333,7 +334,8 @@ impl JoinedPath {
                     Ok(blend) => {
                         let at = piece.programmed[2];
                         let programmed = [at - blend.replaced[0], at, at + blend.replaced[1]];
-                        let shape = PathPiece { kind: PieceKind::Blend, sources: joint.sources, ..piece.clone() };
+                        let (kind, sources, deviation) = (PieceKind::Blend, joint.sources, blend.deviation);
+                        let shape = PathPiece { kind, sources, deviation, ..piece.clone() };
                         push_piece(&mut spans, &mut pieces, &blend_spans(&blend.points), &shape, programmed);
                         JointOutcome::Blended {
                             deviation: blend.deviation,
