@@ -156,3 +156,19 @@ fn a_tolerance_below_rounding_is_refused() {
         assert!(joined(&curve, tolerance).is_err());
     }
 }
+
+/// A curve that stands still in its start, runs up to a tip at y = 0.108 and back, and goes on along x: a replacement
+/// along y = 0 would be near to it everywhere, and would leave the tip out.
+#[test]
+fn a_tip_beside_the_end_is_not_cut_off() {
+    // x = 24 (t^2 / 2 - 8 t^3 / 3 + 4 t^4), y = 100 t^3 (1/2 - t)^2, as Bernstein coefficients.
+    let powers = [[0.0; 2], [0.0; 2], [12.0, 0.0], [-64.0, 25.0], [96.0, -100.0], [0.0, 100.0]];
+    let choose = |n: usize, k: usize| (0..k).map(|i| (n - i) as f64 / (i + 1) as f64).product::<f64>();
+    let sum = |i: usize, axis: usize| (0..=i).map(|k| choose(i, k) / choose(5, k) * powers[k][axis]).sum::<f64>();
+    let points: Vec<Point> = (0..6).map(|i| vector![sum(i, 0), sum(i, 1), 0.0]).collect();
+    let curve = bezier(&points, vec![1.0; 6]);
+    assert!((curve.point(0.3).y - 0.108).abs() < 1e-12 && curve.point(0.5).y.abs() < 1e-9);
+    let path = joined(&curve, 0.07).unwrap();
+    let off = farthest(&curve, &path.to_curve().unwrap());
+    assert!(off <= path.pieces()[0].deviation && path.pieces()[0].deviation <= 0.07, "{off}");
+}
