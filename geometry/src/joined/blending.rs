@@ -123,8 +123,8 @@ impl JoinedPath {
     ///
     /// A blend has continuous tangent and curvature at both ends, and it is certain to stay within the tolerance of
     /// the two pieces it joins. Its shape depends on the angle, and on whether the tolerance or the pieces bound its
-    /// length, so that the motion over it takes nearly the least time. Where blends compete for a short piece, each takes what the other does not need, and half of it where
-    /// both want it.
+    /// length, so that the motion over it takes nearly the least time. Where blends compete for a short piece, each
+    /// takes what the other does not need, and half of it where both want it.
     ///
     /// ```
     /// use arcfeed_geometry::{ArcLengthCurve, Blending, JoinedPathBuilder, JointOutcome, nalgebra::vector};

@@ -147,8 +147,8 @@ fn hull_distance(points: &[Homogeneous], a: &Vector3<f64>, b: &Vector3<f64>) -> 
     points.iter().map(distance).fold(0.0, f64::max)
 }
 
-/// An upper bound on the distance of every point of a span, the blend, from the two stretches, at most a few hundredths above
-/// the largest distance where the points of the blend are near their feet.
+/// An upper bound on the distance of every point of a span, the blend, from the two stretches, at most a few hundredths
+/// above the largest distance where the points of the blend are near their feet.
 ///
 /// On each interval of the parameter the control points of the blend are within some distance of the chord between
 /// two points of a stretch, and with them the blend is, because the distance from a segment is convex. The stretch
