@@ -35,8 +35,9 @@ const NO_TURN: f64 = 1e-9;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Blending {
-    /// Largest distance from the programmed path, in the unit of the path; 0 keeps the joint as it is, for an exact
-    /// stop.
+    /// Largest distance of a point of the blend from the programmed path, in the unit of the path; 0 keeps the joint
+    /// as it is, for an exact stop. The corner may be farther from the blend: of two lines at the angle `a` by the
+    /// factor `1 / cos(a / 2)`, which is 1.4 at 90 degrees and 11.5 at 170.
     pub tolerance: f64,
     /// Largest length taken from each neighbour, in the unit of the path; infinite by default.
     pub radius: f64,
