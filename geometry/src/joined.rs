@@ -9,6 +9,7 @@ mod orientation;
 mod path;
 mod shape;
 mod spans;
+mod standing;
 
 pub use arcs::ArcTo;
 pub use blending::{BlendedPath, Blending, JointOutcome, KeptJoint};

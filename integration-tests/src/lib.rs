@@ -4,6 +4,8 @@
 #[doc = include_str!("../../README.md")]
 struct Readme;
 
+pub mod blend_corner;
+pub mod blended_polylines;
 pub mod cnc_curves;
 pub mod hybrid_scenario;
 pub mod tight_bends;

@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use super::arcs::{ArcTo, Turning, rounding};
 use super::path::{JoinedPath, PathPiece, PieceKind, SAME_DIRECTION, angle_between};
 use super::spans::{Spans, homogeneous, jet, length, standardise};
+use super::standing::{RegularSpan, regular_spans};
 use crate::bezier::{Homogeneous, restrict};
 use crate::chord::check_positive;
 use crate::error::GeometryError;
@@ -47,7 +48,8 @@ pub struct JoinedPathBuilder {
 
 impl JoinedPathBuilder {
     /// A path that starts at `start`. `tolerance` is how far the end of an arc may be off its circle, and the start
-    /// of a curve off the present end of the path, in the unit of the path.
+    /// of a curve off the present end of the path, in the unit of the path. It is the tolerance of
+    /// [`JoinedPathBuilder::curve`], too.
     ///
     /// # Errors
     /// Fails when a coordinate is not finite or the tolerance is not above 0.
@@ -72,7 +74,7 @@ impl JoinedPathBuilder {
         self.check_length(length, &end, source)?;
         let mut spans = Spans::default();
         spans.push(&[homogeneous(&self.position), homogeneous(&end)], length);
-        self.append(PieceKind::Line, &spans, source);
+        self.append(PieceKind::Line, &spans, source, 0.0);
         Ok(self.finish_call(end))
     }
 
@@ -86,7 +88,7 @@ impl JoinedPathBuilder {
         check_arc(to, source)?;
         let arc = Turning::arc(&self.position, to, self.tolerance, source)?;
         self.check_length(arc.length(), &to.end, source)?;
-        self.append(PieceKind::Arc, &arc.arc_spans(&self.position), source);
+        self.append(PieceKind::Arc, &arc.arc_spans(&self.position), source, 0.0);
         Ok(self.finish_call(to.end))
     }
 
@@ -105,16 +107,50 @@ impl JoinedPathBuilder {
         let helix = Turning::about(&self.position, to, self.tolerance, source)?;
         self.check_length(helix.length(), &to.end, source)?;
         let spans = helix.helix_spans(&self.position, tolerance)?;
-        self.append(PieceKind::Helix, &spans, source);
+        self.append(PieceKind::Helix, &spans, source, tolerance);
         Ok(self.finish_call(to.end))
     }
 
-    /// Appends a NURBS curve. It is moved as a whole onto the end of the path where it starts beside it within the
-    /// tolerance. Where its tangent or its curvature jumps inside, it becomes several pieces.
+    /// Appends a NURBS curve: [`JoinedPathBuilder::curve_within`] with the tolerance of the builder.
     ///
     /// # Errors
-    /// Fails when the curve starts farther away, has no length, or stands still at a knot.
+    /// As [`JoinedPathBuilder::curve_within`].
     pub fn curve(&mut self, curve: &NurbsCurve<3>, source: usize) -> Result<&mut Self, GeometryError> {
+        self.curve_within(curve, self.tolerance, source)
+    }
+
+    /// Appends a NURBS curve. It is moved as a whole onto the end of the path where it starts beside it within the
+    /// tolerance of the builder. Where its tangent or its curvature jumps inside, it becomes several pieces.
+    ///
+    /// A curve whose control points coincide at an end or at a knot stands still there, and its curvature has no
+    /// bound. A short stretch beside such a place is replaced by a polynomial of degree 5. No point of it is
+    /// farther than `tolerance` from the curve, in the unit of the path, and no point of the curve farther from it.
+    /// [`PathPiece::deviation`] states the bound.
+    ///
+    /// ```
+    /// use arcfeed_geometry::{JoinedPathBuilder, NurbsCurve, nalgebra::vector};
+    ///
+    /// // A cubic whose first two control points coincide.
+    /// let points = [[0.0, 0.0], [0.0, 0.0], [10.0, 0.0], [20.0, 10.0]].map(|[x, y]| vector![x, y, 0.0]);
+    /// let curve = NurbsCurve::bspline(3, points.to_vec(), [[0.0; 4], [1.0; 4]].concat())?;
+    /// let mut builder = JoinedPathBuilder::new(vector![0.0, 0.0, 0.0], 1e-6)?;
+    /// builder.curve_within(&curve, 0.01, 1)?;
+    /// let path = builder.build()?;
+    /// let deviation = path.pieces()[0].deviation;
+    /// assert!(deviation > 0.005 && deviation <= 0.01);
+    /// # Ok::<(), arcfeed_geometry::GeometryError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Fails when the curve starts farther away, has no length, stands still at a knot and no replacement is within
+    /// the tolerance, or the tolerance is not above 0.
+    pub fn curve_within(
+        &mut self,
+        curve: &NurbsCurve<3>,
+        tolerance: f64,
+        source: usize,
+    ) -> Result<&mut Self, GeometryError> {
+        check_positive("tolerance of the curve", tolerance)?;
         let curve = curve.clamped()?;
         let points = curve.control_points();
         let gap = self.position - points[0];
@@ -124,31 +160,18 @@ impl JoinedPathBuilder {
         }
         let end = points[points.len() - 1] + gap;
         check_source("end of the curve from input line", source, &end)?;
-        let mut parts = vec![Spans::default()];
+        let mut parts = vec![(Spans::default(), 0.0)];
         for bezier in curve.decompose() {
             let moved = |h: &Homogeneous| [h[0] + gap.x * h[3], h[1] + gap.y * h[3], h[2] + gap.z * h[3], h[3]];
             let mut span: Vec<Homogeneous> = bezier.homogeneous().iter().map(moved).collect();
             standardise(&mut span);
-            for (end, at) in [(0.0, bezier.interval().0), (1.0, bezier.interval().1)] {
-                let speed = jet(&span, end).d1.norm();
-                let mean = length(&span, 0.0, 1.0);
-                if speed.is_nan() || speed <= STANDING * mean {
-                    return Err(GeometryError::StandsStill { u: at, speed, mean });
-                }
-            }
-            let last = parts.len() - 1;
-            if parts[last].len() > 0 && jumps(&parts[last], &span) {
-                parts.push(Spans::default());
-            }
-            if let Some(part) = parts.last_mut() {
-                push_tame(part, &span, length(&span, 0.0, 1.0), MOST_HALVINGS);
-            }
+            append_span(&mut parts, span, bezier.interval(), tolerance)?;
         }
-        let whole: f64 = parts.iter().flat_map(|p| p.lengths()).sum();
+        let whole: f64 = parts.iter().flat_map(|(spans, _)| spans.lengths()).sum();
         self.check_length(whole, &end, source)?;
-        parts[0].set_end(false, &self.position);
-        for part in &parts {
-            self.append(PieceKind::Curve, part, source);
+        parts[0].0.set_end(false, &self.position);
+        for (part, deviation) in &parts {
+            self.append(PieceKind::Curve, part, source, *deviation);
         }
         Ok(self.finish_call(end))
     }
@@ -169,7 +192,7 @@ impl JoinedPathBuilder {
         if length > least { Ok(()) } else { Err(GeometryError::PieceTooShort { line, length, least }) }
     }
 
-    fn append(&mut self, kind: PieceKind, spans: &Spans, source: usize) {
+    fn append(&mut self, kind: PieceKind, spans: &Spans, source: usize, deviation: f64) {
         let first = self.spans.len();
         self.spans.append(spans);
         let before = self.pieces.last().map_or(0.0, |p| p.programmed[2]);
@@ -180,6 +203,7 @@ impl JoinedPathBuilder {
             start: 0.0,
             end: 0.0,
             length: 0.0,
+            deviation,
             spans: first..self.spans.len(),
             programmed: [before, 0.5 * (before + after), after],
         });
@@ -207,6 +231,40 @@ fn check_arc(to: &ArcTo, source: usize) -> Result<(), GeometryError> {
     check_source("centre of the arc from input line", source, &to.centre)?;
     let norm = to.normal.norm();
     if (norm - 1.0).abs() <= 1e-9 { Ok(()) } else { Err(GeometryError::ArcNormal { line: source, norm }) }
+}
+
+/// Appends a span of a curve to parts without jumps, each with its largest deviation. The span covers the parameters
+/// `interval` of the curve.
+fn append_span(
+    parts: &mut Vec<(Spans, f64)>,
+    span: Vec<Homogeneous>,
+    interval: (f64, f64),
+    tolerance: f64,
+) -> Result<(), GeometryError> {
+    let mean = length(&span, 0.0, 1.0);
+    let standing =
+        |t: f64, speed: f64| GeometryError::StandsStill { u: interval.0 + t * (interval.1 - interval.0), speed, mean };
+    let [first, last] = [0.0, 1.0].map(|t| jet(&span, t).d1.norm());
+    let still = if last < first { standing(1.0, last) } else { standing(0.0, first) };
+    let spans = regular_spans(span, tolerance).ok_or(still)?;
+    for RegularSpan { points, deviation } in spans {
+        let whole = length(&points, 0.0, 1.0);
+        for t in [0.0, 1.0] {
+            let speed = jet(&points, t).d1.norm();
+            if speed.is_nan() || speed <= STANDING * whole {
+                return Err(standing(t, speed));
+            }
+        }
+        let jump = parts.last().is_some_and(|(last, _)| last.len() > 0 && jumps(last, &points));
+        if jump {
+            parts.push((Spans::default(), 0.0));
+        }
+        if let Some((part, largest)) = parts.last_mut() {
+            push_tame(part, &points, whole, MOST_HALVINGS);
+            *largest = deviation.max(*largest);
+        }
+    }
+    Ok(())
 }
 
 /// True where the tangent or the curvature jumps from the last of some spans to the next one.

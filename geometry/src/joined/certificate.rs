@@ -4,7 +4,7 @@ use std::cell::Cell;
 
 use nalgebra::Vector3;
 
-use super::spans::{SpanJet, Spans, homogeneous, jet};
+use super::spans::{SpanJet, Spans, jet};
 use crate::bezier::{Homogeneous, restrict};
 
 /// The bound is refined until it is at most this part above a distance that is attained.
@@ -147,26 +147,25 @@ fn hull_distance(points: &[Homogeneous], a: &Vector3<f64>, b: &Vector3<f64>) -> 
     points.iter().map(distance).fold(0.0, f64::max)
 }
 
-/// An upper bound on the distance of every point of `blend` from the two stretches, at most a few hundredths above
-/// the largest distance where the points of the blend are near their feet.
+/// An upper bound on the distance of every point of a span, the blend, from the two stretches, at most a few hundredths
+/// above the largest distance where the points of the blend are near their feet.
 ///
 /// On each interval of the parameter the control points of the blend are within some distance of the chord between
 /// two points of a stretch, and with them the blend is, because the distance from a segment is convex. The stretch
 /// itself passes every point of its chord within the largest distance of its hull from the chord, because it leads
 /// continuously from one end to the other. The sum of both distances is a bound, and it falls with the square of
 /// the interval.
-pub(super) fn deviation(blend: &[Vector3<f64>; 6], rails: &[Rail; 2]) -> f64 {
-    let points = blend.map(|p| homogeneous(&p));
+pub(super) fn deviation(points: &[Homogeneous], rails: &[Rail; 2]) -> f64 {
     let whole = [rails[0].length(), rails[1].length()];
     let node = |t: f64, guess: [f64; 2]| {
-        let p = jet(&points, t).point;
+        let p = jet(points, t).point;
         Node { t, feet: [rails[0].nearest(&p, guess[0]), rails[1].nearest(&p, guess[1])] }
     };
     let attained = Cell::new(0.0f64);
     // The bound of an interval, and the nodes at its ends.
     let interval = |a: Node, b: Node| {
         attained.set(attained.get().max(a.distance()).max(b.distance()));
-        let mut part = points;
+        let mut part = points.to_vec();
         restrict(&mut part, a.t, b.t);
         let of = |side: usize| {
             let (p, q) = (&a.feet[side], &b.feet[side]);

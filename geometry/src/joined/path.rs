@@ -46,6 +46,9 @@ pub struct PathPiece {
     pub end: f64,
     /// Length of the piece, in the unit of the path.
     pub length: f64,
+    /// Upper bound on its distance, in the unit of the path: of a blend from the two pieces that it joins, of another
+    /// piece from the curve it stands for. 0 where nothing was replaced.
+    pub deviation: f64,
     pub(super) spans: Range<usize>,
     /// Arc length of the programmed path at the start, at the middle of a blend, and at the end.
     pub(super) programmed: [f64; 3],

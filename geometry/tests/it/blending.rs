@@ -92,7 +92,7 @@ fn a_short_segment_is_shared() {
     assert_eq!((taken(&both, 0), taken(&both, 1)), ([0.5, 0.5], [0.5, 0.5]));
     assert_eq!(both.path.pieces().len(), 4);
     // One wants less: the other takes the rest, but for a tenth where they would nearly meet.
-    let setting = |joint: &arcfeed_geometry::Joint| Blending::within(if joint.piece == 0 { 0.02 } else { 1.0 });
+    let setting = |joint: &arcfeed_geometry::Joint| Blending::within(if joint.piece == 0 { 0.01 } else { 1.0 });
     let one = joined(&zigzag(10.0)).blended_by(setting).unwrap();
     let small = taken(&one, 0)[1];
     assert!(small < 0.1 && (taken(&one, 1)[0] + small - 1.0).abs() < 1e-12);

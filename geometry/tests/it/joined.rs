@@ -138,7 +138,7 @@ fn bad_input_is_an_error_and_leaves_the_builder_as_it_was() {
     assert!(matches!(builder.curve(&away, 2), Err(GeometryError::CurveStart { line: 2, .. })));
     let still = vec![vector![20.0, 0.0, 0.0], vector![20.0, 0.0, 0.0], vector![30.0, 0.0, 0.0]];
     let still = NurbsCurve::bspline(2, still, vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0]).unwrap();
-    assert!(matches!(builder.curve(&still, 2), Err(GeometryError::StandsStill { .. })));
+    assert!(matches!(builder.curve_within(&still, 0.0, 2), Err(GeometryError::NotPositive { .. })));
     assert_eq!(start().build().unwrap_err(), GeometryError::EmptyPath);
     assert_eq!(builder.build().unwrap(), good);
     for (tolerance, radius) in [(f64::NAN, 1.0), (-1.0, 1.0), (f64::INFINITY, 1.0), (1.0, 0.0), (1.0, f64::NAN)] {

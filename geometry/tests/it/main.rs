@@ -17,6 +17,7 @@ mod orientation;
 mod pose_motion;
 mod pose_path;
 mod segmentation;
+mod standing;
 
 #[path = "common/close_knots.rs"]
 mod close_knots_cases;

@@ -3,6 +3,8 @@
 mod allocation;
 mod any_arm;
 mod any_smooth_curve;
+mod blend_shape;
+mod blended_polylines;
 mod cnc_curves;
 mod hybrid;
 #[cfg(feature = "oracle")]

@@ -87,6 +87,7 @@ impl Programmed {
                 moves[0].line
             ));
         }
+        warnings.extend(standing_curves(&programmed));
         let blended = blend(&programmed, &steps).map_err(|source| curve_error(&program.file, source))?;
         Ok(Self {
             steps,
@@ -324,6 +325,17 @@ fn steps(
         ));
     }
     steps
+}
+
+/// That curves are replaced where they stand still.
+fn standing_curves(path: &JoinedPath) -> Option<String> {
+    let replaced = || path.pieces().iter().filter(|piece| piece.kind == PieceKind::Curve && piece.deviation > 0.0);
+    let line = replaced().next()?.sources[0];
+    let most = replaced().map(|piece| piece.deviation).fold(0.0, f64::max);
+    let most = number(most * 1e6);
+    Some(format!(
+        "control points of curves coincide, first at line {line}, where the curvature has no bound: short stretches there are replaced within {most} um"
+    ))
 }
 
 /// What became of runs of short lines.

@@ -166,6 +166,28 @@ fn rotary_axes_turn_the_tool_in_step_with_the_way() {
     assert!(seen > 100);
 }
 
+/// Both curves stand still where they start. The first one is x = 60 t^2, y = 20 t^3, the second one a line.
+#[test]
+fn a_curve_whose_control_points_coincide_is_followed() {
+    let desk = Desk::new("gcode_standing");
+    let job = "[path]\nblend_mm = 0.1\n[tolerance]\nchord_mm = 0.01\n";
+    desk.write("p.ngc", "G21 F600 G0 X0 Y0 Z0\nG5.2 P1 L4\nX0 Y0 P1\nX20 Y0 P1\nX60 Y20 P1\nG5.3\n");
+    let report = planned(&desk, "p.ngc", job);
+    let mut farthest = 0.0f64;
+    for (t, p) in tool_points(&desk) {
+        // The slope is 1/2 at most, so that the distance is nearly that along y.
+        let off = (p.y - 20.0 * (p.x / 60.0).max(0.0).powf(1.5)).abs();
+        farthest = farthest.max(off);
+        assert!(off <= 1.12e-3, "{off} mm at {t} s");
+    }
+    assert!(farthest > 5e-4, "the tolerance is used: {farthest} mm");
+    assert!(report["warnings"].to_string().contains("coincide, first at line 2"), "{}", report["warnings"]);
+    desk.write("q.ngc", "G21 F600 G0 X0 Y0 Z0\nG5.2 P1 L3\nX0 Y0 P1\nX30 Y40 P1\nG5.3\n");
+    let report = planned(&desk, "q.ngc", job);
+    assert!((report["length_m"].as_f64().expect("a number") - 0.05).abs() < 1e-12);
+    assert!(!report["warnings"].to_string().contains("coincide"), "{}", report["warnings"]);
+}
+
 #[test]
 fn points_of_a_csv_file_are_a_polyline_where_asked_and_no_blob() {
     let desk = Desk::new("csv_square");

@@ -11,6 +11,8 @@ use crate::input::error::InputError;
 const GAP: f64 = 1e-7;
 /// A helix is kept within this, in metres.
 const HELIX: f64 = 1e-8;
+/// A curve is kept within this, in metres, where it stands still because control points coincide.
+const STANDING: f64 = 1e-6;
 
 impl GcodeProgram {
     /// The moves from the first one that is not rapid on: where the tool comes from is not part of the work. A program of rapid moves
@@ -91,7 +93,7 @@ fn append(path: &mut JoinedPathBuilder, step: &GcodeMove) -> Result<(), Geometry
             let normal = if *sweep < 0.0 { -*normal } else { *normal };
             path.helix(&ArcTo { centre: *centre, normal, end: *to, turns }, HELIX, source)?
         }
-        MoveShape::Curve(curve) => path.curve(curve, source)?,
+        MoveShape::Curve(curve) => path.curve_within(curve, STANDING, source)?,
     };
     Ok(())
 }
