@@ -9,6 +9,7 @@ pub(crate) mod joint_values;
 pub(crate) mod online_file;
 pub(crate) mod online_scenario;
 pub(crate) mod path_file;
+pub(crate) mod rapid_moves;
 pub(crate) mod sample_paths;
 pub(crate) mod scenario;
 pub(crate) mod schedule_file;

@@ -5,8 +5,10 @@ use arcfeed_interp::{FeedSection, LimitError, ToolLimits};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 use super::error::Cr7Error;
+use super::feed_notes::FeedNotes;
 use super::outline::Outline;
 use super::programmed::Programmed;
+use super::stretch::Stretch;
 use crate::input::error::InputError;
 use crate::input::job::{Job, ToolOrientation};
 use crate::input::path_file::{MOST_CONTROL_POINTS, PathFile, PathGeometry};
@@ -29,13 +31,15 @@ pub(crate) struct PlacedPath {
     pub stops: Vec<f64>,
     /// Lines of the file along the path, where it has such.
     pub outline: Option<Outline>,
-    pub warnings: Vec<String>,
+    /// The highest feed anywhere on it, m/s.
+    pub fastest: f64,
+    pub notes: FeedNotes,
+    warnings: Vec<String>,
 }
 
 impl PlacedPath {
     /// The path of a file where the job places it, with the orientation that the job asks for.
     pub fn new(job: &Job, file: &PathFile) -> Result<Self, Cr7Error> {
-        let error = |source| curve_error(file, source);
         let programmed = match &file.geometry {
             PathGeometry::Program(program) => Some(Programmed::of_program(program, job)?),
             PathGeometry::Points { points, lines } if job.polyline => {
@@ -43,6 +47,29 @@ impl PlacedPath {
             }
             PathGeometry::Points { .. } | PathGeometry::Curve(_) => None,
         };
+        Self::placed(job, file, programmed)
+    }
+
+    /// Moves of the program that `file` holds, where the job places them.
+    pub fn of_stretch(job: &Job, file: &PathFile, stretch: &Stretch<'_>) -> Result<Self, Cr7Error> {
+        Self::placed(job, file, Some(Programmed::of_stretch(stretch, job)?))
+    }
+
+    /// Turns the tool from one orientation in the base to another one, in step with the arc length.
+    pub fn turn(&mut self, from: UnitQuaternion<f64>, to: UnitQuaternion<f64>) -> Result<(), GeometryError> {
+        let curve = self.path.curve().clone();
+        let turn = OrientationPath::slerp(curve.length(), from, to)?;
+        self.path = PosePath::new(curve, turn);
+        Ok(())
+    }
+
+    /// What a person should know.
+    pub fn warnings(&self, job: &Job) -> Vec<String> {
+        self.notes.words(job).into_iter().chain(self.warnings.iter().cloned()).collect()
+    }
+
+    fn placed(job: &Job, file: &PathFile, programmed: Option<Programmed>) -> Result<Self, Cr7Error> {
+        let error = |source| curve_error(file, source);
         let curve = match &programmed {
             Some(programmed) => programmed.path.to_curve().map_err(error)?,
             None => smooth_curve(file, job)?,
@@ -52,8 +79,15 @@ impl PlacedPath {
         let Some(programmed) = programmed else {
             let orientation = orientation_of(job, &curve).map_err(error)?;
             let path = PosePath::new(curve, orientation);
-            let (sections, stops) = (job.sections.clone(), Vec::new());
-            return Ok(Self { path, sections, stops, outline: None, warnings: Vec::new() });
+            return Ok(Self {
+                path,
+                sections: job.sections.clone(),
+                stops: Vec::new(),
+                outline: None,
+                fastest: job.feed.feed,
+                notes: FeedNotes::default(),
+                warnings: Vec::new(),
+            });
         };
         let orientation = match &programmed.turns {
             Some(turns) => {
@@ -65,9 +99,15 @@ impl PlacedPath {
             }
             None => orientation_of(job, &curve).map_err(error)?,
         };
-        let sections = programmed.sections(job);
-        let (outline, stops) = (Some(programmed.outline(&curve)), programmed.stops(&curve));
-        Ok(Self { path: PosePath::new(curve, orientation), sections, stops, outline, warnings: programmed.warnings })
+        Ok(Self {
+            sections: programmed.sections(job),
+            stops: programmed.stops(&curve),
+            outline: Some(programmed.outline(&curve)),
+            fastest: programmed.highest_feed().map_or(job.feed.feed, |feed| feed.max(job.feed.feed)),
+            path: PosePath::new(curve, orientation),
+            notes: programmed.notes,
+            warnings: programmed.warnings,
+        })
     }
 }
 
@@ -160,11 +200,11 @@ fn small_enough(file: &PathFile, curve: NurbsCurve<3>) -> Result<NurbsCurve<3>, 
     }))
 }
 
-/// The limits of the tool in a job.
-pub(crate) fn tool_of(job: &Job) -> Result<ToolLimits, LimitError> {
+/// The limits of the tool in a job, on a path whose highest feed is `fastest` (m/s).
+pub(crate) fn tool_of(job: &Job, fastest: f64) -> Result<ToolLimits, LimitError> {
     let feed = &job.feed;
     let mut tool = ToolLimits::new()
-        .with_feed(feed.feed)?
+        .with_feed(fastest)?
         .with_tangential_acceleration(feed.tangential_acceleration)?
         .with_tangential_jerk(feed.tangential_jerk)?
         .with_normal_acceleration(feed.normal_acceleration)?;

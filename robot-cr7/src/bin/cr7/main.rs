@@ -7,6 +7,8 @@ mod joint_space;
 mod online;
 mod output;
 mod plan;
+mod plan_files;
+mod plan_program;
 mod pose;
 mod progress;
 mod reproduce;
