@@ -11,6 +11,8 @@ use super::task::Motion;
 
 /// Halvings of the interval in which a law is at a place.
 const HALVINGS: usize = 60;
+/// A place this near to the end, as a part of the length, is the end: where a motion comes to rest, the time of a place has few digits.
+const AT_END: f64 = 1e-12;
 
 /// A part of the motion of a program, from rest to rest unless it is at an end of the whole.
 #[derive(Debug, Clone)]
@@ -157,6 +159,9 @@ pub(crate) fn time_at(law: &SpeedLaw, s: f64) -> f64 {
 
 /// The same, with the knots of the law (time, place).
 pub(crate) fn time_among(law: &SpeedLaw, knots: &[(f64, f64)], s: f64) -> f64 {
+    if s >= law.end().p * (1.0 - AT_END) {
+        return law.duration();
+    }
     let after = knots.partition_point(|(_, place)| *place < s);
     let mut low = after.checked_sub(1).map_or(0.0, |i| knots[i].0);
     let mut high = knots.get(after).map_or(law.duration(), |knot| knot.0);

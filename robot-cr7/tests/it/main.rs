@@ -7,6 +7,8 @@ mod command_line;
 mod common;
 mod compare;
 mod dense_gcode;
+#[cfg(feature = "cli")]
+mod dwells;
 mod gcode_hostile;
 mod gcode_plan;
 mod gcode_refusals;
@@ -25,7 +27,11 @@ mod papers;
 mod pictures;
 mod pinned;
 #[cfg(feature = "cli")]
+mod program_case;
+#[cfg(feature = "cli")]
 mod random_jobs;
+#[cfg(feature = "cli")]
+mod rapid_moves;
 #[cfg(feature = "cli")]
 mod reproduce;
 #[cfg(feature = "cli")]
