@@ -28,7 +28,7 @@ pub use input::unit::LengthUnit;
 pub use output::bound_report::BoundReport;
 pub use output::compiled_report::{CertifiedRatio, CertifiedToolRatio, CompiledReport};
 pub use output::joint_report::JointReport;
-pub use output::part_report::PartReport;
+pub use output::part_report::{JointMoveReport, PartReport};
 #[cfg(feature = "plot")]
 pub use output::plot;
 pub use output::program_report::{LineTime, ProgramReport, StopLine, line_times};

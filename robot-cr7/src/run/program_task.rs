@@ -250,7 +250,8 @@ fn place(job: &Job, file: &PathFile, items: &[ProgramItem<'_>]) -> Result<Vec<Pl
         let mut before = 0.0;
         for path in &mut placed {
             let after = before + path.path.length();
-            let [a, b] = [before, after].map(|s| from.slerp(&to, (s / whole).min(1.0)));
+            let at = |s: f64| from.try_slerp(&to, (s / whole).min(1.0), 1e-9).unwrap_or(to);
+            let [a, b] = [before, after].map(at);
             path.turn(a, b).map_err(|source| Cr7Error::Curve { file: file.file.display().to_string(), source })?;
             before = after;
         }

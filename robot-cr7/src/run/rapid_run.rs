@@ -163,35 +163,47 @@ impl RapidRun {
 
     /// The tool along the lines of the joints, whose way-points are at `at`.
     fn look<const N: usize>(&self, arm: &dyn PathArm<N>, path: &JointLines<N>, at: &[f64]) -> Result<Seen, PlanError> {
-        let place = |pose: &Isometry3<f64>| pose.translation.vector;
-        let corners: Vec<Vector3<f64>> =
-            std::iter::once(place(&self.start)).chain(self.ends.iter().map(|end| place(&end.pose))).collect();
+        let corners = self.corners();
+        let tool = |s: f64| -> Result<Vector3<f64>, PlanError> {
+            Ok(arm.forward(&path.jet(s, &Joints::zeros())?.q).translation.vector)
+        };
         let mut nearest = vec![f64::INFINITY; self.ends.len()];
-        let mut leaves = Leaves { distance_m: 0.0, line: self.ends.first().map_or(0, |end| end.line) };
         let mut way = vec![(0.0, 0.0)];
-        let mut last = arm.forward(&path.start()).translation.vector;
-        for (i, end) in self.ends.iter().enumerate() {
+        let mut last = tool(0.0)?;
+        // Where the tool is farthest from its lines: distance, line, and the places before and after it.
+        let mut farthest = (0.0, 0, [0.0; 2]);
+        for i in 0..self.ends.len() {
             let (from, to) = (at[i], at[i + 1]);
             let mut places: Vec<f64> = (0..=LOOKS).map(|k| from + (to - from) * (k as f64 / LOOKS as f64)).collect();
             places.extend(path.knots().iter().copied().filter(|s| (from..=to).contains(s)));
             places.sort_by(f64::total_cmp);
-            for s in places {
-                let tool = arm.forward(&path.jet(s, &Joints::zeros())?.q).translation.vector;
-                // In a blend the tool is between two lines.
-                let beside = i.saturating_sub(1)..(i + 2).min(self.ends.len());
-                let off = beside.map(|k| off_line(&tool, [&corners[k], &corners[k + 1]])).fold(f64::INFINITY, f64::min);
-                if off > leaves.distance_m {
-                    leaves = Leaves { distance_m: off, line: end.line };
+            for (k, &s) in places.iter().enumerate() {
+                let point = tool(s)?;
+                let off = off_lines(&point, &corners, i);
+                if off > farthest.0 {
+                    farthest = (off, i, [places[k.saturating_sub(1)], places[(k + 1).min(places.len() - 1)]]);
                 }
                 for k in i.saturating_sub(1)..=i {
-                    nearest[k] = nearest[k].min((tool - corners[k + 1]).norm());
+                    nearest[k] = nearest[k].min((point - corners[k + 1]).norm());
                 }
                 let (_, travelled) = way[way.len() - 1];
-                way.push((s, travelled + (tool - last).norm()));
-                last = tool;
+                way.push((s, travelled + (point - last).norm()));
+                last = point;
             }
         }
+        let (mut distance_m, i, [from, to]) = farthest;
+        for k in 0..=LOOKS {
+            let point = tool(from + (to - from) * (k as f64 / LOOKS as f64))?;
+            distance_m = distance_m.max(off_lines(&point, &corners, i));
+        }
+        let leaves = Leaves { distance_m, line: self.ends.get(i).map_or(0, |end| end.line) };
         Ok(Seen { nearest, leaves, way })
+    }
+
+    /// The tool points between the lines of the program, m.
+    fn corners(&self) -> Vec<Vector3<f64>> {
+        let poses = std::iter::once(&self.start).chain(self.ends.iter().map(|end| &end.pose));
+        poses.map(|pose| pose.translation.vector).collect()
     }
 }
 
@@ -245,6 +257,13 @@ fn along_line<const N: usize>(
     }
     step(to, &mut near)?;
     Ok((near, jumps))
+}
+
+/// Distance of a point from line `i` of those between `corners`, or from the one before or after it: in a blend the tool is between
+/// two of them.
+fn off_lines(point: &Vector3<f64>, corners: &[Vector3<f64>], i: usize) -> f64 {
+    let beside = i.saturating_sub(1)..(i + 2).min(corners.len() - 1);
+    beside.map(|k| off_line(point, [&corners[k], &corners[k + 1]])).fold(f64::INFINITY, f64::min)
 }
 
 /// Distance of a point from the straight line between two others, m.

@@ -43,12 +43,14 @@ pub struct Script {
     pub rests: Vec<Rest>,
     /// Tolerance of blends, mm.
     pub blend: f64,
+    /// Distance within which joint moves pass the ends of their lines, mm.
+    pub ends: f64,
 }
 
 impl Script {
     /// A program that begins with a rapid move to a point (mm), blends within `blend` (mm) or goes exactly through its points.
     pub fn new(start: [f64; 3], blend: f64) -> Self {
-        let mut script = Self { blend, ..Self::default() };
+        let mut script = Self { blend, ends: 1.0, ..Self::default() };
         let mode = if blend > 0.0 { format!("G64 P{blend}") } else { "G61".to_owned() };
         script.say(&format!("G21 G90 {mode}"));
         script.at = start.into();
@@ -203,10 +205,8 @@ impl Planned {
     fn keeps_lines(&self, script: &Script, rapid: Option<f64>) {
         for line in &self.lines {
             let steps: Vec<&Step> = (line.lines[0]..=line.lines[1]).map(|line| script.step(line)).collect();
-            let Some(feed) = steps.iter().map(|s| s.feed.or(rapid)).fold(Some(f64::INFINITY), |a, b| Some(a?.min(b?)))
-            else {
-                continue;
-            };
+            let slowest = |least: f64, step: &&Step| Some(least.min(step.feed.or(rapid)?));
+            let Some(feed) = steps.iter().try_fold(f64::INFINITY, slowest) else { continue };
             let inside = |t: f64| t >= line.t[0] && t <= line.t[1];
             let places: Vec<usize> = (0..self.rows.len()).filter(|&i| inside(self.rows[i].t)).collect();
             for &i in &places {
@@ -277,6 +277,7 @@ impl Planned {
             let number = |key: &str| part[key].as_f64().expect("a number");
             let range = [0, 1].map(|i| part["lines"][i].as_u64().expect("a line") as usize);
             let stated = number("passes_ends_m") * 1e3;
+            assert!(stated <= script.ends * (1.0 + 1e-9), "{stated} mm from an end of {range:?}");
             let steps: Vec<&Step> = script
                 .steps
                 .iter()

@@ -74,8 +74,9 @@ fn rapid_moves_of_the_joints_pass_the_ends_and_are_faster() {
     assert!(joints.parts("joints")[0]["lift_m"].as_f64().is_some_and(|m| m.abs() < 1e-12));
     assert!(joints.report["warnings"].to_string().contains("where the lift is 0 mm"), "{}", joints.report["warnings"]);
     // Nearer ends take longer; G61 stops there.
-    let near = planned(&desk, &script, &format!("{JOINTS}rapid_blend_mm = 0.02\n"));
-    near.keeps(&script, None, 1e-3);
+    let close = Script { ends: 0.02, ..script };
+    let near = planned(&desk, &close, &format!("{JOINTS}rapid_blend_mm = 0.02\n"));
+    near.keeps(&close, None, 1e-3);
     assert!(near.duration() > joints.duration() + 0.1, "{} s, {} s", near.duration(), joints.duration());
     let exact = squares(4, 0.0);
     let stops = planned(&desk, &exact, JOINTS);
@@ -234,8 +235,9 @@ fn random_program(random: &mut Random) -> (Script, String, Option<f64>, f64) {
     let period = random.one_of(&[1e-3, 4e-3]);
     let sampling = format!("[sampling]\nperiod_ms = {}\n", period * 1e3);
     if random.chance(0.7) {
-        let ends = round(random.log(0.05, 10.0));
-        (script, format!("{JOINTS}rapid_blend_mm = {ends}\n{sampling}"), None, period)
+        script.ends = round(random.log(0.05, 10.0));
+        let job = format!("{JOINTS}rapid_blend_mm = {}\n{sampling}", script.ends);
+        (script, job, None, period)
     } else {
         let rapid = round(random.log(30.0, 800.0));
         (script, format!("[feed]\nrapid_mm_s = {rapid}\n{sampling}"), Some(rapid), period)
