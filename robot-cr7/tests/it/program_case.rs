@@ -283,15 +283,12 @@ impl Planned {
                 .iter()
                 .filter(|step| (range[0]..=range[1]).contains(&step.line) && step.feed.is_none())
                 .collect();
-            let mut farthest = 0.0f64;
+            let (mut farthest, mut passed) = (0.0f64, 0.0f64);
             for (k, step) in steps.iter().enumerate() {
                 let line = self.lines.iter().find(|line| line.lines == [step.line; 2]).expect("a row");
                 let missed = (self.at(line.t[1]) - step.to).norm();
-                assert!(
-                    missed <= 1.2 * stated + 5e-3,
-                    "{missed} mm from the end of line {}, stated {stated}",
-                    step.line
-                );
+                assert!(missed <= script.ends + 5e-3, "{missed} mm from the end of line {}", step.line);
+                passed = passed.max(self.nearest(&step.to, line, steps.get(k + 1)));
                 let beside = &steps[k.saturating_sub(1)..(k + 2).min(steps.len())];
                 for (row, point) in self.rows.iter().zip(&self.points) {
                     if row.t >= line.t[0] && row.t <= line.t[1] {
@@ -300,9 +297,23 @@ impl Planned {
                     }
                 }
             }
+            assert!(
+                (passed - stated).abs() < 0.05 * stated + 0.03,
+                "{passed} mm from an end of {range:?}, stated {stated}"
+            );
             let leaves = number("leaves_lines_m") * 1e3;
             assert!(farthest <= leaves + 2e-3, "{farthest} mm beside the lines {range:?}, stated {leaves}");
             assert!(farthest >= 0.9 * leaves - 0.05, "{farthest} mm beside the lines {range:?}, stated {leaves}");
         }
+    }
+
+    /// How near the tool comes to a point on a line or on the one after it, mm.
+    fn nearest(&self, point: &Vector3<f64>, line: &Line, next: Option<&&Step>) -> f64 {
+        let next = next.and_then(|step| self.lines.iter().find(|line| line.lines == [step.line; 2]));
+        let until = next.map_or(line.t[1], |line| line.t[1]);
+        let inside = |i: usize| self.rows[i + 1].t >= line.t[0] && self.rows[i].t <= until;
+        let piece = |i: usize| Step { line: 0, from: self.points[i], to: self.points[i + 1], feed: None };
+        let pieces = (0..self.rows.len() - 1).filter(|&i| inside(i)).map(piece);
+        pieces.filter(|piece| piece.from != piece.to).map(|piece| off(point, &piece)).fold(f64::INFINITY, f64::min)
     }
 }

@@ -74,7 +74,8 @@ fn rapid_moves_of_the_joints_pass_the_ends_and_are_faster() {
     assert!(joints.parts("joints")[0]["lift_m"].as_f64().is_some_and(|m| m.abs() < 1e-12));
     assert!(joints.report["warnings"].to_string().contains("where the lift is 0 mm"), "{}", joints.report["warnings"]);
     // Nearer ends take longer; G61 stops there.
-    let close = Script { ends: 0.02, ..script };
+    let mut close = script.clone();
+    close.ends = 0.02;
     let near = planned(&desk, &close, &format!("{JOINTS}rapid_blend_mm = 0.02\n"));
     near.keeps(&close, None, 1e-3);
     assert!(near.duration() > joints.duration() + 0.1, "{} s, {} s", near.duration(), joints.duration());
