@@ -3,7 +3,7 @@
 //! # From path to setpoints
 //! ```text
 //! MotionPath      s -> q, q', q'', q''' and, where there is one, the pose of the tool:
-//!   |             ToolPath, PoseMove, JointSpline, or a type of your own
+//!   |             ToolPath, PoseMove, JointSpline, JointLines, or a type of your own
 //! PathProblem     the path on a grid, every limit stated once: as a row, as a bound over an interval, as a cap for live motion
 //!   |
 //! FeedPlanner     any planner of the feedrate crate: rows in, SpeedLaw out; Method names those that Planner uses
@@ -32,7 +32,7 @@
 //!
 //! | folder | holds |
 //! |---|---|
-//! | `path` | [`MotionPath`] and its three kinds, the choice of a configuration, the walk by continuity |
+//! | `path` | [`MotionPath`] and its four kinds, the choice of a configuration, the walk by continuity |
 //! | `limits` | [`Limits`], [`ToolLimits`], [`TorqueLimits`], [`FeedSection`] |
 //! | `problem` | [`PathProblem`]: grid, bounds, torque |
 //! | `planner`, `method`, `trajectory` | [`Planner`], [`Method`], [`Trajectory`] |
@@ -78,7 +78,7 @@ pub use live::{
 };
 pub use method::Method;
 pub use nalgebra;
-pub use path::{JointJet, JointPath, JointSpline, LockedArm, MotionPath, PoseMove, ToolPath};
+pub use path::{JointJet, JointLines, JointPath, JointSpline, LockedArm, MotionPath, PoseMove, ToolPath};
 pub use place::{PathParameter, PathPlace};
 pub use planner::Planner;
 pub use problem::{PathProblem, RowsNeeded};

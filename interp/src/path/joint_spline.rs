@@ -4,11 +4,9 @@ use arcfeed_kinematics::{JointRange, Joints};
 
 use super::jet::JointJet;
 use super::motion_path::MotionPath;
+use super::way_points::distances;
 use crate::error::PathError;
 use crate::place::PathParameter;
-
-/// Way-points closer than this are the same, rad.
-const SAME: f64 = 1e-9;
 
 /// The natural cubic spline through joint way-points, twice continuously differentiable; the parameter runs by the straight distance
 /// from one to the next. Two way-points give a straight line.
@@ -37,27 +35,7 @@ impl<const N: usize> JointSpline<N> {
     /// [`PathError::TooFewWaypoints`] for fewer than two; [`PathError::Waypoint`] for one that is not finite or repeats the one
     /// before.
     pub fn through(points: &[Joints<N>]) -> Result<Self, PathError> {
-        if points.len() < 2 {
-            return Err(PathError::TooFewWaypoints { count: points.len() });
-        }
-        let mut knots = Vec::with_capacity(points.len());
-        knots.push(0.0);
-        for (index, point) in points.iter().enumerate() {
-            if let Some(joint) = (0..N).find(|&j| point[j].is_nan() || point[j].abs() >= 1e100) {
-                return Err(PathError::Waypoint {
-                    index,
-                    problem: format!("has {} for joint {}, which is no ordinary number", point[joint], joint + 1),
-                });
-            }
-            if index > 0 {
-                let distance = (point - points[index - 1]).norm();
-                if distance <= SAME {
-                    let problem = "repeats the one before: remove one of the two".to_owned();
-                    return Err(PathError::Waypoint { index, problem });
-                }
-                knots.push(knots[index - 1] + distance);
-            }
-        }
+        let knots = distances(points)?;
         let bends = natural(&knots, points);
         Ok(Self { knots, values: points.to_vec(), bends })
     }

@@ -4,14 +4,17 @@ mod configuration;
 mod follow;
 mod inverse;
 mod jet;
+mod joint_lines;
 mod joint_spline;
 mod locked;
 mod motion_path;
 mod pose_move;
 mod tool_path;
+mod way_points;
 
 pub use follow::JointPath;
 pub use jet::JointJet;
+pub use joint_lines::JointLines;
 pub use joint_spline::JointSpline;
 pub use locked::LockedArm;
 pub use motion_path::MotionPath;

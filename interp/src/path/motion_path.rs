@@ -10,8 +10,8 @@ use crate::place::{PathParameter, PathPlace};
 /// A path of the joints by one parameter `s`, from 0 to [`MotionPath::length`].
 ///
 /// [`ToolPath`](crate::ToolPath) follows a curve of the tool through the inverse kinematics, [`PoseMove`](crate::PoseMove) a motion
-/// between two poses, [`JointSpline`](crate::JointSpline) runs through joint way-points. A path of another kind is a type that
-/// implements this trait: four methods are enough.
+/// between two poses, [`JointSpline`](crate::JointSpline) and [`JointLines`](crate::JointLines) run through joint way-points. A path of
+/// another kind is a type that implements this trait: four methods are enough.
 pub trait MotionPath<const N: usize>: std::fmt::Debug + Send + Sync {
     /// The quantity that the parameter measures.
     fn parameter(&self) -> PathParameter;

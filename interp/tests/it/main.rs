@@ -6,6 +6,7 @@ mod common;
 mod compiled;
 mod excursions;
 mod joint_check;
+mod joint_lines;
 mod joint_path;
 mod limits;
 mod live_tool;

@@ -10,8 +10,11 @@ use arcfeed_kinematics::Posture;
 use nalgebra::{Isometry3, Unit, UnitQuaternion, Vector3};
 
 use super::error::{InputError, read_text, text_of};
-use super::job_file::{RawFeed, RawJob, RawMode, RawOrientation, RawPlan, RawSection, RawStart, RawThrough, RawTorque};
+use super::job_file::{
+    RawFeed, RawJob, RawMode, RawOrientation, RawPlan, RawRapid, RawSection, RawStart, RawThrough, RawTorque,
+};
 use super::joint_values::{JointOverrides, JointValues};
+use super::rapid_moves::{RapidKind, RapidMoves};
 use super::toml_check::{Check, read_toml, rotation};
 use super::unit::LengthUnit;
 
@@ -109,6 +112,8 @@ pub struct Job {
     pub orientation: ToolOrientation,
     /// Limits of the tool tip.
     pub feed: FeedLimits,
+    /// How the rapid moves of a program are made.
+    pub rapid: RapidMoves,
     /// Parts of the path with a feed of their own.
     pub sections: Vec<FeedSection>,
     /// Limits of the joints, where they differ from the model's.
@@ -152,6 +157,7 @@ impl Default for Job {
                 angular_speed: None,
                 end_speeds: [0.0; 2],
             },
+            rapid: RapidMoves::default(),
             sections: Vec::new(),
             joints: JointOverrides::default(),
             torque: None,
@@ -242,6 +248,7 @@ impl JobCheck<'_> {
             tool: self.0.frame("tool", &raw.tool, default.tool)?,
             orientation: self.orientation(&raw.orientation)?,
             feed,
+            rapid: self.rapid(&raw.feed, default.rapid)?,
             sections: raw.sections.iter().enumerate().map(|(i, raw)| self.section(i, raw)).collect::<Result<_, _>>()?,
             torque: self.torque(&raw.torque)?,
             joints: self.0.overrides("joints", &raw.joints)?,
@@ -296,6 +303,21 @@ impl JobCheck<'_> {
             )?,
             end_speeds: [self.speed("feed.start_mm_s", raw.start_mm_s)?, self.speed("feed.end_mm_s", raw.end_mm_s)?],
         })
+    }
+
+    /// How rapid moves are made.
+    fn rapid(&mut self, raw: &RawFeed, default: RapidMoves) -> Result<RapidMoves, InputError> {
+        let kind = match raw.rapid {
+            RawRapid::Line => RapidKind::Line,
+            RawRapid::Joints => RapidKind::Joints,
+        };
+        let speed = self.feed("feed.rapid_mm_s", raw.rapid_mm_s)?;
+        if let (RapidKind::Joints, Some(mm_s)) = (kind, raw.rapid_mm_s) {
+            let hint = "has no effect with feed.rapid = \"joints\": these moves keep the limits of the joints";
+            self.0.warn("feed.rapid_mm_s", mm_s, hint);
+        }
+        let blend = self.0.limit_or("feed.rapid_blend_mm", raw.rapid_blend_mm, 1e3, default.blend)?;
+        Ok(RapidMoves { kind, speed, blend })
     }
 
     /// A speed at an end of the path, m/s.

@@ -87,6 +87,17 @@ pub(crate) struct RawFeed {
     pub angular_speed_deg_s: Option<f64>,
     pub start_mm_s: Option<f64>,
     pub end_mm_s: Option<f64>,
+    pub rapid: RawRapid,
+    pub rapid_mm_s: Option<f64>,
+    pub rapid_blend_mm: Option<f64>,
+}
+
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum RawRapid {
+    #[default]
+    Line,
+    Joints,
 }
 
 #[derive(Debug, Clone, Default, Deserialize)]

@@ -31,6 +31,17 @@ impl BoundReport {
         }
     }
 
+    /// The bound of a motion of this duration (s) whose parts have these bounds, and `waits` (s) between them.
+    pub fn of_parts<'b>(duration: f64, waits: f64, parts: impl IntoIterator<Item = &'b LowerBound>) -> Self {
+        let mut whole = LowerBound { duration: waits, conditional: 0, intervals: 0 };
+        for part in parts {
+            whole.duration += part.duration;
+            whole.conditional += part.conditional;
+            whole.intervals += part.intervals;
+        }
+        Self::new(duration, &whole)
+    }
+
     /// The line of a report for a terminal.
     pub(crate) fn line(&self) -> String {
         let condition = match self.conditional_intervals {

@@ -1,6 +1,7 @@
 //! The compiled motion of a plan, as its report states it.
 
 use arcfeed_interp::{JointTrajectory, Quantity, ToolCertificate, Trajectory};
+use arcfeed_kinematics::JointLimits;
 use serde::Serialize;
 
 use crate::text::percent;
@@ -59,8 +60,6 @@ impl CompiledReport {
         compiled: &JointTrajectory<N>,
         tool: &ToolCertificate,
     ) -> Self {
-        let joints = plan.limits().joints();
-        let certificate = compiled.certify(joints.range(), &joints.into());
         let limits = plan.limits().tool();
         let of_tool = [
             (Quantity::Feed, limits.feed()),
@@ -72,24 +71,49 @@ impl CompiledReport {
             let bound = tool.of(quantity)?;
             Some(CertifiedToolRatio { name: quantity.to_string(), ratio: bound.bound / limit?, at_t_s: bound.t })
         });
-        let quantities =
-            [Quantity::JointPosition, Quantity::JointVelocity, Quantity::JointAcceleration, Quantity::JointJerk];
-        let certified = quantities.into_iter().filter_map(|quantity| {
-            let bounds = certificate.bounds().iter().filter(|bound| bound.id.quantity == quantity);
-            let worst = bounds.max_by(|a, b| a.ratio().total_cmp(&b.ratio()))?;
-            let joint = worst.id.joint.map_or(0, usize::from) + 1;
-            Some(CertifiedRatio { name: quantity.to_string(), joint, ratio: worst.ratio(), at_t_s: worst.t })
-        });
         let deviation = compiled.deviation();
         Self {
             tolerance_rad: tolerance,
             pieces: compiled.len(),
             deviation_bound_rad: deviation.map_or(f64::NAN, |deviation| deviation.bound),
             deviation_measured_rad: deviation.map_or(f64::NAN, |deviation| deviation.measured),
-            certified: certified.collect(),
+            certified: certified(compiled, plan.limits().joints()),
             certified_tool: certified_tool.collect(),
             tool_deviation_bound_m: tool.deviation().map_or(f64::NAN, |[distance, _]| distance),
         }
+    }
+
+    /// The report of `compiled`, the motion of all parts of a program, from those of its paths: each with its begin, s.
+    ///
+    /// Of the tool it says what it does on the paths.
+    pub(crate) fn of_parts<const N: usize>(
+        tolerance: f64,
+        compiled: &JointTrajectory<N>,
+        joints: &JointLimits<N>,
+        paths: impl Iterator<Item = (f64, Self)>,
+    ) -> Self {
+        let deviation = compiled.deviation();
+        let mut whole = Self {
+            tolerance_rad: tolerance,
+            pieces: compiled.len(),
+            deviation_bound_rad: deviation.map_or(f64::NAN, |deviation| deviation.bound),
+            deviation_measured_rad: deviation.map_or(f64::NAN, |deviation| deviation.measured),
+            certified: certified(compiled, joints),
+            certified_tool: Vec::new(),
+            tool_deviation_bound_m: 0.0,
+        };
+        for (begin, path) in paths {
+            whole.tool_deviation_bound_m = whole.tool_deviation_bound_m.max(path.tool_deviation_bound_m);
+            for line in path.certified_tool {
+                let line = CertifiedToolRatio { at_t_s: begin + line.at_t_s, ..line };
+                match whole.certified_tool.iter_mut().find(|other| other.name == line.name) {
+                    Some(other) if other.ratio >= line.ratio => {}
+                    Some(other) => *other = line,
+                    None => whole.certified_tool.push(line),
+                }
+            }
+        }
+        whole
     }
 
     /// The lines of a report for a terminal.
@@ -112,4 +136,18 @@ impl CompiledReport {
             format!("tool: {}", if tool.is_empty() { "no limit".to_owned() } else { tool.join(", ") }),
         ]
     }
+}
+
+/// Position, velocity, acceleration and jerk, each with the joint that uses most of its limit.
+fn certified<const N: usize>(compiled: &JointTrajectory<N>, joints: &JointLimits<N>) -> Vec<CertifiedRatio> {
+    let certificate = compiled.certify(joints.range(), &joints.into());
+    let quantities =
+        [Quantity::JointPosition, Quantity::JointVelocity, Quantity::JointAcceleration, Quantity::JointJerk];
+    let worst = |quantity: Quantity| {
+        let bounds = certificate.bounds().iter().filter(|bound| bound.id.quantity == quantity);
+        let worst = bounds.max_by(|a, b| a.ratio().total_cmp(&b.ratio()))?;
+        let joint = worst.id.joint.map_or(0, usize::from) + 1;
+        Some(CertifiedRatio { name: quantity.to_string(), joint, ratio: worst.ratio(), at_t_s: worst.t })
+    };
+    quantities.into_iter().filter_map(worst).collect()
 }

@@ -5,6 +5,8 @@ pub(crate) mod compiled_report;
 pub(crate) mod joint_report;
 pub(crate) mod limit_table;
 pub(crate) mod paper_figure;
+pub(crate) mod part_report;
+pub(crate) mod parts_report;
 #[cfg(feature = "plot")]
 pub mod plot;
 pub(crate) mod program_report;

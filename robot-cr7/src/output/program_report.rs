@@ -58,6 +58,34 @@ impl ProgramReport {
     /// The report of `outline` on a motion that is at the places `s` (m) at the times `t` (s).
     pub fn new(outline: &Outline, t: &[f64], s: &[f64]) -> Self {
         let markers = outline.markers.iter().cloned();
+        let markers = markers.map(|m| MarkerLine { t_s: Some(time_at(t, s, m.s_m)), ..m });
+        Self { markers: markers.collect(), ..Self::of_corners(outline) }
+    }
+
+    /// The report of several motions one after the other, with the codes between their lines.
+    pub(crate) fn joined<'o>(outlines: impl Iterator<Item = &'o Outline>, markers: Vec<MarkerLine>) -> Self {
+        let none = Self {
+            smoothed: Smoothed::default(),
+            blended: 0,
+            blend_deviation_m: 0.0,
+            stops: Vec::new(),
+            markers: Vec::new(),
+        };
+        let mut whole = outlines.map(Self::of_corners).fold(none, |mut whole, one| {
+            whole.smoothed.lines += one.smoothed.lines;
+            whole.smoothed.curves += one.smoothed.curves;
+            whole.smoothed.deviation_m = whole.smoothed.deviation_m.max(one.smoothed.deviation_m);
+            whole.blended += one.blended;
+            whole.blend_deviation_m = whole.blend_deviation_m.max(one.blend_deviation_m);
+            whole.stops.extend(one.stops);
+            whole
+        });
+        whole.markers = markers;
+        whole
+    }
+
+    /// What became of the corners.
+    fn of_corners(outline: &Outline) -> Self {
         let stop = |corner: &CornerLine| {
             let why = corner.blend.err()?;
             Some(StopLine { lines: corner.lines, angle_rad: corner.angle, why: reason(why) })
@@ -68,7 +96,7 @@ impl ProgramReport {
             blended: deviations().count(),
             blend_deviation_m: deviations().fold(0.0, f64::max),
             stops: outline.corners.iter().filter_map(stop).collect(),
-            markers: markers.map(|m| MarkerLine { t_s: Some(time_at(t, s, m.s_m)), ..m }).collect(),
+            markers: Vec::new(),
         }
     }
 
@@ -95,13 +123,18 @@ impl ProgramReport {
 
 /// The lines of a file with their times, in order.
 pub fn line_times(outline: &Outline, t: &[f64], s: &[f64]) -> Vec<LineTime> {
+    lines_from(outline, [0.0; 2], |place| time_at(t, s, place))
+}
+
+/// The same for a motion that begins at a place (m) and a time (s) of another one; `time` says when it is at a place of its own.
+pub(crate) fn lines_from(outline: &Outline, [from_s, from_t]: [f64; 2], time: impl Fn(f64) -> f64) -> Vec<LineTime> {
     let mut lines: Vec<LineTime> = Vec::with_capacity(outline.pieces.len());
-    let (mut from, mut before) = (0.0, 0.0);
+    let (mut from, mut before) = (from_s, from_t);
     let mut corners = outline.corners.iter().filter(|corner| corner.blend.is_ok());
     for piece in &outline.pieces {
         let corner = if piece.blend { corners.next() } else { None };
         let words = line_words(piece.lines);
-        let (s_to_m, t_to_s) = (piece.to, time_at(t, s, piece.to));
+        let (s_to_m, t_to_s) = (from_s + piece.to, from_t + time(piece.to));
         match lines.last_mut().filter(|last| last.line == words) {
             Some(last) => (last.s_to_m, last.t_to_s) = (s_to_m, t_to_s),
             None => lines.push(LineTime {

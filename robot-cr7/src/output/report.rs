@@ -10,6 +10,7 @@ use serde::Serialize;
 use super::bound_report::BoundReport;
 use super::compiled_report::{CompiledReport, LINES};
 use super::limit_table::{ending, limit_table};
+use super::part_report::{PartReport, parts_line, rapids_line};
 use super::program_report::ProgramReport;
 use crate::run::limit_line::{LimitLine, worst};
 use crate::run::limit_lines::limit_lines;
@@ -75,6 +76,9 @@ pub struct Report {
     /// The lines of the path file along the motion, where it has such.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub program: Option<ProgramReport>,
+    /// The parts of a program that waits, or whose rapid moves are motions of the joints.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub parts: Vec<PartReport>,
     /// What the look-ahead cost, where segments arrived while the motion ran.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stream: Option<StreamReport>,
@@ -123,6 +127,7 @@ impl<const N: usize> Motion<'_, N> {
             bound: None,
             fit: self.fit(),
             program: None,
+            parts: Vec::new(),
             compiled: None,
             stream: self.stream().cloned(),
             warnings: self.warnings().to_vec(),
@@ -131,7 +136,7 @@ impl<const N: usize> Motion<'_, N> {
     }
 
     /// Every limit with its worst place, and the line of the file there.
-    fn limits(&self) -> Vec<LimitLine> {
+    pub(crate) fn limits(&self) -> Vec<LimitLine> {
         let mut limits = limit_lines(self.trajectory().verification(), self.trajectory().path().parameter());
         for limit in &mut limits {
             limit.lines = self.outline().zip(limit.at_s_m).map(|(outline, s)| outline.lines_at(s));
@@ -140,7 +145,7 @@ impl<const N: usize> Motion<'_, N> {
     }
 
     /// Segments by each method for the chord tolerance, the one in use first.
-    fn segment_counts(&self) -> Vec<SegmentCount> {
+    pub(crate) fn segment_counts(&self) -> Vec<SegmentCount> {
         let plan = self.trajectory();
         let (Some(used), Some(path)) = (plan.segmentation(), plan.path().tool_curve()) else { return Vec::new() };
         let curve = path.curve().curve();
@@ -248,6 +253,14 @@ impl Display for Report {
         if let Some(program) = &self.program {
             writeln!(f, "  {:<11}{}", "corners", clip(&program.line(), WIDTH - 13))?;
         }
+        if let Some(parts) = parts_line(&self.parts) {
+            writeln!(f, "  {:<11}{}", "parts", clip(&parts, WIDTH - 13))?;
+        }
+        let rapids = rapids_line(&self.parts);
+        if let Some((rapids, exceeds)) = &rapids {
+            let mark = if *exceeds { '!' } else { ' ' };
+            writeln!(f, "{mark} {:<11}{}", "rapids", clip(rapids, WIDTH - 13))?;
+        }
         let compiled = self.compiled.as_ref().map(CompiledReport::lines);
         for (name, line) in ["compiled", "", ""].into_iter().zip(compiled.iter().flatten()) {
             writeln!(f, "  {name:<11}{}", clip(line, WIDTH - 13))?;
@@ -259,7 +272,9 @@ impl Display for Report {
             + LINES * usize::from(compiled.is_some())
             + usize::from(self.stream.is_some())
             + usize::from(self.fit.is_some())
-            + usize::from(self.program.is_some());
+            + usize::from(self.program.is_some())
+            + usize::from(!self.parts.is_empty())
+            + usize::from(rapids.is_some());
         ending(
             f,
             &self.warnings,
@@ -326,6 +341,7 @@ mod tests {
             bound: None,
             fit: None,
             program: None,
+            parts: Vec::new(),
             compiled: None,
             stream: None,
             warnings: vec!["the path passes the wrist singularity at 3 deg".to_owned()],

@@ -75,6 +75,12 @@ impl Outline {
         self.piece_at(s).map_or([0; 2], |piece| piece.lines)
     }
 
+    /// The first and the last line.
+    pub(crate) fn ends(&self) -> [usize; 2] {
+        let first = self.pieces.first().map_or(0, |piece| piece.lines[0]);
+        [first, self.pieces.last().map_or(first, |piece| piece.lines[1])]
+    }
+
     fn piece_at(&self, s: f64) -> Option<&OutlinePiece> {
         let i = self.pieces.partition_point(|piece| piece.to < s);
         self.pieces.get(i).or(self.pieces.last())

@@ -6,9 +6,11 @@ use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use serde::Serialize;
 
 use super::error::Cr7Error;
+use super::feed_notes::FeedNotes;
 use super::outline::Outline;
 use super::point_tools::orientations;
 use super::programmed::Programmed;
+use super::stretch::Stretch;
 use crate::input::error::InputError;
 use crate::input::job::{Job, ToolOrientation};
 use crate::input::path_file::{MOST_CONTROL_POINTS, PathFile, PathGeometry};
@@ -33,13 +35,15 @@ pub(crate) struct PlacedPath {
     pub outline: Option<Outline>,
     /// How near a smooth curve is to the points of the file.
     pub fit: Option<PointFit>,
-    pub warnings: Vec<String>,
+    /// The highest feed anywhere on it, m/s.
+    pub fastest: f64,
+    pub notes: FeedNotes,
+    warnings: Vec<String>,
 }
 
 impl PlacedPath {
     /// The path of a file where the job places it, with the orientation that the job asks for.
     pub fn new(job: &Job, file: &PathFile) -> Result<Self, Cr7Error> {
-        let error = |source| curve_error(file, source);
         let programmed = match &file.geometry {
             PathGeometry::Program(program) => Some(Programmed::of_program(program, job)?),
             PathGeometry::Points { points, lines, .. } if job.polyline => {
@@ -47,6 +51,29 @@ impl PlacedPath {
             }
             PathGeometry::Points { .. } | PathGeometry::Curve(_) => None,
         };
+        Self::placed(job, file, programmed)
+    }
+
+    /// Moves of the program that `file` holds, where the job places them.
+    pub fn of_stretch(job: &Job, file: &PathFile, stretch: &Stretch<'_>) -> Result<Self, Cr7Error> {
+        Self::placed(job, file, Some(Programmed::of_stretch(stretch, job)?))
+    }
+
+    /// Turns the tool from one orientation in the base to another one, in step with the arc length.
+    pub fn turn(&mut self, from: UnitQuaternion<f64>, to: UnitQuaternion<f64>) -> Result<(), GeometryError> {
+        let curve = self.path.curve().clone();
+        let turn = OrientationPath::slerp(curve.length(), from, to)?;
+        self.path = PosePath::new(curve, turn);
+        Ok(())
+    }
+
+    /// What a person should know.
+    pub fn warnings(&self, job: &Job) -> Vec<String> {
+        self.notes.words(job).into_iter().chain(self.warnings.iter().cloned()).collect()
+    }
+
+    fn placed(job: &Job, file: &PathFile, programmed: Option<Programmed>) -> Result<Self, Cr7Error> {
+        let error = |source| curve_error(file, source);
         let tools = match &file.geometry {
             PathGeometry::Points { lines, tools: Some(tools), .. } => Some(orientations(file, tools, lines, job)?),
             _ => None,
@@ -69,9 +96,16 @@ impl PlacedPath {
                 _ => orientation_of(job, &curve).map_err(error)?,
             };
             let path = PosePath::new(curve, orientation);
-            let (sections, stops) = (job.sections.clone(), Vec::new());
-            let fit = fit.map(|(fit, _)| fit);
-            return Ok(Self { path, sections, stops, outline: None, fit, warnings: Vec::new() });
+            return Ok(Self {
+                path,
+                sections: job.sections.clone(),
+                stops: Vec::new(),
+                outline: None,
+                fit: fit.map(|(fit, _)| fit),
+                fastest: job.feed.feed,
+                notes: FeedNotes::default(),
+                warnings: Vec::new(),
+            });
         };
         let turned = match (&programmed.turns, job.orientation) {
             (None, _) => tools,
@@ -87,10 +121,16 @@ impl PlacedPath {
             }
             None => orientation_of(job, &curve).map_err(error)?,
         };
-        let sections = programmed.sections(job);
-        let (outline, stops) = (Some(programmed.outline(&curve)), programmed.stops(&curve));
-        let path = PosePath::new(curve, orientation);
-        Ok(Self { path, sections, stops, outline, fit: None, warnings: programmed.warnings })
+        Ok(Self {
+            sections: programmed.sections(job),
+            stops: programmed.stops(&curve),
+            outline: Some(programmed.outline(&curve)),
+            fit: None,
+            fastest: programmed.highest_feed().map_or(job.feed.feed, |feed| feed.max(job.feed.feed)),
+            path: PosePath::new(curve, orientation),
+            notes: programmed.notes,
+            warnings: programmed.warnings,
+        })
     }
 }
 
@@ -210,11 +250,11 @@ fn small_enough(file: &PathFile, curve: NurbsCurve<3>) -> Result<NurbsCurve<3>, 
     }))
 }
 
-/// The limits of the tool in a job.
-pub(crate) fn tool_of(job: &Job) -> Result<ToolLimits, LimitError> {
+/// The limits of the tool in a job, on a path whose highest feed is `fastest` (m/s).
+pub(crate) fn tool_of(job: &Job, fastest: f64) -> Result<ToolLimits, LimitError> {
     let feed = &job.feed;
     let mut tool = ToolLimits::new()
-        .with_feed(feed.feed)?
+        .with_feed(fastest)?
         .with_tangential_acceleration(feed.tangential_acceleration)?
         .with_tangential_jerk(feed.tangential_jerk)?
         .with_normal_acceleration(feed.normal_acceleration)?;

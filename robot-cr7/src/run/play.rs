@@ -8,9 +8,9 @@ use arcfeed_kinematics::Joints;
 use serde::Serialize;
 
 use super::error::Cr7Error;
+use super::plan_error::{live_error, plan_error};
 use super::samples::MOST_CYCLES;
 use super::stage::{Order, Stage, What};
-use super::task::{live_error, plan_error};
 use crate::input::scenario::{Action, When};
 
 /// The passing of time.

@@ -7,7 +7,7 @@ use arcfeed_interp::{MotionPath, PathError, PoseMove};
 use arcfeed_kinematics::{Arm, ForwardKinematics, Joints};
 
 use super::error::Cr7Error;
-use super::task::plan_error;
+use super::plan_error::plan_error;
 use crate::input::joint_values::JointValues;
 use crate::input::schedule_file::{ScheduleFile, SchedulePlace};
 use crate::text::number;

@@ -10,11 +10,14 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use super::dense_lines::{self, MoveRange};
 use super::error::Cr7Error;
+use super::feed_notes::FeedNotes;
 use super::outline::{CornerLine, MarkerLine, Outline, OutlinePiece, Smoothed, Stop};
+use super::stretch::Stretch;
 use crate::input::error::InputError;
-use crate::input::gcode::{GcodeMove, GcodeProgram, MarkerKind, MoveKind, PathControl};
+use crate::input::gcode::{GcodeMarker, GcodeMove, GcodeProgram, MarkerKind, MoveKind, PathControl};
 use crate::input::job::Job;
 use crate::input::path_file::PathFile;
+use crate::input::rapid_moves::RapidKind;
 use crate::text::number;
 
 /// Blends of a program that asks for them (G64) and states no tolerance, where the job does not either, m.
@@ -56,46 +59,54 @@ pub(crate) struct Programmed {
     pub turns: Option<Vec<UnitQuaternion<f64>>>,
     marks: Vec<Mark>,
     smoothed: Smoothed,
+    pub notes: FeedNotes,
     pub warnings: Vec<String>,
 }
 
 impl Programmed {
-    /// The working moves of a program: blends where it says G64, or where the job gives a tolerance and the program says nothing.
+    /// The working moves of a program as one path, rapid moves included.
     pub fn of_program(program: &GcodeProgram, job: &Job) -> Result<Self, Cr7Error> {
+        let stretch = Stretch::whole(program);
+        let mut programmed = Self::of_stretch(&stretch, job)?;
+        let warnings = &mut programmed.warnings;
+        let rests = stretch.dwells().count();
+        if rests > 0 {
+            warnings.push(format!("the tool stops at {rests} dwells (G4), but the motion does not wait there: the times are marks in the report"));
+        }
+        if job.rapid.kind == RapidKind::Joints && stretch.moves().iter().any(|step| step.kind == MoveKind::Rapid) {
+            warnings
+                .push("rapid moves are straight lines here: feed.rapid = \"joints\" counts in `cr7 plan`".to_owned());
+        }
+        warnings.extend(skipped_words(program));
+        Ok(programmed)
+    }
+
+    /// Moves of a program: blends where it says G64, or where the job gives a tolerance and the program says nothing.
+    pub fn of_stretch(stretch: &Stretch<'_>, job: &Job) -> Result<Self, Cr7Error> {
+        let program = stretch.program;
         if !job.sections.is_empty() {
             let rule = "a program states its own feeds (F)";
             return Err(program.wrong(None, "[[sections]] of the job", "given", rule, "remove the sections").into());
         }
-        let moves = program.working_moves();
-        let mut warnings = Vec::new();
-        let (programmed, units) = joined(program, job)?;
-        let steps = steps(program, &units, &programmed, job, &mut warnings);
-        let skipped = program.moves.len() - moves.len();
-        let marks = program.markers.iter().map(|m| Mark {
-            place: m.after.checked_sub(skipped + 1).map(|before| place_of(before, &units, moves, programmed.start())),
+        let moves = stretch.moves();
+        let (programmed, units) = joined(stretch, job)?;
+        let (steps, notes) = steps(stretch, &units, &programmed, job);
+        let marks = stretch.markers.iter().map(|m| Mark {
+            place: stretch.move_before(m).map(|before| place_of(before, &units, moves, programmed.start())),
             line: m.line,
             what: words(&m.kind),
         });
         let marks = marks.collect();
-        let rests = program.markers.iter().filter(|m| matches!(m.kind, MarkerKind::Dwell { .. })).count();
-        if rests > 0 {
-            warnings.push(format!("the tool stops at {rests} dwells (G4), but the motion does not wait there: the times are marks in the report"));
-        }
-        if skipped > 0 {
-            warnings.push(format!(
-                "the motion begins at line {}: the {skipped} rapid moves before it lead to its start",
-                moves[0].line
-            ));
-        }
-        warnings.extend(standing_curves(&programmed));
+        let warnings = standing_curves(&programmed).into_iter().collect();
         let blended = blend(&programmed, &steps).map_err(|source| curve_error(&program.file, source))?;
         Ok(Self {
             steps,
             path: blended.path,
             joints: blended.joints,
-            turns: turns(program, moves, &units),
+            turns: turns(stretch, &units),
             marks,
             smoothed: smoothed(&units),
+            notes,
             warnings,
         })
     }
@@ -115,7 +126,7 @@ impl Programmed {
         let blended = blend(&path.build().map_err(error)?, &steps).map_err(error)?;
         let (path, joints) = (blended.path, blended.joints);
         let (marks, warnings, smoothed) = (Vec::new(), Vec::new(), Smoothed::default());
-        Ok(Self { steps, path, joints, turns: None, marks, smoothed, warnings })
+        Ok(Self { steps, path, joints, turns: None, marks, smoothed, notes: FeedNotes::default(), warnings })
     }
 
     /// The feeds along the path: those of the program, else those of the job.
@@ -190,6 +201,11 @@ impl Programmed {
         }
     }
 
+    /// The highest feed of a line, m/s, where the file states some.
+    pub fn highest_feed(&self) -> Option<f64> {
+        self.steps.iter().filter_map(|step| step.feed).reduce(f64::max)
+    }
+
     fn step(&self, line: usize) -> Option<&Step> {
         step_of(&self.steps, line)
     }
@@ -208,16 +224,31 @@ fn curve_error(file: &Path, source: GeometryError) -> Cr7Error {
     Cr7Error::Curve { file: file.display().to_string(), source }
 }
 
-/// The working moves as one path, runs of short lines as smooth curves where the program permits. What each piece that was
-/// appended stands for.
-fn joined(program: &GcodeProgram, job: &Job) -> Result<(JoinedPath, Vec<MoveRange>), Cr7Error> {
-    let moves = program.working_moves();
-    let mut path = program.begin()?;
+/// What is said of the rapid moves before the first working move.
+pub(crate) fn skipped_words(program: &GcodeProgram) -> Option<String> {
+    let skipped = program.first_working_move();
+    let first = program.moves.get(skipped).filter(|_| skipped > 0)?;
+    let rests = |m: &&GcodeMarker| matches!(m.kind, MarkerKind::Dwell { .. }) && m.after < skipped;
+    let dwells = match program.markers.iter().filter(rests).count() {
+        0 => "",
+        1 => " and a dwell",
+        _ => " and dwells",
+    };
+    Some(format!(
+        "the motion begins at line {}: the {skipped} rapid moves{dwells} before it lead to its start",
+        first.line
+    ))
+}
+
+/// The moves as one path, runs of short lines as smooth curves where the program permits. What each piece that was appended stands
+/// for.
+fn joined(stretch: &Stretch<'_>, job: &Job) -> Result<(JoinedPath, Vec<MoveRange>), Cr7Error> {
+    let (program, moves) = (stretch.program, stretch.moves());
+    let mut path = program.begin(stretch.range.start)?;
     let mut units = Vec::with_capacity(moves.len());
     let mut at = 0;
     // A curve does not go on through a dwell.
-    let skipped = program.moves.len() - moves.len();
-    let mut dwells = dwells(program).map(|after| after.saturating_sub(skipped)).peekable();
+    let mut dwells = stretch.dwells().peekable();
     while at < moves.len() {
         while dwells.next_if(|&after| after <= at).is_some() {}
         let ahead = &moves[at..dwells.peek().map_or(moves.len(), |&after| after.min(moves.len()))];
@@ -237,11 +268,6 @@ fn joined(program: &GcodeProgram, job: &Job) -> Result<(JoinedPath, Vec<MoveRang
         }
     }
     Ok((path.build().map_err(|source| program.curve_error(0, source))?, units))
-}
-
-/// The number of moves before each dwell.
-fn dwells(program: &GcodeProgram) -> impl Iterator<Item = usize> + '_ {
-    program.markers.iter().filter(|m| matches!(m.kind, MarkerKind::Dwell { .. })).map(|m| m.after)
 }
 
 /// The piece that stands for the move `before`, by index, and the part of it up to the end of that move.
@@ -264,18 +290,11 @@ fn range_of(pieces: &[OutlinePiece], line: usize) -> (f64, f64) {
     (end(from), end(to))
 }
 
-/// Feed and tolerance of each piece. A feed is at most that of the job, which rapid moves have.
-fn steps(
-    program: &GcodeProgram,
-    units: &[MoveRange],
-    path: &JoinedPath,
-    job: &Job,
-    warnings: &mut Vec<String>,
-) -> Vec<Step> {
-    let moves = program.working_moves();
-    let skipped = program.moves.len() - moves.len();
-    let mut dwells = dwells(program).map(|after| after.saturating_sub(skipped)).peekable();
-    let (mut capped, mut unstated) = (None, None);
+/// Feed and tolerance of each piece. The feed of a working move is at most that of the job.
+fn steps(stretch: &Stretch<'_>, units: &[MoveRange], path: &JoinedPath, job: &Job) -> (Vec<Step>, FeedNotes) {
+    let moves = stretch.moves();
+    let mut dwells = stretch.dwells().peekable();
+    let mut notes = FeedNotes::default();
     let mut pieces = path.pieces().iter().peekable();
     let mut steps = Vec::with_capacity(units.len());
     let line_of = |i: usize| usize::try_from(moves[i].line).unwrap_or(usize::MAX);
@@ -286,15 +305,15 @@ fn steps(
             length += piece.length;
         }
         let speed = match step.kind {
-            MoveKind::Rapid => job.feed.feed,
+            MoveKind::Rapid => job.rapid.speed.unwrap_or(job.feed.feed),
             MoveKind::Feed { speed } => speed,
             MoveKind::InverseTime { seconds } => length / seconds,
             // Refused before: the tool rests.
             MoveKind::RotaryFeed { .. } => job.feed.feed,
         };
-        if speed > job.feed.feed * (1.0 + 1e-12) {
-            let (_, highest) = *capped.get_or_insert((line, speed));
-            capped = capped.map(|(first, _)| (first, highest.max(speed)));
+        let most = if step.kind == MoveKind::Rapid { speed } else { job.feed.feed };
+        if speed > most * (1.0 + 1e-12) {
+            notes.held_to_feed(line, speed);
         }
         let tolerance = match step.control {
             None => job.blend.unwrap_or(0.0),
@@ -302,29 +321,18 @@ fn steps(
             Some(PathControl::Blend { tolerance: Some(tolerance), .. }) => tolerance,
             Some(PathControl::Blend { tolerance: None, .. }) => {
                 if job.blend.is_none() {
-                    unstated.get_or_insert(line);
+                    notes.unstated_tolerance(line);
                 }
                 job.blend.unwrap_or(UNSTATED_BLEND)
             }
         };
-        let feed = Some(speed.min(job.feed.feed));
+        let feed = Some(speed.min(most));
         while dwells.next_if(|&after| after <= last).is_some() {}
         let stop = step.control == Some(PathControl::ExactStop) || dwells.peek() == Some(&(last + 1));
         let tolerance = if stop { 0.0 } else { tolerance };
         steps.push(Step { line, last: line_of(last), number: step.number, feed, tolerance, stop });
     }
-    if let Some((first, highest)) = capped {
-        let [highest, most] = [highest, job.feed.feed].map(|v| number(v * 1e3));
-        warnings.push(format!(
-            "F of up to {highest} mm/s, first at line {first}, is held to feed.feed_mm_s = {most} of the job"
-        ));
-    }
-    if let Some(line) = unstated {
-        warnings.push(format!(
-            "G64 without P at line {line}: corners are blended within 0.1 mm; give path.blend_mm in the job"
-        ));
-    }
-    steps
+    (steps, notes)
 }
 
 /// That curves are replaced where they stand still.
@@ -349,16 +357,22 @@ fn smoothed(units: &[MoveRange]) -> Smoothed {
 }
 
 /// What the rotary axes make of the tool: a turn by A about x, then by B about y, then by C about z.
-fn turns(program: &GcodeProgram, moves: &[GcodeMove], units: &[MoveRange]) -> Option<Vec<UnitQuaternion<f64>>> {
+fn turns(stretch: &Stretch<'_>, units: &[MoveRange]) -> Option<Vec<UnitQuaternion<f64>>> {
+    let moves = stretch.moves();
     moves.iter().any(|step| step.rotary.is_some()).then(|| {
-        let before = program.moves.len() - moves.len();
-        let start = before.checked_sub(1).and_then(|i| program.moves[i].rotary);
-        let axes = std::iter::once(start).chain(units.iter().map(|unit| moves[unit.last].rotary));
-        axes.map(|abc| abc.unwrap_or_default()).map(|a| UnitQuaternion::from_euler_angles(a.x, a.y, a.z)).collect()
+        let ends = units.iter().map(|unit| moves[unit.last].rotary);
+        std::iter::once(stretch.start_rotary()).chain(ends).map(turn_of).collect()
     })
 }
 
-fn words(kind: &MarkerKind) -> String {
+/// The turn of the tool by rotary axes, in the workpiece frame.
+pub(crate) fn turn_of(rotary: Option<Vector3<f64>>) -> UnitQuaternion<f64> {
+    let a = rotary.unwrap_or_default();
+    UnitQuaternion::from_euler_angles(a.x, a.y, a.z)
+}
+
+/// A code in words.
+pub(crate) fn words(kind: &MarkerKind) -> String {
     match kind {
         MarkerKind::Code(code) => code.clone(),
         MarkerKind::SpindleSpeed(speed) => format!("S{}", number(*speed)),

@@ -7,10 +7,10 @@ use arcfeed_interp::{
 use arcfeed_kinematics::{Arm, ArmDynamics, JointLimits, Joints};
 
 use super::error::Cr7Error;
+use super::plan_error::plan_error;
 use super::pose_way::pose_way;
 use super::robot::Robot;
 use super::samples::few_enough;
-use super::task::plan_error;
 use crate::input::schedule_file::{ScheduleFile, ScheduleWay};
 
 /// A schedule made ready for one arm. Nothing is planned yet.

@@ -8,7 +8,7 @@ use arcfeed_kinematics::{AnalyticInverse, JointLimits, Joints};
 
 use super::error::Cr7Error;
 use super::placed_path::{ARC_LENGTH_TOLERANCE, PlacedPath, tool_of};
-use super::task::live_error;
+use super::plan_error::live_error;
 use crate::input::error::InputError;
 use crate::input::joint_values::JointValues;
 use crate::input::path_file::PathFile;
@@ -103,7 +103,7 @@ impl Scenario {
                 None => ToolPath::new(arm, path, limits.range())?,
             };
             let path = path.with_stops(&stops);
-            Planner::new(arm, Limits::new(*limits).with_tool(tool_of(job)?))
+            Planner::new(arm, Limits::new(*limits).with_tool(tool_of(job, job.feed.feed)?))
                 .with_chord_tolerance(job.chord_tolerance)?
                 .with_period(job.period)?
                 .with_sections(sections)
@@ -143,8 +143,11 @@ impl Scenario {
         };
         warnings.extend(file.warnings.iter().cloned());
         let shown = file.file.display().to_string();
-        let PlacedPath { path, sections, stops, warnings: more, .. } = PlacedPath::new(job, &file)?;
-        warnings.extend(more);
+        let placed = PlacedPath::new(job, &file)?;
+        warnings.extend(placed.warnings(job));
+        let PlacedPath { path, mut sections, stops, .. } = placed;
+        // While a path is run live no move is faster than the feed, rapid moves neither.
+        sections.iter_mut().for_each(|section| section.feed = section.feed.min(job.feed.feed));
         Ok(Loaded { name: file.name, shown, path, sections, stops, warnings, first: None })
     }
 

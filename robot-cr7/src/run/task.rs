@@ -6,23 +6,22 @@ use std::time::{Duration, Instant};
 use arcfeed_feedrate::{FeedError, FeedPlanner, StreamedScan};
 use arcfeed_geometry::PosePath;
 use arcfeed_interp::{
-    CompileError, CompiledPlan, FeedSection, JointTrajectory, LimitError, Limits, LiveError, Method, MotionPath,
-    PathArm, PathError, PlanError, Planner, Setpoints, SpeedError, ToolCertificate, ToolLimits, ToolPath, Trajectory,
+    CompileError, CompiledPlan, FeedSection, JointTrajectory, LimitError, Limits, Method, MotionPath, PathArm,
+    PathError, PlanError, Planner, Setpoints, ToolCertificate, ToolLimits, ToolPath, Trajectory,
 };
-use arcfeed_kinematics::{AnalyticInverse, JointLimits, Joints, KinematicsError, ParallelAxisArm};
+use arcfeed_kinematics::{AnalyticInverse, JointLimits, Joints, ParallelAxisArm};
 use nalgebra::Vector3;
 
 use super::cr7::Cr7;
 use super::error::Cr7Error;
 use super::outline::Outline;
 use super::placed_path::{PlacedPath, PointFit, tool_of};
+use super::plan_error::{line_words, plan_error, reach_hint};
 use super::robot::{Drives, Robot};
 use super::stream::StreamReport;
+use super::task_limits::TaskLimits;
 use crate::input::job::Job;
 use crate::input::path_file::PathFile;
-
-/// A path this far out of reach is probably given in another unit than meant, m.
-const FAR_OUT: f64 = 2.0;
 
 /// A planned and verified motion along the path of a [`Task`], with all that a report needs.
 #[derive(Debug, Clone)]
@@ -120,9 +119,27 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
         arm_for: impl FnOnce(&PosePath) -> Result<(A, Joints<N>), PathError>,
     ) -> Result<Self, Cr7Error> {
         let begin = Instant::now();
+        let placed = PlacedPath::new(job, file)?;
+        let mut task = Self::placed(job, file, placed, (limits, drives), arm_for)?;
+        let of_path = std::mem::take(&mut task.warnings);
+        task.warnings.extend(file.warnings.iter().chain(&job.warnings).cloned().chain(of_path));
+        task.preparation = begin.elapsed();
+        Ok(task)
+    }
+
+    /// The task on a path that is placed, with the warnings about that alone.
+    pub(crate) fn placed(
+        job: &Job,
+        file: &PathFile,
+        placed: PlacedPath,
+        (limits, drives): (&JointLimits<N>, Option<Drives<N>>),
+        arm_for: impl FnOnce(&PosePath) -> Result<(A, Joints<N>), PathError>,
+    ) -> Result<Self, Cr7Error> {
+        let begin = Instant::now();
         let shown = file.file.display().to_string();
-        let PlacedPath { path, sections, stops, outline, fit, warnings: of_path } = PlacedPath::new(job, file)?;
-        let tool = tool_of(job).map_err(|source| plan_error(&shown, source.into()))?;
+        let tool = tool_of(job, placed.fastest).map_err(|source| plan_error(&shown, source.into()))?;
+        let warnings = placed.warnings(job);
+        let PlacedPath { path, sections, stops, outline, fit, .. } = placed;
         let (arm, start) = arm_for(&path).map_err(|source| match plan_error(&shown, source.into()) {
             Cr7Error::Plan { file, source, hint } => {
                 let line = outline.as_ref().map(|outline| line_words(outline, &source));
@@ -131,9 +148,6 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
             }
             other => other,
         })?;
-        let mut warnings = file.warnings.clone();
-        warnings.extend(job.warnings.iter().cloned());
-        warnings.extend(of_path);
         Ok(Self {
             name: file.name.clone(),
             file: shown,
@@ -191,12 +205,22 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
         self.drives.as_ref()
     }
 
+    /// The planner of the speed.
+    pub fn method(&self) -> Method {
+        self.method
+    }
+
     /// The path of the tool as the arm follows it from its start.
     ///
     /// # Errors
     /// [`Cr7Error::Plan`] when the arm cannot stand at the start.
     pub fn tool_path(&self) -> Result<ToolPath<'_, N>, Cr7Error> {
-        let path = ToolPath::starting_near(&self.arm, self.path.clone(), &self.start);
+        self.tool_path_near(&self.start)
+    }
+
+    /// The same from the joints at its start that are nearest to `near` (rad).
+    fn tool_path_near(&self, near: &Joints<N>) -> Result<ToolPath<'_, N>, Cr7Error> {
+        let path = ToolPath::starting_near(&self.arm, self.path.clone(), near);
         Ok(path.map_err(|source| self.error(source.into()))?.with_stops(&self.stops))
     }
 
@@ -205,19 +229,42 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
     /// # Errors
     /// [`Cr7Error::Plan`] for a limit that cannot be used.
     pub fn planner(&self) -> Result<Planner<'_, N>, Cr7Error> {
-        let planner = || {
-            let mut limits = Limits::new(self.limits).with_tool(self.tool);
-            if let Some(drives) = &self.drives {
-                limits = limits.with_torque(&drives.dynamics, drives.torque)?;
-            }
-            let [v_start, v_end] = self.end_speeds;
-            Planner::new(&self.arm, limits)
-                .with_chord_tolerance(self.chord_tolerance)?
-                .with_period(self.period)?
-                .with_end_speeds(v_start, v_end)
+        self.planner_within(&self.own_limits())
+    }
+
+    /// The limits of the job.
+    pub(crate) fn own_limits(&self) -> TaskLimits<N> {
+        let torque = self.drives.as_ref().map(|drives| drives.torque);
+        TaskLimits { joints: self.limits, tool: self.tool, torque, sections: self.sections.clone() }
+    }
+
+    /// The planner with other limits.
+    ///
+    /// # Errors
+    /// As [`Task::planner`].
+    pub(crate) fn planner_within(&self, limits: &TaskLimits<N>) -> Result<Planner<'_, N>, Cr7Error> {
+        let [v_start, v_end] = self.end_speeds;
+        let planner = self.planner_under(limits).and_then(|planner| planner.with_end_speeds(v_start, v_end));
+        Ok(planner.map_err(|source| self.error(source))?.with_sections(limits.sections.clone()))
+    }
+
+    /// The planner of joint moves from rest to rest: with the limits of the joints and of their torque, and with that of the angular
+    /// speed of the tool.
+    pub(crate) fn joint_planner(&self) -> Result<Planner<'_, N>, PlanError> {
+        let tool = match self.tool.angular_speed() {
+            Some(speed) => ToolLimits::new().with_angular_speed(speed)?,
+            None => ToolLimits::new(),
         };
-        let planner = planner().map_err(|source| self.error(source))?;
-        Ok(planner.with_sections(self.sections.clone()).with_method(self.method))
+        self.planner_under(&TaskLimits { tool, ..self.own_limits() })
+    }
+
+    fn planner_under(&self, within: &TaskLimits<N>) -> Result<Planner<'_, N>, PlanError> {
+        let mut limits = Limits::new(within.joints).with_tool(within.tool);
+        if let (Some(drives), Some(torque)) = (&self.drives, within.torque) {
+            limits = limits.with_torque(&drives.dynamics, torque)?;
+        }
+        let planner = Planner::new(&self.arm, limits).with_chord_tolerance(self.chord_tolerance)?;
+        Ok(planner.with_period(self.period)?.with_method(self.method))
     }
 
     /// The error of a planner, with the file and a likely cause.
@@ -261,7 +308,15 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
     /// # Errors
     /// [`Cr7Error::Plan`].
     pub fn plan(&self) -> Result<Motion<'_, N>, Cr7Error> {
-        let path = Arc::new(self.tool_path()?);
+        self.plan_near(&self.start)
+    }
+
+    /// The same from the joints at the start of the path that are nearest to `near` (rad).
+    ///
+    /// # Errors
+    /// As [`Task::plan`].
+    pub fn plan_near(&self, near: &Joints<N>) -> Result<Motion<'_, N>, Cr7Error> {
+        let path = Arc::new(self.tool_path_near(near)?);
         let trajectory = self.planner()?.plan_shared(path).map_err(|source| self.error(source))?;
         Ok(self.motion(trajectory))
     }
@@ -275,7 +330,19 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
         &self,
         tolerance: f64,
     ) -> Result<(Motion<'_, N>, JointTrajectory<N>, ToolCertificate), Cr7Error> {
-        let path = Arc::new(self.tool_path()?);
+        self.plan_compiled_near(&self.start, tolerance)
+    }
+
+    /// The same from the joints at the start of the path that are nearest to `near` (rad).
+    ///
+    /// # Errors
+    /// As [`Task::plan_compiled`].
+    pub fn plan_compiled_near(
+        &self,
+        near: &Joints<N>,
+        tolerance: f64,
+    ) -> Result<(Motion<'_, N>, JointTrajectory<N>, ToolCertificate), Cr7Error> {
+        let path = Arc::new(self.tool_path_near(near)?);
         let plan = self.planner()?.plan_compiled(path, tolerance).map_err(|source| match source {
             CompileError::Plan(source) => self.error(source),
             source => Cr7Error::Compile { file: self.name.clone(), source: Box::new(source) },
@@ -286,10 +353,7 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
 
     fn motion<'t>(&'t self, trajectory: Trajectory<'t, N>) -> Motion<'t, N> {
         let mut warnings = self.warnings.clone();
-        let corners = trajectory.stops().len();
-        if corners > 0 {
-            warnings.push(format!("the path has {corners} corners, where the tool stops"));
-        }
+        warnings.extend(corner_words(trajectory.stops().len()));
         let outline = self.outline.as_ref();
         let (preparation, fit) = (self.preparation, self.fit);
         Motion { name: &self.name, trajectory, preparation, stream: None, outline, fit, warnings }
@@ -325,90 +389,6 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
         let outline = self.outline.as_ref();
         let (preparation, fit) = (self.preparation, self.fit);
         Ok(Motion { name: &self.name, trajectory, preparation, stream, outline, fit, warnings })
-    }
-}
-
-/// The error of a live motion, with the file and a likely cause.
-pub(crate) fn live_error(file: &str, error: LiveError) -> Cr7Error {
-    match error {
-        LiveError::Plan(source) => plan_error(file, source),
-        source => Cr7Error::Live { file: file.to_owned(), source: Box::new(source) },
-    }
-}
-
-pub(crate) fn plan_error(file: &str, source: PlanError) -> Cr7Error {
-    let hint = unit_hint(&source);
-    Cr7Error::Plan { file: file.to_owned(), source: Box::new(source), hint }
-}
-
-/// Where the tool is and how it points at a place that the arm cannot reach, with the keys that move it.
-fn reach_hint(path: &PosePath, error: &PlanError) -> String {
-    fn out_of_reach(error: &PathError) -> bool {
-        match error {
-            PathError::Arm { source, .. } => {
-                matches!(
-                    source,
-                    KinematicsError::Unreachable { distance, .. } if *distance <= FAR_OUT
-                ) || matches!(source, KinematicsError::OutsideLimits { .. })
-            }
-            PathError::JointRange { .. } => true,
-            PathError::NoConfiguration { best, .. } => out_of_reach(best),
-            _ => false,
-        }
-    }
-    match (error, place_of(error)) {
-        (PlanError::Path(source), Some(s)) if out_of_reach(source) => {
-            let pose = path.jet(s).pose;
-            let at = pose.translation.vector * 1e3;
-            let z = pose.rotation * Vector3::z();
-            format!(
-                "; the tool is at ({:.1}, {:.1}, {:.1}) mm there and points along ({:.3}, {:.3}, {:.3}), both in the base frame: move \
-                 [workpiece] (`cr7 place` finds frames in reach) or turn [orientation]",
-                at.x, at.y, at.z, z.x, z.y, z.z
-            )
-        }
-        _ => String::new(),
-    }
-}
-
-/// The line of the file at which a plan fails, to follow its message.
-fn line_words(outline: &Outline, error: &PlanError) -> String {
-    place_of(error).map(|s| outline.words_at(s)).unwrap_or_default()
-}
-
-/// The arc length at which a plan fails, where it is one place.
-fn place_of(error: &PlanError) -> Option<f64> {
-    let place = match error {
-        PlanError::Path(
-            PathError::Arm { place, .. } | PathError::BranchChange { place, .. } | PathError::JointRange { place, .. },
-        )
-        | PlanError::Speed(SpeedError::Infeasible { place, .. })
-        | PlanError::Unverified { place, .. } => place,
-        PlanError::Path(PathError::NoConfiguration { best, .. }) => {
-            return place_of(&PlanError::Path((**best).clone()));
-        }
-        _ => return None,
-    };
-    Some(place.s)
-}
-
-/// A mix-up of millimetres and metres shows as a path that is metres out of reach.
-fn unit_hint(error: &PlanError) -> String {
-    fn of(error: &PathError) -> String {
-        match error {
-            PathError::Arm { source: KinematicsError::Unreachable { distance, .. }, .. } if *distance > FAR_OUT => {
-                format!(
-                    "; {distance:.1} m is more than the arm is long: check the \"units\" of the path file and \
-                     workpiece.position_mm of the job"
-                )
-            }
-            PathError::NoConfiguration { best, .. } => of(best),
-            _ => String::new(),
-        }
-    }
-    match error {
-        PlanError::Path(error) => of(error),
-        _ => String::new(),
     }
 }
 
@@ -460,6 +440,11 @@ impl<'t, const N: usize> Motion<'t, N> {
     pub fn setpoints(&self) -> Result<Setpoints<'_, 't, N>, LimitError> {
         self.trajectory.setpoints(self.trajectory.period())
     }
+}
+
+/// What is said of corners in which the tool stops.
+pub(crate) fn corner_words(corners: usize) -> Option<String> {
+    (corners > 0).then(|| format!("the path has {corners} corners, where the tool stops"))
 }
 
 /// Points of each chord segment, dense enough to be drawn as a curve, seen along the workpiece's z axis (m).

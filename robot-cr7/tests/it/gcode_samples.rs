@@ -292,6 +292,29 @@ fn the_star_is_ten_lines_within_two_millimetres() {
 }
 
 #[test]
+fn a_plate_with_twenty_slots() {
+    let program = sample("plate.ngc");
+    let rapid = |step: &&GcodeMove| step.kind == MoveKind::Rapid;
+    assert_eq!((program.moves.len(), program.moves.iter().filter(rapid).count()), (161, 61));
+    for (row, column) in [(0, 0), (1, 3), (3, 4)] {
+        let (x, y) = (45.0 * f64::from(column), 40.0 * f64::from(row));
+        // Eight moves for each slot; the first one leads to it.
+        let first = 8 * (5 * row + column) as usize + 1;
+        let slot = &program.moves[first..first + 7];
+        assert_near(slot[0].end(), mm(x, y, 2.0));
+        assert_near(slot[1].end(), mm(x, y, -1.0));
+        assert_near(slot[2].end(), mm(x + 24.0, y, -1.0));
+        assert_arc(&slot[3], mm(x + 24.0, y + 8.0, -1.0), Vector3::z(), PI, 0.0);
+        assert_arc(&slot[5], mm(x, y + 8.0, -1.0), Vector3::z(), PI, 0.0);
+        assert_near(slot[6].end(), mm(x, y, 15.0));
+        assert_feed(&slot[2], 3000.0);
+    }
+    let dwells = program.markers.iter().filter(|m| matches!(m.kind, MarkerKind::Dwell { .. }));
+    assert_eq!(dwells.map(|m| m.after).collect::<Vec<_>>(), [0, 40, 80, 120]);
+    assert!(program.warnings.is_empty(), "{:?}", program.warnings);
+}
+
+#[test]
 fn every_sample_is_tested() {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("data/gcode");
     let mut names: Vec<String> = std::fs::read_dir(folder)
@@ -300,7 +323,7 @@ fn every_sample_is_tested() {
         .collect();
     names.sort();
     let tested = include_str!("gcode_samples.rs");
-    assert_eq!(names.len(), 10);
+    assert_eq!(names.len(), 11);
     for name in names {
         assert!(tested.contains(&format!("sample(\"{name}\")")), "{name} has no test");
     }

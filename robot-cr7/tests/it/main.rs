@@ -8,6 +8,8 @@ mod common;
 mod compare;
 mod csv_tools;
 mod dense_gcode;
+#[cfg(feature = "cli")]
+mod dwells;
 mod gcode_hostile;
 mod gcode_plan;
 mod gcode_refusals;
@@ -28,7 +30,11 @@ mod pinned;
 #[cfg(feature = "cli")]
 mod place;
 #[cfg(feature = "cli")]
+mod program_case;
+#[cfg(feature = "cli")]
 mod random_jobs;
+#[cfg(feature = "cli")]
+mod rapid_moves;
 #[cfg(feature = "cli")]
 mod reproduce;
 #[cfg(feature = "cli")]

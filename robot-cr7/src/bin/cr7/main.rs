@@ -1,5 +1,6 @@
 //! `cr7`: plan tool paths for the Dobot CR7, look at them, and check what the papers claim.
 
+mod advise;
 mod compare;
 mod inspect;
 mod joint_move;
@@ -8,6 +9,8 @@ mod online;
 mod output;
 mod place;
 mod plan;
+mod plan_files;
+mod plan_program;
 mod pose;
 mod progress;
 mod reproduce;
@@ -38,6 +41,7 @@ const EXAMPLES: &str = "Examples:
   cr7 plan part.json --out part         a path of your own
   cr7 plan --job job.toml --json        a job file; the report as JSON on stdout
   cr7 compare job.toml                  every planner on one job
+  cr7 advise job.toml                   what each limit costs, and which to raise first
   cr7 inspect part.csv --unit mm        length, curvature and segments of a path
   cr7 place part.ngc --z-mm 0 --turn    where the workpiece can stand
   cr7 fk --deg 0 -30 90 30 -90 0        where the tool stands
@@ -57,6 +61,8 @@ enum Command {
     Plan(plan::Args),
     /// Compare all planners on one job: duration, computing time, limits broken, a picture
     Compare(compare::Args),
+    /// What each limit of a job costs in seconds, and which to raise first
+    Advise(advise::Args),
     /// Look at a path: length, curvature, segments by each method, a picture
     Inspect(inspect::Args),
     /// Where a workpiece can stand so that the whole path is in reach
@@ -133,6 +139,7 @@ fn main() -> ExitCode {
     let outcome = match command {
         Command::Plan(args) => plan::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Advise(args) => advise::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Place(args) => place::run(&args),
         Command::Fk(args) => pose::forward(&args),

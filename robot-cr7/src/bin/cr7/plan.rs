@@ -3,17 +3,19 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use arcfeed_interp::{PathArm, Trajectory};
-use robot_cr7::plot::{
-    Along, Bound, JointQuantity, feed_picture, joint_picture, path_picture, speed_path_picture, speed_picture,
-};
+use arcfeed_interp::PathArm;
+use robot_cr7::plot::speed_picture;
 use robot_cr7::{
-    BindingBar, BoundReport, CompiledReport, Job, LineTime, Motion, ProgramReport, Series, SpeedFigure, Staging,
-    StreamReport, Task, TrajectoryRow, TrajectoryWriter, drawn_segments, few_enough, line_times,
+    BoundReport, CompiledReport, Job, Motion, ProgramReport, ProgramTask, Series, Staging, Task, TrajectoryRow,
+    TrajectoryWriter, drawn_segments, few_enough, line_times,
 };
 
 use crate::Failure;
-use crate::output::{REPORTS, conclude};
+use crate::output::conclude;
+use crate::plan_files::{
+    COMPILED, Drawn, FILES, LEVERS, LINES, MOST_PLACES, Picture, limit_at, pictures, stream_figure, write_lines,
+};
+use crate::plan_program;
 use crate::progress::Progress;
 use crate::robots::RobotArgs;
 use crate::tool_path::{OnToolPath, on_tool_path, read_path};
@@ -34,7 +36,7 @@ use crate::tool_path::{OnToolPath, on_tool_path, read_path};
   cr7 plan --job job.toml --json | jq .duration_s")]
 pub struct Args {
     #[command(flatten)]
-    robot: RobotArgs,
+    pub robot: RobotArgs,
     /// Path file: .json (NURBS curve), .csv (points) or .ngc, .nc, .gcode (G-code). Without it: the job's, else an embedded butterfly
     path: Option<PathBuf>,
     /// Job file (TOML): workpiece, tool, feed, limits, tolerance, period. Without it: documented defaults
@@ -48,19 +50,19 @@ pub struct Args {
     unit: Option<String>,
     /// Also write joint_trajectory.json: polynomials of the time that stay within this tolerance of the planned joints, in rad
     #[arg(long, value_name = "TOLERANCE", conflicts_with = "stream")]
-    compile_rad: Option<f64>,
+    pub compile_rad: Option<f64>,
     /// Also bound the duration of all motions within the limits from below; takes a few to forty times as long as the plan
     #[arg(long, conflicts_with = "stream")]
-    bound: bool,
+    pub bound: bool,
     /// Run the motion as a controller does that gets its segments on the way, with N of them known behind the present one
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    stream: Option<u32>,
+    pub stream: Option<u32>,
     /// Time between two segments of the stream, ms; 0: as soon as the controller has a place for one
     #[arg(long, value_name = "MS", default_value_t = 0.0, requires = "stream", value_parser = gap_ms)]
     stream_gap_ms: f64,
     /// Print the report as one JSON object on stdout, and nothing else there
     #[arg(long)]
-    json: bool,
+    pub json: bool,
 }
 
 /// A time between segments that a stream can be run with.
@@ -88,31 +90,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 
     staging.clear()?;
     let progress = Progress::new("planning");
+    if ProgramTask::is_needed(&job, &file) {
+        return plan_program::run(args, &job, &file, staging, progress);
+    }
     on_tool_path(&args.robot, &job, &file, Plan { args, job: &job, staging, progress })
 }
-
-/// The files of the command.
-const FILES: [&str; 13] = [
-    "trajectory.csv",
-    "path.svg",
-    "path_speed.svg",
-    "feed.svg",
-    "feed_time.svg",
-    "joint_velocity.svg",
-    "joint_acceleration.svg",
-    "joint_jerk.svg",
-    COMPILED,
-    "stream.svg",
-    LINES,
-    REPORTS[0],
-    REPORTS[1],
-];
-/// The file of the compiled motion, where one is asked for.
-const COMPILED: &str = "joint_trajectory.json";
-/// The time of each line of a program.
-const LINES: &str = "lines.csv";
-/// The keys that make a motion faster that has too many samples.
-const LEVERS: &str = "feed.feed_mm_s and the limits of the job";
 
 /// Plans and samples the motion, and writes all there is to write.
 struct Plan<'a> {
@@ -126,7 +108,8 @@ impl OnToolPath for Plan<'_> {
     fn run<A: PathArm<N>, const N: usize>(self, task: Task<A, N>, warnings: Vec<String>) -> Result<(), Failure> {
         let Self { args, job, mut staging, progress } = self;
         // A lower bound of the duration, before the work.
-        let fastest = job.sections.iter().fold(job.feed.feed, |feed, section| feed.max(section.feed));
+        let fastest = task.tool_limits().feed().unwrap_or(job.feed.feed);
+        let fastest = job.sections.iter().fold(fastest, |feed, section| feed.max(section.feed));
         few_enough(task.path().length() / fastest, job.period, LEVERS)?;
         let path;
         let mut compiled = None;
@@ -173,7 +156,7 @@ impl OnToolPath for Plan<'_> {
         let sampling = begin.elapsed();
 
         progress.step("drawing");
-        for (name, svg) in pictures(&motion, job, &series)? {
+        for (name, svg) in path_pictures(&motion, job, &series)? {
             staging.write(name, &svg.map_err(|source| staging.failed(name, source))?)?;
         }
         let compiled = match compiled {
@@ -201,84 +184,38 @@ impl OnToolPath for Plan<'_> {
     }
 }
 
-/// One row for each line of the file.
-fn write_lines(file: std::fs::File, lines: &[LineTime]) -> std::io::Result<()> {
-    let mut writer = csv::Writer::from_writer(file);
-    for line in lines {
-        writer.serialize(line).map_err(std::io::Error::other)?;
-    }
-    writer.flush()
-}
-
-type Picture = (&'static str, Result<String, std::io::Error>);
-
 /// Pictures of a motion whose time, place, feed and joint rates are the columns of `series`.
-fn pictures<const N: usize>(motion: &Motion<'_, N>, job: &Job, series: &Series) -> Result<Vec<Picture>, Failure> {
+fn path_pictures<const N: usize>(motion: &Motion<'_, N>, job: &Job, series: &Series) -> Result<Vec<Picture>, Failure> {
     let plan = motion.trajectory();
-    let name = motion.name();
-    let segments = drawn_segments(plan, &job.workpiece);
-    let [t, s] = [0, 1].map(|column| series.column(column));
     let caps = plan.limit_curve().map_err(|e| Failure::Undoable(e.to_string()))?;
     let limit: Vec<(f64, f64)> = caps.iter().map(|point| (point.s, point.speed)).collect();
-    // Between two grid points the square of the speed may lie on the straight line through both.
-    let limit_at = |s: f64| {
-        let i = limit.partition_point(|l| l.0 <= s).clamp(1, limit.len() - 1);
-        let ((s0, v0), (s1, v1)) = (limit[i - 1], limit[i]);
-        (v0 * v0 + (v1 * v1 - v0 * v0) * (s - s0) / (s1 - s0)).max(0.0).sqrt()
+    let [t, s] = [0, 1].map(|column| series.column(column));
+    let drawn = Drawn {
+        name: motion.name(),
+        segments: drawn_segments(plan, &job.workpiece),
+        deviations: plan.segmentation().map_or_else(Vec::new, |segmentation| segmentation.deviations().to_vec()),
+        chord_tolerance: plan.chord_tolerance(),
+        limit_by_time: t.iter().zip(s).map(|(&t, &s)| (t, limit_at(&limit, s))).collect(),
+        places: places(motion, job, series),
+        joints: plan.limits().joints(),
+        limit,
     };
-    let limit_by_time: Vec<_> = t.iter().zip(s).map(|(&t, &s)| (t, limit_at(s))).collect();
-    let joints = plan.limits().joints();
-    let picture = |quantity, column: usize, limits: [f64; N]| {
-        let values: [&[f64]; N] = std::array::from_fn(|k| series.column(column + k));
-        joint_picture(name, quantity, t, &values, &limits.map(Bound::Constant), &[])
-    };
-    let rates = [joints.velocity(), joints.acceleration(), joints.jerk()].map(|limits| (*limits).into());
-    let streamed =
-        motion.stream().map(|stream| speed_picture(&stream_figure(name, stream, &series.pairs(1, 2), &limit)));
-    let deviations = plan.segmentation().map_or(&[] as &[f64], |segmentation| segmentation.deviations());
-    let mut all = vec![
-        ("path.svg", path_picture(name, &segments, deviations, plan.chord_tolerance())),
-        ("path_speed.svg", speed_path_picture(name, &places(plan, job, series))),
-        ("feed.svg", feed_picture(name, Along::Length, &series.pairs(1, 2), &limit)),
-        ("feed_time.svg", feed_picture(name, Along::Time, &series.pairs(0, 2), &limit_by_time)),
-        ("joint_velocity.svg", picture(JointQuantity::Velocity, 3, rates[0])),
-        ("joint_acceleration.svg", picture(JointQuantity::Acceleration, 3 + N, rates[1])),
-        ("joint_jerk.svg", picture(JointQuantity::Jerk, 3 + 2 * N, rates[2])),
-    ];
-    all.extend(streamed.map(|svg| ("stream.svg", svg)));
+    let mut all = pictures(&drawn, series);
+    if let Some(stream) = motion.stream() {
+        let figure = stream_figure(motion.name(), stream, &series.pairs(1, 2), &drawn.limit);
+        all.push(("stream.svg", speed_picture(&figure)));
+    }
     Ok(all)
 }
 
 /// Places along the motion, seen along the z axis of the workpiece (m), with the speed there (m/s).
-fn places<const N: usize>(plan: &Trajectory<'_, N>, job: &Job, series: &Series) -> Vec<[f64; 3]> {
-    const MOST: usize = 6000;
-    let Some(path) = plan.path().tool_curve() else { return Vec::new() };
+fn places<const N: usize>(motion: &Motion<'_, N>, job: &Job, series: &Series) -> Vec<[f64; 3]> {
+    let Some(path) = motion.trajectory().path().tool_curve() else { return Vec::new() };
     let inverse = job.workpiece.inverse();
     let (s, v) = (series.column(1), series.column(2));
     let place = |(&s, &v): (&f64, &f64)| {
         let p = inverse.transform_point(&path.curve().point(s).into());
         [p.x, p.y, v]
     };
-    s.iter().zip(v).step_by(s.len().div_ceil(MOST).max(1)).map(place).collect()
-}
-
-/// The speed under its limit, with the stretches in which the look-ahead held it back.
-fn stream_figure(name: &str, stream: &StreamReport, speed: &[(f64, f64)], limit: &[(f64, f64)]) -> SpeedFigure {
-    let mm = |points: &[(f64, f64)]| points.iter().map(|p| (p.0 * 1e3, p.1 * 1e3)).collect::<Vec<_>>();
-    let bar = |name: &str, intervals| BindingBar { name: name.to_owned(), joint: None, intervals };
-    let waits = stream.waits_m_s.iter().map(|wait| (wait.0, wait.0)).collect::<Vec<_>>();
-    SpeedFigure {
-        file: "stream.svg".to_owned(),
-        title: format!("{name}, streamed with {} segments ahead", stream.look_ahead),
-        facts: format!("with the whole path known before: {:.4} s", stream.whole_duration_s),
-        x_label: "path length s [mm]".to_owned(),
-        y_label: "feed [mm/s]".to_owned(),
-        speeds: vec![("streamed".to_owned(), mm(speed))],
-        initial: mm(limit),
-        ceiling: Vec::new(),
-        bindings: vec![
-            bar("look-ahead", mm(&stream.held_back_m)),
-            bar("waits", mm(&waits).into_iter().map(|(s, _)| (s, s)).collect()),
-        ],
-    }
+    s.iter().zip(v).step_by(s.len().div_ceil(MOST_PLACES).max(1)).map(place).collect()
 }

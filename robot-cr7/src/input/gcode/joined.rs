@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use arcfeed_geometry::{ArcTo, GeometryError, JoinedPath, JoinedPathBuilder};
+use nalgebra::Vector3;
 
 use super::program::{GcodeMove, GcodeProgram, MoveKind, MoveShape};
 use crate::input::error::InputError;
@@ -18,8 +19,17 @@ impl GcodeProgram {
     /// The moves from the first one that is not rapid on: where the tool comes from is not part of the work. A program of rapid moves
     /// alone is kept.
     pub fn working_moves(&self) -> &[GcodeMove] {
-        let first = self.moves.iter().position(|step| step.kind != MoveKind::Rapid).unwrap_or(0);
-        &self.moves[first..]
+        &self.moves[self.first_working_move()..]
+    }
+
+    /// Index of the first of the working moves.
+    pub(crate) fn first_working_move(&self) -> usize {
+        self.moves.iter().position(|step| step.kind != MoveKind::Rapid).unwrap_or(0)
+    }
+
+    /// Where the move of this index starts, in metres.
+    pub(crate) fn start_of(&self, index: usize) -> Vector3<f64> {
+        index.checked_sub(1).and_then(|before| self.moves.get(before)).map_or(self.start, GcodeMove::end)
     }
 
     /// The [working moves](Self::working_moves) as one path, in metres. The source of each piece is its line in the file.
@@ -28,17 +38,16 @@ impl GcodeProgram {
     /// [`InputError::Value`] for a program without moves and for a move that only turns rotary axes, [`InputError::Curve`] for a shape that
     /// is no path.
     pub fn joined(&self) -> Result<JoinedPath, InputError> {
-        let mut path = self.begin()?;
+        let mut path = self.begin(self.first_working_move())?;
         for step in self.working_moves() {
             self.append(&mut path, step)?;
         }
         path.build().map_err(|source| self.curve_error(0, source))
     }
 
-    /// A path that starts where the working moves do.
-    pub(crate) fn begin(&self) -> Result<JoinedPathBuilder, InputError> {
-        let moves = self.working_moves();
-        let Some(first) = moves.first() else {
+    /// A path that starts where the move of this index does.
+    pub(crate) fn begin(&self, index: usize) -> Result<JoinedPathBuilder, InputError> {
+        let Some(first) = self.moves.get(index) else {
             return Err(self.wrong(
                 None,
                 "the program",
@@ -47,9 +56,7 @@ impl GcodeProgram {
                 "write G1, G2, G3 or G5",
             ));
         };
-        let before = self.moves.len() - moves.len();
-        let start = if before == 0 { self.start } else { self.moves[before - 1].end() };
-        JoinedPathBuilder::new(start, GAP).map_err(|source| self.curve_error(first.line, source))
+        JoinedPathBuilder::new(self.start_of(index), GAP).map_err(|source| self.curve_error(first.line, source))
     }
 
     /// Appends one move to a path.

@@ -1,0 +1,51 @@
+//! `cr7 advise`: what each limit costs.
+
+use std::path::PathBuf;
+
+use arcfeed_interp::PathArm;
+use robot_cr7::{Advice, Job, Task};
+
+use crate::Failure;
+use crate::output::show;
+use crate::progress::Progress;
+use crate::robots::RobotArgs;
+use crate::tool_path::{OnToolPath, on_tool_path, read_path};
+
+/// Arguments of `cr7 advise`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  cr7 advise                               the embedded butterfly
+  cr7 advise job.toml --robot ur5e
+  cr7 advise job.toml --json | jq '.limits[0]'")]
+pub struct Args {
+    #[command(flatten)]
+    robot: RobotArgs,
+    /// Job file (TOML). Without it: documented defaults and the embedded butterfly
+    job: Option<PathBuf>,
+    /// Print one JSON object on stdout, and nothing else there
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let job = match &args.job {
+        Some(file) => Job::read(file)?,
+        None => Job::default(),
+    };
+    let file = read_path(job.path_file.as_deref(), None, job.csv_unit)?;
+    on_tool_path(&args.robot, &job, &file, Advise { json: args.json })
+}
+
+struct Advise {
+    json: bool,
+}
+
+impl OnToolPath for Advise {
+    fn run<A: PathArm<N>, const N: usize>(self, task: Task<A, N>, _: Vec<String>) -> Result<(), Failure> {
+        let progress = Progress::new("planning");
+        let advice = Advice::new(&task, |limit| progress.step(limit))?;
+        drop(progress);
+        show(&advice, self.json.then(|| advice.to_json()));
+        Ok(())
+    }
+}

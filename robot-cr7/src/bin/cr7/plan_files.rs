@@ -1,0 +1,108 @@
+//! The files of `cr7 plan`.
+
+use arcfeed_kinematics::JointLimits;
+use robot_cr7::plot::{Along, Bound, JointQuantity, feed_picture, joint_picture, path_picture, speed_path_picture};
+use robot_cr7::{BindingBar, LineTime, Series, SpeedFigure, StreamReport};
+
+use crate::output::REPORTS;
+
+/// The files of the command.
+pub const FILES: [&str; 13] = [
+    "trajectory.csv",
+    "path.svg",
+    "path_speed.svg",
+    "feed.svg",
+    "feed_time.svg",
+    "joint_velocity.svg",
+    "joint_acceleration.svg",
+    "joint_jerk.svg",
+    COMPILED,
+    "stream.svg",
+    LINES,
+    REPORTS[0],
+    REPORTS[1],
+];
+/// The file of the compiled motion, where one is asked for.
+pub const COMPILED: &str = "joint_trajectory.json";
+/// The time of each line of a program.
+pub const LINES: &str = "lines.csv";
+/// The keys that make a motion faster that has too many samples.
+pub const LEVERS: &str = "feed.feed_mm_s and the limits of the job";
+
+/// One row for each line of the file.
+pub fn write_lines(file: std::fs::File, lines: &[LineTime]) -> std::io::Result<()> {
+    let mut writer = csv::Writer::from_writer(file);
+    for line in lines {
+        writer.serialize(line).map_err(std::io::Error::other)?;
+    }
+    writer.flush()
+}
+
+pub type Picture = (&'static str, Result<String, std::io::Error>);
+
+/// Most places of the path that are drawn with their speeds.
+pub const MOST_PLACES: usize = 6000;
+
+/// What the pictures of a motion show beside its samples.
+pub struct Drawn<'a, const N: usize> {
+    pub name: &'a str,
+    /// Points of each chord segment, seen along the z axis of the workpiece, m, and their largest deviations, m.
+    pub segments: Vec<Vec<[f64; 2]>>,
+    pub deviations: Vec<f64>,
+    /// m.
+    pub chord_tolerance: f64,
+    /// The highest speed (m/s) by the way of the tool (m), and by the time (s).
+    pub limit: Vec<(f64, f64)>,
+    pub limit_by_time: Vec<(f64, f64)>,
+    /// Places with the speed there.
+    pub places: Vec<[f64; 3]>,
+    pub joints: &'a JointLimits<N>,
+}
+
+/// Pictures of a motion whose time, place, feed and joint rates are the columns of `series`.
+pub fn pictures<const N: usize>(drawn: &Drawn<'_, N>, series: &Series) -> Vec<Picture> {
+    let name = drawn.name;
+    let picture = |quantity, column: usize, limits: [f64; N]| {
+        let values: [&[f64]; N] = std::array::from_fn(|k| series.column(column + k));
+        joint_picture(name, quantity, series.column(0), &values, &limits.map(Bound::Constant), &[])
+    };
+    let joints = drawn.joints;
+    let rates = [joints.velocity(), joints.acceleration(), joints.jerk()].map(|limits| (*limits).into());
+    vec![
+        ("path.svg", path_picture(name, &drawn.segments, &drawn.deviations, drawn.chord_tolerance)),
+        ("path_speed.svg", speed_path_picture(name, &drawn.places)),
+        ("feed.svg", feed_picture(name, Along::Length, &series.pairs(1, 2), &drawn.limit)),
+        ("feed_time.svg", feed_picture(name, Along::Time, &series.pairs(0, 2), &drawn.limit_by_time)),
+        ("joint_velocity.svg", picture(JointQuantity::Velocity, 3, rates[0])),
+        ("joint_acceleration.svg", picture(JointQuantity::Acceleration, 3 + N, rates[1])),
+        ("joint_jerk.svg", picture(JointQuantity::Jerk, 3 + 2 * N, rates[2])),
+    ]
+}
+
+/// The speed that a limit curve allows at `s`: between two grid points its square may lie on the straight line through both.
+pub fn limit_at(limit: &[(f64, f64)], s: f64) -> f64 {
+    let i = limit.partition_point(|l| l.0 <= s).clamp(1, limit.len() - 1);
+    let ((s0, v0), (s1, v1)) = (limit[i - 1], limit[i]);
+    (v0 * v0 + (v1 * v1 - v0 * v0) * (s - s0) / (s1 - s0)).max(0.0).sqrt()
+}
+
+/// The speed under its limit, with the stretches in which the look-ahead held it back.
+pub fn stream_figure(name: &str, stream: &StreamReport, speed: &[(f64, f64)], limit: &[(f64, f64)]) -> SpeedFigure {
+    let mm = |points: &[(f64, f64)]| points.iter().map(|p| (p.0 * 1e3, p.1 * 1e3)).collect::<Vec<_>>();
+    let bar = |name: &str, intervals| BindingBar { name: name.to_owned(), joint: None, intervals };
+    let waits = stream.waits_m_s.iter().map(|wait| (wait.0, wait.0)).collect::<Vec<_>>();
+    SpeedFigure {
+        file: "stream.svg".to_owned(),
+        title: format!("{name}, streamed with {} segments ahead", stream.look_ahead),
+        facts: format!("with the whole path known before: {:.4} s", stream.whole_duration_s),
+        x_label: "path length s [mm]".to_owned(),
+        y_label: "feed [mm/s]".to_owned(),
+        speeds: vec![("streamed".to_owned(), mm(speed))],
+        initial: mm(limit),
+        ceiling: Vec::new(),
+        bindings: vec![
+            bar("look-ahead", mm(&stream.held_back_m)),
+            bar("waits", mm(&waits).into_iter().map(|(s, _)| (s, s)).collect()),
+        ],
+    }
+}

@@ -1,0 +1,161 @@
+//! `cr7 plan` on a program in parts: one trajectory, with pictures and report of all of them.
+
+use std::time::Instant;
+
+use arcfeed_interp::PathArm;
+use robot_cr7::{
+    BoundReport, Job, PartMotion, PathFile, ProgramMotion, ProgramPart, ProgramTask, Series, Staging, TrajectoryWriter,
+    drawn_segments, few_enough,
+};
+
+use crate::Failure;
+use crate::output::conclude;
+use crate::plan::Args;
+use crate::plan_files::{COMPILED, Drawn, FILES, LEVERS, LINES, MOST_PLACES, limit_at, pictures, write_lines};
+use crate::progress::Progress;
+use crate::tool_path::{OnProgram, on_program};
+
+pub fn run(args: &Args, job: &Job, file: &PathFile, staging: Staging, progress: Progress) -> Result<(), Failure> {
+    if args.stream.is_some() {
+        return Err(Failure::BadInput(
+            "--stream runs one path, and this program has dwells (G4) or rapid moves of the joints between its paths: leave \
+             out --stream, or the dwells and feed.rapid = \"joints\""
+                .to_owned(),
+        ));
+    }
+    on_program(&args.robot, job, file, PlanProgram { args, job, staging, progress })
+}
+
+/// Plans and samples the motion of a program, and writes all there is to write.
+struct PlanProgram<'a> {
+    args: &'a Args,
+    job: &'a Job,
+    staging: Staging,
+    progress: Progress,
+}
+
+impl OnProgram for PlanProgram<'_> {
+    fn run<A: PathArm<N> + Clone, const N: usize>(
+        self,
+        task: ProgramTask<A, N>,
+        warnings: Vec<String>,
+    ) -> Result<(), Failure> {
+        let Self { args, job, mut staging, progress } = self;
+        few_enough(task.least_duration(), task.period(), LEVERS)?;
+        let (mut motion, compiled) = match args.compile_rad {
+            None => (task.plan()?, None),
+            Some(tolerance) => {
+                let (motion, compiled) = task.plan_compiled(tolerance)?;
+                (motion, Some((tolerance, compiled)))
+            }
+        };
+        motion.warn(warnings);
+        few_enough(motion.duration(), motion.period(), LEVERS)?;
+        let bound = if args.bound {
+            progress.step("lower bound");
+            Some(lower_bound(&motion)?)
+        } else {
+            None
+        };
+
+        progress.step("sampling and writing");
+        let begin = Instant::now();
+        let sampler = motion.samples().map_err(|e| Failure::Undoable(e.to_string()))?;
+        let samples = sampler.len();
+        let mut series = Series::new(3 + 3 * N, samples);
+        let mut places = Vec::new();
+        let mut check = motion.check();
+        let inverse = job.workpiece.inverse();
+        let name = FILES[0];
+        let mut trajectory = TrajectoryWriter::new(staging.create(name)?).map_err(|e| staging.failed(name, e))?;
+        for (i, sample) in sampler.enumerate() {
+            let sample = sample.map_err(|e| Failure::Undoable(e.to_string()))?;
+            let row = sample.row;
+            trajectory.write(&row).map_err(|e| staging.failed(name, e))?;
+            check.see(&row);
+            let rates = [row.qd, row.qdd, row.jerk];
+            series.push([row.t, sample.s, sample.feed].into_iter().chain(rates.iter().flatten().copied()));
+            if i % samples.div_ceil(MOST_PLACES) == 0 {
+                let place = inverse.transform_point(&row.position.into());
+                places.push([place.x, place.y, sample.feed]);
+            }
+        }
+        trajectory.finish().map_err(|e| staging.failed(name, e))?;
+        series.cut();
+        let sampling = begin.elapsed();
+        let check = check.finish(job.feed.end_speeds[1] == 0.0);
+
+        progress.step("drawing");
+        let drawn = drawn(&motion, job, &series, places)?;
+        for (name, svg) in pictures(&drawn, &series) {
+            staging.write(name, &svg.map_err(|source| staging.failed(name, source))?)?;
+        }
+        let file = staging.create(LINES)?;
+        write_lines(file, &motion.line_times()).map_err(|source| staging.failed(LINES, source))?;
+        let mut report = motion.report(&check, samples, sampling);
+        if let Some((tolerance, compiled)) = &compiled {
+            let robot = args.robot.load()?;
+            let names = std::array::from_fn(|k| robot.any().joint_names().get(k).cloned().unwrap_or_default());
+            staging.write(COMPILED, &(compiled.joints.to_json(&names) + "\n"))?;
+            report.compiled = Some(motion.compiled_report(*tolerance, compiled));
+        }
+        drop(progress);
+        report.bound = bound;
+        let remedy = "lower the feed, or give the limits of the job more distance";
+        conclude(report, staging, args.json, remedy)
+    }
+}
+
+/// The bounds of all parts together.
+fn lower_bound<const N: usize>(motion: &ProgramMotion<'_, N>) -> Result<BoundReport, Failure> {
+    let moving = motion.parts().iter().filter_map(ProgramPart::trajectory);
+    let bounds = moving.map(|trajectory| trajectory.lower_bound()).collect::<Result<Vec<_>, _>>();
+    let bounds = bounds.map_err(|e| Failure::Undoable(format!("--bound, for planners that limit jerk: {e}")))?;
+    let rests = motion.parts().iter().filter(|part| part.trajectory().is_none());
+    Ok(BoundReport::of_parts(motion.duration(), rests.map(ProgramPart::duration).sum(), &bounds))
+}
+
+/// What the pictures show: the segments and limits of all paths, and no limit on the speed of the tool in joint moves.
+fn drawn<'m, const N: usize>(
+    motion: &'m ProgramMotion<'_, N>,
+    job: &Job,
+    series: &Series,
+    places: Vec<[f64; 3]>,
+) -> Result<Drawn<'m, N>, Failure> {
+    let (mut segments, mut deviations, mut chord_tolerance) = (Vec::new(), Vec::new(), 0.0f64);
+    let mut limit = Vec::new();
+    // The limits of each part by its end.
+    let mut limits: Vec<(f64, Vec<(f64, f64)>)> = Vec::new();
+    for part in motion.parts() {
+        let own = match part.motion() {
+            PartMotion::Path(path) => {
+                let plan = path.trajectory();
+                segments.extend(drawn_segments(plan, &job.workpiece));
+                deviations.extend(plan.segmentation().into_iter().flat_map(|s| s.deviations().iter().copied()));
+                chord_tolerance = chord_tolerance.max(plan.chord_tolerance());
+                let caps = plan.limit_curve().map_err(|e| Failure::Undoable(e.to_string()))?;
+                caps.iter().map(|point| (part.from() + point.s, point.speed)).collect()
+            }
+            PartMotion::Joints(_) => [part.from(), part.from() + part.length()].map(|s| (s, f64::INFINITY)).to_vec(),
+            PartMotion::Dwell(_) => Vec::new(),
+        };
+        limit.extend_from_slice(&own);
+        limits.push((part.end(), own));
+    }
+    let [t, s] = [0, 1].map(|column| series.column(column));
+    let at = |(&t, &s): (&f64, &f64)| {
+        let own = limits.get(limits.partition_point(|(end, _)| *end < t)).map_or(&[] as &[_], |(_, own)| own);
+        let free = own.len() < 2 || own.iter().any(|(_, speed)| speed.is_infinite());
+        (t, if free { f64::INFINITY } else { limit_at(own, s) })
+    };
+    Ok(Drawn {
+        name: motion.name(),
+        segments,
+        deviations,
+        chord_tolerance,
+        limit_by_time: t.iter().zip(s).map(at).collect(),
+        limit,
+        places,
+        joints: motion.joint_limits(),
+    })
+}

@@ -1,0 +1,169 @@
+//! The report of a program in parts: totals, and the worst place of each limit over all of them.
+
+use std::time::Duration;
+
+use arcfeed_interp::{PathParameter, Trajectory, Verification};
+
+use super::compiled_report::CompiledReport;
+use super::part_report::PartReport;
+use super::program_report::{LineTime, ProgramReport, lines_from};
+use super::report::{Report, SegmentCount};
+use crate::run::joint_move::JointMove;
+use crate::run::limit_line::{LimitLine, worst};
+use crate::run::limit_lines::limit_lines;
+use crate::run::program_motion::ProgramMotion;
+use crate::run::program_part::{PartMotion, ProgramPart, time_among, time_at};
+use crate::run::program_plan::CompiledProgram;
+
+impl<const N: usize> ProgramMotion<'_, N> {
+    /// The report of the motion: `samples` of them were computed in `sampling`, and `check` is what a check of these says.
+    pub fn report(&self, check: &Verification, samples: usize, sampling: Duration) -> Report {
+        let motions = || self.parts().iter().filter_map(ProgramPart::trajectory);
+        let planning_time_s = motions().map(|motion| motion.timings().planning().as_secs_f64()).sum();
+        let verification_time_s = motions().map(|motion| motion.timings().verification.as_secs_f64()).sum();
+        let sampling_time_s = sampling.as_secs_f64();
+        let paths = || self.paths().map(|(_, path)| path.trajectory());
+        let deviation = paths().filter_map(|path| Some(path.segmentation()?.max_deviation())).fold(0.0, f64::max);
+        let outlines = self.paths().filter_map(|(_, path)| path.outline());
+        Report {
+            path: self.name().to_owned(),
+            length_m: self.length(),
+            duration_s: self.duration(),
+            planner: self.planners(),
+            fallback: None,
+            planning_rounds: motions().map(|motion| motion.info().rounds).max().unwrap_or(1),
+            samples,
+            period_s: self.period(),
+            segments: self.segment_counts(),
+            chord_tolerance_m: paths().map(|path| path.chord_tolerance()).fold(0.0, f64::max),
+            max_deviation_m: deviation,
+            planning_time_s,
+            verification_time_s,
+            sampling_time_s,
+            motion_per_computing: self.duration() / (planning_time_s + verification_time_s + sampling_time_s),
+            limits: self.limits(check),
+            bound: None,
+            fit: None,
+            program: Some(ProgramReport::joined(outlines, self.markers().cloned().collect())),
+            parts: self.parts().iter().map(PartReport::new).collect(),
+            compiled: None,
+            stream: None,
+            warnings: self.warnings().to_vec(),
+            files: Vec::new(),
+        }
+    }
+
+    /// The lines of the file with their times, in order. A dwell is not among them.
+    pub fn line_times(&self) -> Vec<LineTime> {
+        let lines = self.parts().iter().flat_map(|part| {
+            let from = [part.from(), part.begin()];
+            match part.motion() {
+                PartMotion::Path(motion) => motion.outline().map_or_else(Vec::new, |outline| {
+                    let law = motion.trajectory().law();
+                    let knots: Vec<(f64, f64)> = law.knots().map(|(t, state)| (t, state.p)).collect();
+                    lines_from(outline, from, |s| time_among(law, &knots, s))
+                }),
+                PartMotion::Joints(motion) => rapid_lines(motion, from),
+                PartMotion::Dwell(_) => Vec::new(),
+            }
+        });
+        lines.collect()
+    }
+
+    /// The report of the compiled motion, made for `tolerance` (rad).
+    pub fn compiled_report(&self, tolerance: f64, compiled: &CompiledProgram<N>) -> CompiledReport {
+        let paths = compiled.paths.iter().filter_map(|(index, pieces, tool)| {
+            let part = self.parts().get(*index)?;
+            Some((part.begin(), CompiledReport::new(tolerance, part.trajectory()?, pieces, tool)))
+        });
+        CompiledReport::of_parts(tolerance, &compiled.joints, self.joint_limits(), paths)
+    }
+
+    /// Every limit with its worst place over all parts and over the samples.
+    fn limits(&self, check: &Verification) -> Vec<LimitLine> {
+        let mut all = Vec::new();
+        for part in self.parts() {
+            let lines = match part.motion() {
+                PartMotion::Path(motion) => motion.limits(),
+                PartMotion::Joints(motion) => {
+                    limit_lines(motion.trajectory().verification(), PathParameter::JointDistance)
+                }
+                PartMotion::Dwell(_) => continue,
+            };
+            for line in lines {
+                merge(&mut all, placed(part, line));
+            }
+        }
+        for mut line in limit_lines(check, PathParameter::JointDistance) {
+            line.lines = self.part_at(line.at_t_s).map(|part| part.lines_at(line.at_t_s));
+            merge(&mut all, line);
+        }
+        all
+    }
+
+    /// The planners whose laws these are: that of the job, and those that took its place.
+    fn planners(&self) -> String {
+        let motions = || self.parts().iter().filter_map(ProgramPart::trajectory);
+        let replaced = |motion: &&Trajectory<'_, N>| motion.info().method != Some(self.method());
+        match (motions().find(replaced).and_then(|motion| motion.info().method), motions().filter(replaced).count()) {
+            (Some(other), count) => format!("{}; {other} for {count} of {} motions", self.method(), motions().count()),
+            (None, _) => self.method().to_string(),
+        }
+    }
+
+    /// Segments of all paths by each method.
+    fn segment_counts(&self) -> Vec<SegmentCount> {
+        let mut all: Vec<SegmentCount> = Vec::new();
+        for count in self.paths().flat_map(|(_, path)| path.segment_counts()) {
+            match all.iter_mut().find(|other| other.method == count.method) {
+                Some(other) => {
+                    other.segments += count.segments;
+                    other.max_deviation_m = other.max_deviation_m.max(count.max_deviation_m);
+                }
+                None => all.push(count),
+            }
+        }
+        all
+    }
+}
+
+/// A line of one part, at its time and place in the whole.
+fn placed<const N: usize>(part: &ProgramPart<'_, N>, line: LimitLine) -> LimitLine {
+    let lines = line.lines.or_else(|| Some(part.lines_at(part.begin() + line.at_t_s)));
+    let (at_t_s, at_s_m) = (part.begin() + line.at_t_s, line.at_s_m.map(|s| part.from() + s));
+    LimitLine { at_t_s, at_s_m, lines, ..line }
+}
+
+/// Keeps the worse one of two lines on the same limit.
+fn merge(all: &mut Vec<LimitLine>, line: LimitLine) {
+    let same = |other: &&mut LimitLine| (&other.name, other.joint, other.unit) == (&line.name, line.joint, line.unit);
+    match all.iter_mut().find(same) {
+        Some(other) => {
+            if worst([&*other, &line]).is_some_and(|worse| *worse == line) {
+                *other = line;
+            }
+        }
+        None => all.push(line),
+    }
+}
+
+/// The lines of rapid moves of the joints, with their times.
+fn rapid_lines<const N: usize>(motion: &JointMove<'_, N>, [from_s, from_t]: [f64; 2]) -> Vec<LineTime> {
+    let (mut s_from_m, mut t_from_s) = (from_s, from_t);
+    let law = motion.trajectory().law();
+    let line = |end: &crate::run::joint_move::Passed| {
+        let line = LineTime {
+            line: end.line.to_string(),
+            n: end.number,
+            s_from_m,
+            s_to_m: from_s + motion.way_at(end.parameter),
+            t_from_s,
+            t_to_s: from_t + time_at(law, end.parameter),
+            feed_m_s: None,
+            deviation_m: Some(end.distance_m),
+        };
+        (s_from_m, t_from_s) = (line.s_to_m, line.t_to_s);
+        line
+    };
+    motion.passed().iter().map(line).collect()
+}

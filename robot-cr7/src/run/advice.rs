@@ -1,0 +1,227 @@
+//! The seconds that each limit of a job costs.
+
+use std::fmt;
+use std::sync::Arc;
+
+use arcfeed_interp::{LimitError, MotionPath, PathArm, PlanError, ToolLimits};
+use arcfeed_kinematics::Joints;
+use serde::Serialize;
+
+use super::error::Cr7Error;
+use super::limit_line::{LimitLine, LimitUnit};
+use super::limit_lines::limit_lines;
+use super::task::Task;
+use super::task_limits::TaskLimits;
+use crate::text::{json, number};
+
+/// By how much a limit is raised to see what that gains.
+const RAISED: f64 = 1.1;
+/// As good as no limit.
+const LIFTED: f64 = 1e3;
+/// A limit of which a motion uses a smaller part does not bind anywhere: without it the motion is the same.
+const BINDS: f64 = 0.98;
+
+/// What one limit costs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LimitCost {
+    /// The limited quantity, as in the report of the plan.
+    pub name: String,
+    /// The joint, from 1, for limits of joints.
+    pub joint: Option<usize>,
+    /// Its key in the job.
+    pub key: &'static str,
+    /// Unit of `limit`.
+    pub unit: LimitUnit,
+    /// The limit.
+    pub limit: f64,
+    /// By how much the motion is shorter with 10 % more of this limit alone, s.
+    pub raised_saves_s: f64,
+    /// By how much it is shorter with a thousand times this limit, s: what the limit costs.
+    pub lifted_saves_s: f64,
+}
+
+/// The cost of every limit that binds, the one first of which 10 % more save most.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Advice {
+    /// Name of the path.
+    pub path: String,
+    /// Duration of the motion within all limits, s.
+    pub duration_s: f64,
+    /// The limits that bind somewhere.
+    pub limits: Vec<LimitCost>,
+    /// Limits that bind nowhere: raising one of them alone changes nothing.
+    pub idle: Vec<String>,
+}
+
+/// A limit of a job.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Limit {
+    Feed,
+    TangentialAcceleration,
+    TangentialJerk,
+    NormalAcceleration,
+    NormalJerk,
+    AngularSpeed,
+    JointVelocity(usize),
+    JointAcceleration(usize),
+    JointJerk(usize),
+    JointTorque(usize),
+}
+
+impl Limit {
+    /// The limit of a line of the report; `None` for what is no limit of the speed.
+    fn of(line: &LimitLine) -> Option<Self> {
+        Some(match (line.name.as_str(), line.joint.and_then(|joint| joint.checked_sub(1))) {
+            ("feed", _) => Self::Feed,
+            ("tangential acceleration", _) => Self::TangentialAcceleration,
+            ("tangential jerk", _) => Self::TangentialJerk,
+            ("normal acceleration", _) => Self::NormalAcceleration,
+            ("normal jerk", _) => Self::NormalJerk,
+            ("angular speed", _) => Self::AngularSpeed,
+            ("joint velocity", Some(joint)) => Self::JointVelocity(joint),
+            ("joint acceleration", Some(joint)) => Self::JointAcceleration(joint),
+            ("joint jerk", Some(joint)) => Self::JointJerk(joint),
+            ("joint torque", Some(joint)) => Self::JointTorque(joint),
+            _ => return None,
+        })
+    }
+
+    /// Its key in the job.
+    fn key(self) -> &'static str {
+        match self {
+            Self::Feed => "feed.feed_mm_s",
+            Self::TangentialAcceleration => "feed.tangential_acceleration_mm_s2",
+            Self::TangentialJerk => "feed.tangential_jerk_mm_s3",
+            Self::NormalAcceleration => "feed.normal_acceleration_mm_s2",
+            Self::NormalJerk => "feed.normal_jerk_mm_s3",
+            Self::AngularSpeed => "feed.angular_speed_deg_s",
+            Self::JointVelocity(_) => "joints.velocity_deg_s",
+            Self::JointAcceleration(_) => "joints.acceleration_deg_s2",
+            Self::JointJerk(_) => "joints.jerk_deg_s3",
+            Self::JointTorque(_) => "torque.limit_nm",
+        }
+    }
+
+    /// The limits with this one `factor` times as high.
+    fn raised<const N: usize>(self, limits: &TaskLimits<N>, factor: f64) -> Result<TaskLimits<N>, PlanError> {
+        let mut raised = limits.clone();
+        let tool = limits.tool;
+        let with = |value: Option<f64>, set: fn(ToolLimits, f64) -> Result<ToolLimits, LimitError>| match value {
+            Some(value) => set(tool, value * factor),
+            None => Ok(tool),
+        };
+        match self {
+            Self::Feed => {
+                raised.tool = with(tool.feed(), ToolLimits::with_feed)?;
+                raised.sections.iter_mut().for_each(|section| section.feed *= factor);
+            }
+            Self::TangentialAcceleration => {
+                raised.tool = with(tool.tangential_acceleration(), ToolLimits::with_tangential_acceleration)?;
+            }
+            Self::TangentialJerk => raised.tool = with(tool.tangential_jerk(), ToolLimits::with_tangential_jerk)?,
+            Self::NormalAcceleration => {
+                raised.tool = with(tool.normal_acceleration(), ToolLimits::with_normal_acceleration)?;
+            }
+            Self::NormalJerk => raised.tool = with(tool.normal_jerk(), ToolLimits::with_normal_jerk)?,
+            Self::AngularSpeed => raised.tool = with(tool.angular_speed(), ToolLimits::with_angular_speed)?,
+            Self::JointTorque(joint) => raised.torque = raised.torque.map(|torque| scaled(torque, joint, factor)),
+            Self::JointVelocity(joint) | Self::JointAcceleration(joint) | Self::JointJerk(joint) => {
+                let joints = &limits.joints;
+                let [mut v, mut a, mut j] = [*joints.velocity(), *joints.acceleration(), *joints.jerk()];
+                let one = match self {
+                    Self::JointVelocity(_) => &mut v,
+                    Self::JointAcceleration(_) => &mut a,
+                    _ => &mut j,
+                };
+                *one = scaled(*one, joint, factor);
+                raised.joints = joints.range().with_rates(v, a, j).map_err(LimitError::from)?;
+            }
+        }
+        Ok(raised)
+    }
+}
+
+fn scaled<const N: usize>(mut values: Joints<N>, joint: usize, factor: f64) -> Joints<N> {
+    values[joint] *= factor;
+    values
+}
+
+impl Advice {
+    /// Plans the task once for each limit that binds, with 10 % more of it, and once without it. `tell` hears which.
+    ///
+    /// # Errors
+    /// [`Cr7Error::Plan`] where the task cannot be planned.
+    pub fn new<A: PathArm<N>, const N: usize>(task: &Task<A, N>, mut tell: impl FnMut(&str)) -> Result<Self, Cr7Error> {
+        let path: Arc<dyn MotionPath<N> + '_> = Arc::new(task.tool_path()?);
+        let own = task.own_limits();
+        tell("within all limits");
+        let plan = task.planner()?.plan_shared(path.clone()).map_err(|source| task.error(source))?;
+        let duration = plan.duration();
+        let lines = limit_lines(plan.verification(), plan.path().parameter());
+        let (mut limits, mut idle) = (Vec::new(), Vec::new());
+        for line in &lines {
+            let Some(limit) = Limit::of(line) else { continue };
+            let words = line.joint.map_or(line.name.clone(), |joint| format!("{} J{joint}", line.name));
+            if line.ratio < BINDS {
+                idle.push(words);
+                continue;
+            }
+            tell(&words);
+            let saved = |factor: f64| -> Result<f64, Cr7Error> {
+                let raised = limit.raised(&own, factor).map_err(|source| task.error(source))?;
+                let plan = task.planner_within(&raised)?.plan_shared(path.clone());
+                Ok(duration - plan.map_err(|source| task.error(source))?.duration())
+            };
+            limits.push(LimitCost {
+                name: line.name.clone(),
+                joint: line.joint,
+                key: limit.key(),
+                unit: line.unit,
+                limit: line.limit,
+                raised_saves_s: saved(RAISED)?,
+                lifted_saves_s: saved(LIFTED)?,
+            });
+        }
+        limits.sort_by(|a, b| b.raised_saves_s.total_cmp(&a.raised_saves_s));
+        Ok(Self { path: task.name().to_owned(), duration_s: duration, limits, idle })
+    }
+
+    /// One JSON object on one line.
+    pub fn to_json(&self) -> String {
+        json(self)
+    }
+}
+
+impl fmt::Display for Advice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}: {} s within all limits", self.path, number(self.duration_s))?;
+        writeln!(
+            f,
+            "\n  {:<24}{:>4}{:>12} {:<9}{:>14}{:>14}  key of the job",
+            "limit that binds", "", "limit", "", "10 % more", "without it"
+        )?;
+        writeln!(f, "  {:<24}{:>4}{:>12} {:<9}{:>14}{:>14}", "", "", "", "", "saves [s]", "saves [s]")?;
+        for cost in &self.limits {
+            let (factor, unit) = cost.unit.for_people();
+            let joint = cost.joint.map(|joint| format!("J{joint}")).unwrap_or_default();
+            writeln!(
+                f,
+                "  {:<24}{joint:>4}{:>12} {unit:<9}{:>14.4}{:>14.4}  {}",
+                cost.name,
+                number(cost.limit * factor),
+                cost.raised_saves_s,
+                cost.lifted_saves_s,
+                cost.key
+            )?;
+        }
+        if let Some(first) = self.limits.first().filter(|first| first.raised_saves_s > 0.0) {
+            let joint = first.joint.map(|joint| format!(" of joint {joint}")).unwrap_or_default();
+            let share = 100.0 * first.raised_saves_s / self.duration_s;
+            writeln!(f, "\nRaise the {}{joint} first ({}): 10 % more of it save {share:.2} %.", first.name, first.key)?;
+        }
+        if !self.idle.is_empty() {
+            writeln!(f, "Limits that bind nowhere: {}.", self.idle.join(", "))?;
+        }
+        Ok(())
+    }
+}

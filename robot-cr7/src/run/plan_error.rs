@@ -1,0 +1,91 @@
+//! The errors of planners, with the file and a likely cause.
+
+use arcfeed_geometry::PosePath;
+use arcfeed_interp::{LiveError, PathError, PlanError, SpeedError};
+use arcfeed_kinematics::KinematicsError;
+use nalgebra::Vector3;
+
+use super::error::Cr7Error;
+use super::outline::Outline;
+
+/// A path this far out of reach is probably given in another unit than meant, m.
+const FAR_OUT: f64 = 2.0;
+
+/// The error of a live motion, with the file and a likely cause.
+pub(crate) fn live_error(file: &str, error: LiveError) -> Cr7Error {
+    match error {
+        LiveError::Plan(source) => plan_error(file, source),
+        source => Cr7Error::Live { file: file.to_owned(), source: Box::new(source) },
+    }
+}
+
+pub(crate) fn plan_error(file: &str, source: PlanError) -> Cr7Error {
+    let hint = unit_hint(&source);
+    Cr7Error::Plan { file: file.to_owned(), source: Box::new(source), hint }
+}
+
+/// Where the tool is and how it points at a place that the arm cannot reach, with the keys that move it.
+pub(crate) fn reach_hint(path: &PosePath, error: &PlanError) -> String {
+    fn out_of_reach(error: &PathError) -> bool {
+        match error {
+            PathError::Arm { source: KinematicsError::Unreachable { distance, .. }, .. } => *distance <= FAR_OUT,
+            PathError::Arm { source: KinematicsError::OutsideLimits { .. }, .. } | PathError::JointRange { .. } => true,
+            PathError::NoConfiguration { best, .. } => out_of_reach(best),
+            _ => false,
+        }
+    }
+    match (error, place_of(error)) {
+        (PlanError::Path(source), Some(s)) if out_of_reach(source) => {
+            let pose = path.jet(s).pose;
+            let at = pose.translation.vector * 1e3;
+            let z = pose.rotation * Vector3::z();
+            format!(
+                "; the tool is at ({:.1}, {:.1}, {:.1}) mm there and points along ({:.3}, {:.3}, {:.3}), both in the base frame: move \
+                 [workpiece] (`cr7 place` finds frames in reach) or turn [orientation]",
+                at.x, at.y, at.z, z.x, z.y, z.z
+            )
+        }
+        _ => String::new(),
+    }
+}
+
+/// The line of the file at which a plan fails, to follow its message.
+pub(crate) fn line_words(outline: &Outline, error: &PlanError) -> String {
+    place_of(error).map(|s| outline.words_at(s)).unwrap_or_default()
+}
+
+/// The arc length at which a plan fails, where it is one place.
+fn place_of(error: &PlanError) -> Option<f64> {
+    let place = match error {
+        PlanError::Path(
+            PathError::Arm { place, .. } | PathError::BranchChange { place, .. } | PathError::JointRange { place, .. },
+        )
+        | PlanError::Speed(SpeedError::Infeasible { place, .. })
+        | PlanError::Unverified { place, .. } => place,
+        PlanError::Path(PathError::NoConfiguration { best, .. }) => {
+            return place_of(&PlanError::Path((**best).clone()));
+        }
+        _ => return None,
+    };
+    Some(place.s)
+}
+
+/// A mix-up of millimetres and metres shows as a path that is metres out of reach.
+fn unit_hint(error: &PlanError) -> String {
+    fn of(error: &PathError) -> String {
+        match error {
+            PathError::Arm { source: KinematicsError::Unreachable { distance, .. }, .. } if *distance > FAR_OUT => {
+                format!(
+                    "; {distance:.1} m is more than the arm is long: check the \"units\" of the path file and \
+                     workpiece.position_mm of the job"
+                )
+            }
+            PathError::NoConfiguration { best, .. } => of(best),
+            _ => String::new(),
+        }
+    }
+    match error {
+        PlanError::Path(error) => of(error),
+        _ => String::new(),
+    }
+}
