@@ -47,15 +47,15 @@ pub fn on_tool_path(args: &RobotArgs, job: &Job, file: &PathFile, command: impl 
 }
 
 /// The path file named, or the embedded butterfly.
-pub fn read_path(file: Option<&Path>, unit: Option<&str>, job_unit: Option<LengthUnit>) -> Result<PathFile, Failure> {
+pub fn read_path(file: Option<&Path>, unit: Option<&str>, job: &Job) -> Result<PathFile, Failure> {
     let unit = match unit {
-        None => job_unit,
+        None => None,
         Some(symbol) => Some(LengthUnit::from_symbol(symbol).ok_or_else(|| {
             Failure::BadInput(format!("--unit {symbol}: not a known unit of length: use mm, cm, m or in"))
         })?),
     };
     Ok(match file {
-        Some(file) => PathFile::read(file, unit)?,
+        Some(file) => PathFile::read_for_job(file, unit, job)?,
         None => butterfly()?,
     })
 }
