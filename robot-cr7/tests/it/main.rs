@@ -7,6 +7,15 @@ mod command_line;
 mod common;
 mod compare;
 mod dense_gcode;
+mod drawing_contours;
+mod drawing_dxf;
+mod drawing_hostile;
+#[cfg(feature = "cli")]
+mod drawing_plan;
+mod drawing_refusals;
+mod drawing_round_trip;
+mod drawing_svg;
+mod drawing_texts;
 mod gcode_hostile;
 mod gcode_plan;
 mod gcode_refusals;

@@ -43,9 +43,8 @@ impl EllipseArc {
     /// An arc of a circle where it is round, else a rational curve. `None` where the ellipse has no area.
     pub fn piece(&self, line: u64) -> Option<Result<Piece, GeometryError>> {
         let [a, b] = self.axes;
-        let across = a.cross(&b);
-        let size = a.norm() * b.norm();
-        let normal = Unit::try_new(across / size, 1e-9).filter(|_| across.norm().is_finite() && size > 0.0)?;
+        let (across, size) = ((a / a.amax()).cross(&(b / b.amax())), a.norm() * b.norm());
+        let normal = Unit::try_new(across, 1e-9)?;
         let round = (a.norm() - b.norm()).abs() <= ROUND * a.norm() && a.dot(&b).abs() <= ROUND * size;
         if !round {
             return Some(self.curve().and_then(|curve| Piece::curve(curve, line)));

@@ -20,7 +20,7 @@ const EXPECTED: &str = "an ASCII DXF drawing";
 /// How deep blocks may lie in one another.
 const DEEPEST: u32 = 32;
 /// Most groups that are read, those of inserted blocks as often as they are inserted.
-const MOST_GROUPS: u64 = 50_000_000;
+const MOST_GROUPS: u64 = 10_000_000;
 /// Most vertices of a polyline.
 const MOST_VERTICES: usize = 1_000_000;
 
@@ -167,7 +167,7 @@ impl<'a> Reader<'a, '_, '_> {
             return Ok(());
         }
         let why = ("blocks may not be inserted any more often", "insert fewer blocks, or explode them in CAD");
-        Err(record.wrong(self.sink, "groups of the drawing", "more than 50000000", why))
+        Err(record.wrong(self.sink, "groups of the drawing", "more than 10000000", why))
     }
 
     /// Takes the pieces of an entity, where its layer is read.

@@ -2,9 +2,10 @@
 
 use nalgebra::Vector3;
 
-use super::groups::{Group, Groups};
+use super::groups::{Group, Groups, TRUNCATED};
 use crate::input::drawing::sink::{Named, Sink};
 use crate::input::error::InputError;
+use crate::text::clip;
 
 /// Most groups of a record.
 const MOST_GROUPS: usize = 1_000_000;
@@ -51,13 +52,19 @@ impl<'a> Records<'a> {
                 .error(message, "; a DXF file begins with 0 and SECTION: save it as ASCII DXF again"));
         }
         let mut record = Record { kind: first.value, line: first.line, groups: Vec::new() };
-        while let Some(group) = self.groups.next()? {
+        loop {
+            let Some(group) = self.groups.next()? else {
+                if matches!(record.kind, "EOF" | "ENDSEC") {
+                    break;
+                }
+                return Err(self.groups.error(format!("the file ends within {}", clip(record.kind, 40)), TRUNCATED));
+            };
             if group.code == 0 {
                 self.ahead = Some(group);
                 break;
             }
             if record.groups.len() == MOST_GROUPS {
-                let message = format!("{} has more than {MOST_GROUPS} groups", record.kind);
+                let message = format!("{} has more than {MOST_GROUPS} groups", clip(record.kind, 40));
                 return Err(self.groups.error(message, "; divide the entity"));
             }
             record.groups.push(group);

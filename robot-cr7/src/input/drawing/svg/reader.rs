@@ -12,7 +12,7 @@ use crate::text::clip;
 
 const EXPECTED: &str = "an SVG drawing";
 /// Most nodes of the text: elements, texts and comments.
-const MOST_NODES: u32 = 4_000_000;
+const MOST_NODES: u32 = 3_000_000;
 
 /// Reads the shapes of a drawing into `sink`; `unit` is that of a drawing that names none.
 ///

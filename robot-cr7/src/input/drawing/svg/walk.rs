@@ -18,7 +18,7 @@ const XLINK: &str = "http://www.w3.org/1999/xlink";
 /// How deep groups may lie in one another.
 const DEEPEST: u32 = 200;
 /// Most elements that are read, those that `use` shows as often as they are shown.
-const MOST_ELEMENTS: u64 = 2_000_000;
+const MOST_ELEMENTS: u64 = 1_000_000;
 
 /// Elements that are not drawn where they stand, and those that say nothing of shapes.
 const UNDRAWN: [&str; 24] = [
