@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use arcfeed_geometry::nalgebra::{Rotation3, Vector3};
-use robot_cr7::MoveShape;
+use robot_cr7::{MarkerKind, MoveShape};
 
 use crate::drawing_texts::{
     area, assert_near, assert_relative, contours, dxf, dxf_in, entity, length, mm, place, places, read,
@@ -189,6 +189,9 @@ fn inserted_blocks_are_moved_turned_and_scaled() {
     let program = read(&dxf_in("4", &sections, &insert), "a.dxf");
     let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), f64::to_radians(30.0));
     let at = |x: f64, y: f64| mm(100.0, 50.0, 0.0) + turn * mm(2.0 * x, -2.0 * y, 0.0);
+    // What is on the layer "0" of a block is on that of its insertion.
+    let MarkerKind::Message(mark) = &program.markers[0].kind else { panic!("{program:?}") };
+    assert!(mark.starts_with("contour 1: CIRCLE of block \"OUTER\"") && mark.ends_with("layer \"cut\""), "{mark}");
     let ends = contours(&program);
     assert_eq!(ends.len(), 2);
     assert_near(ends[0][0], at(3.0, 0.0));

@@ -12,6 +12,9 @@ use crate::text::clip;
 
 /// The largest coordinate, m.
 const FARTHEST: f64 = 1e6;
+/// What coordinates have to be, and what to do.
+const TOO_FAR: (&str, &str) =
+    ("coordinates are finite, and 1000 km at the most", "check its numbers, and the unit of the drawing");
 
 /// What is found in a drawing.
 #[derive(Debug)]
@@ -52,10 +55,7 @@ impl<'a> Sink<'a> {
             extent.is_nan() || extent > FARTHEST
         };
         if let Some(piece) = entity.pieces.iter().find(far) {
-            let rule = "coordinates are finite, and 1000 km at the most";
-            let value = format!("{} m", piece.extent());
-            let remedy = "check its numbers, and the unit of the drawing";
-            return Err(self.wrong(named, "the largest coordinate", &value, (rule, remedy)));
+            return Err(self.wrong(named, "a coordinate", &format!("{:e} m", piece.extent()), TOO_FAR));
         }
         self.entities.push(entity);
         Ok(())
@@ -75,6 +75,9 @@ impl<'a> Sink<'a> {
 
     /// The error of a shape that is no curve.
     pub fn curve_error(&self, at: Named, source: GeometryError) -> InputError {
+        if let GeometryError::PointNotFinite { value, .. } = source {
+            return self.wrong(at, "a coordinate", &format!("{value:e} m"), TOO_FAR);
+        }
         InputError::Curve {
             file: self.file.to_owned(),
             key: format!("line {}: {}", at.line, clip(at.name, 80)),
