@@ -200,4 +200,7 @@ fn bombs_end_with_a_message() {
     says(&dxf_in("4", &blocks(&(entity("0 TEXT 10 0") + &filler)), &insert), "a.dxf", "more than");
     let grid = entity("0 INSERT 2 B0 10 0 20 0 70 9000000000000000000 71 9000000000000000000") + &filler;
     says(&dxf_in("4", &blocks(""), &grid), "a.dxf", "more than");
+    let long = format!("<polyline points='{}'/>", "1 2 ".repeat(1_000_001));
+    says(&svg(&long), "a.svg", "2000000 numbers");
+    says(&svg(&"<g/>".repeat(3_000_001)), "a.svg", "divide the drawing");
 }

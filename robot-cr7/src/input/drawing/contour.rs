@@ -2,10 +2,12 @@
 
 use std::rc::Rc;
 
-use arcfeed_geometry::GeometryError;
+use arcfeed_geometry::{GeometryError, NurbsCurve};
 use nalgebra::Vector3;
 
+use super::conic::EllipseArc;
 use super::piece::{Entity, Piece, TOUCH};
+use crate::input::gcode::MoveShape;
 
 /// Ends that are as near as this are the same to rounding, and pieces as short as this are left out, m.
 const ROUNDING: f64 = 1e-9;
@@ -90,5 +92,24 @@ impl Contours {
 /// The piece with these ends, unless its own are the same to rounding: arcs stay arcs.
 fn joined(piece: Piece, start: Vector3<f64>, end: Vector3<f64>) -> Result<Piece, GeometryError> {
     let off = (start - piece.start).norm().max((end - piece.end).norm());
-    if off <= ROUNDING { Ok(piece.ending_at([start, end])) } else { piece.with_ends(start, end) }
+    if off <= ROUNDING { Ok(piece.ending_at([start, end])) } else { moved(&piece, start, end) }
+}
+
+/// The piece with its ends moved there. The points between them move by a part of that: none moves farther than the ends.
+fn moved(piece: &Piece, start: Vector3<f64>, end: Vector3<f64>) -> Result<Piece, GeometryError> {
+    let shifts = [start - piece.start, end - piece.end];
+    let curve = match &piece.shape {
+        MoveShape::Line { .. } => return Ok(Piece::line(start, end, piece.line)),
+        MoveShape::Arc { centre, normal, sweep, .. } => {
+            let arm = piece.start - centre;
+            EllipseArc { centre: *centre, axes: [arm, normal.cross(&arm)], from: 0.0, sweep: *sweep }.curve()?
+        }
+        MoveShape::Curve(curve) => curve.as_ref().clone(),
+    };
+    let last = curve.control_points().len() - 1;
+    let share = |i: usize| i as f64 / last as f64;
+    let moved = |(i, p): (usize, &Vector3<f64>)| p + shifts[0] * (1.0 - share(i)) + shifts[1] * share(i);
+    let points = curve.control_points().iter().enumerate().map(moved).collect();
+    let (weights, knots) = (curve.weights().to_vec(), curve.knots().as_slice().to_vec());
+    Piece::curve(NurbsCurve::new(curve.degree(), points, weights, knots)?, piece.line)
 }

@@ -5,7 +5,6 @@ use std::rc::Rc;
 use arcfeed_geometry::{GeometryError, NurbsCurve};
 use nalgebra::Vector3;
 
-use super::conic::EllipseArc;
 use crate::input::gcode::MoveShape;
 
 /// Ends that are as near as this touch, m.
@@ -76,24 +75,5 @@ impl Piece {
             MoveShape::Arc { centre, .. } => max(ends, largest(centre)),
             MoveShape::Curve(curve) => curve.control_points().iter().map(largest).fold(ends, max),
         }
-    }
-
-    /// The piece with its ends moved there. The points between them move by a part of that: none moves farther than the ends.
-    pub fn with_ends(self, start: Vector3<f64>, end: Vector3<f64>) -> Result<Self, GeometryError> {
-        let shifts = [start - self.start, end - self.end];
-        let curve = match &self.shape {
-            MoveShape::Line { .. } => return Ok(Self::line(start, end, self.line)),
-            MoveShape::Arc { centre, normal, sweep, .. } => {
-                let arm = self.start - centre;
-                EllipseArc { centre: *centre, axes: [arm, normal.cross(&arm)], from: 0.0, sweep: *sweep }.curve()?
-            }
-            MoveShape::Curve(curve) => curve.as_ref().clone(),
-        };
-        let last = curve.control_points().len() - 1;
-        let share = |i: usize| i as f64 / last as f64;
-        let moved = |(i, p): (usize, &Vector3<f64>)| p + shifts[0] * (1.0 - share(i)) + shifts[1] * share(i);
-        let points = curve.control_points().iter().enumerate().map(moved).collect();
-        let (weights, knots) = (curve.weights().to_vec(), curve.knots().as_slice().to_vec());
-        Self::curve(NurbsCurve::new(curve.degree(), points, weights, knots)?, self.line)
     }
 }

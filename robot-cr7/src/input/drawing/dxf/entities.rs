@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use arcfeed_geometry::{GeometryError, NurbsCurve};
+use arcfeed_geometry::NurbsCurve;
 
 use super::ocs::{axes, object_map};
 use super::polyline::light_polyline;
@@ -10,7 +10,7 @@ use super::record::Record;
 use crate::input::drawing::conic::EllipseArc;
 use crate::input::drawing::map::Map;
 use crate::input::drawing::piece::Piece;
-use crate::input::drawing::sink::{Named, Sink};
+use crate::input::drawing::sink::Sink;
 use crate::input::error::InputError;
 
 /// Angles that differ by less are the same: the arc is a full turn. In rad.
@@ -77,20 +77,9 @@ fn turn(from: f64, to: f64) -> f64 {
 
 fn placed(record: &Record, arc: &EllipseArc, map: &Map, sink: &Sink) -> Result<Piece, InputError> {
     match arc.mapped(map).piece(record.line) {
-        Some(piece) => piece.map_err(|source| curve_error(record, source, sink)),
-        None => Err(flat(record, sink)),
+        Some(piece) => piece.map_err(|source| record.curve_error(source, sink)),
+        None => Err(record.flat(sink)),
     }
-}
-
-/// The error of an arc without area.
-pub(super) fn flat(record: &Record, sink: &Sink) -> InputError {
-    let why = ("an arc needs an extent in both directions", "correct the entity, or remove it");
-    record.wrong(sink, "the arc", "flat", why)
-}
-
-/// The error of numbers that are no curve.
-pub(super) fn curve_error(record: &Record, source: GeometryError, sink: &Sink) -> InputError {
-    sink.curve_error(Named { name: &record.name(), line: record.line }, source)
 }
 
 /// A NURBS curve.
@@ -117,5 +106,5 @@ fn spline(record: &Record, map: &Map, sink: &Sink) -> Result<Piece, InputError> 
     }
     let points = points.iter().map(|(_, point)| map.point(point)).collect();
     let curve = NurbsCurve::new(degree, points, weights, knots).and_then(|curve| Piece::curve(curve, record.line));
-    curve.map_err(|source| curve_error(record, source, sink))
+    curve.map_err(|source| record.curve_error(source, sink))
 }

@@ -2,7 +2,6 @@
 
 use nalgebra::{Vector2, Vector3};
 
-use super::entities::{curve_error, flat};
 use super::ocs::object_map;
 use super::record::Record;
 use crate::input::drawing::conic::ChordArc;
@@ -95,8 +94,8 @@ fn segments(
         }
         let arc = ChordArc::of_bulge(flat_place(from), flat_place(to), from.bulge);
         match arc.piece(from.place.z, map, from.line) {
-            Some(piece) => piece.map_err(|source| curve_error(record, source, sink)),
-            None => Err(flat(record, sink)),
+            Some(piece) => piece.map_err(|source| record.curve_error(source, sink)),
+            None => Err(record.flat(sink)),
         }
     };
     vertices.iter().zip(ends).map(segment).collect()

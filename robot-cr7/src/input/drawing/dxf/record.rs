@@ -1,5 +1,6 @@
 //! Records of a DXF file: an entity, a table entry or a mark of a section with its groups.
 
+use arcfeed_geometry::GeometryError;
 use nalgebra::Vector3;
 
 use super::groups::{Group, Groups, TRUNCATED};
@@ -185,6 +186,17 @@ impl<'a> Record<'a> {
             Some((line, _)) => Err(missing(*line)),
             None => Ok(points),
         }
+    }
+
+    /// The error of an arc without area.
+    pub fn flat(&self, sink: &Sink) -> InputError {
+        let why = ("an arc needs an extent in both directions", "correct the entity, or remove it");
+        self.wrong(sink, "the arc", "flat", why)
+    }
+
+    /// The error of numbers that are no curve.
+    pub fn curve_error(&self, source: GeometryError, sink: &Sink) -> InputError {
+        sink.curve_error(Named { name: &self.name(), line: self.line }, source)
     }
 
     /// The error of a value; `why` is the rule and the remedy.

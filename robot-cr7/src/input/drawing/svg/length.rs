@@ -1,10 +1,16 @@
 //! Numbers and lengths of attributes.
 
+use arcfeed_geometry::GeometryError;
+use nalgebra::Vector3;
 use roxmltree::Node;
 use svgtypes::{Length, LengthUnit, NumberListParser};
 
+use crate::input::drawing::piece::Piece;
 use crate::input::drawing::sink::{Named, Sink};
 use crate::input::error::InputError;
+
+/// Most numbers of a list.
+const MOST_NUMBERS: usize = 2_000_000;
 
 /// An element with what messages about it need.
 #[derive(Debug, Clone, Copy)]
@@ -60,10 +66,25 @@ impl Element<'_, '_> {
     /// Finite numbers.
     pub fn numbers(&self, attribute: &str, sink: &Sink) -> Result<Vec<f64>, InputError> {
         let text = self.node.attribute(attribute).unwrap_or("");
-        let numbers: Result<Vec<f64>, _> = NumberListParser::from(text).collect();
+        let numbers: Result<Vec<f64>, _> = NumberListParser::from(text).take(MOST_NUMBERS + 1).collect();
         match numbers.map(|numbers| (numbers.iter().all(|v| v.is_finite()), numbers)) {
+            Ok((_, numbers)) if numbers.len() > MOST_NUMBERS => {
+                let why = ("a list has 2000000 numbers at the most", "divide the element");
+                Err(sink.wrong(self.named, attribute, "longer", why))
+            }
             Ok((true, numbers)) => Ok(numbers),
             _ => Err(self.wrong(sink, attribute, text, ("it has to be a list of finite numbers", "correct it"))),
+        }
+    }
+
+    /// The piece of an arc, which may be flat.
+    pub fn arc_piece(&self, arc: Option<Result<Piece, GeometryError>>, sink: &Sink) -> Result<Piece, InputError> {
+        match arc {
+            Some(piece) => piece.map_err(|source| sink.curve_error(self.named, source)),
+            None => {
+                let why = ("an arc needs an extent in both directions", "correct the radii, or the transform");
+                Err(sink.wrong(self.named, "an arc", "flat", why))
+            }
         }
     }
 
@@ -71,4 +92,9 @@ impl Element<'_, '_> {
     pub fn wrong(&self, sink: &Sink, key: &str, value: &str, why: (&'static str, &'static str)) -> InputError {
         sink.wrong(self.named, key, &format!("\"{value}\""), why)
     }
+}
+
+/// A point of the page.
+pub(super) fn plane(x: f64, y: f64) -> Vector3<f64> {
+    Vector3::new(x, y, 0.0)
 }

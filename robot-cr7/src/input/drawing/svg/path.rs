@@ -5,8 +5,7 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::{Vector2, Vector3};
 use svgtypes::{PathParser, PathSegment};
 
-use super::length::Element;
-use super::shapes::{arc_piece, plane};
+use super::length::{Element, plane};
 use crate::input::drawing::bezier::{cubic, quadratic};
 use crate::input::drawing::conic::ChordArc;
 use crate::input::drawing::map::Map;
@@ -137,7 +136,7 @@ impl Pen<'_> {
         };
         let piece = chord.piece(0.0, &self.map.after(&ellipse), self.element.named.line);
         let ends = [self.place(from), self.place(to)];
-        let piece = arc_piece(self.element, piece, self.sink)?.ending_at(ends);
+        let piece = self.element.arc_piece(piece, self.sink)?.ending_at(ends);
         self.pieces.push(piece);
         (self.at, self.handle) = (to, Handle::None);
         Ok(())

@@ -40,7 +40,11 @@ pub(in crate::input::drawing) fn read_svg(
         if let Some(end) = message.rfind(" at ") {
             message.truncate(end);
         }
-        let hint = "; an SVG file is XML: correct it at this place".to_owned();
+        let hint = match e {
+            roxmltree::Error::NodesLimitReached => "; divide the drawing",
+            _ => "; an SVG file is XML: correct it at this place",
+        };
+        let hint = hint.to_owned();
         InputError::Syntax { file: sink.file.to_owned(), line: at.row as usize, column: at.col as usize, message, hint }
     })?;
     let root = document.root_element();

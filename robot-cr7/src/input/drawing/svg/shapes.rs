@@ -2,10 +2,9 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use arcfeed_geometry::GeometryError;
 use nalgebra::Vector3;
 
-use super::length::Element;
+use super::length::{Element, plane};
 use super::path::path;
 use crate::input::drawing::conic::EllipseArc;
 use crate::input::drawing::map::Map;
@@ -30,25 +29,6 @@ pub(super) fn pieces_of(element: &Element, map: &Map, sink: &Sink) -> Result<Opt
         _ => return Ok(None),
     };
     Ok(Some(pieces))
-}
-
-pub(super) fn plane(x: f64, y: f64) -> Vector3<f64> {
-    Vector3::new(x, y, 0.0)
-}
-
-/// The piece of an arc.
-pub(super) fn arc_piece(
-    element: &Element,
-    arc: Option<Result<Piece, GeometryError>>,
-    sink: &Sink,
-) -> Result<Piece, InputError> {
-    match arc {
-        Some(piece) => piece.map_err(|source| sink.curve_error(element.named, source)),
-        None => {
-            let why = ("an arc needs an extent in both directions", "correct the radii, or the transform");
-            Err(sink.wrong(element.named, "an arc", "flat", why))
-        }
-    }
 }
 
 fn polyline(element: &Element, closed: bool, map: &Map, sink: &Sink) -> Result<Vec<Piece>, InputError> {
@@ -76,7 +56,7 @@ fn ellipse(element: &Element, map: &Map, sink: &Sink) -> Result<Vec<Piece>, Inpu
     let Some([rx, ry]) = radii.filter(|radii| radii.iter().all(|r| *r > 0.0)) else { return Ok(Vec::new()) };
     let [x, y] = ["cx", "cy"].map(|name| element.length_or_zero(name, sink));
     let arc = EllipseArc::whole(plane(x?, y?), [Vector3::x() * rx, Vector3::y() * ry]);
-    Ok(vec![arc_piece(element, arc.mapped(map).piece(element.named.line), sink)?])
+    Ok(vec![element.arc_piece(arc.mapped(map).piece(element.named.line), sink)?])
 }
 
 /// A rectangle, whose corners may be round (SVG 1.1, 9.2).
@@ -111,7 +91,7 @@ fn rectangle(element: &Element, map: &Map, sink: &Sink) -> Result<Vec<Piece>, In
         if round {
             let axes = [Vector3::x() * rx, Vector3::y() * ry];
             let arc = EllipseArc { centre, axes, from, sweep: FRAC_PI_2 }.mapped(map);
-            let piece = arc_piece(element, arc.piece(line), sink)?;
+            let piece = element.arc_piece(arc.piece(line), sink)?;
             pieces.push(piece.ending_at([map.point(&end), map.point(&next)]));
         }
         at = next;

@@ -4,8 +4,8 @@ use std::collections::HashMap;
 
 use roxmltree::{Document, Node};
 
-use super::length::Element;
-use super::shapes::{pieces_of, plane};
+use super::length::{Element, plane};
+use super::shapes::pieces_of;
 use super::state::State;
 use crate::input::drawing::map::Map;
 use crate::input::drawing::piece::Entity;
