@@ -10,6 +10,7 @@ pub mod reproduce;
 mod run;
 mod text;
 
+pub use input::drawing::{DrawingOptions, read_drawing};
 pub use input::error::InputError;
 pub use input::gcode::{
     GcodeFault, GcodeMarker, GcodeMove, GcodeOptions, GcodeProgram, MarkerKind, MoveKind, MoveShape, PathControl,

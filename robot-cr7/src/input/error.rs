@@ -54,7 +54,7 @@ pub enum InputError {
         expected: &'static str,
     },
     /// The extension of a path file is not a known one.
-    #[error("{}: extension \"{extension}\" is not a known kind of path file: use .json (a NURBS curve), .csv (points) or .ngc, .nc, .gcode, .cnc, .tap (G-code)", file.display())]
+    #[error("{}: extension \"{extension}\" is not a known kind of path file: use .json (a NURBS curve), .csv (points), .ngc, .nc, .gcode, .cnc, .tap (G-code) or .dxf, .svg (a drawing)", file.display())]
     Extension {
         /// The file.
         file: PathBuf,

@@ -11,7 +11,7 @@ use nalgebra::{Isometry3, Unit, UnitQuaternion, Vector3};
 
 use super::error::{InputError, read_text, text_of};
 use super::job_file::{
-    RawFeed, RawJob, RawMode, RawOrientation, RawPlan, RawRapid, RawSection, RawStart, RawThrough, RawTorque,
+    RawFeed, RawJob, RawMode, RawOrientation, RawPath, RawPlan, RawRapid, RawSection, RawStart, RawThrough, RawTorque,
 };
 use super::joint_values::{JointOverrides, JointValues};
 use super::rapid_moves::{RapidKind, RapidMoves};
@@ -21,6 +21,8 @@ use super::unit::LengthUnit;
 const EXPECTED: &str = "a TOML job such as jobs/butterfly.toml";
 /// The highest feed, m/s. No arm comes near it, and planning takes the longer the higher the feed is above what the arm can do.
 const FASTEST: f64 = 1e3;
+/// The longest lift of the tool, m.
+const HIGHEST_LIFT: f64 = 10.0;
 
 /// The orientation of the tool along the path, in the workpiece frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -83,7 +85,7 @@ pub struct Payload {
 pub struct Job {
     /// Path file, relative names taken from the folder of the job file; `None` where the job names none.
     pub path_file: Option<PathBuf>,
-    /// Unit of CSV files whose header names none.
+    /// Unit of CSV files whose header names none, of programs before G20 or G21, and of drawings that name none.
     pub csv_unit: Option<LengthUnit>,
     /// Largest distance between the points of a CSV file and the curve laid through them, in m.
     pub fit_tolerance: f64,
@@ -99,6 +101,10 @@ pub struct Job {
     pub blend: Option<f64>,
     /// Largest turn of the tool away from the programmed orientation where its rate would jump, in rad.
     pub blend_angle: f64,
+    /// The layers of a drawing that are followed; empty for all of them.
+    pub layers: Vec<String>,
+    /// How far the tool goes up between two contours of a drawing, in m.
+    pub lift: f64,
     /// The arm starts in the configuration nearest to these joint values, in rad. Without them it starts in the one with most room along
     /// the path.
     pub start_near: Option<JointValues>,
@@ -140,6 +146,8 @@ impl Default for Job {
             fit_tolerance: 1e-6,
             polyline: false,
             bulge: None,
+            layers: Vec::new(),
+            lift: 5e-3,
             start_near: None,
             start_posture: None,
             smooth: None,
@@ -237,6 +245,8 @@ impl JobCheck<'_> {
                 180.0 / std::f64::consts::PI,
                 default.blend_angle,
             )?,
+            layers: self.layers(&raw.path)?,
+            lift: self.lift(&raw.path)?.unwrap_or(default.lift),
             start_near: raw
                 .start
                 .near_deg
@@ -270,6 +280,29 @@ impl JobCheck<'_> {
             );
         }
         Ok(Job { warnings: self.0.warnings, ..job })
+    }
+
+    /// The layers of a drawing: none where the key is missing, for that means all.
+    fn layers(&self, raw: &RawPath) -> Result<Vec<String>, InputError> {
+        match &raw.layers {
+            Some(layers) if layers.is_empty() => {
+                let rule = "a list of layers has to name one";
+                Err(self.0.wrong("path.layers", "[]", rule, "name a layer, or remove the key to follow all of them"))
+            }
+            layers => Ok(layers.clone().unwrap_or_default()),
+        }
+    }
+
+    /// The lift between two contours of a drawing, m.
+    fn lift(&self, raw: &RawPath) -> Result<Option<f64>, InputError> {
+        let lift = self.0.limit("path.lift_mm", raw.lift_mm, 1e3)?;
+        match raw.lift_mm {
+            Some(mm) if lift.is_some_and(|lift| lift > HIGHEST_LIFT) => {
+                let rule = "a lift is 10000 mm at the most";
+                Err(self.0.wrong("path.lift_mm", mm, rule, "check the unit: the number is in mm"))
+            }
+            _ => Ok(lift),
+        }
     }
 
     /// The limits along the path, `default` where the job gives none.

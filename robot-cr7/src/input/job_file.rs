@@ -40,6 +40,8 @@ pub(crate) struct RawPath {
     pub smooth_mm: Option<f64>,
     pub blend_mm: Option<f64>,
     pub blend_deg: Option<f64>,
+    pub layers: Option<Vec<String>>,
+    pub lift_mm: Option<f64>,
 }
 
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq, Deserialize)]

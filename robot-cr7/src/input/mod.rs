@@ -1,6 +1,7 @@
 //! Files that people write: jobs, paths, schedules and scenarios, read and checked.
 
 pub(crate) mod csv_points;
+pub(crate) mod drawing;
 pub(crate) mod error;
 pub(crate) mod gcode;
 pub(crate) mod job;

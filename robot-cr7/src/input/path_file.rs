@@ -19,6 +19,8 @@
 //! `qx,qy,qz,qw`, its orientation. Blank lines and lines that start with `#` are skipped.
 //!
 //! A **G-code** file holds a program; see [`GcodeProgram`].
+//!
+//! A **drawing** in DXF or SVG becomes a program; see [`read_drawing`](crate::read_drawing).
 
 use std::path::{Path, PathBuf};
 
@@ -26,8 +28,11 @@ use arcfeed_geometry::{GeometryError, NurbsCurve};
 use nalgebra::{Unit, UnitQuaternion, Vector2, Vector3};
 use serde::Deserialize;
 
+use super::drawing::DrawingOptions;
+use super::drawing::reader::{DrawingKind, read_bytes, read_drawing_file};
 use super::error::{InputError, read_text, text_of};
 use super::gcode::{GcodeOptions, GcodeProgram};
+use super::job::Job;
 use super::unit::LengthUnit;
 
 /// Control points of one path: with more, planning takes longer than ten seconds.
@@ -50,7 +55,7 @@ pub enum PathGeometry {
         /// The tool at each point, where the file has columns for it.
         tools: Option<PointTools>,
     },
-    /// A G-code program.
+    /// A G-code program, or a drawing.
     Program(Box<GcodeProgram>),
 }
 
@@ -95,16 +100,41 @@ struct RawCurve {
 }
 
 impl PathFile {
-    /// Reads a path file; the extension (`.json`, `.csv`, or one of G-code: `.ngc`, `.nc`, `.gcode`, `.cnc`, `.tap`; in any case) tells its
-    /// kind.
+    /// Reads a path file; the extension (`.json`, `.csv`, `.dxf`, `.svg`, or one of G-code: `.ngc`, `.nc`, `.gcode`, `.cnc`, `.tap`; in any
+    /// case) tells its kind.
     ///
-    /// `csv_unit` is the unit of CSV files whose header names none, and of programs before G20 or G21; it is not used for JSON files, which
-    /// always name their own.
+    /// `csv_unit` is the unit of CSV files whose header names none, of programs before G20 or G21, and of drawings that name none; it is not
+    /// used for JSON files, which always name their own. Drawings are read with the other [`DrawingOptions`] at their defaults.
     ///
     /// # Errors
     /// Fails when the file cannot be read, or breaks a rule of its format; the message names the place and the remedy.
     pub fn read(file: &Path, csv_unit: Option<LengthUnit>) -> Result<Self, InputError> {
+        Self::read_with(file, csv_unit, &drawing_options(csv_unit))
+    }
+
+    /// Reads a path file for a job: its feed, lift and layers are those of a drawing. `unit` is used before the unit of the job.
+    ///
+    /// # Errors
+    /// As [`PathFile::read`]; a drawing for a job with feeds for sections of the path.
+    pub fn read_for_job(file: &Path, unit: Option<LengthUnit>, job: &Job) -> Result<Self, InputError> {
+        let unit = unit.or(job.csv_unit);
+        if matches!(Kind::of(file)?, Kind::Drawing(_)) && !job.sections.is_empty() {
+            return Err(InputError::Value {
+                file: file.to_owned(),
+                line: None,
+                key: "[[sections]] of the job".to_owned(),
+                value: "given".to_owned(),
+                rule: "the contours of a drawing have one feed, feed.feed_mm_s",
+                remedy: "remove the sections",
+            });
+        }
+        let (layers, lift, feed) = (job.layers.clone(), job.lift, job.feed.feed);
+        Self::read_with(file, unit, &DrawingOptions { layers, lift, feed, ..drawing_options(unit) })
+    }
+
+    fn read_with(file: &Path, csv_unit: Option<LengthUnit>, drawing: &DrawingOptions) -> Result<Self, InputError> {
         match Kind::of(file)? {
+            Kind::Drawing(kind) => Ok(Self::of_program(read_drawing_file(file, kind, drawing)?)),
             Kind::Json => Self::parse_json(&read_text(file, EXPECTED_JSON)?, file),
             Kind::Csv => Self::parse_csv(&read_text(file, EXPECTED_CSV)?, file, csv_unit),
             Kind::Gcode => Ok(Self::of_program(GcodeProgram::read(file, &options(csv_unit))?)),
@@ -117,6 +147,7 @@ impl PathFile {
     /// As [`PathFile::read`].
     pub fn from_bytes(bytes: &[u8], file: &Path, csv_unit: Option<LengthUnit>) -> Result<Self, InputError> {
         match Kind::of(file)? {
+            Kind::Drawing(kind) => Ok(Self::of_program(read_bytes(bytes, file, kind, &drawing_options(csv_unit))?)),
             Kind::Json => Self::parse_json(&text_of(bytes, file, EXPECTED_JSON)?, file),
             Kind::Csv => Self::parse_csv(&text_of(bytes, file, EXPECTED_CSV)?, file, csv_unit),
             Kind::Gcode => Ok(Self::of_program(GcodeProgram::from_bytes(bytes, file, &options(csv_unit))?)),
@@ -252,17 +283,27 @@ fn options(unit: Option<LengthUnit>) -> GcodeOptions {
     GcodeOptions { unit: unit.unwrap_or(LengthUnit::Millimetre), ..GcodeOptions::default() }
 }
 
+/// How a drawing is read where a unit was asked for.
+fn drawing_options(unit: Option<LengthUnit>) -> DrawingOptions {
+    DrawingOptions { unit, ..DrawingOptions::default() }
+}
+
 /// Kind of a path file, told by its extension.
 enum Kind {
     Json,
     Csv,
     Gcode,
+    Drawing(DrawingKind),
 }
 
 impl Kind {
     fn of(file: &Path) -> Result<Self, InputError> {
         let extension = file.extension().map(|e| e.to_string_lossy().into_owned()).unwrap_or_default();
-        match extension.to_ascii_lowercase().as_str() {
+        let lower = extension.to_ascii_lowercase();
+        if let Some(kind) = DrawingKind::of_extension(&lower) {
+            return Ok(Self::Drawing(kind));
+        }
+        match lower.as_str() {
             "json" => Ok(Self::Json),
             "csv" => Ok(Self::Csv),
             "ngc" | "nc" | "gcode" | "cnc" | "tap" => Ok(Self::Gcode),

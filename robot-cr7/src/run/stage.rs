@@ -126,7 +126,7 @@ impl Scenario {
         let job = &self.job;
         let mut warnings = job.warnings.clone();
         let file = match &self.path {
-            ScenarioPath::File(file) => PathFile::read(file, job.csv_unit)?,
+            ScenarioPath::File(file) => PathFile::read_for_job(file, None, job)?,
             ScenarioPath::BuiltIn(sample) => sample.load()?,
             ScenarioPath::Line([from, to]) => {
                 let from = self.joints_at("path.line[0]", from, arm, &Joints::zeros())?;

@@ -70,7 +70,7 @@ fn the_example_shows_every_key() {
 fn values_are_converted_to_si() {
     let job = read(
         r#"
-        path = { file = "sub/p.csv", csv_unit = "in", fit_tolerance_mm = 0.02 }
+        path = { file = "sub/p.csv", csv_unit = "in", fit_tolerance_mm = 0.02, layers = ["cut"], lift_mm = 12.5 }
         sampling.period_ms = 4
         [workpiece]
         position_mm = [500, -20, 30.5]
@@ -92,6 +92,7 @@ fn values_are_converted_to_si() {
     .expect("valid");
     assert_eq!(job.path_file, Some(PathBuf::from("jobs/sub/p.csv")));
     assert_eq!(job.csv_unit, Some(LengthUnit::Inch));
+    assert_eq!((job.layers, job.lift), (vec!["cut".to_owned()], 0.0125));
     assert_relative_eq!(job.fit_tolerance, 2e-5);
     assert_relative_eq!(job.period, 4e-3);
     // The workpiece is turned by a quarter about z: its x axis is the base's y axis.

@@ -8,6 +8,15 @@ mod common;
 mod compare;
 mod csv_tools;
 mod dense_gcode;
+mod drawing_contours;
+mod drawing_dxf;
+mod drawing_hostile;
+#[cfg(feature = "cli")]
+mod drawing_plan;
+mod drawing_refusals;
+mod drawing_round_trip;
+mod drawing_svg;
+mod drawing_texts;
 #[cfg(feature = "cli")]
 mod dwells;
 mod gcode_hostile;

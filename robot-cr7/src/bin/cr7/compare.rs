@@ -36,7 +36,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         Some(file) => Job::read(file)?,
         None => Job::default(),
     };
-    let file = read_path(job.path_file.as_deref(), None, job.csv_unit)?;
+    let file = read_path(job.path_file.as_deref(), None, &job)?;
     std::fs::create_dir_all(&args.out).map_err(|source| InputError::Write { file: args.out.clone(), source })?;
     on_tool_path(&args.robot, &job, &file, Compare { args })
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use arcfeed_geometry::{ArcLengthCurve, Curve, NurbsCurve, SegmentationMethod, Spacing};
 use nalgebra::Vector3;
 use robot_cr7::plot::{path_picture, save_picture};
-use robot_cr7::{Cr7Error, InputError, PathFile, Robot};
+use robot_cr7::{Cr7Error, InputError, Job, PathFile, Robot};
 
 use crate::Failure;
 use crate::output::say;
@@ -29,7 +29,7 @@ pub struct Args {
     /// Link of a .urdf file where the arm ends, the flange [default: its only end]
     #[arg(long, requires = "robot")]
     tip_link: Option<String>,
-    /// Path file: .json (NURBS curve), .csv (points) or .ngc, .nc, .gcode (G-code). Without it: an embedded butterfly
+    /// Path file: .json (NURBS curve), .csv (points), .ngc, .nc, .gcode (G-code) or .dxf, .svg (drawings). Without it: an embedded butterfly
     path: Option<PathBuf>,
     /// Chord tolerance of the segmentations, mm
     #[arg(long, default_value_t = 0.001)]
@@ -37,7 +37,7 @@ pub struct Args {
     /// Largest distance of a curve from the points of a .csv file that it is fitted to, mm
     #[arg(long, default_value_t = 0.001)]
     fit_mm: f64,
-    /// Unit of a .csv file whose header names none: mm, cm, m or in
+    /// Unit of a file that names none (.csv, .dxf, .svg, G-code): mm, cm, m or in
     #[arg(long)]
     unit: Option<String>,
     /// Folder for the picture; created when missing
@@ -52,7 +52,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if let Some(name) = &args.robot {
         return robots::inspect(&Robot::load(name, args.base_link.as_deref(), args.tip_link.as_deref())?);
     }
-    let file = read_path(args.path.as_deref(), args.unit.as_deref(), None)?;
+    let file = read_path(args.path.as_deref(), args.unit.as_deref(), &Job::default())?;
     let shown = file.file.display().to_string();
     let geometry = |source| Failure::from(Cr7Error::Curve { file: shown.clone(), source });
     let curve = file.curve_with(|points| {

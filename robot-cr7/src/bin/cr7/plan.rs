@@ -27,6 +27,7 @@ use crate::tool_path::{OnToolPath, on_tool_path, read_path};
   cr7 plan part.json                       a NURBS curve (JSON)
   cr7 plan points.csv --unit mm            a curve fitted to points
   cr7 plan part.ngc --job job.toml         a G-code program; path.blend_mm of the job rounds its corners
+  cr7 plan part.dxf --job job.toml         a drawing (DXF, SVG); path.layers of the job names what is followed
   cr7 plan --job robot-cr7/jobs/butterfly.toml --out butterfly
   cr7 plan --robot ur5e                    another robot: a name of `cr7 robots`, a .urdf or a .json file
   cr7 plan --compile-rad 1e-6              the joints as polynomials of the time, too, within 1 urad
@@ -37,7 +38,7 @@ use crate::tool_path::{OnToolPath, on_tool_path, read_path};
 pub struct Args {
     #[command(flatten)]
     pub robot: RobotArgs,
-    /// Path file: .json (NURBS curve), .csv (points) or .ngc, .nc, .gcode (G-code). Without it: the job's, else an embedded butterfly
+    /// Path file: .json (NURBS curve), .csv (points), .ngc, .nc, .gcode (G-code) or .dxf, .svg (drawings). Without it: the job's, else an embedded butterfly
     path: Option<PathBuf>,
     /// Job file (TOML): workpiece, tool, feed, limits, tolerance, period. Without it: documented defaults
     #[arg(long)]
@@ -45,7 +46,7 @@ pub struct Args {
     /// Folder for the trajectory and the pictures; created when missing
     #[arg(long, default_value = "out")]
     out: PathBuf,
-    /// Unit of a .csv file whose header names none: mm, cm, m or in
+    /// Unit of a file that names none (.csv, .dxf, .svg, G-code): mm, cm, m or in
     #[arg(long)]
     unit: Option<String>,
     /// Also write joint_trajectory.json: polynomials of the time that stay within this tolerance of the planned joints, in rad
@@ -86,7 +87,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if let Some(path) = &job.path_file {
         staging.reads(path)?;
     }
-    let file = read_path(args.path.as_deref().or(job.path_file.as_deref()), args.unit.as_deref(), job.csv_unit)?;
+    let file = read_path(args.path.as_deref().or(job.path_file.as_deref()), args.unit.as_deref(), &job)?;
 
     staging.clear()?;
     let progress = Progress::new("planning");

@@ -100,15 +100,15 @@ fn unsuited(args: &RobotArgs, joints: usize, job: &Job) -> Failure {
 }
 
 /// The path file named, or the embedded butterfly.
-pub fn read_path(file: Option<&Path>, unit: Option<&str>, job_unit: Option<LengthUnit>) -> Result<PathFile, Failure> {
+pub fn read_path(file: Option<&Path>, unit: Option<&str>, job: &Job) -> Result<PathFile, Failure> {
     let unit = match unit {
-        None => job_unit,
+        None => None,
         Some(symbol) => Some(LengthUnit::from_symbol(symbol).ok_or_else(|| {
             Failure::BadInput(format!("--unit {symbol}: not a known unit of length: use mm, cm, m or in"))
         })?),
     };
     Ok(match file {
-        Some(file) => PathFile::read(file, unit)?,
+        Some(file) => PathFile::read_for_job(file, unit, job)?,
         None => butterfly()?,
     })
 }
