@@ -104,7 +104,7 @@ fn a_motion_with_blends_is_faster_than_one_that_stops() {
     let points = [points[0], points[1], points[2], points[3], points[2]].map(joints);
     let time = |blends: &[f64]| {
         let path = JointLines::through(&points, blends).expect("good way-points");
-        Planner::new(&arm, limits.clone()).plan(&path).expect("a motion").duration()
+        Planner::new(&arm, limits).plan(&path).expect("a motion").duration()
     };
     let (stopping, blended) = (time(&[0.0, 0.0, 0.0]), time(&[0.05, 0.05, 0.05]));
     assert!(blended < 0.85 * stopping, "{blended} s, {stopping} s with stops");

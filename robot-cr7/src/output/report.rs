@@ -94,6 +94,19 @@ impl Report {
         json(self)
     }
 
+    /// The lines on a program and its parts; their number.
+    fn program_lines(&self, f: &mut Formatter<'_>) -> Result<usize, fmt::Error> {
+        let fit = self.fit.as_ref().map(|fit| (' ', "points", fit_words(fit)));
+        let corners = self.program.as_ref().map(|program| (' ', "corners", program.line()));
+        let parts = parts_line(&self.parts).map(|parts| (' ', "parts", parts));
+        let rapids = rapids_line(&self.parts).map(|(line, exceeds)| (if exceeds { '!' } else { ' ' }, "rapids", line));
+        let lines = [fit, corners, parts, rapids];
+        for (mark, name, line) in lines.iter().flatten() {
+            writeln!(f, "{mark} {name:<11}{}", clip(line, WIDTH - 13))?;
+        }
+        Ok(lines.iter().flatten().count())
+    }
+
     /// The line that uses most of its limit; lines with a ratio that is not a number count as the worst.
     pub fn worst(&self) -> Option<&LimitLine> {
         worst(&self.limits)
@@ -247,20 +260,7 @@ impl Display for Report {
             number(self.motion_per_computing)
         )?;
         writeln!(f, "  {:<11}{}", "segments", clip(&segments, WIDTH - 13))?;
-        if let Some(fit) = &self.fit {
-            writeln!(f, "  {:<11}{}", "points", clip(&fit_words(fit), WIDTH - 13))?;
-        }
-        if let Some(program) = &self.program {
-            writeln!(f, "  {:<11}{}", "corners", clip(&program.line(), WIDTH - 13))?;
-        }
-        if let Some(parts) = parts_line(&self.parts) {
-            writeln!(f, "  {:<11}{}", "parts", clip(&parts, WIDTH - 13))?;
-        }
-        let rapids = rapids_line(&self.parts);
-        if let Some((rapids, exceeds)) = &rapids {
-            let mark = if *exceeds { '!' } else { ' ' };
-            writeln!(f, "{mark} {:<11}{}", "rapids", clip(rapids, WIDTH - 13))?;
-        }
+        let of_program = self.program_lines(f)?;
         let compiled = self.compiled.as_ref().map(CompiledReport::lines);
         for (name, line) in ["compiled", "", ""].into_iter().zip(compiled.iter().flatten()) {
             writeln!(f, "  {name:<11}{}", clip(line, WIDTH - 13))?;
@@ -271,10 +271,7 @@ impl Display for Report {
             + usize::from(self.bound.is_some())
             + LINES * usize::from(compiled.is_some())
             + usize::from(self.stream.is_some())
-            + usize::from(self.fit.is_some())
-            + usize::from(self.program.is_some())
-            + usize::from(!self.parts.is_empty())
-            + usize::from(rapids.is_some());
+            + of_program;
         ending(
             f,
             &self.warnings,

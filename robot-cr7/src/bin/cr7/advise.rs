@@ -32,7 +32,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         Some(file) => Job::read(file)?,
         None => Job::default(),
     };
-    let file = read_path(job.path_file.as_deref(), None, job.csv_unit)?;
+    let file = read_path(job.path_file.as_deref(), None, &job)?;
     on_tool_path(&args.robot, &job, &file, Advise { json: args.json })
 }
 

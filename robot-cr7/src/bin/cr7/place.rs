@@ -50,7 +50,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         return Err(Failure::BadInput(format!("--z-mm {z}: a height lies within 100 m of the base; check its unit")));
     }
     let path = args.path.as_deref().or(job.path_file.as_deref());
-    let file = read_path(path, args.unit.as_deref(), job.csv_unit)?;
+    let file = read_path(path, args.unit.as_deref(), &job)?;
     let robot = args.robot.load()?;
     if robot.joints() != 6 {
         let (name, joints) = (&args.robot.robot, robot.joints());
