@@ -96,7 +96,9 @@ impl Report {
 
     /// The lines on a program and its parts; their number.
     fn program_lines(&self, f: &mut Formatter<'_>) -> Result<usize, fmt::Error> {
-        let fit = self.fit.as_ref().map(|fit| (' ', "points", fit_words(fit)));
+        // Beside a bound and a compiled motion the screen is full; JSON has it.
+        let fit = self.fit.as_ref().filter(|_| self.bound.is_none() || self.compiled.is_none());
+        let fit = fit.map(|fit| (' ', "points", fit_words(fit)));
         let corners = self.program.as_ref().map(|program| (' ', "corners", program.line()));
         let parts = parts_line(&self.parts).map(|parts| (' ', "parts", parts));
         let rapids = rapids_line(&self.parts).map(|(line, exceeds)| (if exceeds { '!' } else { ' ' }, "rapids", line));
@@ -406,7 +408,8 @@ mod tests {
         });
         // A stream has neither a compiled motion nor a bound.
         let streamed = Report { bound: None, compiled: None, stream, ..r.clone() };
-        for text in [r.to_string(), streamed.to_string()] {
+        let planned = Report { bound: None, ..r.clone() };
+        for text in [r.to_string(), planned.to_string(), streamed.to_string()] {
             assert!(text.lines().count() <= 40, "{} lines", text.lines().count());
             for l in text.lines() {
                 assert!(l.chars().count() <= 100, "{} columns: {l}", l.chars().count());
