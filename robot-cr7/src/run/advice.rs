@@ -40,6 +40,15 @@ pub struct LimitCost {
     pub lifted_saves_s: f64,
 }
 
+/// A limit that binds nowhere.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct IdleLimit {
+    /// The limited quantity.
+    pub name: String,
+    /// The joint, from 1, for limits of joints.
+    pub joint: Option<usize>,
+}
+
 /// The cost of every limit that binds, the one first of which 10 % more save most.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Advice {
@@ -50,7 +59,7 @@ pub struct Advice {
     /// The limits that bind somewhere.
     pub limits: Vec<LimitCost>,
     /// Limits that bind nowhere: raising one of them alone changes nothing.
-    pub idle: Vec<String>,
+    pub idle: Vec<IdleLimit>,
 }
 
 /// A limit of a job.
@@ -161,12 +170,11 @@ impl Advice {
         let (mut limits, mut idle) = (Vec::new(), Vec::new());
         for line in &lines {
             let Some(limit) = Limit::of(line) else { continue };
-            let words = line.joint.map_or(line.name.clone(), |joint| format!("{} J{joint}", line.name));
             if line.ratio < BINDS {
-                idle.push(words);
+                idle.push(IdleLimit { name: line.name.clone(), joint: line.joint });
                 continue;
             }
-            tell(&words);
+            tell(&line.joint.map_or(line.name.clone(), |joint| format!("{} J{joint}", line.name)));
             let saved = |factor: f64| -> Result<f64, Cr7Error> {
                 let raised = limit.raised(&own, factor).map_err(|source| task.error(source))?;
                 let plan = task.planner_within(&raised)?.plan_shared(path.clone());
@@ -220,7 +228,12 @@ impl fmt::Display for Advice {
             writeln!(f, "\nRaise the {}{joint} first ({}): 10 % more of it save {share:.2} %.", first.name, first.key)?;
         }
         if !self.idle.is_empty() {
-            writeln!(f, "Limits that bind nowhere: {}.", self.idle.join(", "))?;
+            let kinds = self.idle.chunk_by(|a, b| a.name == b.name).map(|kind| {
+                let joints: String =
+                    kind.iter().filter_map(|one| one.joint).map(|joint| format!(" J{joint}")).collect();
+                format!("{}{joints}", kind[0].name)
+            });
+            writeln!(f, "Limits that bind nowhere: {}.", kinds.collect::<Vec<_>>().join(", "))?;
         }
         Ok(())
     }

@@ -1,5 +1,6 @@
 //! Tests of the program `cr7` and its library, in one binary.
 
+mod advise;
 mod bad_jobs;
 mod bad_path_files;
 #[cfg(feature = "cli")]
