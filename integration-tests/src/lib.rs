@@ -6,4 +6,5 @@ struct Readme;
 
 pub mod cnc_curves;
 pub mod hybrid_scenario;
+pub mod raised_limits;
 pub mod tight_bends;

@@ -53,7 +53,8 @@ fn a_finer_grid_gains_little() {
     for path in &paths()[3..6] {
         let duration = |n: usize| {
             let grid = path.spline.on_knots(n);
-            JerkLimited::default().plan(&problem(path, 'A', &grid, [0.0; 2])).unwrap().duration()
+            // What is left to gain has to be less than what the grid makes.
+            JerkLimited::new(1e-5).unwrap().plan(&problem(path, 'A', &grid, [0.0; 2])).unwrap().duration()
         };
         let ratio = duration(1000) / duration(4000);
         assert!((1.0..1.005).contains(&ratio), "seed {}: {ratio}", path.seed);
