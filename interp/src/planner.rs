@@ -107,7 +107,8 @@ impl<'a, const N: usize> Planner<'a, N> {
         self
     }
 
-    /// Sets about how many intervals the grid has on paths without a curve of the tool; the knots of a spline are among its points.
+    /// Sets about how many intervals the grid has on paths without a curve of the tool; the knots of a spline are among its points. The
+    /// jerk-limited planner divides those that cost time by their length.
     ///
     /// # Errors
     /// [`LimitError::Intervals`].
@@ -160,7 +161,8 @@ impl<'a, const N: usize> Planner<'a, N> {
 
     /// Plans the motion along `path` and verifies it on dense samples. A trajectory that is returned keeps every limit.
     ///
-    /// A plan that exceeds a limit between the points of its grid is made again: on a finer grid, or with a little less of that limit.
+    /// A plan that exceeds a limit between the points of its grid is made again: on a grid that is finer there, or with a little less of
+    /// that limit there.
     ///
     /// # Errors
     /// [`PlanError::Path`] where the arm cannot follow, [`PlanError::Limit`] for limits and settings that do not suit the path,

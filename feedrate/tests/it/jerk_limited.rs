@@ -53,11 +53,11 @@ fn a_finer_grid_gains_little() {
     for path in &paths()[3..6] {
         let duration = |n: usize| {
             let grid = path.spline.on_knots(n);
-            // What is left to gain has to be less than what the grid makes.
-            JerkLimited::new(1e-5).unwrap().plan(&problem(path, 'A', &grid, [0.0; 2])).unwrap().duration()
+            JerkLimited::default().plan(&problem(path, 'A', &grid, [0.0; 2])).unwrap().duration()
         };
         let ratio = duration(1000) / duration(4000);
-        assert!((1.0..1.005).contains(&ratio), "seed {}: {ratio}", path.seed);
+        // Next to rest a finer grid costs a little: the interval at constant jerk is shorter than the jerk lasts.
+        assert!((1.0 - 2e-4..1.005).contains(&ratio), "seed {}: {ratio}", path.seed);
     }
 }
 
