@@ -28,6 +28,8 @@ const COARSE: f64 = 1e-2;
 const FINER: usize = 4;
 const FINEST: usize = 4_000;
 const MOST_FINER: usize = 2;
+/// Rounds in which the grid is made finer: what two of them do not mend, less of all limits does.
+const FINER_ROUNDS: usize = 2;
 /// Rounds in which a limit is lowered only where it is exceeded; later ones lower it everywhere.
 const LOCAL_ROUNDS: usize = 6;
 /// By how much more all limits are lowered than the worst was exceeded, and by what at the most in one round.
@@ -314,8 +316,11 @@ impl<'a, const N: usize> Planner<'a, N> {
                 break verification;
             }
             let excess = verification.worst().ratio - 1.0;
-            let parts =
-                if excess > COARSE { self.parts_where_exceeded(&problem, &verification, &chosen.law) } else { None };
+            let parts = if excess > COARSE && rounds <= FINER_ROUNDS {
+                self.parts_where_exceeded(&problem, &verification, &chosen.law)
+            } else {
+                None
+            };
             if let Some(parts) = parts {
                 problem = problem.refined(|k| parts[k])?;
                 refined *= FINER;
