@@ -316,6 +316,7 @@ impl<'a, const N: usize> Planner<'a, N> {
                 break verification;
             }
             let excess = verification.worst().ratio - 1.0;
+            let local = rounds <= LOCAL_ROUNDS && self.method == Method::JerkLimited;
             let parts = if excess > COARSE && rounds <= FINER_ROUNDS {
                 self.parts_where_exceeded(&problem, &verification, &chosen.law)
             } else {
@@ -324,10 +325,10 @@ impl<'a, const N: usize> Planner<'a, N> {
             if let Some(parts) = parts {
                 problem = problem.refined(|k| parts[k])?;
                 refined *= FINER;
-            } else if excess > COARSE {
+            } else if excess > COARSE && !local {
                 // Far too much of one limit is a place that the grid does not see: a slower motion is slower there as well.
                 used.lower_all(SLOWER / (1.0 + excess).min(MOST_SLOWER));
-            } else if rounds <= LOCAL_ROUNDS && self.method == Method::JerkLimited {
+            } else if local {
                 lower_where_exceeded(&mut used, &verification, &chosen.law, self.settings.period);
             } else {
                 exceeded.into_iter().for_each(|(id, ratio)| used.lower(id, fraction(ratio)));
