@@ -8,4 +8,5 @@ pub mod blend_corner;
 pub mod blended_polylines;
 pub mod cnc_curves;
 pub mod hybrid_scenario;
+pub mod raised_limits;
 pub mod tight_bends;

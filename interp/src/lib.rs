@@ -53,6 +53,7 @@ mod diagnosis;
 mod error;
 mod limits;
 mod live;
+mod lowering;
 mod method;
 pub mod parameter;
 mod path;

@@ -82,6 +82,14 @@ impl Method {
         matches!(self, Self::ContinuousAcceleration | Self::PerSegment { .. })
     }
 
+    /// The law for a problem, from one that it is expected to be close to.
+    pub(crate) fn choose_near(self, problem: &FeedProblem, law: &SpeedLaw) -> Result<ChosenLaw, FeedError> {
+        match self {
+            Self::JerkLimited => JerkLimitedOrScan::default().choose_near(problem, law),
+            _ => self.choose(problem),
+        }
+    }
+
     /// The law for a problem.
     pub(crate) fn choose(self, problem: &FeedProblem) -> Result<ChosenLaw, FeedError> {
         let law = match self {
@@ -92,7 +100,7 @@ impl Method {
             Self::Reachability => Reachability.plan(problem),
             Self::InterpolatedReachability => InterpolatedReachability.plan(problem),
         }?;
-        Ok(ChosenLaw { law, fallback: None, converged: true })
+        Ok(ChosenLaw { law, fallback: None, converged: true, grid_costs: Vec::new() })
     }
 }
 

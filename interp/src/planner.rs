@@ -3,20 +3,19 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use arcfeed_feedrate::{ChosenLaw, FeedError, LimitId, Quantity, SpeedLaw};
+use arcfeed_feedrate::{ChosenLaw, FeedError, LimitId, SpeedLaw};
 use arcfeed_kinematics::ForwardKinematics;
 
 use crate::diagnosis;
 use crate::error::{LimitError, PlanError, positive};
 use crate::limits::{FeedSection, Limits};
+use crate::lowering::{TOLERANCE, exceeded_stretches, fraction, lower_where_exceeded, lowerable};
 use crate::method::Method;
 use crate::path::MotionPath;
-use crate::problem::{Held, LimitFractions, PathProblem, RowsNeeded, Settings, resolved};
+use crate::problem::{Held, LimitFractions, PathProblem, RowsNeeded, Settings, parts_by_cost, resolved};
 use crate::trajectory::{PlanInfo, Timings, Trajectory};
 use crate::verify::{Requirement, Verification, verify};
 
-/// By how much a limit may seem to be exceeded in verification through rounding.
-const TOLERANCE: f64 = 1e-6;
 /// A motion has at most this many setpoints: 1.4 hours at 1 ms, some 1.5 GB for whoever collects them all.
 const MOST_SETPOINTS: f64 = 5e6;
 /// Rounds of planning until the verification passes.
@@ -24,14 +23,18 @@ const ROUNDS: usize = 12;
 /// A limit that is exceeded by more than this, relative to it, asks for a finer grid; by less, for less of the limit: that costs a third of
 /// it in time at the most for a jerk, and a finer grid often shows more to hold.
 const COARSE: f64 = 1e-2;
-/// A finer grid has this many times the intervals, and no more than that many.
+/// Intervals on which a limit is exceeded are divided into so many parts, as long as the grid has no more than that many intervals, or
+/// no more than so many times as many as before.
 const FINER: usize = 4;
 const FINEST: usize = 4_000;
+const MOST_FINER: usize = 2;
+/// Rounds in which the grid is made finer: what two of them do not mend, less of all limits does.
+const FINER_ROUNDS: usize = 2;
+/// Rounds in which a limit is lowered only where it is exceeded; later ones lower it everywhere.
+const LOCAL_ROUNDS: usize = 6;
 /// By how much more all limits are lowered than the worst was exceeded, and by what at the most in one round.
 const SLOWER: f64 = 0.999;
 const MOST_SLOWER: f64 = 1.5;
-/// By how much more a limit is lowered than it was exceeded.
-const MARGIN: f64 = 2e-7;
 /// Intervals of a grid of equal steps unless set otherwise.
 const INTERVALS: usize = 500;
 /// The most intervals that are taken: a million points of six joints fill a gigabyte.
@@ -106,7 +109,8 @@ impl<'a, const N: usize> Planner<'a, N> {
         self
     }
 
-    /// Sets about how many intervals the grid has on paths without a curve of the tool; the knots of a spline are among its points.
+    /// Sets about how many intervals the grid has on paths without a curve of the tool; the knots of a spline are among its points. The
+    /// jerk-limited planner divides those that cost time by their length.
     ///
     /// # Errors
     /// [`LimitError::Intervals`].
@@ -159,7 +163,8 @@ impl<'a, const N: usize> Planner<'a, N> {
 
     /// Plans the motion along `path` and verifies it on dense samples. A trajectory that is returned keeps every limit.
     ///
-    /// A plan that exceeds a limit between the points of its grid is made again: on a finer grid, or with a little less of that limit.
+    /// A plan that exceeds a limit between the points of its grid is made again: on a grid that is finer there, or with a little less of
+    /// that limit there.
     ///
     /// # Errors
     /// [`PlanError::Path`] where the arm cannot follow, [`PlanError::Limit`] for limits and settings that do not suit the path,
@@ -283,6 +288,7 @@ impl<'a, const N: usize> Planner<'a, N> {
             problem = resolved(problem)?;
         }
         let mut chosen = self.choose_over_grids(&mut problem)?;
+        self.choose_on_finer_grid(&mut problem, &mut chosen);
         let (mut verifying, mut refined) = (Duration::ZERO, 1);
         let mut rounds = 0;
         let verification = loop {
@@ -300,7 +306,7 @@ impl<'a, const N: usize> Planner<'a, N> {
                 if more.is_empty() || rounds == ROUNDS {
                     return Ok(trajectory);
                 }
-                more.into_iter().for_each(|(id, ratio)| used.lower(id, 1.0 / (ratio + MARGIN)));
+                more.into_iter().for_each(|(id, ratio)| used.lower(id, fraction(ratio)));
                 problem = trajectory.into_problem();
                 chosen = self.choose(&problem, &used)?;
                 continue;
@@ -310,17 +316,25 @@ impl<'a, const N: usize> Planner<'a, N> {
                 break verification;
             }
             let excess = verification.worst().ratio - 1.0;
-            if excess > COARSE && problem.intervals() * FINER <= FINEST {
-                problem = problem.refined(|_| FINER)?;
+            let local = rounds <= LOCAL_ROUNDS && self.method == Method::JerkLimited;
+            let parts = if excess > COARSE && rounds <= FINER_ROUNDS {
+                self.parts_where_exceeded(&problem, &verification, &chosen.law)
+            } else {
+                None
+            };
+            if let Some(parts) = parts {
+                problem = problem.refined(|k| parts[k])?;
                 refined *= FINER;
-            } else if excess > COARSE {
+            } else if excess > COARSE && !local {
                 // Far too much of one limit is a place that the grid does not see: a slower motion is slower there as well.
                 used.lower_all(SLOWER / (1.0 + excess).min(MOST_SLOWER));
+            } else if local {
+                lower_where_exceeded(&mut used, &verification, &chosen.law, self.settings.period);
             } else {
-                exceeded.into_iter().for_each(|(id, ratio)| used.lower(id, 1.0 / (ratio + MARGIN)));
+                exceeded.into_iter().for_each(|(id, ratio)| used.lower(id, fraction(ratio)));
             }
             // A speed at an end may go with the limits that were asked for and with none below.
-            let Ok(again) = self.choose(&problem, &used) else { break verification };
+            let Ok(again) = self.choose_near(&problem, &used, &chosen.law) else { break verification };
             chosen = again;
         };
         Err(unverified(&problem, &verification, needs > RowsNeeded::Points).into())
@@ -329,6 +343,32 @@ impl<'a, const N: usize> Planner<'a, N> {
     fn choose(&self, problem: &PathProblem<'_, N>, used: &LimitFractions) -> Result<ChosenLaw, PlanError> {
         let rows = problem.rows_within(used, self.method.needs())?;
         Ok(self.method.choose(&rows).map_err(|error| problem.explained(error))?)
+    }
+
+    /// Parts into which to divide the intervals on which a law exceeds limits; none where that makes too many.
+    fn parts_where_exceeded(
+        &self,
+        problem: &PathProblem<'_, N>,
+        verification: &Verification,
+        law: &SpeedLaw,
+    ) -> Option<Vec<usize>> {
+        let mut parts = vec![1; problem.intervals()];
+        for [from, to] in exceeded_stretches(verification, law, self.settings.period) {
+            parts[problem.intervals_between(from, to)].fill(FINER);
+        }
+        let (before, after) = (problem.intervals(), parts.iter().sum::<usize>());
+        (before < after && after <= FINEST.max(MOST_FINER * before)).then_some(parts)
+    }
+
+    /// The same, from the law of a problem that is almost the same.
+    fn choose_near(
+        &self,
+        problem: &PathProblem<'_, N>,
+        used: &LimitFractions,
+        law: &SpeedLaw,
+    ) -> Result<ChosenLaw, PlanError> {
+        let rows = problem.rows_within(used, self.method.needs())?;
+        Ok(self.method.choose_near(&rows, law).map_err(|error| problem.explained(error))?)
     }
 
     /// The law; where the planner did not converge on a grid of equal steps, the fastest of several grids.
@@ -362,6 +402,17 @@ impl<'a, const N: usize> Planner<'a, N> {
         best
     }
 
+    /// Divides the intervals that cost time by their length, and keeps the law on this grid where it is shorter.
+    fn choose_on_finer_grid(&self, problem: &mut PathProblem<'_, N>, chosen: &mut ChosenLaw) {
+        let Some(parts) = parts_by_cost(&chosen.grid_costs, chosen.law.duration()) else { return };
+        // Where the path cannot be followed on a finer grid, or not be planned on it, there is the law on this one.
+        let Ok(finer) = problem.refined(|k| parts[k]) else { return };
+        let Ok(again) = self.choose_near(&finer, &LimitFractions::default(), &chosen.law) else { return };
+        if again.law.duration() < chosen.law.duration() {
+            (*problem, *chosen) = (finer, again);
+        }
+    }
+
     fn info(
         &self,
         problem: &PathProblem<'_, N>,
@@ -376,7 +427,7 @@ impl<'a, const N: usize> Planner<'a, N> {
             rounds,
             intervals: problem.intervals(),
             refined,
-            lowered: used.lowered().to_vec(),
+            lowered: used.lowered(),
             slowed: used.everywhere(),
         }
     }
@@ -386,36 +437,6 @@ impl<'a, const N: usize> Planner<'a, N> {
 fn knots(law: &SpeedLaw, period: f64) -> Vec<f64> {
     let before = |t: f64| t - (1e-10 * period).max(4.0 * f64::EPSILON * t);
     law.knots().skip(1).flat_map(|(t, _)| [before(t), t]).collect()
-}
-
-/// The limits that are exceeded, with the ratios; `None` where one of them is nothing that less of a limit could mend.
-fn lowerable(verification: &Verification, jerk_limited: bool) -> Option<Vec<(LimitId, f64)>> {
-    let mut exceeded: Vec<(LimitId, f64)> = Vec::new();
-    for check in
-        verification.checks().iter().filter(|check| check.ratio > 1.0 + 0.5 * TOLERANCE || check.ratio.is_nan())
-    {
-        let id = match check.quantity() {
-            Quantity::JointPosition
-            | Quantity::PathDeviation
-            | Quantity::OrientationDeviation
-            | Quantity::Ends
-            | Quantity::SetpointAgreement
-            | Quantity::EndPosition
-            | Quantity::EndVelocity
-            | Quantity::EndAcceleration => return None,
-            Quantity::Continuity if jerk_limited => LimitId { quantity: Quantity::JointJerk, ..check.id },
-            Quantity::Continuity => LimitId { quantity: Quantity::JointAcceleration, ..check.id },
-            _ => check.id,
-        };
-        if !check.ratio.is_finite() {
-            return None;
-        }
-        match exceeded.iter_mut().find(|(known, _)| *known == id) {
-            Some((_, ratio)) => *ratio = ratio.max(check.ratio),
-            None => exceeded.push((id, check.ratio)),
-        }
-    }
-    (!exceeded.is_empty()).then_some(exceeded)
 }
 
 fn unverified<const N: usize>(problem: &PathProblem<'_, N>, verification: &Verification, between: bool) -> PlanError {

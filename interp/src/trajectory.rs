@@ -26,9 +26,10 @@ pub struct PlanInfo {
     pub rounds: usize,
     /// Intervals of the grid.
     pub intervals: usize,
-    /// Into how many parts each interval of the first grid was divided for the sake of the limits between its points; 1 for none.
+    /// Into how many parts intervals were divided, at the most, for the sake of the limits between their points; 1 for none.
     pub refined: usize,
-    /// Limits that the last round planned with less of, and the fraction: what was exceeded between the points of the grid.
+    /// Limits that the last round planned with less of, and the fraction where it is least: what was exceeded between the points of the
+    /// grid.
     pub lowered: Vec<(LimitId, f64)>,
     /// The fraction of every limit that the last round planned with, beside those; 1 unless a limit was far exceeded where the grid sees
     /// too little.

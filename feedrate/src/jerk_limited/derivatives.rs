@@ -62,7 +62,7 @@ impl Solver {
         self.on.resize(self.values.middle.len(), OnInterval::default());
         self.barrier.iter_mut().flatten().for_each(|side| (side.change, side.inverse) = (1.0, 0.0));
         self.objective_gradient(barrier_problem);
-        self.barrier_gradient(barrier_problem, 0.0);
+        self.barrier_gradient(barrier_problem, 0.0, 1.0);
         gradient_to_coefficients(&barrier_problem.knots, &self.at, &self.on, &mut self.step);
         tie_gradient(barrier_problem.ends, barrier_problem.ratios(), &mut self.step);
         let fall = |((slope, c), most): ((f64, f64), f64)| if slope > 0.0 { slope * c } else { -slope * (most - c) };
@@ -195,32 +195,36 @@ impl Solver {
         }
     }
 
-    /// Adds the first derivatives of the barriers at `mu`.
-    pub fn barrier_gradient(&mut self, barrier_problem: &BarrierProblem, mu: f64) {
+    /// Adds the first derivatives of the barriers at `mu`, with a part of the predictor's second-order terms.
+    pub fn barrier_gradient(&mut self, barrier_problem: &BarrierProblem, mu: f64, part: f64) {
         let x = &self.values.x;
         let [caps, inner, thirds, rest] = barrier_problem.offsets();
         for (i, end) in [0, x.len() - 1].into_iter().enumerate() {
             let y = 1.0 / x[end].sqrt();
             let slope = barrier_problem.rest[i] + 0.5 * y / x[end];
             self.at[end].x += slope
-                * self.barrier[rest + i][1].force(mu, barrier_problem.jerk_wider * barrier_problem.jerk_unit[end]);
+                * self.barrier[rest + i][1].force(
+                    mu,
+                    part,
+                    barrier_problem.jerk_wider * barrier_problem.jerk_unit[end],
+                );
         }
         for k in 0..x.len() {
             let at = &mut self.at[k];
             for i in barrier_problem.first[k]..barrier_problem.first[k + 1] {
                 let row = &barrier_problem.points[i];
                 let [low, high] = &self.barrier[i];
-                let force = high.force(mu, row.wider[1]) - low.force(mu, row.wider[0]);
+                let force = high.force(mu, part, row.wider[1]) - low.force(mu, part, row.wider[0]);
                 at.x += force * row.slope(x[k]);
                 at.u += force * row.a;
             }
-            at.x += self.barrier[caps + k][1].force(mu, barrier_problem.caps[k][1]);
+            at.x += self.barrier[caps + k][1].force(mu, part, barrier_problem.caps[k][1]);
         }
         for (k, end, inner_rows, third_rows) in barrier_problem.places() {
             let (mut sx, mut su, mut sw, mut forces, mut stepped) = (0.0, 0.0, 0.0, 0.0, 0.0);
             let sides = &self.barrier[inner + inner_rows.start..];
             for (row, [low, high]) in barrier_problem.inner[inner_rows].iter().zip(sides) {
-                let force = high.force(mu, row.wider[1]) - low.force(mu, row.wider[0]);
+                let force = high.force(mu, part, row.wider[1]) - low.force(mu, part, row.wider[0]);
                 sx += force * row.gamma;
                 su += force * row.beta;
                 sw += force * row.alpha;
@@ -230,7 +234,7 @@ impl Solver {
             let taken = barrier_problem.jerk_wider * barrier_problem.jerk_unit[end];
             let sides = &self.barrier[thirds + third_rows.start..];
             for (row, [low, high]) in barrier_problem.thirds[third_rows].iter().zip(sides) {
-                let (low, high) = (low.force(mu, taken), high.force(mu, taken));
+                let (low, high) = (low.force(mu, part, taken), high.force(mu, part, taken));
                 sx += (high - low) * row.gamma;
                 su += (high - low) * row.beta;
                 sw += (high - low) * row.alpha;

@@ -7,8 +7,10 @@ use super::spline::Values;
 /// this measure.
 const DISTANT_FROM_BOUND: f64 = 0.6;
 
-/// But not a jerk row of a limit that is near its bound so many places before or after.
+/// But not a jerk row of a limit that is near its bound so many places before or after, on a grid of up to so many intervals. On a
+/// finer one the same way has more places.
 const BESIDE_NEAR: usize = 8;
+const BESIDE_NEAR_UP_TO: usize = 3000;
 
 impl BarrierProblem {
     /// Drops the rows that are far from their bounds at the given values and calls `keep` for every
@@ -58,6 +60,7 @@ impl BarrierProblem {
     fn drop_distant_jerk(&mut self, values: &Values, keep: &mut impl FnMut(bool)) {
         let Values { x, u, w, .. } = values;
         let rows = self.thirds_first.get(1).copied().unwrap_or(0);
+        let beside = BESIDE_NEAR * w.len().div_ceil(BESIDE_NEAR_UP_TO);
         let mut far = vec![true; self.thirds.len()];
         let mut last_near = vec![None; rows];
         for p in 0..2 * w.len() {
@@ -67,9 +70,9 @@ impl BarrierProblem {
                 let bound = 1.0 / x[end].sqrt() - row.step * x[end].sqrt();
                 let which = i - p * rows;
                 if row.step > 0.0 || is_near(value, -bound, bound) {
-                    (p.saturating_sub(BESIDE_NEAR)..=p).for_each(|p| far[p * rows + which] = false);
+                    (p.saturating_sub(beside)..=p).for_each(|p| far[p * rows + which] = false);
                     last_near[which] = Some(p);
-                } else if last_near[which].is_some_and(|last| p - last <= BESIDE_NEAR) {
+                } else if last_near[which].is_some_and(|last| p - last <= beside) {
                     far[i] = false;
                 }
             }

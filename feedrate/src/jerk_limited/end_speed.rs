@@ -15,7 +15,7 @@ const INTERVALS: usize = 100_000;
 
 /// The error of the passes, or, where a speed at an end is the cause, the largest speed that is
 /// possible there.
-pub(super) fn explain(passes: &Passes, problem: &FeedProblem, why: NotSolved) -> FeedError {
+pub(super) fn explain(passes: &Passes<'_>, problem: &FeedProblem, why: NotSolved) -> FeedError {
     let to_blame = matches!(why.error, FeedError::NotConverged { .. } | FeedError::SpeedOutOfReach { .. });
     let asked = [problem.v_start(), problem.v_end()];
     if !to_blame || asked == [0.0; 2] {
@@ -45,7 +45,7 @@ pub(super) fn explain(passes: &Passes, problem: &FeedProblem, why: NotSolved) ->
 }
 
 struct Search<'a> {
-    passes: Passes,
+    passes: Passes<'a>,
     problem: &'a FeedProblem,
     trials: usize,
 }

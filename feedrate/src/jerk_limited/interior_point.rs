@@ -8,6 +8,7 @@ use super::band::Pentadiagonal;
 use super::barrier_problem::{BarrierProblem, Sides};
 use super::outcome::{Goal, Outcome};
 use super::side::{Side, lesser};
+use super::solution::Solution;
 use super::spline::{AtKnot, OnInterval, Values, gradient_to_coefficients, tie_gradient, tie_matrix, to_coefficients};
 use crate::problem::FeedProblem;
 
@@ -39,14 +40,8 @@ struct Sums {
 /// Part of the way to the boundary that a step may go.
 const STEP_FRACTION: f64 = 0.95;
 
-/// Relative gap the multipliers start with.
-const START_GAP: f64 = 0.3;
-
 /// Relative gap from which on margins are set.
 const MARGINS_FROM: f64 = 0.1;
-
-/// Relative gap below which rows far from their bounds are dropped.
-const DROP_BELOW: f64 = 0.04;
 
 /// Gain of the last step at which the iterations end, in units of the tolerance: the next one gains
 /// a small part of that.
@@ -87,7 +82,7 @@ impl Solver {
             if shown < MARGINS_FROM && outcome.gap > 4.0 * outcome.tolerance {
                 barrier_problem.set_margins(problem, &self.values);
             }
-            if to_drop && shown < DROP_BELOW && outcome.gap > outcome.tolerance {
+            if to_drop && shown < goal.drop_below && outcome.gap > outcome.tolerance {
                 to_drop = false;
                 self.drop_distant(barrier_problem);
             }
@@ -109,7 +104,7 @@ impl Solver {
             let tolerance = outcome.tolerance;
             let centred = outcome.gap == f64::INFINITY;
             if centred {
-                sums.complementarity = START_GAP * duration;
+                sums.complementarity = goal.start_gap * duration;
                 self.centre(sums.complementarity / sums.count);
             }
             outcome.gap = sums.complementarity / duration;
@@ -150,6 +145,17 @@ impl Solver {
     /// Multipliers of both sides of a row.
     pub fn multipliers(&self, i: usize) -> Sides {
         self.barrier[i].map(|side| side.multiplier)
+    }
+
+    /// What the iterations ended at.
+    pub fn solution(&self, problem: &FeedProblem, barrier_problem: BarrierProblem, outcome: Outcome) -> Solution {
+        let grid_costs = self.grid_costs(problem, &barrier_problem);
+        Solution { barrier_problem, c: self.c.clone(), converged: outcome.is_close(), grid_costs }
+    }
+
+    /// Slacks of both sides of a row.
+    pub fn slacks_of(&self, i: usize) -> Sides {
+        self.barrier[i].map(|side| 1.0 / side.inverse)
     }
 
     fn drop_distant(&mut self, barrier_problem: &mut BarrierProblem) {
@@ -207,12 +213,12 @@ impl Solver {
         to_coefficients(&barrier_problem.knots, &self.at, &self.on, &mut self.matrix);
         tie_matrix(barrier_problem.ends, barrier_problem.ratios(), &mut self.matrix);
         self.matrix.factor();
-        let mut mu = mu;
+        let (mut mu, mut part) = (mu, 1.0);
         // On the central path there is nothing to predict.
         if !centred {
             self.objective_gradient(barrier_problem);
             if wider {
-                self.barrier_gradient(barrier_problem, 0.0);
+                self.barrier_gradient(barrier_problem, 0.0, 1.0);
             }
             self.solve(barrier_problem);
             let [slack, multiplier] = self.predict(barrier_problem);
@@ -220,13 +226,12 @@ impl Solver {
             let left = 1.0 - far;
             mu = (mu * (left * left * left).max(1e-3)).max(least);
             // Second-order terms of a step that cannot be taken mislead.
-            let part = lesser(2.0 * far, 1.0);
-            self.barrier.iter_mut().flatten().for_each(|side| side.change *= part);
+            part = lesser(2.0 * far, 1.0);
         }
         self.objective_gradient(barrier_problem);
-        self.barrier_gradient(barrier_problem, mu);
+        self.barrier_gradient(barrier_problem, mu, part);
         self.solve(barrier_problem);
-        self.changes(barrier_problem, mu)
+        self.changes(barrier_problem, mu, part)
     }
 
     /// Newton's step from the first derivatives.
@@ -260,13 +265,13 @@ impl Solver {
     }
 
     /// Changes of all multipliers for the step, and how far slacks and multipliers can follow it.
-    fn changes(&mut self, barrier_problem: &BarrierProblem, mu: f64) -> Sides {
+    fn changes(&mut self, barrier_problem: &BarrierProblem, mu: f64, part: f64) -> Sides {
         let (mut least, mut fall) = (0.0, 0.0);
         let barrier = &mut self.barrier;
         barrier_problem.each_change(&self.values, &self.delta, |i, by| {
             for (side, by) in barrier[i].iter_mut().zip(by) {
                 let relative = by * side.inverse;
-                side.change = mu * side.inverse + side.multiplier * (side.change - 1.0 - relative);
+                side.change = mu * side.inverse + side.multiplier * (part * side.change - 1.0 - relative);
                 least = lesser(relative, least);
                 // A bound at infinity has multiplier and change 0. Few sides take the division.
                 if -side.change > fall * side.multiplier {

@@ -40,6 +40,7 @@ pub(crate) mod conic;
 mod derivatives;
 mod drop_distant;
 mod end_speed;
+mod grid_cost;
 mod interior_point;
 mod lower_bound;
 mod outcome;

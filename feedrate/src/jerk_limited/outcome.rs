@@ -27,6 +27,10 @@ pub(super) struct Goal {
     pub tolerance: f64,
     /// A duration that is not reached: that without limits on jerk.
     pub shortest: f64,
+    /// Relative gap that the multipliers start with.
+    pub start_gap: f64,
+    /// Relative gap below which rows far from their bounds are dropped.
+    pub drop_below: f64,
 }
 
 impl Goal {

@@ -35,6 +35,17 @@ const CAREFUL_ATTEMPTS: usize = 2;
 /// Slowing down at last: with friction each time takes off half of what is too much.
 const LAST_SLOWED_ATTEMPTS: usize = 60;
 
+/// Relative gaps that the multipliers start with and below which rows far from their bounds are dropped: from scratch, and from a law
+/// that is close to the solution.
+const GAPS: [f64; 2] = [0.3, 0.04];
+const NEAR_GAPS: [f64; 2] = [0.05, 0.004];
+
+/// Grids of more intervals than this are planned on one point of so many first, to so much of the duration, and these likewise: then
+/// the number of iterations hardly grows with the number of intervals.
+const COARSE_FROM: usize = 3000;
+const COARSER: usize = 8;
+const COARSE_TOLERANCE: f64 = 1e-2;
+
 /// Largest excess over a limit between the grid points of a motion that cannot be slowed down.
 const LARGEST_EXCESS: f64 = 1e-7;
 
@@ -50,11 +61,15 @@ struct Attempt<'a> {
 
 /// The passes with one tolerance on the duration.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Passes {
+pub(super) struct Passes<'a> {
     pub tolerance: f64,
+    /// A law that the solution is expected to be close to.
+    pub near: Option<&'a SpeedLaw>,
+    /// True for a law that another one starts from: what it exceeds between the grid points does not matter.
+    pub rough: bool,
 }
 
-impl Passes {
+impl Passes<'_> {
     /// The fastest iterate inside all bounds, of one stretch.
     fn solve(
         &self,
@@ -78,8 +93,17 @@ impl Passes {
             barrier_problem.demand_margins(problem, &solver.values);
         }
         let again = attempt.before.and_then(|before| start::again(&barrier_problem, &before.c));
-        let start = again.unwrap_or_else(|| start::start(prepared, &mut barrier_problem));
-        let goal = Goal { tolerance: self.tolerance, shortest: part.shortest(problem, fastest) };
+        let near = if again.is_none() && attempt.factor == 1.0 {
+            self.near.and_then(|law| start::near(problem, &barrier_problem, law))
+        } else {
+            None
+        };
+        let is_near = near.is_some();
+        let start = again.or(near).unwrap_or_else(|| start::start(prepared, &mut barrier_problem));
+        let [start_gap, drop_below] = if is_near { NEAR_GAPS } else { GAPS };
+        // A law to start from is a part of the duration off, however little there is to gain.
+        let shortest = if self.rough { 0.0 } else { part.shortest(problem, fastest) };
+        let goal = Goal { tolerance: self.tolerance, shortest, start_gap, drop_below };
         let mut to_drop = attempt.drop_distant;
         if to_drop && attempt.before.is_some() {
             // The shape is known.
@@ -90,7 +114,7 @@ impl Passes {
         let outcome = solver.minimise(problem, &mut barrier_problem, start, goal, to_drop);
         if outcome.wider <= 10.0 * self.tolerance {
             // Inside all bounds: a motion, however far it is from the optimum.
-            return Ok(Solution { barrier_problem, c: solver.c.clone(), converged: outcome.is_close() });
+            return Ok(solver.solution(problem, barrier_problem, outcome));
         }
         if part.slows(problem) {
             // The bounds were widened for the start and could not be taken back: from a start that
@@ -98,7 +122,7 @@ impl Passes {
             let mut barrier_problem = fresh();
             if let Some(start) = start::inside(problem, &barrier_problem, fastest) {
                 let outcome = solver.minimise(problem, &mut barrier_problem, start, goal, false);
-                return Ok(Solution { barrier_problem, c: solver.c.clone(), converged: outcome.is_close() });
+                return Ok(solver.solution(problem, barrier_problem, outcome));
             }
         }
         let error = FeedError::NotConverged {
@@ -111,8 +135,20 @@ impl Passes {
         Err(NotSolved { error, binding })
     }
 
-    /// The plan, or why there is none, with all rows.
+    /// The plan, or why there is none. On a long grid it starts from that on a part of the points.
     pub fn plan(&self, problem: &FeedProblem) -> Result<JerkLimitedPlan, NotSolved> {
+        let rests = problem.v_start() == 0.0 && problem.v_end() == 0.0;
+        if self.near.is_none() && rests && problem.is_between_points() && problem.intervals() > COARSE_FROM {
+            let coarse = Passes { tolerance: COARSE_TOLERANCE, near: None, rough: true };
+            if let Ok(plan) = coarse.plan(&problem.thinned(COARSER)) {
+                return Passes { near: Some(&plan.law), ..*self }.plan_on_all(problem);
+            }
+        }
+        self.plan_on_all(problem)
+    }
+
+    /// The plan on all points, with all rows in the end.
+    fn plan_on_all(&self, problem: &FeedProblem) -> Result<JerkLimitedPlan, NotSolved> {
         self.plan_with(problem, DROP_UP_TO).or_else(|why| match why.error {
             FeedError::NotConverged { .. } => self.plan_with(problem, 0),
             _ => Err(why),
@@ -127,10 +163,14 @@ impl Passes {
         let mut solver = Solver::default();
         let mut solutions = Vec::with_capacity(parts.len());
         for part in parts {
-            let attempt = Attempt { drop_distant: part.grid.len() <= drop_up_to, factor: 1.0, before: None };
+            let attempt =
+                Attempt { drop_distant: !self.rough && part.grid.len() <= drop_up_to, factor: 1.0, before: None };
             solutions.push(self.solve(prepared, &mut solver, part, attempt)?);
         }
         let mut plan = assemble(problem, &solutions)?;
+        if self.rough {
+            return Ok(JerkLimitedPlan::of(prepared, plan, &solutions));
+        }
         let mut factors = vec![1.0; parts.len()];
         for attempt in 0..ATTEMPTS {
             let mut changed = false;
@@ -155,7 +195,7 @@ impl Passes {
                 }
             }
             if !changed {
-                return Ok(JerkLimitedPlan::of(plan, &solutions));
+                return Ok(JerkLimitedPlan::of(prepared, plan, &solutions));
             }
             plan = assemble(problem, &solutions)?;
         }
@@ -186,7 +226,7 @@ impl Passes {
         }
         let left = 1.0 - largest_scale(problem, &plan, 0..problem.intervals());
         if left <= LARGEST_EXCESS {
-            return Ok(JerkLimitedPlan::of(plan, &solutions));
+            return Ok(JerkLimitedPlan::of(prepared, plan, &solutions));
         }
         Err(FeedError::NotConverged {
             what: "the jerk-limited planner between the grid points",

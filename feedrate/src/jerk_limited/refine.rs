@@ -7,6 +7,11 @@ use crate::row::{JerkRow, Row};
 /// Ratio of successive distances from rest.
 const GROWTH: f64 = 3.0;
 
+/// The last place at which an interval is split, as a part of it: where the acceleration has built up, or beyond. A constant jerk
+/// over more than the way that it takes to build up is a lower one.
+const LAST_BUILD_UP: f64 = 0.95;
+const LAST: f64 = 0.6;
+
 /// The problem with its intervals next to rest split where the acceleration has built up, and
 /// coarser beyond: rows in between are interpolated, exactly so on a piecewise cubic path.
 pub(super) fn refined(problem: &FeedProblem) -> FeedProblem {
@@ -42,7 +47,11 @@ fn from_rest(problem: &FeedProblem, k: usize, [rest, next]: [usize; 2], at: With
     // Shorter intervals would gain nothing.
     let mut fraction = first.max(1e-4);
     let mut fractions = Vec::new();
-    while fraction < 0.6 {
+    if fraction < LAST_BUILD_UP {
+        fractions.push(fraction);
+        fraction *= GROWTH;
+    }
+    while fraction < LAST {
         fractions.push(fraction);
         fraction *= GROWTH;
     }

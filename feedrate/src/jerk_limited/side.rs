@@ -16,10 +16,10 @@ impl Side {
         self.multiplier * self.inverse
     }
 
-    /// The barrier's force at `mu`: `mu / slack`, the second-order term, and what narrowing the
+    /// The barrier's force at `mu`: `mu / slack`, a part of the second-order term, and what narrowing the
     /// bound adds.
-    pub fn force(&self, mu: f64, wider: f64) -> f64 {
-        mu * self.inverse + self.multiplier * (self.change + self.inverse * wider)
+    pub fn force(&self, mu: f64, part: f64, wider: f64) -> f64 {
+        mu * self.inverse + self.multiplier * (part * self.change + self.inverse * wider)
     }
 }
 

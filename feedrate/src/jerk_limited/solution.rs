@@ -1,6 +1,7 @@
 //! Solutions of the parts of a path, and the law they make together.
 
 use super::barrier_problem::BarrierProblem;
+use super::parts::Prepared;
 use super::spline::{End, Values};
 use crate::error::FeedError;
 use crate::problem::FeedProblem;
@@ -16,11 +17,27 @@ pub struct JerkLimitedPlan {
     /// True if the law is within 2 % of the optimum of its problem; where not, another grid or
     /// planner may find a faster one.
     pub converged: bool,
+    /// The time that each interval of the grid costs by its length, s: about what the motion gains where shorter intervals take its
+    /// place. 0 where no limit on jerk binds.
+    pub grid_costs: Vec<f64>,
 }
 
 impl JerkLimitedPlan {
-    pub(super) fn of(law: SpeedLaw, solutions: &[Solution]) -> Self {
-        Self { law, converged: solutions.iter().all(|solution| solution.converged) }
+    pub(super) fn of(prepared: &Prepared<'_>, law: SpeedLaw, solutions: &[Solution]) -> Self {
+        let (original, refined) = (prepared.original.grid(), prepared.problem.grid());
+        let mut grid_costs = vec![0.0; original.len() - 1];
+        let mut k = 0;
+        for solution in solutions {
+            let from = solution.barrier_problem.from;
+            for (i, cost) in solution.grid_costs.iter().enumerate() {
+                // Next to rest an interval may be split.
+                while original[k + 1] <= refined[from + i] {
+                    k += 1;
+                }
+                grid_costs[k] += cost;
+            }
+        }
+        Self { law, converged: solutions.iter().all(|solution| solution.converged), grid_costs }
     }
 }
 
@@ -46,6 +63,8 @@ pub(super) struct Solution {
     pub c: Vec<f64>,
     /// True if the iterations came close to the optimum.
     pub converged: bool,
+    /// The time that each interval costs by its length, s.
+    pub grid_costs: Vec<f64>,
 }
 
 impl Solution {

@@ -15,6 +15,10 @@ const SLOW: f64 = 2.5;
 /// A motion that has to be slowed down by more than this, on its squared speeds, is no start.
 const POOR: f64 = 0.1;
 
+/// The same for a start along a law that the solution is close to, and what is not close any more.
+const NEAR_FRACTION: f64 = 0.95;
+const NEAR: f64 = 0.7;
+
 /// The part of the way to the nearest limit that the start takes.
 const START_FRACTION: f64 = 0.9;
 
@@ -149,6 +153,33 @@ pub(super) fn along_law(prepared: &Prepared<'_>, barrier_problem: &mut BarrierPr
         }
     }
     start(prepared, barrier_problem)
+}
+
+/// Coefficients along a law that the solution is close to, slowed down as a whole to be strictly inside; none where that takes much.
+pub(super) fn near(problem: &FeedProblem, barrier_problem: &BarrierProblem, law: &SpeedLaw) -> Option<Vec<f64>> {
+    let rests = barrier_problem.ends.iter().all(|end| matches!(end, End::Rest { .. }));
+    if !rests || !at_rest_inside(barrier_problem) {
+        return None;
+    }
+    let (m, grid) = (barrier_problem.knots.intervals(), &problem.grid()[barrier_problem.from..]);
+    let states: Vec<_> = grid[..=m].iter().map(|&s| law.at_position(s)).collect();
+    let mut c = Vec::with_capacity(m + 2);
+    c.push(0.0);
+    // The middle Bernstein coefficient of an interval, from either end: the same where the law is a quadratic there.
+    c.extend(states.windows(2).zip(&barrier_problem.knots.h).map(|(pair, h)| {
+        let [from, to] = [pair[0].v.powi(2) + h * pair[0].a, pair[1].v.powi(2) - h * pair[1].a];
+        0.5 * (from + to)
+    }));
+    c.push(0.0);
+    let ratios = barrier_problem.ratios();
+    (c[0], c[m + 1]) = (c[1] / ratios[0], c[m] / ratios[1]);
+    let mut values = Values::default();
+    barrier_problem.knots.evaluate(&c, &mut values);
+    let [scale, jerk_scale] = barrier_problem.largest_scales(&values);
+    let factor = NEAR_FRACTION * scale.min(jerk_scale).min(1.0);
+    c.iter_mut().for_each(|c| *c *= factor);
+    barrier_problem.knots.evaluate(&c, &mut values);
+    (factor > NEAR && barrier_problem.is_inside(&values)).then_some(c)
 }
 
 /// Coefficients along another law from rest to rest, slowed down as a whole to be strictly inside.

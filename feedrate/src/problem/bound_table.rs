@@ -28,6 +28,14 @@ impl BoundTable {
         &self.bounds
     }
 
+    /// The same, to be changed.
+    pub fn of_mut(&mut self, k: usize) -> &mut [IntervalBound] {
+        match (self.first.get(k), self.first.get(k + 1)) {
+            (Some(&from), Some(&to)) => &mut self.bounds[from..to],
+            _ => &mut [],
+        }
+    }
+
     /// The bounds of interval `k`.
     pub fn of(&self, k: usize) -> &[IntervalBound] {
         match (self.first.get(k), self.first.get(k + 1)) {

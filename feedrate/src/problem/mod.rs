@@ -5,7 +5,9 @@ mod bound_table;
 mod feed_problem;
 mod inside;
 mod intervals;
+mod lowered;
 mod row_table;
+mod thinned;
 
 pub use feed_problem::{FeedPlanner, FeedProblem};
 pub(crate) use inside::{InnerRow, inner_row, matching, quadratic};

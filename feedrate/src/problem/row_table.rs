@@ -55,6 +55,10 @@ impl RowTable {
         &self.rows[self.first[i]..self.first[i + 1]]
     }
 
+    pub fn rows_mut(&mut self, i: usize) -> &mut [Row] {
+        &mut self.rows[self.first[i]..self.first[i + 1]]
+    }
+
     pub fn x_max(&self, i: usize) -> f64 {
         self.x_max[i]
     }

@@ -53,6 +53,8 @@ pub struct ChosenLaw {
     /// True if the jerk-limited planner did its part: where it did not converge, another grid may
     /// give a faster law.
     pub converged: bool,
+    /// The time that each interval of the grid costs by its length, s; empty where the law is not the jerk-limited planner's.
+    pub grid_costs: Vec<f64>,
 }
 
 impl JerkLimitedOrScan {
@@ -62,20 +64,39 @@ impl JerkLimitedOrScan {
     /// Those of the jerk-limited planner where neither finds a law; a limit that is broken at rest
     /// is named first.
     pub fn choose(&self, problem: &FeedProblem) -> Result<ChosenLaw, FeedError> {
+        self.choose_from(problem, None)
+    }
+
+    /// The same, from a law that the result is expected to be close to; see [`JerkLimited::plan_near`].
+    ///
+    /// # Errors
+    /// As [`JerkLimitedOrScan::choose`].
+    pub fn choose_near(&self, problem: &FeedProblem, law: &SpeedLaw) -> Result<ChosenLaw, FeedError> {
+        self.choose_from(problem, Some(law))
+    }
+
+    fn choose_from(&self, problem: &FeedProblem, near: Option<&SpeedLaw>) -> Result<ChosenLaw, FeedError> {
         let scan = || ContinuousAccelerationScan.plan(problem);
-        match self.jerk_limited.plan_noting_convergence(problem) {
-            Ok(JerkLimitedPlan { law, converged }) => {
+        let planned = match near {
+            Some(law) => self.jerk_limited.plan_near(problem, law),
+            None => self.jerk_limited.plan_noting_convergence(problem),
+        };
+        match planned {
+            Ok(JerkLimitedPlan { law, converged, grid_costs }) => {
                 let scanned = if problem.intervals() > COARSE_INTERVALS && converged { None } else { scan().ok() };
                 Ok(match scanned {
                     Some(scanned) if law.duration() >= scanned.duration() => {
                         let fallback = Some(Fallback::Slower { duration: law.duration() });
-                        ChosenLaw { law: scanned, fallback, converged }
+                        ChosenLaw { law: scanned, fallback, converged, grid_costs: Vec::new() }
                     }
-                    _ => ChosenLaw { law, fallback: None, converged },
+                    _ => ChosenLaw { law, fallback: None, converged, grid_costs },
                 })
             }
             Err(error) => match scan() {
-                Ok(law) => Ok(ChosenLaw { law, fallback: Some(Fallback::Failed(error)), converged: false }),
+                Ok(law) => {
+                    let fallback = Some(Fallback::Failed(error));
+                    Ok(ChosenLaw { law, fallback, converged: false, grid_costs: Vec::new() })
+                }
                 Err(still @ FeedError::StaticallyInfeasible { .. }) => Err(still),
                 // The scan knows what is in the way.
                 Err(scanned) if matches!(error, FeedError::NotConverged { .. }) => Err(scanned),

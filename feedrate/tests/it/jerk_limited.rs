@@ -56,7 +56,8 @@ fn a_finer_grid_gains_little() {
             JerkLimited::default().plan(&problem(path, 'A', &grid, [0.0; 2])).unwrap().duration()
         };
         let ratio = duration(1000) / duration(4000);
-        assert!((1.0..1.005).contains(&ratio), "seed {}: {ratio}", path.seed);
+        // Next to rest a finer grid costs a little: the interval at constant jerk is shorter than the jerk lasts.
+        assert!((1.0 - 2e-4..1.005).contains(&ratio), "seed {}: {ratio}", path.seed);
     }
 }
 

@@ -8,6 +8,7 @@ mod common;
 mod exact_problems;
 mod hostile;
 mod jerk_limited;
+mod jerk_limited_grids;
 mod liu_2024;
 mod live;
 mod lower_bound;

@@ -9,5 +9,6 @@ mod cnc_curves;
 mod hybrid;
 #[cfg(feature = "oracle")]
 mod large_fits;
+mod raised_limits;
 mod regressions;
 mod tight_bends;

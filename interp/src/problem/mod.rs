@@ -17,5 +17,5 @@ pub use needs::RowsNeeded;
 pub(crate) use path_grid::PathGrid;
 pub use path_problem::PathProblem;
 pub(crate) use path_problem::{Held, suits};
-pub(crate) use resolution::resolved;
+pub(crate) use resolution::{parts_by_cost, resolved};
 pub(crate) use settings::Settings;

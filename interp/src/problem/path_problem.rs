@@ -1,5 +1,6 @@
 //! A path on its grid with everything that its limits are made from: computed once, asked for rows as often as it takes.
 
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -323,7 +324,22 @@ impl<'p, const N: usize> PathProblem<'p, N> {
             true => FeedProblem::between_points(&self.layout.grid, &constraints)?,
             false => FeedProblem::at_points(&self.layout.grid, &constraints)?,
         };
-        problem.with_end_speeds(self.settings.ends[0], self.settings.ends[1])
+        let mut problem = problem.with_end_speeds(self.settings.ends[0], self.settings.ends[1])?;
+        for stretch in used.stretches() {
+            problem = problem.with_fraction(
+                stretch.limit,
+                self.intervals_between(stretch.from, stretch.to),
+                stretch.factor,
+            )?;
+        }
+        Ok(problem)
+    }
+
+    /// The intervals that a part of the path touches.
+    pub(crate) fn intervals_between(&self, from: f64, to: f64) -> RangeInclusive<usize> {
+        let (grid, last) = (&self.layout.grid, self.intervals() - 1);
+        let at = |s: f64| grid.partition_point(|&g| g <= s).saturating_sub(1).min(last);
+        at(from)..=at(to)
     }
 
     /// The bounds of the speed in bends, with a fraction of each limit.

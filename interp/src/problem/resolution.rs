@@ -33,6 +33,14 @@ const OF_CHANGE: f64 = 1.0 / 24.0;
 /// But not less than this part of the longest time.
 const LEAST_PART: f64 = 0.3;
 
+/// Parts of the duration: what the lengths of all intervals cost together where a finer grid is worth its time, and what one may
+/// cost.
+const WORTH: f64 = 3e-4;
+const COSTS_LITTLE: f64 = 1e-6;
+/// No interval is divided into more parts for that, nor the grid into more intervals per interval.
+const MOST_PARTS_BY_COST: f64 = 8.0;
+const MOST_BY_COST: usize = 4;
+
 /// A place of a law.
 #[derive(Debug, Clone, Copy)]
 struct Place {
@@ -126,4 +134,21 @@ fn with_changes(grid: &[f64], law: &SpeedLaw, longest: f64) -> Vec<f64> {
     }
     fine.extend(grid.last());
     fine
+}
+
+/// Into how many parts to divide each interval, by what its length costs (s) of a motion of some duration (s); none where little is
+/// to be gained. Half as long, an interval costs half as much.
+pub(crate) fn parts_by_cost(costs: &[f64], duration: f64) -> Option<Vec<usize>> {
+    if !(costs.iter().sum::<f64>() > WORTH * duration) {
+        return None;
+    }
+    let mut most = COSTS_LITTLE * duration;
+    loop {
+        let of = |cost: &f64| (cost / most).sqrt().ceil().max(1.0).min(MOST_PARTS_BY_COST) as usize;
+        let parts: Vec<usize> = costs.iter().map(of).collect();
+        if parts.iter().sum::<usize>() <= MOST_BY_COST * costs.len() {
+            return parts.iter().any(|parts| *parts > 1).then_some(parts);
+        }
+        most *= 2.0;
+    }
 }

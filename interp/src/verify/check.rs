@@ -47,11 +47,24 @@ impl Binding {
     }
 }
 
+/// A time during which a motion exceeds one limit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Excess {
+    /// Which limit.
+    pub id: LimitId,
+    /// Times of its first and of its last sample, s.
+    pub from: f64,
+    pub until: f64,
+    /// The largest ratio of value to limit.
+    pub ratio: f64,
+}
+
 /// For every limit the place where a motion comes closest to it, and where limits bind.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Verification {
     pub(super) checks: Vec<Check>,
     pub(super) bindings: Vec<Binding>,
+    pub(super) excesses: Vec<Excess>,
     pub(super) samples: usize,
 }
 
@@ -64,6 +77,11 @@ impl Verification {
     /// The limits that bind somewhere, in the same order.
     pub fn bindings(&self) -> &[Binding] {
         &self.bindings
+    }
+
+    /// When the motion exceeds one limit.
+    pub(crate) fn excesses(&self, id: LimitId) -> impl Iterator<Item = &Excess> {
+        self.excesses.iter().filter(move |excess| excess.id == id)
     }
 
     /// The intervals in which one limit binds; empty if it does not.

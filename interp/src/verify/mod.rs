@@ -9,6 +9,7 @@ mod tally;
 mod verification;
 mod worst;
 
+pub(crate) use check::Excess;
 pub use check::{Binding, Check, Verification};
 pub use joint_check::JointCheck;
 pub use joints::{JointRates, JointSample};

@@ -2,11 +2,18 @@
 
 use arcfeed_feedrate::LimitId;
 
-use super::check::{Binding, Check, Verification};
+use super::check::{Binding, Check, Excess, Verification};
 use crate::setpoint::Setpoint;
 
 /// A limit binds where it is used to this part at the least.
 const BINDS: f64 = 1.0 - 1e-3;
+
+/// A limit is exceeded where it is used by more than this: twice of it is forgiven as rounding.
+const EXCEEDED: f64 = 1.0 + 5e-7;
+/// Excesses of one limit that are no further apart than this, s, are one.
+const APART: f64 = 1e-3;
+/// Stretches of one limit that are noted, at the most.
+const MOST_STRETCHES: usize = 1000;
 
 /// Place and time of a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,11 +42,16 @@ impl<const N: usize> From<&Setpoint<N>> for Moment {
 pub(super) struct Worst {
     check: Check,
     intervals: Vec<(f64, f64)>,
+    excesses: Vec<Excess>,
 }
 
 impl Worst {
     pub fn new(id: LimitId, limit: f64) -> Self {
-        Self { check: Check { id, value: 0.0, limit, ratio: 0.0, s: 0.0, t: 0.0 }, intervals: Vec::new() }
+        Self {
+            check: Check { id, value: 0.0, limit, ratio: 0.0, s: 0.0, t: 0.0 },
+            intervals: Vec::new(),
+            excesses: Vec::new(),
+        }
     }
 
     pub fn ratio(&self) -> f64 {
@@ -58,9 +70,20 @@ impl Worst {
         if self.check.ratio.is_nan() {
             return;
         }
+        if ratio > EXCEEDED {
+            self.note(ratio, at);
+        }
         // A check without a limit so far takes the first that it is given.
         if ratio > self.check.ratio || ratio.is_nan() || self.check.limit == f64::INFINITY {
             self.check = Check { value, limit, ratio, s: at.s, t: at.t, ..self.check };
+        }
+    }
+
+    fn note(&mut self, ratio: f64, at: Moment) {
+        let full = self.excesses.len() == MOST_STRETCHES;
+        match self.excesses.last_mut().filter(|last| full || at.t - last.until <= APART) {
+            Some(last) => (last.until, last.ratio) = (last.until.max(at.t), last.ratio.max(ratio)),
+            None => self.excesses.push(Excess { id: self.check.id, from: at.t, until: at.t, ratio }),
         }
     }
 
@@ -95,6 +118,7 @@ pub(super) fn sum_up(all: impl Iterator<Item = Worst>, samples: usize) -> Verifi
     }
     Verification {
         checks: all.iter().map(Worst::check).collect(),
+        excesses: all.iter().flat_map(|worst| worst.excesses.iter().copied()).collect(),
         bindings: all.into_iter().filter_map(Worst::binding).collect(),
         samples,
     }

@@ -1,0 +1,118 @@
+//! The jerk-limited planner on coarse, fine and long grids, from other laws, and with less of a limit on a part of the path.
+#![allow(clippy::unwrap_used)]
+use arcfeed_feedrate::constraint::{JointAcceleration, JointJerk, JointVelocity, Within};
+use arcfeed_feedrate::{
+    ContinuousAccelerationScan, FeedError, FeedPlanner, FeedProblem, JerkLimited, LimitId, Quantity, Reachability,
+};
+
+use crate::spline_paths::{A_MAX, Path, V_A, paths, worst};
+
+fn jerk() -> [f64; 6] {
+    A_MAX.map(|a| 10.0 * a)
+}
+
+fn problem(path: &Path, grid: &[f64]) -> FeedProblem {
+    let (samples, jerk) = (path.spline.samples(grid), jerk());
+    let velocity = JointVelocity::new(samples.path(), &V_A).unwrap();
+    let acceleration = JointAcceleration::new(samples.path(), &A_MAX).unwrap();
+    let jerk = JointJerk::new(samples.path(), &jerk).unwrap();
+    FeedProblem::between_points(grid, &[&velocity, &acceleration, &jerk]).unwrap()
+}
+
+/// Dividing the intervals that cost most gains most of what they cost, and dividing those that cost least gains little.
+#[test]
+fn intervals_that_cost_time_are_known() {
+    let planner = JerkLimited::new(1e-6).unwrap();
+    for path in &paths()[4..5] {
+        let grid = path.spline.on_knots(1000);
+        let coarse = planner.plan_noting_convergence(&problem(path, &grid)).unwrap();
+        let cost: f64 = coarse.grid_costs.iter().sum();
+        assert_eq!(coarse.grid_costs.len(), grid.len() - 1);
+        let mut order: Vec<usize> = (0..grid.len() - 1).collect();
+        order.sort_by(|&a, &b| coarse.grid_costs[b].total_cmp(&coarse.grid_costs[a]));
+        let divided = |chosen: &[usize]| {
+            let mut fine = Vec::new();
+            for (k, pair) in grid.windows(2).enumerate() {
+                let parts = if chosen.contains(&k) { 4 } else { 1 };
+                fine.extend((0..parts).map(|i| pair[0] + (pair[1] - pair[0]) * f64::from(i) / f64::from(parts)));
+            }
+            fine.push(1.0);
+            coarse.law.duration() - planner.plan(&problem(path, &fine)).unwrap().duration()
+        };
+        let quarter = order.len() / 4;
+        let (dear, cheap) = (divided(&order[..quarter]), divided(&order[order.len() - quarter..]));
+        assert!(dear > 3.0 * cheap, "seed {}: {dear} s by the dear quarter, {cheap} s by the cheap one", path.seed);
+        assert!(dear > 0.3 * cost, "seed {}: {dear} s of {cost} s", path.seed);
+    }
+}
+
+#[test]
+fn any_law_will_do_to_start_from() {
+    let path = &paths()[2];
+    let problem = problem(path, &path.spline.on_knots(400));
+    let planner = JerkLimited::default();
+    let own = planner.plan(&problem).unwrap();
+    let others =
+        [own.clone(), Reachability.plan(&problem).unwrap(), ContinuousAccelerationScan.plan(&problem).unwrap()];
+    for law in others {
+        let near = planner.plan_near(&problem, &law).unwrap();
+        let ratio = near.law.duration() / own.duration();
+        assert!((ratio - 1.0).abs() < 2e-4, "{ratio} from a law of {} s", law.duration());
+    }
+}
+
+/// A grid of more than 3000 intervals is planned on a part of its points first, and that one likewise: nothing is exceeded, and the
+/// motion is no longer than on a coarser grid, but for what shorter intervals at constant jerk next to rest cost.
+#[test]
+fn long_grids_are_planned_as_well_as_short_ones() {
+    for path in [&paths()[1], &paths()[3]] {
+        let duration = |n: usize| {
+            let grid = path.spline.on_knots(n);
+            let plan = JerkLimited::default().plan(&problem(path, &grid)).unwrap();
+            let ratios = worst(&path.spline, &grid, &plan, 4, &V_A, &jerk());
+            assert!(ratios.iter().all(|ratio| *ratio <= 1.0 + 1e-6), "seed {}, {n}: {ratios:?}", path.seed);
+            plan.duration()
+        };
+        let [short, long] = [2500, 26_000].map(duration);
+        assert!(long < short * (1.0 + 5e-4), "seed {}: {long} s, {short} s on the shorter grid", path.seed);
+    }
+}
+
+/// Less of one limit on a part of the path slows the motion down there and nowhere else.
+#[test]
+fn less_of_a_limit_is_kept_where_it_is_asked_for() {
+    let path = &paths()[4];
+    let grid = path.spline.on_knots(500);
+    let full = problem(path, &grid);
+    let limit = LimitId::joint(Quantity::JointJerk, 1);
+    let (from, to) = (200, 230);
+    let less = full.clone().with_fraction(limit, from..=to, 0.5).unwrap();
+    for k in 0..full.intervals() {
+        for within in [Within::Start, Within::Middle, Within::End] {
+            for (row, before) in less.jerk_rows(k, within).iter().zip(full.jerk_rows(k, within)) {
+                let fraction = if row.source == limit && (from..=to).contains(&k) { 0.5 } else { 1.0 };
+                assert_eq!(row.limit, fraction * before.limit, "{k}");
+            }
+        }
+    }
+    let [before, after] = [&full, &less].map(|problem| JerkLimited::default().plan(problem).unwrap().duration());
+    assert!(after > before, "{after} s, {before} s before");
+    let everywhere = full.clone().with_fraction(limit, 0..=full.intervals() - 1, 0.5).unwrap();
+    let everywhere = JerkLimited::default().plan(&everywhere).unwrap().duration();
+    assert!(after < everywhere, "{after} s, {everywhere} s with less of it everywhere");
+
+    let acceleration = LimitId::joint(Quantity::JointAcceleration, 3);
+    let less = full.clone().with_fraction(acceleration, 7..=7, 0.25).unwrap();
+    let of = |problem: &FeedProblem, i: usize| {
+        problem.rows(i).iter().find(|row| row.source == acceleration).map(|row| [row.lo, row.hi]).unwrap()
+    };
+    for i in 5..11 {
+        let fraction = if i == 7 || i == 8 { 0.25 } else { 1.0 };
+        assert_eq!(of(&less, i), of(&full, i).map(|bound| fraction * bound), "{i}");
+    }
+    let refused = |intervals, fraction| full.clone().with_fraction(limit, intervals, fraction).unwrap_err();
+    assert!(matches!(refused(0..=1, 0.0), FeedError::NotPositive { .. }));
+    assert!(matches!(refused(0..=1, f64::NAN), FeedError::NotPositive { .. }));
+    assert!(matches!(refused(0..=1, 1.5), FeedError::AboveLimit { .. }));
+    assert!(matches!(refused(0..=full.intervals(), 0.5), FeedError::LengthMismatch { .. }));
+}

@@ -1,0 +1,18 @@
+//! No limit that is raised makes a motion longer: see `integration_tests::raised_limits`; `examples/soak_raised_limits.rs` plans as
+//! many as you like.
+
+use integration_tests::raised_limits::RaisedLimit;
+
+/// A duration may grow by so much of itself when a limit is raised: the grid depends on the limits.
+const LONGER: f64 = 1e-3;
+
+#[test]
+fn a_raised_limit_never_makes_a_random_motion_longer() {
+    let mut planned = 0;
+    for seed in 0..30 {
+        let Some([before, after]) = RaisedLimit::random(seed).durations() else { continue };
+        planned += 1;
+        assert!(after <= before * (1.0 + LONGER), "`soak_raised_limits 1 {seed}`: {before} s, then {after} s");
+    }
+    assert!(planned >= 15, "{planned} of 30 planned: too few to say anything");
+}
