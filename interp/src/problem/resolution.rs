@@ -139,7 +139,8 @@ fn with_changes(grid: &[f64], law: &SpeedLaw, longest: f64) -> Vec<f64> {
 /// Into how many parts to divide each interval, by what its length costs (s) of a motion of some duration (s); none where little is
 /// to be gained. Half as long, an interval costs half as much.
 pub(crate) fn parts_by_cost(costs: &[f64], duration: f64) -> Option<Vec<usize>> {
-    if !(costs.iter().sum::<f64>() > WORTH * duration) {
+    let all: f64 = costs.iter().sum();
+    if all.is_nan() || all <= WORTH * duration {
         return None;
     }
     let mut most = COSTS_LITTLE * duration;
