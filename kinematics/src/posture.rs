@@ -14,8 +14,8 @@ use nalgebra::Vector3;
 /// let arm = models::ur5e();
 /// let q = Joints::<6>::from([0.4, -1.2, 1.1, -0.9, -1.4, 0.2]);
 /// let posture = arm.posture(&q).expect("an arm with three parallel axes");
-/// assert_eq!(posture.to_string(), "back up flip");
-/// assert_eq!("back up flip".parse::<Posture>(), Ok(posture));
+/// assert_eq!(posture.to_string(), "front up flip");
+/// assert_eq!("front up flip".parse::<Posture>(), Ok(posture));
 /// // Only one of the solutions stands like this.
 /// let all = arm.inverse_all(&arm.forward(&q))?;
 /// assert_eq!(all.iter().filter(|q| arm.posture(q) == Some(posture)).count(), 1);

@@ -93,8 +93,7 @@ impl Solver {
         self.at.resize(x.len(), AtKnot::default());
         self.on.clear();
         self.on.resize(middle.len(), OnInterval::default());
-        // Second derivative of h x^(-1/2).
-        let time = |h: f64, x: f64| 0.75 * h / (x * x * x.sqrt());
+        let time = second_derivative_of_time;
         for (k, h) in barrier_problem.knots.h.iter().enumerate().filter(|_| barrier_problem.means.is_empty()) {
             self.at[k].xx += time(h / 6.0, x[k]);
             self.at[k + 1].xx += time(h / 6.0, x[k + 1]);
@@ -246,4 +245,9 @@ impl Solver {
             self.on[k].w += sw + falls[2] * forces;
         }
     }
+}
+
+/// Second derivative of `h x^(-1/2)`, the time over the length `h`, by `x`.
+fn second_derivative_of_time(h: f64, x: f64) -> f64 {
+    0.75 * h / (x * x * x.sqrt())
 }

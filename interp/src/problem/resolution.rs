@@ -9,30 +9,6 @@ use super::needs::RowsNeeded;
 use super::path_problem::PathProblem;
 use crate::error::PlanError;
 
-/// Part of the time in which a joint's acceleration builds up that an interval takes at the most where the speed changes.
-const OF_BUILD_UP: f64 = 0.1;
-/// Part of a limit on jerk by which the middle of an interval may be off the mean of its ends: its middle is in the rows, and what is left
-/// is a tenth of that.
-const MISFIT: f64 = 2e-3;
-/// The fastest motion is so much faster than the scan's.
-const FASTER: f64 = 1.3;
-/// No interval is divided into more parts.
-const MOST_PARTS: f64 = 100.0;
-/// As many intervals are made, about, at the least and at the most where the speed changes.
-const LEAST: f64 = 400.0;
-const MOST: f64 = 4000.0;
-
-/// And as many for the sake of bends, unless the grid has half as many before.
-const MOST_BENDS: usize = 20_000;
-
-/// Two grid points are no closer together than this part of that time.
-const CLOSEST: f64 = 0.5;
-
-/// And part of the time from one constant speed to the next.
-const OF_CHANGE: f64 = 1.0 / 24.0;
-/// But not less than this part of the longest time.
-const LEAST_PART: f64 = 0.3;
-
 /// Parts of the duration: what the lengths of all intervals cost together where a finer grid is worth its time, and what one may
 /// cost.
 const WORTH: f64 = 3e-4;
@@ -53,12 +29,25 @@ struct Place {
 impl Place {
     /// True if the other one comes later, and not too soon.
     fn is_apart(&self, later: &Self) -> bool {
+        // Two grid points are no closer together than this part of the time to their neighbours.
+        const CLOSEST: f64 = 0.5;
         later.s - self.s > CLOSEST * self.apart.max(later.apart) * 0.5 * (self.v + later.v)
     }
 }
 
 /// The problem on a finer grid, by the law of the continuous-acceleration scan; the same problem where that finds none.
 pub(crate) fn resolved<const N: usize>(problem: PathProblem<'_, N>) -> Result<PathProblem<'_, N>, PlanError> {
+    // Part of the time in which a joint's acceleration builds up that an interval takes at the most where the speed changes.
+    const OF_BUILD_UP: f64 = 0.1;
+    // Part of a limit on jerk by which the middle of an interval may be off the mean of its ends: its middle is in the rows, and what is left
+    // is a tenth of that.
+    const MISFIT: f64 = 2e-3;
+    // The fastest motion is so much faster than the scan's.
+    const FASTER: f64 = 1.3;
+    // No interval is divided into more parts.
+    const MOST_PARTS: f64 = 100.0;
+    // As many intervals are made for the sake of bends, unless the grid has half as many before.
+    const MOST_BENDS: usize = 20_000;
     let rows = problem.rows_within(&LimitFractions::default(), RowsNeeded::Jerk)?;
     let Ok(law) = ContinuousAccelerationScan.plan(&rows) else { return Ok(problem) };
     let joints = problem.settings.limits.joints();
@@ -89,6 +78,13 @@ pub(crate) fn resolved<const N: usize>(problem: PathProblem<'_, N>) -> Result<Pa
 /// The grid with places of the law in between, where its speed changes: at most `longest` (s) apart, or a little more on a motion that
 /// changes its speed for long.
 fn with_changes(grid: &[f64], law: &SpeedLaw, longest: f64) -> Vec<f64> {
+    // As many intervals are made, about, at the least and at the most where the speed changes.
+    const LEAST: f64 = 400.0;
+    const MOST: f64 = 4000.0;
+    // Part of the time from one constant speed to the next that an interval takes at the most.
+    const OF_CHANGE: f64 = 1.0 / 24.0;
+    // But not less than this part of the longest time.
+    const LEAST_PART: f64 = 0.3;
     let knots: Vec<(f64, MotionState)> = law.knots().collect();
     let changes = |pair: &[(f64, MotionState)]| pair[0].1.a != 0.0 || pair[1].1.a != 0.0 || pair[0].1.j != 0.0;
     let changing: f64 = knots.windows(2).filter(|pair| changes(pair)).map(|pair| pair[1].0 - pair[0].0).sum();

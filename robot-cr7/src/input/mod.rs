@@ -6,6 +6,7 @@ pub(crate) mod error;
 pub(crate) mod gcode;
 pub(crate) mod job;
 pub(crate) mod job_file;
+pub(crate) mod job_reader;
 pub(crate) mod joint_values;
 pub(crate) mod online_file;
 pub(crate) mod online_scenario;

@@ -15,7 +15,7 @@ use super::programmed::{skipped_words, turn_of};
 use super::rapid_run::{RapidEnd, RapidRun};
 use super::robot::{Drives, Robot};
 use super::stretch::Stretch;
-use super::task::Task;
+use super::task::{Task, start_near};
 use crate::input::gcode::{GcodeProgram, PathControl};
 use crate::input::job::{Job, ToolOrientation};
 use crate::input::path_file::{PathFile, PathGeometry};
@@ -93,10 +93,9 @@ impl<A: PathArm<6> + AnalyticInverse<6> + Clone> ProgramTask<A> {
         limits: &JointLimits<6>,
         drives: Option<Drives<6>>,
     ) -> Result<Self, Cr7Error> {
-        let near = job.start_near.as_ref().map(|near| near.of::<6>()).transpose();
-        let near = near.map_err(|given| Cr7Error::JointCount { key: "start.near_deg", given, joints: 6 })?;
+        let near = start_near(job)?;
         let best = |arm: &A, path: &PosePath| Ok(ToolPath::new(arm, path.clone(), limits.range())?.start());
-        let near = near.map(Joints::from).or_else(|| {
+        let near = near.or_else(|| {
             if job.start_posture.is_some() {
                 return None;
             }

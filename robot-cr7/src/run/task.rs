@@ -81,6 +81,12 @@ impl Task {
     }
 }
 
+/// The joints that an arm of six joints starts near, where the job gives some.
+pub(crate) fn start_near(job: &Job) -> Result<Option<Joints<6>>, Cr7Error> {
+    let near = job.start_near.as_ref().map(|near| near.of::<6>().map(Joints::from)).transpose();
+    near.map_err(|given| Cr7Error::JointCount { key: "start.near_deg", given, joints: 6 })
+}
+
 impl<A: PathArm<6> + AnalyticInverse<6>> Task<A> {
     /// The task of an arm of six joints, tool included, in the configuration that the job asks for or else in the best one.
     ///
@@ -93,11 +99,10 @@ impl<A: PathArm<6> + AnalyticInverse<6>> Task<A> {
         limits: &JointLimits<6>,
         drives: Option<Drives<6>>,
     ) -> Result<Self, Cr7Error> {
-        let near = job.start_near.as_ref().map(|near| near.of::<6>()).transpose();
-        let near = near.map_err(|given| Cr7Error::JointCount { key: "start.near_deg", given, joints: 6 })?;
+        let near = start_near(job)?;
         Self::new(job, file, limits, drives, |path| {
             let start = match (near, job.start_posture) {
-                (Some(near), _) => ToolPath::starting_near(&arm, path.clone(), &Joints::from(near))?.start(),
+                (Some(near), _) => ToolPath::starting_near(&arm, path.clone(), &near)?.start(),
                 (None, Some(posture)) => ToolPath::in_posture(&arm, path.clone(), limits.range(), posture)?.start(),
                 (None, None) => ToolPath::new(&arm, path.clone(), limits.range())?.start(),
             };

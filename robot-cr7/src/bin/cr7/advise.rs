@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 
 use arcfeed_interp::PathArm;
-use robot_cr7::{Advice, Job, Task};
+use robot_cr7::{Advice, Task};
 
 use crate::Failure;
 use crate::output::show;
 use crate::progress::Progress;
 use crate::robots::RobotArgs;
-use crate::tool_path::{OnToolPath, on_tool_path, read_path};
+use crate::tool_path::{OnToolPath, on_tool_path, read_job, read_path};
 
 /// Arguments of `cr7 advise`.
 #[derive(Debug, clap::Args)]
@@ -28,10 +28,7 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let job = match &args.job {
-        Some(file) => Job::read(file)?,
-        None => Job::default(),
-    };
+    let job = read_job(args.job.as_deref())?;
     let file = read_path(job.path_file.as_deref(), None, &job)?;
     on_tool_path(&args.robot, &job, &file, Advise { json: args.json })
 }

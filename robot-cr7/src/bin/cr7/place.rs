@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
-use robot_cr7::{Cr7Error, Job, PlacementSearch, Placements};
+use robot_cr7::{Cr7Error, PlacementSearch, Placements};
 
 use crate::Failure;
 use crate::output::show;
 use crate::progress::Progress;
 use crate::robots::RobotArgs;
-use crate::tool_path::read_path;
+use crate::tool_path::{read_job, read_path};
 
 /// Arguments of `cr7 place`.
 #[derive(Debug, clap::Args)]
@@ -42,10 +42,7 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let job = match &args.job {
-        Some(file) => Job::read(file)?,
-        None => Job::default(),
-    };
+    let job = read_job(args.job.as_deref())?;
     if let Some(z) = args.z_mm.filter(|z| z.is_nan() || z.abs() > 1e5) {
         return Err(Failure::BadInput(format!("--z-mm {z}: a height lies within 100 m of the base; check its unit")));
     }

@@ -18,7 +18,7 @@ use crate::plan_files::{
 use crate::plan_program;
 use crate::progress::Progress;
 use crate::robots::RobotArgs;
-use crate::tool_path::{OnToolPath, on_tool_path, read_path};
+use crate::tool_path::{OnToolPath, on_tool_path, read_job, read_path};
 
 /// Arguments of `cr7 plan`.
 #[derive(Debug, clap::Args)]
@@ -80,10 +80,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     let inputs: Vec<&Path> = [&args.path, &args.job].into_iter().filter_map(|file| file.as_deref()).collect();
     let mut staging = Staging::new(&args.out, &FILES, &inputs)?;
-    let job = match &args.job {
-        Some(file) => Job::read(file)?,
-        None => Job::default(),
-    };
+    let job = read_job(args.job.as_deref())?;
     if let Some(path) = &job.path_file {
         staging.reads(path)?;
     }

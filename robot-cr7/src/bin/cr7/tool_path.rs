@@ -99,6 +99,11 @@ fn unsuited(args: &RobotArgs, joints: usize, job: &Job) -> Failure {
     }
 }
 
+/// The job of a file, or the documented defaults.
+pub fn read_job(file: Option<&Path>) -> Result<Job, Failure> {
+    file.map_or_else(|| Ok(Job::default()), |file| Ok(Job::read(file)?))
+}
+
 /// The path file named, or the embedded butterfly.
 pub fn read_path(file: Option<&Path>, unit: Option<&str>, job: &Job) -> Result<PathFile, Failure> {
     let unit = match unit {

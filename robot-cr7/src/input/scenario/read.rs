@@ -12,8 +12,9 @@ use super::file::{
 use super::order::check_order;
 use super::{Action, Event, Leave, Place, Scenario, ScenarioPath, When};
 use crate::input::error::{InputError, read_text};
-use crate::input::job::{Job, JobCheck};
+use crate::input::job::Job;
 use crate::input::job_file::{RawJob, RawPath};
+use crate::input::job_reader::JobCheck;
 use crate::input::joint_values::{JointOverrides, JointValues};
 use crate::input::sample_paths::SamplePath;
 use crate::input::toml_check::{Check, read_toml};
