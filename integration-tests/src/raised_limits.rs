@@ -62,17 +62,21 @@ impl RaisedLimit {
         Self { shape, values, raised }
     }
 
-    /// The durations before and after, s; `None` for a path or limits that are refused.
-    pub fn durations(&self) -> Option<[f64; 2]> {
+    /// The durations before and after, s, or why there is none; `None` for a path or limits that are refused.
+    pub fn durations(&self) -> Option<Result<[f64; 2], PlanError>> {
         let arm = models::ur5e();
-        let [before, after] = [&self.values, &self.raised].map(|values| self.duration(&arm, values));
-        Some([before?, after?])
+        let before = match self.duration(&arm, &self.values)? {
+            Err(PlanError::Path(_) | PlanError::Limit(_)) => return None,
+            before => before,
+        };
+        let after = self.duration(&arm, &self.raised)?;
+        Some(before.and_then(|before| Ok([before, after?])))
     }
 
-    fn duration(&self, arm: &ParallelAxisArm, values: &Values) -> Option<f64> {
+    fn duration(&self, arm: &ParallelAxisArm, values: &Values) -> Option<Result<f64, PlanError>> {
         let [v, a, j] = values.joints.map(|limits| Joints::from_column_slice(&limits));
         let limits = arm.range().with_rates(v, a, j).ok()?;
-        let planned: Result<f64, PlanError> = match &self.shape {
+        Some(match &self.shape {
             Shape::Joints(points) => {
                 let path = JointSpline::through(points).ok()?;
                 Planner::new(arm, Limits::new(limits)).plan(&path).map(|plan| plan.duration())
@@ -82,8 +86,7 @@ impl RaisedLimit {
                 let tool = tool_limits(values.tool)?;
                 Planner::new(arm, Limits::new(limits).with_tool(tool)).plan(&path).map(|plan| plan.duration())
             }
-        };
-        planned.ok()
+        })
     }
 }
 

@@ -140,7 +140,11 @@ impl Passes<'_> {
         let rests = problem.v_start() == 0.0 && problem.v_end() == 0.0;
         if self.near.is_none() && rests && problem.is_between_points() && problem.intervals() > COARSE_FROM {
             let coarse = Passes { tolerance: COARSE_TOLERANCE, near: None, rough: true };
-            if let Ok(plan) = coarse.plan(&problem.thinned(COARSER)) {
+            let thin = problem.thinned(COARSER);
+            // Short stretches between stops keep their points: what does not get shorter would be thinned for ever.
+            if 2 * thin.intervals() <= problem.intervals()
+                && let Ok(plan) = coarse.plan(&thin)
+            {
                 return Passes { near: Some(&plan.law), ..*self }.plan_on_all(problem);
             }
         }

@@ -31,7 +31,7 @@ impl JerkLimitedPlan {
             let from = solution.barrier_problem.from;
             for (i, cost) in solution.grid_costs.iter().enumerate() {
                 // Next to rest an interval may be split.
-                while original[k + 1] <= refined[from + i] {
+                while k + 2 < original.len() && original[k + 1] <= refined[from + i] {
                     k += 1;
                 }
                 grid_costs[k] += cost;

@@ -1,6 +1,9 @@
 //! The jerk-limited planner on coarse, fine and long grids, from other laws, and with less of a limit on a part of the path.
 #![allow(clippy::unwrap_used)]
-use arcfeed_feedrate::constraint::{JointAcceleration, JointJerk, JointVelocity, Within};
+use arcfeed_feedrate::constraint::{
+    Feed, JointAcceleration, JointJerk, JointVelocity, PathConstraint, Stop, TangentialAcceleration, TangentialJerk,
+    Within,
+};
 use arcfeed_feedrate::{
     ContinuousAccelerationScan, FeedError, FeedPlanner, FeedProblem, JerkLimited, LimitId, Quantity, Reachability,
 };
@@ -115,4 +118,25 @@ fn less_of_a_limit_is_kept_where_it_is_asked_for() {
     assert!(matches!(refused(0..=1, f64::NAN), FeedError::NotPositive { .. }));
     assert!(matches!(refused(0..=1, 1.5), FeedError::AboveLimit { .. }));
     assert!(matches!(refused(0..=full.intervals(), 0.5), FeedError::LengthMismatch { .. }));
+}
+
+/// A grid on which every fourth point is a stop keeps nearly all its points when it is thinned: it is planned all the same.
+#[test]
+fn many_short_stretches_between_stops_are_planned() {
+    let (count, each) = (1000, 4);
+    let n = count * each;
+    let grid: Vec<f64> = (0..=n).map(|i| i as f64).collect();
+    let feeds = vec![1.0; n];
+    let feed = Feed::new(&feeds).unwrap();
+    let (acceleration, jerk) = (TangentialAcceleration::new(1.0).unwrap(), TangentialJerk::new(1.0).unwrap());
+    let stops: Vec<Stop> = (1..count).map(|k| Stop { at: k * each }).collect();
+    let mut constraints: Vec<&dyn PathConstraint> = vec![&feed, &acceleration, &jerk];
+    constraints.extend(stops.iter().map(|stop| stop as &dyn PathConstraint));
+    let problem = FeedProblem::between_points(&grid, &constraints).unwrap();
+    let plan = JerkLimited::default().plan(&problem).unwrap();
+    // One stretch alone.
+    let feed = Feed::new(&feeds[..each]).unwrap();
+    let one = FeedProblem::between_points(&grid[..=each], &[&feed, &acceleration, &jerk]).unwrap();
+    let one = JerkLimited::default().plan(&one).unwrap().duration();
+    assert!((plan.duration() / (count as f64 * one) - 1.0).abs() < 1e-6, "{} {one}", plan.duration());
 }

@@ -144,7 +144,12 @@ fn hull_distance(points: &[Homogeneous], a: &Vector3<f64>, b: &Vector3<f64>) -> 
         let part = if squared > 0.0 { (p.dot(&ab) / squared).max(0.0).min(1.0) } else { 0.0 };
         (p - ab * part).norm()
     };
-    points.iter().map(distance).fold(0.0, f64::max)
+    points.iter().map(distance).fold(0.0, worse)
+}
+
+/// The larger distance; one that is not a number is the worst.
+fn worse(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
 }
 
 /// An upper bound on the distance of every point of a span, the blend, from the two stretches, at most a few hundredths

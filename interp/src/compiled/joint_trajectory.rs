@@ -131,6 +131,17 @@ impl<const N: usize> JointTrajectory<N> {
         Ok(Self::assemble(times, pieces, interpolation))
     }
 
+    /// Joints that rest for some time, s; the plan is followed exactly.
+    ///
+    /// # Errors
+    /// [`JointTrajectoryError::Time`] for a time that is not above 0, [`JointTrajectoryError::NotFinite`].
+    pub fn resting(q: &Joints<N>, seconds: f64) -> Result<Self, JointTrajectoryError> {
+        let mut piece = [Joints::zeros(); 6];
+        piece[0] = *q;
+        let rest = Self::from_pieces(vec![0.0, seconds], vec![piece], Interpolation::Quintic)?;
+        Ok(rest.with_deviation(Some(Deviation { bound: 0.0, measured: 0.0 })))
+    }
+
     /// With the table of pieces, for times and pieces that fit.
     fn assemble(times: Vec<f64>, pieces: Vec<Coefficients<N>>, interpolation: Interpolation) -> Self {
         let duration = times[times.len() - 1];

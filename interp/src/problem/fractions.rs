@@ -84,18 +84,49 @@ impl LimitFractions {
     /// The limits that are lowered, with their fractions where these are least.
     pub fn lowered(&self) -> Vec<(LimitId, f64)> {
         let mut lowered = self.lowered.clone();
-        for one in &self.stretches {
-            let overlapping = self
-                .stretches
-                .iter()
-                .filter(|other| other.limit == one.limit && other.from <= one.to && one.from <= other.to);
-            let everywhere = self.lowered.iter().find(|(known, _)| *known == one.limit).map_or(1.0, |(_, own)| *own);
-            let fraction = everywhere * overlapping.map(|other| other.factor).product::<f64>();
-            match lowered.iter_mut().find(|(known, _)| *known == one.limit) {
-                Some((_, least)) => *least = least.min(fraction),
-                None => lowered.push((one.limit, fraction)),
+        let mut ends: Vec<(f64, bool, &LoweredStretch)> =
+            self.stretches.iter().flat_map(|one| [(one.from, false, one), (one.to, true, one)]).collect();
+        // A stretch that starts where another one ends overlaps it.
+        ends.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        // What the stretches at a place make of each limit, and the least of it so far.
+        let mut along: Vec<(LimitId, f64, f64)> = Vec::new();
+        for (_, ends, one) in ends {
+            let i = along.iter().position(|(known, ..)| *known == one.limit).unwrap_or(along.len());
+            if i == along.len() {
+                along.push((one.limit, 1.0, 1.0));
+            }
+            let (_, now, least) = &mut along[i];
+            *now = if ends { *now / one.factor } else { *now * one.factor };
+            *least = least.min(*now);
+        }
+        for (limit, _, least) in along {
+            match lowered.iter_mut().find(|(known, _)| *known == limit) {
+                Some((_, own)) => *own *= least,
+                None => lowered.push((limit, least)),
             }
         }
         lowered
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use arcfeed_feedrate::Quantity;
+
+    #[test]
+    fn the_least_fraction_is_that_of_stretches_at_one_place() {
+        let (one, other) = (LimitId::joint(Quantity::JointJerk, 0), LimitId::joint(Quantity::JointJerk, 1));
+        let mut fractions = LimitFractions::default();
+        fractions.lower(one, 0.5);
+        for (limit, between, factor) in
+            [(one, [0.0, 10.0], 0.9), (one, [1.0, 2.0], 0.9), (one, [8.0, 9.0], 0.8), (other, [0.0, 10.0], 0.7)]
+        {
+            fractions.lower_between(limit, between, factor);
+        }
+        let lowered = fractions.lowered();
+        let of = |limit| lowered.iter().find(|(known, _)| *known == limit).expect("lowered").1;
+        // Not 0.9 * 0.9 * 0.8: the second and the third do not overlap.
+        assert!((of(one) - 0.5 * 0.9 * 0.8).abs() < 1e-12 && (of(other) - 0.7).abs() < 1e-12, "{lowered:?}");
     }
 }

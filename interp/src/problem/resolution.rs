@@ -16,6 +16,8 @@ const COSTS_LITTLE: f64 = 1e-6;
 /// No interval is divided into more parts for that, nor the grid into more intervals per interval.
 const MOST_PARTS_BY_COST: f64 = 8.0;
 const MOST_BY_COST: usize = 4;
+/// The jerk-limited planner takes no longer grid.
+const MOST_PLANNED: usize = 200_000;
 
 /// A place of a law.
 #[derive(Debug, Clone, Copy)]
@@ -136,14 +138,16 @@ fn with_changes(grid: &[f64], law: &SpeedLaw, longest: f64) -> Vec<f64> {
 /// to be gained. Half as long, an interval costs half as much.
 pub(crate) fn parts_by_cost(costs: &[f64], duration: f64) -> Option<Vec<usize>> {
     let all: f64 = costs.iter().sum();
-    if all.is_nan() || all <= WORTH * duration {
+    let most_intervals = (MOST_BY_COST * costs.len()).min(MOST_PLANNED);
+    // Written so that NaN ends it.
+    if !(duration > 0.0 && all > WORTH * duration && costs.len() < most_intervals) {
         return None;
     }
     let mut most = COSTS_LITTLE * duration;
     loop {
         let of = |cost: &f64| (cost / most).sqrt().ceil().max(1.0).min(MOST_PARTS_BY_COST) as usize;
         let parts: Vec<usize> = costs.iter().map(of).collect();
-        if parts.iter().sum::<usize>() <= MOST_BY_COST * costs.len() {
+        if parts.iter().sum::<usize>() <= most_intervals {
             return parts.iter().any(|parts| *parts > 1).then_some(parts);
         }
         most *= 2.0;

@@ -139,7 +139,8 @@ fn merge(all: &mut Vec<LimitLine>, line: LimitLine) {
     let same = |other: &&mut LimitLine| (&other.name, other.joint, other.unit) == (&line.name, line.joint, line.unit);
     match all.iter_mut().find(same) {
         Some(other) => {
-            if worst([&*other, &line]).is_some_and(|worse| *worse == line) {
+            // By place: a line whose ratio is not a number equals nothing, and is the worst.
+            if worst([&*other, &line]).is_some_and(|worse| std::ptr::eq(worse, &line)) {
                 *other = line;
             }
         }
@@ -166,4 +167,30 @@ fn rapid_lines<const N: usize>(motion: &JointMove<'_, N>, [from_s, from_t]: [f64
         line
     };
     motion.passed().iter().map(line).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::limit_line::LimitUnit;
+
+    #[test]
+    fn a_ratio_that_is_not_a_number_stays_the_worst() {
+        let line = |ratio: f64| LimitLine {
+            name: "joint jerk".to_owned(),
+            joint: Some(1),
+            unit: LimitUnit::RadianPerSecond3,
+            value: ratio,
+            limit: 1.0,
+            ratio,
+            at_s_m: None,
+            at_t_s: 0.0,
+            lines: None,
+        };
+        for order in [[0.5, f64::NAN, 0.9], [f64::NAN, 0.5, 0.9], [0.5, 0.9, f64::NAN]] {
+            let mut all = Vec::new();
+            order.into_iter().for_each(|ratio| merge(&mut all, line(ratio)));
+            assert!(all.len() == 1 && !all[0].holds(), "{order:?}: {all:?}");
+        }
+    }
 }

@@ -34,10 +34,10 @@ pub struct LimitCost {
     pub unit: LimitUnit,
     /// The limit.
     pub limit: f64,
-    /// By how much the motion is shorter with 10 % more of this limit alone, s.
-    pub raised_saves_s: f64,
-    /// By how much it is shorter with a thousand times this limit, s: what the limit costs.
-    pub lifted_saves_s: f64,
+    /// By how much the motion is shorter with 10 % more of this limit alone, s; none where that cannot be planned.
+    pub raised_saves_s: Option<f64>,
+    /// By how much it is shorter with a thousand times this limit, s: what the limit costs; none where that cannot be planned.
+    pub lifted_saves_s: Option<f64>,
 }
 
 /// A limit that binds nowhere.
@@ -58,6 +58,8 @@ pub struct Advice {
     pub duration_s: f64,
     /// The limits that bind somewhere.
     pub limits: Vec<LimitCost>,
+    /// What was assumed, and what the duration leaves out.
+    pub warnings: Vec<String>,
     /// Limits that bind nowhere: raising one of them alone changes nothing.
     pub idle: Vec<IdleLimit>,
 }
@@ -96,9 +98,11 @@ impl Limit {
     }
 
     /// Its key in the job.
-    fn key(self) -> &'static str {
+    fn key<const N: usize>(self, limits: &TaskLimits<N>, is_program: bool) -> &'static str {
         match self {
-            Self::Feed => "feed.feed_mm_s",
+            Self::Feed if limits.sections.is_empty() => "feed.feed_mm_s",
+            Self::Feed if is_program => "F of the program, and feed.feed_mm_s",
+            Self::Feed => "feed_mm_s of [[sections]], and feed.feed_mm_s",
             Self::TangentialAcceleration => "feed.tangential_acceleration_mm_s2",
             Self::TangentialJerk => "feed.tangential_jerk_mm_s3",
             Self::NormalAcceleration => "feed.normal_acceleration_mm_s2",
@@ -175,29 +179,36 @@ impl Advice {
                 continue;
             }
             tell(&line.joint.map_or(line.name.clone(), |joint| format!("{} J{joint}", line.name)));
-            let saved = |factor: f64| -> Result<f64, Cr7Error> {
-                let raised = limit.raised(&own, factor).map_err(|source| task.error(source))?;
-                let plan = task.planner_within(&raised)?.plan_shared(path.clone());
-                Ok(duration - plan.map_err(|source| task.error(source))?.duration())
+            let saved = |factor: f64| {
+                let raised = limit.raised(&own, factor).ok()?;
+                let plan = task.planner_within(&raised).ok()?.plan_shared(path.clone()).ok()?;
+                Some(duration - plan.duration())
             };
             limits.push(LimitCost {
                 name: line.name.clone(),
                 joint: line.joint,
-                key: limit.key(),
+                key: limit.key(&own, task.outline().is_some()),
                 unit: line.unit,
                 limit: line.limit,
-                raised_saves_s: saved(RAISED)?,
-                lifted_saves_s: saved(LIFTED)?,
+                raised_saves_s: saved(RAISED),
+                lifted_saves_s: saved(LIFTED),
             });
         }
-        limits.sort_by(|a, b| b.raised_saves_s.total_cmp(&a.raised_saves_s));
-        Ok(Self { path: task.name().to_owned(), duration_s: duration, limits, idle })
+        let saving = |cost: &LimitCost| cost.raised_saves_s.unwrap_or(f64::NEG_INFINITY);
+        limits.sort_by(|a, b| saving(b).total_cmp(&saving(a)));
+        let warnings = task.warnings().to_vec();
+        Ok(Self { path: task.name().to_owned(), duration_s: duration, limits, warnings, idle })
     }
 
     /// One JSON object on one line.
     pub fn to_json(&self) -> String {
         json(self)
     }
+}
+
+/// A time, or that there is none.
+fn seconds(saved: Option<f64>) -> String {
+    saved.map_or("-".to_owned(), |s| format!("{s:.4}"))
 }
 
 impl fmt::Display for Advice {
@@ -214,17 +225,18 @@ impl fmt::Display for Advice {
             let joint = cost.joint.map(|joint| format!("J{joint}")).unwrap_or_default();
             writeln!(
                 f,
-                "  {:<24}{joint:>4}{:>12} {unit:<9}{:>14.4}{:>14.4}  {}",
+                "  {:<24}{joint:>4}{:>12} {unit:<9}{:>14}{:>14}  {}",
                 cost.name,
                 number(cost.limit * factor),
-                cost.raised_saves_s,
-                cost.lifted_saves_s,
+                seconds(cost.raised_saves_s),
+                seconds(cost.lifted_saves_s),
                 cost.key
             )?;
         }
-        if let Some(first) = self.limits.first().filter(|first| first.raised_saves_s > 0.0) {
+        let first = self.limits.first().and_then(|first| Some((first, first.raised_saves_s.filter(|s| *s > 0.0)?)));
+        if let Some((first, saves)) = first {
             let joint = first.joint.map(|joint| format!(" of joint {joint}")).unwrap_or_default();
-            let share = 100.0 * first.raised_saves_s / self.duration_s;
+            let share = 100.0 * saves / self.duration_s;
             writeln!(f, "\nRaise the {}{joint} first ({}): 10 % more of it save {share:.2} %.", first.name, first.key)?;
         }
         if !self.idle.is_empty() {
@@ -235,6 +247,6 @@ impl fmt::Display for Advice {
             });
             writeln!(f, "Limits that bind nowhere: {}.", kinds.collect::<Vec<_>>().join(", "))?;
         }
-        Ok(())
+        self.warnings.iter().try_for_each(|warning| writeln!(f, "Note: {warning}"))
     }
 }

@@ -67,6 +67,11 @@ impl PlacedPath {
         Ok(())
     }
 
+    /// What a person should know beside the notes on the feed.
+    pub fn own_warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
     /// What a person should know.
     pub fn warnings(&self, job: &Job) -> Vec<String> {
         self.notes.words(job).into_iter().chain(self.warnings.iter().cloned()).collect()

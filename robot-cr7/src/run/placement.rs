@@ -23,6 +23,8 @@ const SOME: usize = 64;
 const MANY: usize = 2000;
 /// Distance of the frames of the first search, m.
 const GRID: f64 = 0.1;
+/// Steps of the first search each way: an arm or a tool that is longer has a coarser one.
+const MOST_STEPS: f64 = 20.0;
 /// Turns of the workpiece about its z axis in the first search.
 const TURNS: i32 = 8;
 /// Steps of the search around the best frames, m; with each goes a turn of so many radians for a metre.
@@ -197,7 +199,8 @@ where
 
     /// The frames on a grid over the reach of the arm in which the path is followed, the best first.
     fn grid(&mut self, reach: f64, search: &PlacementSearch, tell: &mut impl FnMut(f64)) -> Vec<(Trial, f64)> {
-        let count = (reach / GRID).ceil() as i32;
+        let grid = GRID.max(reach / MOST_STEPS);
+        let count = (reach / grid).ceil().min(MOST_STEPS) as i32;
         let levels = if self.height.is_some() { 0..=0 } else { -count..=count };
         let turns = if search.turn { TURNS } else { 1 };
         let mut found = Vec::new();
@@ -205,7 +208,7 @@ where
             tell(done as f64 / f64::from(2 * count + 1));
             for y in -count..=count {
                 for z in levels.clone() {
-                    let at = Vector3::from([x, y, z].map(|k| f64::from(k) * GRID));
+                    let at = Vector3::from([x, y, z].map(|k| f64::from(k) * grid));
                     for turn in 0..turns {
                         let turn = f64::from(turn) * TAU / f64::from(TURNS);
                         let trial = Trial { at, turn };

@@ -2,7 +2,7 @@
 
 use arcfeed_geometry::GeometryError;
 use arcfeed_interp::{
-    CompileError, Interpolation, JointTrajectory, JointTrajectoryError, PathArm, PlanError, ToolCertificate, Trajectory,
+    CompileError, JointTrajectory, JointTrajectoryError, PathArm, PlanError, ToolCertificate, Trajectory,
 };
 use arcfeed_kinematics::{Joints, KinematicsError};
 
@@ -14,6 +14,9 @@ use super::program_part::ProgramPart;
 use super::program_task::{ProgramStep, ProgramTask};
 use super::rapid_run::{RapidRun, SAME, WayPoints};
 use super::task::{Motion, Task};
+
+/// Joints that are no more apart are the same but for the inverse, rad: a joint move makes up for it.
+const ROUNDING: f64 = 1e-6;
 
 /// The motion of a program as polynomials of the time.
 #[derive(Debug, Clone)]
@@ -127,8 +130,14 @@ impl<'t, A: PathArm<N> + Clone, const N: usize> Planning<'t, A, N> {
         Ok((motion, joints.map(|joints| CompiledProgram { joints, paths })))
     }
 
-    /// The motion along a path, from the joints nearest to `near` or, where it cannot be planned from these, from its own.
-    fn plan_path(&self, path: &'t Task<A, N>, near: &Joints<N>) -> Result<PlannedPath<'t, N>, Cr7Error> {
+    /// The motion along a path, from the joints nearest to `near` or, where the arm cannot follow it from these and `may_change`, from
+    /// its own.
+    fn plan_path(
+        &self,
+        path: &'t Task<A, N>,
+        near: &Joints<N>,
+        may_change: bool,
+    ) -> Result<PlannedPath<'t, N>, Cr7Error> {
         let attempt = |near: &Joints<N>| {
             let (motion, compiled) = match self.tolerance {
                 None => (path.plan_near(near)?, None),
@@ -140,19 +149,30 @@ impl<'t, A: PathArm<N> + Clone, const N: usize> Planning<'t, A, N> {
             let ends = ends(motion.trajectory()).map_err(|source| path.error(source))?;
             Ok(PlannedPath { motion, compiled, ends })
         };
-        attempt(near).or_else(|error| match (near - path.start()).amax() > SAME {
-            true => attempt(path.start()).map_err(|_| error),
-            false => Err(error),
+        attempt(near).or_else(|error| {
+            let source = match &error {
+                Cr7Error::Plan { source, .. } => Some(&**source),
+                _ => None,
+            };
+            if may_change && matches!(source, Some(PlanError::Path(_))) && (near - path.start()).amax() > SAME {
+                attempt(path.start()).map_err(|_| error)
+            } else {
+                Err(error)
+            }
         })
     }
 
     fn path(&mut self, path: &'t Task<A, N>, at: &Joints<N>) -> Result<(), Cr7Error> {
         let planned = match self.ahead.take() {
             Some(planned) => planned,
-            None => self.plan_path(path, at)?,
+            None => self.plan_path(path, at, self.parts.is_empty())?,
         };
         let lines = planned.motion.outline().map_or([0; 2], |outline| outline.ends());
-        if (planned.ends[0] - at).amax() > SAME && !self.parts.is_empty() {
+        let gap = (planned.ends[0] - at).amax();
+        if gap > ROUNDING && !self.parts.is_empty() {
+            return Err(self.task.apart(lines[0], gap));
+        }
+        if gap > SAME && !self.parts.is_empty() {
             let turn = RapidRun::turn(path.path().jet(0.0).pose, lines[0]);
             let way = WayPoints { joints: vec![*at, *at], reconfigured: false }.ending_in(planned.ends[0]);
             self.joint_move(&turn, &way)?;
@@ -172,7 +192,7 @@ impl<'t, A: PathArm<N> + Clone, const N: usize> Planning<'t, A, N> {
         let way = run.way_points(first.arm(), at);
         let mut way = way.map_err(|(i, source)| self.task.out_of_reach(run.ends[i].line, &source))?;
         if let Some(path) = self.task.path_after(index) {
-            let planned = self.plan_path(path, way.end())?;
+            let planned = self.plan_path(path, way.end(), true)?;
             way = way.ending_in(planned.ends[0]);
             self.ahead = Some(planned);
         }
@@ -204,9 +224,7 @@ impl<'t, A: PathArm<N> + Clone, const N: usize> Planning<'t, A, N> {
 
     fn wait(&mut self, lines: [usize; 2], seconds: f64, marks: &Marks, at: &Joints<N>) -> Result<(), Cr7Error> {
         if self.tolerance.is_some() && seconds > 0.0 {
-            let mut rest = [Joints::zeros(); 6];
-            rest[0] = *at;
-            let rest = JointTrajectory::from_pieces(vec![0.0, seconds], vec![rest], Interpolation::Quintic);
+            let rest = JointTrajectory::resting(at, seconds);
             self.pieces.push(rest.map_err(|source| self.task.compile_error(source.into()))?);
         }
         let mut part = ProgramPart::of_dwell(self.parts.last(), at, seconds, lines);

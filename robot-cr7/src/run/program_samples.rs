@@ -65,13 +65,15 @@ impl<'t, const N: usize> ProgramSamples<'_, 't, N> {
         }
         let Some(part) = self.motion.parts().get(self.part) else { return Ok(None) };
         let arm = self.motion.arm();
+        // At its end the difference may be a rounding less than the duration, where some laws still brake.
+        let own = if t >= part.end() { part.duration() } else { t - part.begin() };
         let (row, s, feed) = match (part.motion(), &mut self.setpoints) {
             (PartMotion::Path(_), Some(setpoints)) => {
-                let at = setpoints.at(t - part.begin())?;
+                let at = setpoints.at(own)?;
                 (TrajectoryRow { t, ..TrajectoryRow::from(&at) }, at.s, at.feed)
             }
             (PartMotion::Joints(motion), Some(setpoints)) => {
-                let at = setpoints.at(t - part.begin())?;
+                let at = setpoints.at(own)?;
                 let velocity = arm.jacobian(&at.q) * at.qd;
                 let speed = velocity.fixed_rows::<3>(0).norm();
                 (TrajectoryRow { t, ..TrajectoryRow::from(&at) }, motion.way_at(at.s), speed)

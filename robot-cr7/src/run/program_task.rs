@@ -139,6 +139,7 @@ impl<A: PathArm<N> + Clone, const N: usize> ProgramTask<A, N> {
         let placed = place(job, file, &items)?;
         let mut notes = FeedNotes::default();
         placed.iter().for_each(|path| notes.and(&path.notes));
+        let of_paths: Vec<String> = placed.iter().flat_map(|path| path.own_warnings()).cloned().collect();
         let runs = runs(job, program, &items, &placed);
         let (count, mut at) = (placed.len(), 0);
         let (mut placed, mut runs) = (placed.into_iter(), runs.into_iter());
@@ -169,8 +170,22 @@ impl<A: PathArm<N> + Clone, const N: usize> ProgramTask<A, N> {
             steps.push(step);
         }
         let warnings = file.warnings.iter().chain(&job.warnings).cloned();
-        let warnings = warnings.chain(notes.words(job)).chain(skipped_words(program)).collect();
+        let warnings = warnings.chain(notes.words(job)).chain(of_paths).chain(skipped_words(program)).collect();
         Ok(Self { name: file.name.clone(), file: file.file.display().to_string(), steps, period: job.period, warnings })
+    }
+
+    /// That the path of a line does not start in the joints in which the arm waits before it, by `gap` (rad).
+    pub(crate) fn apart(&self, line: usize, gap: f64) -> Cr7Error {
+        Cr7Error::Configuration {
+            file: self.file.clone().into(),
+            line: Some(line),
+            key: "the path behind a dwell (G4)",
+            problem: format!(
+                "starts {:.3} deg from the joints in which the arm waits, and the tool would leave its place: lift it with G0 and set \
+                 feed.rapid = \"joints\", or turn it along a path",
+                gap.to_degrees()
+            ),
+        }
     }
 
     /// Name of the path.

@@ -154,11 +154,11 @@ impl RapidRun {
             let middle = arm.forward(&(b + turn * (MIDDLE * half)));
             let off = (middle.translation.vector - pose.translation.vector).norm();
             if off <= self.blend {
-                break;
+                return if half >= SHORTEST { half } else { 0.0 };
             }
             half *= (0.99 * self.blend / off).min(0.9);
         }
-        if half >= SHORTEST { half } else { 0.0 }
+        0.0
     }
 
     /// The tool along the lines of the joints, whose way-points are at `at`.

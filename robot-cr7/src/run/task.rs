@@ -195,6 +195,16 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
         &self.path
     }
 
+    /// Warnings about the path and the job.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// The lines of the file along the path, where it has such.
+    pub fn outline(&self) -> Option<&Outline> {
+        self.outline.as_ref()
+    }
+
     /// Limits of the joints.
     pub fn joint_limits(&self) -> &JointLimits<N> {
         &self.limits

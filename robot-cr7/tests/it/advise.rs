@@ -33,8 +33,9 @@ fn what_limits_save_on_a_straight_line_is_known_in_closed_form() {
     ] {
         let cost = advice.limits.iter().find(|cost| cost.name == name).expect(name);
         // The planner is that near to the optimum.
-        assert!((cost.raised_saves_s - (base - raised)).abs() < 5e-4 * base, "{name}: {cost:?} {}", base - raised);
-        assert!(cost.lifted_saves_s > cost.raised_saves_s, "{cost:?}");
+        let (saved, lifted) = (cost.raised_saves_s.expect("planned"), cost.lifted_saves_s.expect("planned"));
+        assert!((saved - (base - raised)).abs() < 5e-4 * base, "{name}: {cost:?} {}", base - raised);
+        assert!(lifted > saved, "{cost:?}");
     }
     assert_eq!(advice.limits.len(), 3, "{advice}");
     assert_eq!(advice.limits[0].name, "feed");
@@ -52,9 +53,19 @@ fn raising_a_limit_never_costs_time() {
         let advice = Advice::new(&Task::of_cr7(&job(text), &file).expect("in reach"), |_| {}).expect("a motion");
         for cost in &advice.limits {
             let least = -1e-3 * advice.duration_s;
-            assert!(cost.raised_saves_s >= least && cost.lifted_saves_s >= least, "{}: {cost:?}", sample.name());
+            let saved = [cost.raised_saves_s, cost.lifted_saves_s].map(|saved| saved.expect("planned"));
+            assert!(saved.iter().all(|saved| *saved >= least), "{}: {cost:?}", sample.name());
         }
     }
+}
+
+#[test]
+fn the_feed_of_a_program_is_that_of_its_lines() {
+    let text = b"G21 G90 G61\nG0 X0 Y0 Z0\nG1 X150 F1200\nG4 P2\nG1 X0 F1200\nM2\n";
+    let file = PathFile::from_bytes(text, Path::new("part.ngc"), None).expect("a program");
+    let advice = Advice::new(&Task::of_cr7(&Job::default(), &file).expect("in reach"), |_| {}).expect("a motion");
+    assert!(advice.limits[0].name == "feed" && advice.limits[0].key.starts_with("F of the program"), "{advice}");
+    assert!(advice.warnings.iter().any(|warning| warning.contains("does not wait")), "{:?}", advice.warnings);
 }
 
 #[cfg(feature = "cli")]

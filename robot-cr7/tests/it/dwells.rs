@@ -100,3 +100,41 @@ fn a_program_that_waits_too_long_is_refused_by_line() {
     let report = desk.run(&["plan", "p.ngc", "--json"]).done().json();
     assert!(report["duration_s"].as_f64().is_some_and(|t| t < 5.0));
 }
+
+/// Where the path behind a dwell asks for other joints than those in which the arm waits, the tool would have to leave its place.
+#[test]
+fn the_arm_does_not_turn_in_place_at_a_dwell() {
+    let desk = Desk::new("dwell_turns");
+    let head = "G21 G90 G61\nG0 X0 Y0 Z0\n";
+    // A corner with a tool that follows the tangent, and two circles that wind up joint 6.
+    for (name, body) in [
+        ("corner.ngc", "G1 X40 F1200\nG4 P0.5\nG1 Y40\nM2\n"),
+        ("circles.ngc", "G2 I20 F1200\nG4 P0.5\nG2 I20\nG4 P0.5\nG2 I20\nM2\n"),
+    ] {
+        desk.write(name, &format!("{head}{body}"));
+        desk.write("job.toml", "[orientation]\nmode = \"tangent\"\n");
+        let run = desk.run(&["plan", name, "--job", "job.toml"]);
+        assert_eq!(run.code, 1, "{run:?}");
+        assert!(run.stderr.contains(name), "{run:?}");
+        // Whatever the reason, it is told, and no file is left.
+        assert!(!desk.folder.join("out/trajectory.csv").exists());
+    }
+    let run = desk.run(&["plan", "corner.ngc", "--job", "job.toml"]);
+    assert!(run.stderr.contains("behind a dwell") && run.stderr.contains("feed.rapid"), "{run:?}");
+}
+
+/// The last row is at rest whatever planner makes the law, and wherever its time rounds to.
+#[test]
+fn every_planner_ends_at_rest_behind_a_dwell() {
+    let desk = Desk::new("dwell_planners");
+    for planner in ["jerk-limited", "continuous-acceleration", "per-segment", "forward-backward", "reachability"] {
+        for seconds in [0.0123, 0.1, 0.3333, 1.7] {
+            desk.write("job.toml", &format!("[plan]\nplanner = \"{planner}\"\n"));
+            desk.write("part.ngc", &format!("G21 G90 G61\nG0 X0 Y0 Z0\nG1 X60 F3000\nG4 P{seconds}\nG1 X113\nM2\n"));
+            desk.run(&["plan", "part.ngc", "--job", "job.toml"]).done();
+            let rows = desk.trajectory::<6>("out");
+            let last = rows.last().expect("rows");
+            assert!(last.qd.iter().chain(&last.qdd).all(|v| v.abs() < 1e-9), "{planner} {seconds}: {last:?}");
+        }
+    }
+}

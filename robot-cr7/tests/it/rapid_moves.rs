@@ -190,6 +190,8 @@ fn a_compiled_program_is_one_joint_trajectory() {
     }
     let compiled = &planned.report["compiled"];
     assert_eq!(compiled["pieces"].as_u64(), Some(pieces.len() as u64));
+    let bound = compiled["deviation_bound_rad"].as_f64().expect("a number, dwells included");
+    assert!(bound > 0.0 && bound <= 1e-6, "{bound}");
     for list in ["certified", "certified_tool"] {
         for line in compiled[list].as_array().expect("a list") {
             assert!(line["ratio"].as_f64().is_some_and(|ratio| ratio <= 1.0 + 1e-6), "{line}");

@@ -38,9 +38,10 @@ struct Advise {
 }
 
 impl OnToolPath for Advise {
-    fn run<A: PathArm<N>, const N: usize>(self, task: Task<A, N>, _: Vec<String>) -> Result<(), Failure> {
+    fn run<A: PathArm<N>, const N: usize>(self, task: Task<A, N>, assumed: Vec<String>) -> Result<(), Failure> {
         let progress = Progress::new("planning");
-        let advice = Advice::new(&task, |limit| progress.step(limit))?;
+        let mut advice = Advice::new(&task, |limit| progress.step(limit))?;
+        advice.warnings.extend(assumed);
         drop(progress);
         show(&advice, self.json.then(|| advice.to_json()));
         Ok(())
