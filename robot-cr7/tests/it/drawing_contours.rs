@@ -78,6 +78,19 @@ fn ends_within_a_micrometre_touch_and_are_moved_together() {
 }
 
 #[test]
+fn a_curve_that_cannot_be_closed_is_named_by_its_own_line() {
+    // The knot in the middle stands twice, and the two points there may not be moved apart.
+    let text = "0 LINE 8 0 10 0 20 0 11 10 21 0\n\
+                0 SPLINE 8 0 71 1 40 0 40 0 40 1 40 1 40 2 40 2 10 10 20 0 10 10 20 10 10 10 20 10 10 0 20 5e-4";
+    for more in ["", "\n0 LINE 8 0 10 50 20 0 11 60 21 0"] {
+        let text = dxf(&format!("{text}{more}"));
+        let (line, _) = (1..).zip(text.lines()).find(|(_, line)| *line == "SPLINE").expect("a spline");
+        let message = refusal(&text, "a.dxf", &layers(&[]));
+        assert!(message.contains(&format!("line {line}")) && message.contains("jump"), "{message}");
+    }
+}
+
+#[test]
 fn pieces_without_length_are_left_out_with_a_warning() {
     let text = "0 LINE 8 0 10 0 20 0 11 10 21 0\n0 LINE 8 0 10 99 20 9 11 99 21 9\n0 LINE 8 0 10 10 20 0 11 10 21 5";
     let program = read(&dxf(text), "a.dxf");
@@ -90,7 +103,7 @@ fn the_tool_is_lifted_between_contours_and_not_otherwise() {
     let text = "0 LINE 8 0 10 0 20 0 30 2 11 10 21 0 31 2\n0 LINE 8 0 10 30 20 5 30 9 11 40 21 5 31 9\n0 CIRCLE 8 0 10 70 20 0 40 3";
     let options = DrawingOptions { lift: 7e-3, feed: 0.03, ..DrawingOptions::default() };
     let program = read_with(&dxf(text), "a.dxf", &options);
-    // Above the higher one of both ends.
+    // Above the highest point.
     let ends = [
         mm(10.0, 0.0, 2.0),
         mm(10.0, 0.0, 16.0),
@@ -113,6 +126,25 @@ fn the_tool_is_lifted_between_contours_and_not_otherwise() {
     assert!(program.moves.windows(2).all(|pair| pair[0].line < pair[1].line));
     let one = read(&dxf("0 CIRCLE 8 0 10 70 20 0 40 3"), "a.dxf");
     assert!(one.moves.iter().all(|step| step.kind != MoveKind::Rapid));
+    // Also above what lies in between: a line, the bow of an arc on edge, the control points of a curve.
+    let between = [
+        ("0 LINE 8 0 10 30 20 0 30 9 11 40 21 0 31 9", 9.0),
+        ("0 ARC 8 0 10 30 20 5 30 0 40 5 50 10 51 170 210 0 220 -1 230 0", 10.0),
+        ("0 ARC 8 0 10 30 20 5 30 0 40 5 50 190 51 350 210 0 220 -1 230 0", 5.0 - 5.0 * f64::to_radians(10.0).sin()),
+        ("0 ARC 8 0 10 -30 20 5 30 0 40 5 50 10 51 170 210 0 220 1 230 0", 10.0),
+        ("0 SPLINE 8 0 71 2 40 0 40 0 40 0 40 1 40 1 40 1 10 30 20 0 30 1 10 35 20 0 30 7 10 40 20 0 30 2", 7.0),
+    ];
+    for (entity, top) in between {
+        let ends = ["0 LINE 8 0 10 0 20 0 11 10 21 0", "0 LINE 8 0 10 60 20 0 11 70 21 0"];
+        let program = read_with(&dxf(&[ends[0], entity, ends[1]].join("\n")), "a.dxf", &options);
+        let crossings: Vec<f64> = program
+            .moves_with_starts()
+            .filter(|(start, step)| (step.end() - start).xy().norm() > 1e-9 && step.kind == MoveKind::Rapid)
+            .map(|(_, step)| step.end().z)
+            .collect();
+        assert_eq!(crossings.len(), 2, "{entity}");
+        assert!(crossings.iter().all(|z| (z - 1e-3 * (top + 7.0)).abs() < 1e-12), "{crossings:?} over {entity}");
+    }
     // Above one another: up and down alone.
     let above = read(&dxf("0 CIRCLE 8 0 10 0 20 0 40 3\n0 CIRCLE 8 0 10 0 20 0 30 9 40 3"), "a.dxf");
     assert_eq!(above.moves.len(), 4);
@@ -165,6 +197,12 @@ fn layers_of_a_dxf_drawing_are_selected_by_name() {
     }
     assert_eq!(starts(&layers(&["cut"])), (vec![1.0], String::new()));
     assert_eq!(starts(&layers(&["more", "off"])), (vec![2.0, 4.0], String::new()));
+    // Upper and lower case are the same, in the job and in the file.
+    assert_eq!(starts(&layers(&["CUT", "cut", "OfF"])), (vec![1.0, 2.0], String::new()));
+    let mixed = read(&text.replace("8\noff\n", "8\nOFF\n").replace("8\ncut\n", "8\nCut\n"), "a.dxf");
+    assert_eq!(contours(&mixed).len(), 2);
+    assert!(mixed.warnings[1].contains("1 x LINE on a layer that is off on layer \"OFF\""), "{:?}", mixed.warnings);
+    assert!(marks(&mixed)[0].ends_with("layer \"Cut\""), "{:?}", marks(&mixed));
     let message = refusal(&text, "a.dxf", &layers(&["cut", "engave"]));
     for part in ["path.layers", "\"engave\"", "\"cut\", \"frozen\", \"more\", \"off\""] {
         assert!(message.contains(part), "{message}");

@@ -189,6 +189,9 @@ fn inserted_blocks_are_moved_turned_and_scaled() {
     let program = read(&dxf_in("4", &sections, &insert), "a.dxf");
     let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), f64::to_radians(30.0));
     let at = |x: f64, y: f64| mm(100.0, 50.0, 0.0) + turn * mm(2.0 * x, -2.0 * y, 0.0);
+    // Names in upper and lower case are the same.
+    let other = read(&dxf_in("4", &sections, &insert.replace("OUTER", "Outer")), "a.dxf");
+    assert_eq!(other.moves, program.moves);
     // What is on the layer "0" of a block is on that of its insertion.
     let MarkerKind::Message(mark) = &program.markers[0].kind else { panic!("{program:?}") };
     assert!(mark.starts_with("contour 1: CIRCLE of block \"OUTER\"") && mark.ends_with("layer \"cut\""), "{mark}");
@@ -212,4 +215,17 @@ fn inserted_blocks_are_moved_turned_and_scaled() {
     }
     assert!(program.warnings[0].contains("count the moves from 1"), "{:?}", program.warnings);
     assert!(program.moves.iter().zip(1..).all(|(step, number)| step.line == number));
+}
+
+#[test]
+fn comments_stand_anywhere() {
+    let line = entity("0 LINE 8 cut 10 1 20 2 11 3 21 4");
+    let plain = dxf_in("1", "", &line);
+    let comment = "999\nfrom a program\n";
+    let mut commented = plain.replace("SECTION\n", &format!("SECTION\n{comment}"));
+    commented = commented.replace("$INSUNITS\n", &format!("$INSUNITS\n{comment}"));
+    commented = format!("{comment}{}", commented.replace("20\n2\n", &format!("{comment}20\n2\n{comment}")));
+    let (plain, commented) = (read(&plain, "a.dxf"), read(&commented, "a.dxf"));
+    assert_eq!((commented.start, commented.moves[0].end()), (plain.start, plain.moves[0].end()));
+    assert!(commented.warnings.is_empty(), "{:?}", commented.warnings);
 }

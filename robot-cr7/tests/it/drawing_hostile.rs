@@ -204,3 +204,34 @@ fn bombs_end_with_a_message() {
     says(&svg(&long), "a.svg", "2000000 numbers");
     says(&svg(&"<g/>".repeat(3_000_001)), "a.svg", "divide the drawing");
 }
+
+#[test]
+fn copies_of_long_texts_end_with_a_message() {
+    let says = |text: &str, name: &str, parts: &[&str]| {
+        let message = refusal(text, name, &DrawingOptions::default());
+        for part in ["256 MB", "fewer copies"].iter().chain(parts) {
+            assert!(message.contains(part), "{message}");
+        }
+    };
+    // A path without a line, a million times; so are comments, attributes and children that no element shows.
+    let group = |i: u32| format!("<g id='g{}'>{}</g>\n", i + 1, format!("<use href='#g{i}'/>").repeat(10));
+    let copies: String = (0..6).map(group).collect();
+    let shown = |element: &str| svg(&format!("<defs>{element}{copies}</defs><use href='#g6'/>"));
+    says(&shown(&format!("<path id='g0' d='{}'/>", "M0 0".repeat(1_000_000))), "a.svg", &["path \"g0\""]);
+    says(&shown(&format!("<g id='g0'>{}</g>", "<!--a-->".repeat(100_000))), "a.svg", &["g \"g0\""]);
+    says(&shown(&format!("<g id='g0'>{}</g>", "<title/>".repeat(100_000))), "a.svg", &["title"]);
+    let child = "<g systemLanguage='en'/>";
+    says(&shown(&format!("<switch id='g0'>{}</switch>", child.repeat(100_000))), "a.svg", &["what is read"]);
+    // A block with a text, in rows and columns; so is one with a long end, and one with a long blank.
+    let grid = entity("0 INSERT 2 B 10 0 20 0 70 1000 71 1000");
+    let block = |inner: &str| {
+        let start = entity("0 SECTION 2 BLOCKS 0 BLOCK 2 B 70 0 10 0 20 0");
+        dxf_in("4", &format!("{start}{inner}{}", entity("0 ENDSEC")), &grid)
+    };
+    let text = format!("0\nTEXT\n1\n{}\n", "a".repeat(1_000_000));
+    says(&block(&(text.clone() + "0\nENDBLK\n")), "a.dxf", &["TEXT"]);
+    says(&block(&text.replace("TEXT", "ENDBLK")), "a.dxf", &["ENDBLK"]);
+    says(&block(&format!("0\nTEXT\n{}1\na\n0\nENDBLK\n", " ".repeat(1_000_000))), "a.dxf", &["TEXT"]);
+    let vertices = entity("0 POLYLINE 70 0 0 VERTEX 10 0 20 0") + &text.replace("TEXT", "VERTEX");
+    says(&block(&(vertices + "10\n1\n20\n1\n0\nSEQEND\n0\nENDBLK\n")), "a.dxf", &["VERTEX"]);
+}

@@ -2,7 +2,7 @@
 
 use robot_cr7::DrawingOptions;
 
-use crate::drawing_texts::{dxf, dxf_in, entity, refusal, svg};
+use crate::drawing_texts::{dxf, dxf_in, entity, read, refusal, svg};
 
 fn says(text: &str, name: &str, parts: &[&str]) {
     let message = refusal(text, name, &DrawingOptions::default());
@@ -14,7 +14,7 @@ fn says(text: &str, name: &str, parts: &[&str]) {
 
 #[test]
 fn of_dxf_entities() {
-    let cases: [(&str, &[&str]); 22] = [
+    let cases: [(&str, &[&str]); 23] = [
         ("0 CIRCLE 5 2F 8 0 10 1 20 2 40 0", &["a.dxf:20", "CIRCLE (handle 2F)", "radius", "above 0"]),
         ("0 CIRCLE 8 0 10 1 20 2 40 -3", &["radius", "-3"]),
         ("0 CIRCLE 8 0 10 1 20 2", &["group 40", "missing"]),
@@ -29,6 +29,7 @@ fn of_dxf_entities() {
         ("0 ARC 8 0 10 1 20 1 40 2 50 0 51 90 210 0 220 0 230 0", &["extrusion direction", "(0, 0, 0)"]),
         ("0 SPLINE 8 0 71 3 11 0 21 0 11 5 21 5", &["none, and 2 fit points", "control points", "polyline"]),
         ("0 SPLINE 8 0 71 0 10 0 20 0 10 5 20 5", &["degree (71)", "0"]),
+        ("0 SPLINE 8 0 71 16 10 0 20 0 10 5 20 5", &["degree (71)", "16", "from 1 to 15", "lower degree in CAD"]),
         ("0 SPLINE 8 0 71 999999999999 10 0 20 0 10 5 20 5", &["degree (71)", "999999999999"]),
         ("0 SPLINE 5 7 8 0 71 1 40 0 40 0 40 1 10 0 20 0 10 5 20 5", &["SPLINE (handle 7)", "knots"]),
         ("0 SPLINE 8 0 71 1 40 0 40 0 40 1 40 1 41 1 41 -1 10 0 20 0 10 5 20 5", &["SPLINE", "weight"]),
@@ -72,7 +73,7 @@ fn of_dxf_files() {
 
 #[test]
 fn of_svg_elements() {
-    let cases: [(&str, &[&str]); 22] = [
+    let cases: [(&str, &[&str]); 33] = [
         ("<path id='p' d='M 1 2 L 3'/>", &["a.svg:2", "path \"p\"", "d", "grammar"]),
         ("<path d='L 3 4'/>", &["grammar"]),
         ("<path d='M 0 0 L 1e308 4'/>", &["a coordinate", "1000 km"]),
@@ -89,6 +90,20 @@ fn of_svg_elements() {
         ("<line x2='5' transform='turn(5)'/>", &["transform", "turn(5)"]),
         ("<line x2='5' transform='translate(1e999)'/>", &["transform"]),
         ("<line x2='5' style='transform: rotate(5deg)'/>", &["style", "attribute transform"]),
+        (
+            "<line id='l' x2='5' transform='scale(2)' style='transform: rotate(5deg)'/>",
+            &["line \"l\"", "transform in style", "rotate(5deg)", "attribute transform"],
+        ),
+        ("<g transform-origin='5 5'><line x2='5'/></g>", &["g: transform-origin", "\"5 5\"", "origin", "matrix"]),
+        ("<line x2='5' style='transform-origin:center'/>", &["line: transform-origin in style", "\"center\""]),
+        ("<g style='transform-box:fill-box'><line x2='5'/></g>", &["g: transform-box in style", "remove it"]),
+        ("<g style='Translate: 5px'><line x2='5'/></g>", &["g: translate in style", "\"5px\"", "attribute transform"]),
+        ("<use href='#a' style='rotate:9deg !important'/>", &["use: rotate in style", "\"9deg\""]),
+        ("<line x2='5' style='fill:none;scale:2'/>", &["line: scale in style", "\"2\""]),
+        ("<circle r='3' style='r:5px'/>", &["circle: r in style", "\"5px\"", "as an attribute"]),
+        ("<rect width='3' height='3' style='width:9px'/>", &["rect: width in style", "\"9px\"", "as an attribute"]),
+        ("<path d='M0 0H5' style='d:none'/>", &["path: d in style", "\"none\""]),
+        ("<use href='#a' style='x:5px'/>", &["use: x in style", "\"5px\""]),
         ("<use href='#none'/>", &["use", "\"#none\"", "has to be in the file"]),
         ("<use href='other.svg#a'/>", &["1 x use of another file"]),
         ("<svg width='5'/>", &["svg within svg", "group"]),
@@ -128,4 +143,14 @@ fn of_svg_files() {
         let message = refusal(&svg("<rect width='5' height='5'/>"), "a.svg", &options);
         assert!(message.contains(part), "{message}");
     }
+}
+
+#[test]
+fn the_highest_degree_of_a_spline_and_sizes_of_the_page_in_its_style_are_read() {
+    let knots = [" 40 0".repeat(16), " 40 1".repeat(16)].concat();
+    let points: String = (0..16).map(|i| format!(" 10 {i} 20 {}", i % 2)).collect();
+    let text = dxf(&format!("0 SPLINE 8 0 71 15{knots}{points}"));
+    assert_eq!(read(&text, "a.dxf").moves.len(), 1);
+    let text = svg("<g style='width:5px'><line x2='5'/></g>").replace("<svg ", "<svg style='width:100%;height:auto' ");
+    assert_eq!(read(&text, "a.svg").moves.len(), 1);
 }

@@ -4,6 +4,9 @@
 //! `P1 = P0` it is `P0 + A t^2 + B t^3`. Its part up to `t1` becomes the parabola with the same ends and tangents,
 //! `P0 + A t1^2 (2 s + s^2)/3 + B t1^3 s^2`. At the same distance along `A` the two are `B t1^3 |s^2 - ((2 s + s^2)/3)^1.5|` apart, which is
 //! at most `0.0212 |B| t1^3`.
+//!
+//! A handle as short as 1e-7 m counts as retracted. To leave it out moves the curve by less than its length, which is taken off the
+//! tolerance of the parabola: together the two are at most 1e-6 m.
 
 use arcfeed_geometry::{GeometryError, NurbsCurve};
 use nalgebra::Vector3;
@@ -12,7 +15,7 @@ use super::piece::Piece;
 
 /// A handle as short as this is retracted, m.
 const RETRACTED: f64 = 1e-7;
-/// The parabola may be as far from the curve as this, m.
+/// The pieces may be as far from the curve as this, m.
 const TOLERANCE: f64 = 1e-6;
 /// An upper bound of the largest value of `|s^2 - ((2 s + s^2)/3)^1.5|` for `s` from 0 to 1.
 const PARABOLA: f64 = 0.0212;
@@ -56,7 +59,7 @@ fn retracted([a, c, d]: [Point; 3]) -> ([Point; 3], [Point; 4]) {
     let second = 3.0 * (c - a);
     let third = d - 3.0 * c + 2.0 * a;
     // A third derivative of 0 leaves a straight line.
-    let t = (TOLERANCE / (PARABOLA * third.norm())).cbrt().min(MOST);
+    let t = ((TOLERANCE - RETRACTED) / (PARABOLA * third.norm())).cbrt().min(MOST);
     let (ab, bc, cd) = (a, a + (c - a) * t, c + (d - c) * t);
     let (abc, bcd) = (ab + (bc - ab) * t, bc + (cd - bc) * t);
     let middle = abc + (bcd - abc) * t;

@@ -45,13 +45,13 @@ impl Contours {
                 }
                 let touches = all.end().is_some_and(|end| (piece.start - end).norm() <= TOUCH);
                 if !touches {
-                    all.close().map_err(|e| (at, e))?;
+                    all.close()?;
                     all.contours.push(Contour { name: name.clone(), layer: layer.clone(), line, pieces: Vec::new() });
                 }
                 all.append(piece).map_err(|e| (at, e))?;
             }
         }
-        all.close().map_err(|e| (0, e))?;
+        all.close()?;
         Ok(all)
     }
 
@@ -76,14 +76,15 @@ impl Contours {
         self.skipped = Some((count + 1, first));
     }
 
-    /// Ends the last contour where it starts, where its ends touch.
-    fn close(&mut self) -> Result<(), GeometryError> {
+    /// Ends the last contour where it starts, where its ends touch. An error has the line of the piece that is moved.
+    fn close(&mut self) -> Result<(), (u64, GeometryError)> {
         let Some(contour) = self.contours.last_mut() else { return Ok(()) };
         let Some(start) = contour.pieces.first().map(|first| first.start) else { return Ok(()) };
         if let Some(last) = contour.pieces.pop() {
             let closed = (last.end - start).norm() <= TOUCH && last.size() > 2.0 * TOUCH;
             let (from, to) = (last.start, if closed { start } else { last.end });
-            contour.pieces.push(joined(last, from, to)?);
+            let line = last.line;
+            contour.pieces.push(joined(last, from, to).map_err(|e| (line, e))?);
         }
         Ok(())
     }

@@ -15,7 +15,7 @@ pub struct DrawingOptions {
     pub unit: Option<LengthUnit>,
     /// The layers to read, by name; empty for all of them. Default: empty.
     pub layers: Vec<String>,
-    /// How far the tool goes up between two contours, in m, above 0. Default: 5 mm.
+    /// How far above the highest point of the drawing the tool goes between two contours, in m, above 0. Default: 5 mm.
     pub lift: f64,
     /// Feed along the contours, in m/s, above 0. Default: 0.1 m/s.
     pub feed: f64,

@@ -1,5 +1,6 @@
 //! The pieces of a drawing: lines, arcs and curves in metres.
 
+use std::f64::consts::TAU;
 use std::rc::Rc;
 
 use arcfeed_geometry::{GeometryError, NurbsCurve};
@@ -61,6 +62,22 @@ impl Piece {
             MoveShape::Line { .. } => (self.end - self.start).norm(),
             MoveShape::Arc { centre, sweep, .. } => (self.start - centre).norm() * sweep.abs(),
             MoveShape::Curve(curve) => curve.control_points().windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum(),
+        }
+    }
+
+    /// A height that no point of the piece is above, m. For lines and arcs it is that of their highest point.
+    pub fn top(&self) -> f64 {
+        let ends = self.start.z.max(self.end.z);
+        match &self.shape {
+            MoveShape::Line { .. } => ends,
+            MoveShape::Arc { centre, normal, sweep, .. } => {
+                let arm = self.start - centre;
+                let (start, quarter) = (arm.z, normal.cross(&arm).z);
+                // The angle from the start to the top of the circle, in the direction of the arc.
+                let angle = (quarter.atan2(start) * sweep.signum()).rem_euclid(TAU);
+                if angle <= sweep.abs() { ends.max(centre.z + start.hypot(quarter)) } else { ends }
+            }
+            MoveShape::Curve(curve) => curve.control_points().iter().map(|p| p.z).fold(ends, f64::max),
         }
     }
 

@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 
 use super::contour::{Contour, Contours};
 use super::options::DrawingOptions;
+use super::piece::Piece;
 use crate::input::gcode::{GcodeMarker, GcodeMove, GcodeProgram, MarkerKind, MoveKind, MoveShape, PathControl};
 use crate::text::clip;
 
@@ -26,7 +27,9 @@ pub(super) fn program_of(
 ) -> Option<GcodeProgram> {
     let contours = contours.contours;
     let start = contours.first()?.pieces.first()?.start;
-    let mut writer = Writer { options, position: start, moves: Vec::new(), markers: Vec::new() };
+    let top = contours.iter().flat_map(|contour| &contour.pieces).map(Piece::top).fold(start.z, f64::max);
+    let mut writer =
+        Writer { options, height: top + options.lift, position: start, moves: Vec::new(), markers: Vec::new() };
     for (i, contour) in contours.into_iter().enumerate() {
         writer.contour(i, contour);
     }
@@ -46,6 +49,8 @@ pub(super) fn program_of(
 
 struct Writer<'a> {
     options: &'a DrawingOptions,
+    /// The height of the lifts, m: above all that is drawn, which the tool may pass over.
+    height: f64,
     position: Vector3<f64>,
     moves: Vec<GcodeMove>,
     markers: Vec<GcodeMarker>,
@@ -80,9 +85,8 @@ impl Writer<'_> {
         if let Some(last) = self.moves.last_mut() {
             last.control = Some(PathControl::ExactPath);
         }
-        let height = self.position.z.max(to.z) + self.options.lift;
-        let up = Vector3::new(self.position.x, self.position.y, height);
-        let across = Vector3::new(to.x, to.y, height);
+        let up = Vector3::new(self.position.x, self.position.y, self.height);
+        let across = Vector3::new(to.x, to.y, self.height);
         for (i, (from, end)) in (0..).zip([(self.position, up), (up, across), (across, to)]) {
             // Two contours may lie above one another.
             if (end - from).norm() > SHORT {

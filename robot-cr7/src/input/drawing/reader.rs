@@ -93,7 +93,7 @@ pub(crate) fn read_bytes(
         let value = format!("more than {} MB", MOST_BYTES >> 20);
         return Err(wrong("the size of the file", value, "a drawing has 128 MB at the most", "divide the drawing"));
     }
-    let mut sink = Sink::new(file, Selection::new(&options.layers), options.most_pieces);
+    let mut sink = Sink::new(file, Selection::new(&options.layers, kind == DrawingKind::Dxf), options.most_pieces);
     match kind {
         DrawingKind::Dxf => read_dxf(bytes, options.unit, &mut sink)?,
         DrawingKind::Svg => read_svg(bytes, options.unit, &mut sink)?,

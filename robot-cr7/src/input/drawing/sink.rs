@@ -16,6 +16,9 @@ const FARTHEST: f64 = 1e6;
 const TOO_FAR: (&str, &str) =
     ("coordinates are finite, and 1000 km at the most", "check its numbers, and the unit of the drawing");
 
+/// Most bytes that are read, those of copies as often as they are shown: twice those of the largest file.
+const MOST_BYTES: u64 = 256 << 20;
+
 /// What is found in a drawing.
 #[derive(Debug)]
 pub(super) struct Sink<'a> {
@@ -26,6 +29,7 @@ pub(super) struct Sink<'a> {
     pub entities: Vec<Entity>,
     pieces: usize,
     most: usize,
+    bytes: u64,
 }
 
 /// An entity in messages: its name and its line.
@@ -38,7 +42,20 @@ pub(super) struct Named<'a> {
 impl<'a> Sink<'a> {
     pub fn new(file: &'a Path, layers: Selection, most: usize) -> Self {
         let (omitted, warnings, entities) = (Omitted::default(), Vec::new(), Vec::new());
-        Self { file, layers, omitted, warnings, entities, pieces: 0, most }
+        Self { file, layers, omitted, warnings, entities, pieces: 0, most, bytes: 0 }
+    }
+
+    /// Counts bytes that are read; false where they are more than a drawing may have.
+    pub fn reads(&mut self, bytes: u64) -> bool {
+        self.bytes = self.bytes.saturating_add(bytes);
+        self.bytes <= MOST_BYTES
+    }
+
+    /// The error of a drawing that has more bytes than it may.
+    pub fn too_much(&self, at: Named) -> InputError {
+        let value = format!("more than {} MB", MOST_BYTES >> 20);
+        let why = ("a drawing has 256 MB at the most with its copies", "show or insert fewer copies");
+        self.wrong(at, "what is read up to here", &value, why)
     }
 
     /// Takes an entity whose coordinates are sound.

@@ -15,6 +15,9 @@ use crate::input::error::InputError;
 
 /// Angles that differ by less are the same: the arc is a full turn. In rad.
 const SAME_ANGLE: f64 = 1e-12;
+/// The highest degree of a spline. CAD writes 11 or so at the most, and a path that is joined is a curve of the highest degree of its
+/// pieces, lines included.
+const HIGHEST_DEGREE: usize = 15;
 
 /// The pieces of an entity, in metres; `None` for a kind that is no path.
 pub(super) fn pieces_of(record: &Record, map: &Map, sink: &Sink) -> Result<Option<Vec<Piece>>, InputError> {
@@ -92,8 +95,8 @@ fn spline(record: &Record, map: &Map, sink: &Sink) -> Result<Piece, InputError> 
         return Err(record.wrong(sink, "control points (10, 20)", &value, why));
     }
     let degree = record.flags(71, sink)?;
-    let Some(degree) = usize::try_from(degree).ok().filter(|degree| (1..=100).contains(degree)) else {
-        let why = ("a degree is from 1 to 100", "draw the spline again");
+    let Some(degree) = usize::try_from(degree).ok().filter(|degree| (1..=HIGHEST_DEGREE).contains(degree)) else {
+        let why = ("a degree is from 1 to 15", "rebuild the spline with a lower degree in CAD");
         return Err(record.wrong(sink, "the degree (71)", &degree.to_string(), why));
     };
     let numbers = |code: i32| -> Result<Vec<f64>, InputError> {

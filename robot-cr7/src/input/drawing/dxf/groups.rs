@@ -28,6 +28,11 @@ impl<'a> Groups<'a> {
         Self { file, rest: text, line: 0 }
     }
 
+    /// Bytes behind the present place.
+    pub fn left(&self) -> usize {
+        self.rest.len()
+    }
+
     fn line(&mut self) -> Option<&'a str> {
         if self.rest.is_empty() {
             return None;

@@ -11,7 +11,8 @@ use super::record::{Record, Records};
 use super::tables::{Hidden, LayerTable, scale};
 use crate::input::drawing::map::Map;
 use crate::input::drawing::piece::{Entity, Piece};
-use crate::input::drawing::sink::Sink;
+use crate::input::drawing::selection::folded;
+use crate::input::drawing::sink::{Named, Sink};
 use crate::input::error::InputError;
 use crate::input::unit::LengthUnit;
 use crate::text::clip;
@@ -35,7 +36,8 @@ pub(in crate::input::drawing) fn read_dxf(
     let mut reader = Reader { blocks: HashMap::new(), layers: LayerTable::default(), sink, read: 0 };
     let (mut header, mut complete) = (None, false);
     while let Some(record) = records.next()? {
-        match (record.kind, record.groups.first().map(|group| group.value)) {
+        let name = record.groups.iter().find(|group| group.code == 2).map(|group| group.value);
+        match (record.kind, name) {
             ("SECTION", Some("HEADER")) => header = Some(record),
             ("SECTION", Some("TABLES")) => reader.tables(&mut records)?,
             ("SECTION", Some("BLOCKS")) => reader.blocks(&mut records)?,
@@ -108,8 +110,9 @@ struct Context<'a> {
 }
 
 struct Reader<'a, 's, 'f> {
-    blocks: HashMap<&'a str, Block<'a>>,
-    layers: LayerTable<'a>,
+    /// By what their names are compared by.
+    blocks: HashMap<String, Block<'a>>,
+    layers: LayerTable,
     sink: &'s mut Sink<'f>,
     read: u64,
 }
@@ -124,7 +127,7 @@ impl<'a> Reader<'a, '_, '_> {
         while_in_section(records, |record, records| {
             if record.kind == "BLOCK" {
                 let (name, block) = Block::new(&record, *records, self.sink)?;
-                self.blocks.insert(name, block);
+                self.blocks.insert(folded(name), block);
             }
             Ok(())
         })
@@ -132,25 +135,17 @@ impl<'a> Reader<'a, '_, '_> {
 
     /// Reads entities up to the record `end`.
     fn entities(&mut self, records: &mut Records<'a>, context: &Context<'a>, end: &str) -> Result<(), InputError> {
-        while let Some(record) = records.next()? {
+        loop {
+            let left = records.left();
+            let Some(record) = records.next()? else { break };
+            self.count(&record, left - records.left())?;
             if record.kind == end {
                 return Ok(());
             }
-            self.count(&record)?;
             match record.kind {
                 "INSERT" => self.insert(&record, context)?,
                 "POLYLINE" => {
-                    let mut vertices = Vec::new();
-                    let mut ahead = *records;
-                    while let Some(vertex) = ahead.next()?.filter(|record| record.kind == "VERTEX") {
-                        self.count(&vertex)?;
-                        if vertices.len() == MOST_VERTICES {
-                            let why = ("a polyline has 1000000 vertices at the most", "divide the polyline");
-                            return Err(record.wrong(self.sink, "vertices", "more than 1000000", why));
-                        }
-                        vertices.push(vertex);
-                        *records = ahead;
-                    }
+                    let vertices = self.vertices(&record, records)?;
                     self.entity(&record, context, |map, sink| old_polyline(&record, &vertices, map, sink))?;
                 }
                 "SEQEND" => {}
@@ -160,8 +155,27 @@ impl<'a> Reader<'a, '_, '_> {
         Err(records.error(format!("the file ends before {end}"), TRUNCATED))
     }
 
-    /// Counts what is read: blocks in blocks may hold more than fits into a memory.
-    fn count(&mut self, record: &Record) -> Result<(), InputError> {
+    /// Reads the VERTEX records of a POLYLINE.
+    fn vertices(&mut self, record: &Record, records: &mut Records<'a>) -> Result<Vec<Record<'a>>, InputError> {
+        let mut vertices = Vec::new();
+        let mut ahead = *records;
+        while let Some(vertex) = ahead.next()?.filter(|record| record.kind == "VERTEX") {
+            self.count(&vertex, records.left() - ahead.left())?;
+            if vertices.len() == MOST_VERTICES {
+                let why = ("a polyline has 1000000 vertices at the most", "divide the polyline");
+                return Err(record.wrong(self.sink, "vertices", "more than 1000000", why));
+            }
+            vertices.push(vertex);
+            *records = ahead;
+        }
+        Ok(vertices)
+    }
+
+    /// Counts what is read, with its bytes: blocks in blocks may hold more than fits into a memory.
+    fn count(&mut self, record: &Record, bytes: usize) -> Result<(), InputError> {
+        if !self.sink.reads(bytes as u64) {
+            return Err(self.sink.too_much(Named { name: &record.name(), line: record.line }));
+        }
         self.read += 1 + record.groups.len() as u64;
         if self.read <= MOST_GROUPS {
             return Ok(());
@@ -190,7 +204,7 @@ impl<'a> Reader<'a, '_, '_> {
             None => self.sink.omitted.note(record.kind, Some(layer), record.line),
             Some(pieces) => {
                 let block = context.block.map(|block| format!(" of block \"{}\"", clip(block, 40))).unwrap_or_default();
-                let (name, layer) = (record.name() + &block, Some(layer.into()));
+                let (name, layer) = (record.name() + &block, Some(clip(layer, 60).into()));
                 self.sink.add(Entity { name, layer, line: record.line, pieces })?;
             }
         }
@@ -222,7 +236,7 @@ impl<'a> Reader<'a, '_, '_> {
             self.sink.omitted.note(&format!("INSERT {why}"), Some(layer), record.line);
             return Ok(());
         }
-        let Some(block) = self.blocks.get(name).copied() else {
+        let Some(block) = self.blocks.get(&folded(name)).copied() else {
             let why = ("the block has to be in the file", "save the drawing with its blocks, or remove the insertion");
             return Err(record.wrong(self.sink, "the block (2)", &format!("\"{name}\""), why));
         };
@@ -240,7 +254,7 @@ impl<'a> Reader<'a, '_, '_> {
                 let map = context.map.after(&insert.map(column, row));
                 let inner = Context { map, layer: Some(layer), block: Some(name), depth: context.depth + 1 };
                 // A block may be empty.
-                self.count(record)?;
+                self.count(record, 0)?;
                 self.entities(&mut block.records.clone(), &inner, "ENDBLK")?;
             }
         }

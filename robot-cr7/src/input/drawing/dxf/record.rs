@@ -10,6 +10,8 @@ use crate::text::clip;
 
 /// Most groups of a record.
 const MOST_GROUPS: usize = 1_000_000;
+/// The code of a comment.
+const COMMENT: i32 = 999;
 
 /// A group 0 with the groups up to the next one.
 #[derive(Debug, Clone)]
@@ -33,7 +35,12 @@ impl<'a> Records<'a> {
         Self { groups, ahead: None }
     }
 
-    /// The next record; `None` at the end of the file.
+    /// Bytes behind the present place.
+    pub fn left(&self) -> usize {
+        self.groups.left()
+    }
+
+    /// The next record, without its comments; `None` at the end of the file.
     pub fn next(&mut self) -> Result<Option<Record<'a>>, InputError> {
         let first = match self.ahead.take() {
             Some(first) => first,
@@ -42,8 +49,7 @@ impl<'a> Records<'a> {
                 None => return Ok(None),
             },
         };
-        if first.code == 999 {
-            // A comment.
+        if first.code == COMMENT {
             return self.next_after_comment();
         }
         if first.code != 0 {
@@ -64,6 +70,9 @@ impl<'a> Records<'a> {
                 self.ahead = Some(group);
                 break;
             }
+            if group.code == COMMENT {
+                continue;
+            }
             if record.groups.len() == MOST_GROUPS {
                 let message = format!("{} has more than {MOST_GROUPS} groups", clip(record.kind, 40));
                 return Err(self.groups.error(message, "; divide the entity"));
@@ -76,7 +85,7 @@ impl<'a> Records<'a> {
     /// Comments may stand before the first section.
     fn next_after_comment(&mut self) -> Result<Option<Record<'a>>, InputError> {
         while let Some(group) = self.groups.next()? {
-            if group.code != 999 {
+            if group.code != COMMENT {
                 self.ahead = Some(group);
                 return self.next();
             }
@@ -104,7 +113,7 @@ impl<'a> Record<'a> {
     /// What it is, with its handle.
     pub fn name(&self) -> String {
         let handle = self.groups.iter().find(|group| group.code == 5).map(|group| group.value);
-        handle.map_or_else(|| self.kind.to_owned(), |handle| format!("{} (handle {handle})", self.kind))
+        handle.map_or_else(|| self.kind.to_owned(), |handle| format!("{} (handle {})", self.kind, clip(handle, 40)))
     }
 
     /// A finite number of a group.

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::record::Record;
 use crate::input::drawing::map::Map;
+use crate::input::drawing::selection::folded;
 use crate::input::drawing::sink::Sink;
 use crate::input::error::InputError;
 use crate::input::unit::LengthUnit;
@@ -20,13 +21,13 @@ pub(super) enum Hidden {
 
 /// The layers that are not shown.
 #[derive(Debug, Default)]
-pub(super) struct LayerTable<'a> {
-    hidden: BTreeMap<&'a str, Hidden>,
+pub(super) struct LayerTable {
+    hidden: BTreeMap<String, Hidden>,
 }
 
-impl<'a> LayerTable<'a> {
+impl LayerTable {
     /// Reads an entry of the table; other records are passed over.
-    pub fn read(&mut self, record: &Record<'a>, sink: &mut Sink) -> Result<(), InputError> {
+    pub fn read(&mut self, record: &Record, sink: &mut Sink) -> Result<(), InputError> {
         let (true, Some(name)) = (record.kind == "LAYER", record.text(2)) else { return Ok(()) };
         sink.layers.names(name);
         let hidden = if record.flags(70, sink)? & 1 != 0 {
@@ -37,13 +38,13 @@ impl<'a> LayerTable<'a> {
             return Ok(());
         };
         if self.hidden.len() < MOST_LAYERS {
-            self.hidden.insert(name, hidden);
+            self.hidden.insert(folded(name), hidden);
         }
         Ok(())
     }
 
     pub fn hidden(&self, layer: &str) -> Option<Hidden> {
-        self.hidden.get(layer).copied()
+        self.hidden.get(&folded(layer)).copied()
     }
 }
 

@@ -7,6 +7,7 @@ mod path;
 mod reader;
 mod shapes;
 mod state;
+mod style;
 mod viewport;
 mod walk;
 

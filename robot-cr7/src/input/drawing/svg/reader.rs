@@ -49,6 +49,7 @@ pub(in crate::input::drawing) fn read_svg(
     })?;
     let root = document.root_element();
     let mut walk = Walk::new(&document, sink);
+    walk.style_sheets(&document);
     let map = walk.named(root, |walk, element| {
         if element.node.tag_name().name() != "svg" {
             let why = ("the outermost element has to be svg", "save the drawing as SVG");

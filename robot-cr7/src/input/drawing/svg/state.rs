@@ -6,12 +6,16 @@ use roxmltree::Node;
 use svgtypes::Transform;
 
 use super::length::Element;
+use super::style::{GEOMETRY, Style, TRANSFORMS};
 use crate::input::drawing::map::Map;
 use crate::input::drawing::sink::Sink;
 use crate::input::error::InputError;
 
 /// The namespace of the labels that Inkscape gives to layers.
 const INKSCAPE: &str = "http://www.inkscape.org/namespaces/inkscape";
+
+/// Elements with a place and a size that a style can give.
+const SIZED: [&str; 8] = ["path", "rect", "circle", "ellipse", "line", "polyline", "polygon", "use"];
 
 /// What an element takes from those around it.
 #[derive(Debug, Clone)]
@@ -29,24 +33,22 @@ impl State {
     /// The state inside an element. `None` where it is not drawn (`display: none`).
     pub fn inside(&self, element: &Element, sink: &mut Sink) -> Result<Option<Self>, InputError> {
         let node = element.node;
-        if property(node, "display") == Some("none") {
+        let style = Style::of(node);
+        if style.is("display", &["none"]) {
             return Ok(None);
         }
+        refuse_style(element, &style, sink)?;
         let mut state = self.clone();
         if let Some(text) = node.attribute("transform") {
             state.map = self.map.after(&transform(element, text, sink)?);
         }
-        if property(node, "transform").is_some() && node.attribute("transform").is_none() {
-            let why = ("a transform in a style is not read", "write it as the attribute transform");
-            return Err(element.wrong(sink, "style", node.attribute("style").unwrap_or(""), why));
-        }
-        match property(node, "visibility") {
-            Some("hidden" | "collapse") => state.hidden = true,
-            Some("visible") => state.hidden = false,
-            _ => {}
+        if style.is("visibility", &["hidden", "collapse"]) {
+            state.hidden = true;
+        } else if style.is("visibility", &["visible"]) {
+            state.hidden = false;
         }
         for name in ["clip-path", "mask"] {
-            if property(node, name).is_some_and(|value| value != "none") {
+            if style.property(name).is_some() && !style.is(name, &["none"]) {
                 sink.omitted.note(
                     &format!("{name} of <{}>, which is drawn as a whole", clipped(node)),
                     None,
@@ -76,14 +78,22 @@ fn clipped<'n>(node: Node<'_, 'n>) -> String {
     crate::text::clip(node.tag_name().name(), 40)
 }
 
-/// A property from the attribute of its name or, before that, from `style`.
-pub(super) fn property<'n>(node: Node<'n, 'n>, name: &str) -> Option<&'n str> {
-    let declaration = |text: &'n str| {
-        let (key, value) = text.split_once(':')?;
-        (key.trim() == name).then_some(value.trim())
-    };
-    let style = node.attribute("style").and_then(|style| style.split(';').filter_map(declaration).next_back());
-    style.or_else(|| node.attribute(name).map(str::trim))
+/// Refuses what gives an element its place or its size otherwise than the attributes that are read.
+fn refuse_style(element: &Element, style: &Style, sink: &Sink) -> Result<(), InputError> {
+    if let Some(text) = element.node.attribute("transform-origin") {
+        let why = ("a transform is about the origin of the user units", "remove it, or write transform as a matrix");
+        return Err(element.wrong(sink, "transform-origin", text, why));
+    }
+    let moved = ("a transform in a style is not read", "write it as the attribute transform, or remove it");
+    let sized = ("the place and the size in a style are not read", "write it as an attribute, or remove it");
+    let drawn = SIZED.contains(&element.node.tag_name().name());
+    let geometry = GEOMETRY.iter().filter(|_| drawn).map(|name| (name, sized));
+    for (name, why) in TRANSFORMS.iter().map(|name| (name, moved)).chain(geometry) {
+        if let Some(value) = style.declared(name) {
+            return Err(element.wrong(sink, &format!("{name} in style"), value, why));
+        }
+    }
+    Ok(())
 }
 
 fn transform(element: &Element, text: &str, sink: &Sink) -> Result<Map, InputError> {

@@ -7,6 +7,7 @@ use roxmltree::{Document, Node};
 use super::length::{Element, plane};
 use super::shapes::pieces_of;
 use super::state::State;
+use super::style::properties_of_rules;
 use crate::input::drawing::map::Map;
 use crate::input::drawing::piece::Entity;
 use crate::input::drawing::sink::{Named, Sink};
@@ -19,9 +20,11 @@ const XLINK: &str = "http://www.w3.org/1999/xlink";
 const DEEPEST: u32 = 200;
 /// Most elements that are read, those that `use` shows as often as they are shown.
 const MOST_ELEMENTS: u64 = 1_000_000;
+/// Bytes that a node or an attribute counts beside those of its value.
+const NODE_BYTES: u64 = 16;
 
 /// Elements that are not drawn where they stand, and those that say nothing of shapes.
-const UNDRAWN: [&str; 24] = [
+const UNDRAWN: [&str; 25] = [
     "defs",
     "symbol",
     "clipPath",
@@ -35,6 +38,7 @@ const UNDRAWN: [&str; 24] = [
     "title",
     "desc",
     "script",
+    "style",
     "view",
     "cursor",
     "font",
@@ -92,8 +96,24 @@ impl<'n, 's, 'f> Walk<'n, 's, 'f> {
 
     /// Reads the elements in a node.
     pub fn children(&mut self, node: Node<'n, 'n>, state: &State, depth: u32) -> Result<(), InputError> {
-        let elements = node.children().filter(Node::is_element);
-        elements.into_iter().try_for_each(|child| self.element(child, state, depth))
+        for child in node.children() {
+            self.count_bytes(child)?;
+            if child.is_element() {
+                self.element(child, state, depth)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Counts what is read of a node: elements that `use` shows are read again.
+    fn count_bytes(&mut self, node: Node<'n, 'n>) -> Result<(), InputError> {
+        let attributes: u64 = node.attributes().map(|attribute| NODE_BYTES + attribute.value().len() as u64).sum();
+        if self.sink.reads(NODE_BYTES + attributes) {
+            return Ok(());
+        }
+        let element = if node.is_element() { node } else { node.parent_element().unwrap_or(node) };
+        let (name, line) = (name_of(element), self.line_of(element));
+        Err(self.sink.too_much(Named { name: &name, line }))
     }
 
     fn element(&mut self, node: Node<'n, 'n>, around: &State, depth: u32) -> Result<(), InputError> {
@@ -109,18 +129,11 @@ impl<'n, 's, 'f> Walk<'n, 's, 'f> {
             let Some(state) = around.inside(element, walk.sink)? else { return Ok(()) };
             match tag.name() {
                 "g" | "a" => walk.children(node, &state, depth + 1),
-                "switch" => match node.children().filter(Node::is_element).find(|child| unconditional(*child)) {
-                    Some(child) => walk.element(child, &state, depth + 1),
-                    None => Ok(()),
-                },
+                "switch" => walk.switch(node, &state, depth),
                 "use" => walk.shown(element, &state, depth),
                 "svg" => {
                     let why = ("a page within the page is not read", "draw its elements as a group (g)");
                     Err(walk.sink.wrong(element.named, "the element", "svg within svg", why))
-                }
-                "style" => {
-                    walk.style(element);
-                    Ok(())
                 }
                 _ => walk.shape(element, &state),
             }
@@ -141,15 +154,35 @@ impl<'n, 's, 'f> Walk<'n, 's, 'f> {
         Err(self.sink.wrong(element.named, key, &value, why))
     }
 
-    /// The rules of a style sheet are not applied; those that would matter are named.
-    fn style(&mut self, element: &Element) {
-        let text = element.node.text().unwrap_or("");
-        for word in ["display", "transform", "visibility"] {
-            if text.contains(word) {
-                let what = format!("rule for \"{word}\" in <style>, which is not applied");
-                self.sink.omitted.note(&what, None, element.named.line);
+    /// The rules of style sheets are not applied; those that would matter are named.
+    pub fn style_sheets(&mut self, document: &'n Document<'n>) {
+        for sheet in document.descendants().filter(|node| node.is_element() && node.tag_name().name() == "style") {
+            let text: String = sheet.children().filter(Node::is_text).filter_map(|part| part.text()).collect();
+            let line = self.line_of(sheet);
+            for name in properties_of_rules(&text) {
+                let what = format!("rule for \"{name}\" in <style>, which is not applied");
+                self.sink.omitted.note(&what, None, line);
             }
         }
+    }
+
+    /// The first child that every reader draws.
+    fn switch(&mut self, node: Node<'n, 'n>, state: &State, depth: u32) -> Result<(), InputError> {
+        let mut conditional = Vec::new();
+        for child in node.children() {
+            self.count_bytes(child)?;
+            if child.is_element() && unconditional(child) {
+                return self.element(child, state, depth + 1);
+            }
+            conditional.extend(child.is_element().then_some(child));
+        }
+        if !state.hidden && (state.taken || self.sink.layers.takes_all()) {
+            for child in conditional {
+                let line = self.line_of(child);
+                self.sink.omitted.note("conditional child of <switch>", state.layer.as_deref(), line);
+            }
+        }
+        Ok(())
     }
 
     /// What a `use` shows.
@@ -171,7 +204,10 @@ impl<'n, 's, 'f> Walk<'n, 's, 'f> {
                 Err(element.wrong(self.sink, "href", link, why))
             }
             "symbol" => self.children(target, &state, depth + 1),
-            _ => self.element(target, &state, depth + 1),
+            _ => {
+                self.count_bytes(target)?;
+                self.element(target, &state, depth + 1)
+            }
         }
     }
 
