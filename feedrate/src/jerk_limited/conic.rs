@@ -73,7 +73,7 @@ fn sequence(prepared: &Prepared<'_>, part: &Part) -> Result<(Solution, bool), Fe
             break;
         }
     }
-    Ok((Solution { barrier_problem, c, converged: accurate }, accurate))
+    Ok((Solution { barrier_problem, c, converged: accurate, grid_costs: Vec::new() }, accurate))
 }
 
 /// In these all numbers are near 1.
