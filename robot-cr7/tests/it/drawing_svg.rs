@@ -294,7 +294,7 @@ fn rules_of_style_sheets_are_named_wherever_they_stand() {
 #[test]
 fn keywords_of_css_are_read_in_any_case_and_with_importance() {
     let count = |attributes: &str| {
-        let program = drawn(&format!("<g {attributes}><line x2='9'/></g><line x1='20' x2='30'/>"));
+        let program = drawn(&format!("<g {attributes}><line x2='9'/></g>\n\n\n\n<line x1='20' x2='30'/>"));
         assert!(program.warnings.is_empty(), "{attributes}: {:?}", program.warnings);
         contours(&program).len()
     };

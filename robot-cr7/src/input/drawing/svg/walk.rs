@@ -20,8 +20,8 @@ const XLINK: &str = "http://www.w3.org/1999/xlink";
 const DEEPEST: u32 = 200;
 /// Most elements that are read, those that `use` shows as often as they are shown.
 const MOST_ELEMENTS: u64 = 1_000_000;
-/// Bytes that a node or an attribute counts beside those of its value.
-const NODE_BYTES: u64 = 16;
+/// Bytes that a node or an attribute counts beside those of its value: few enough that no file counts too much without copies.
+const NODE_BYTES: u64 = 8;
 
 /// Elements that are not drawn where they stand, and those that say nothing of shapes.
 const UNDRAWN: [&str; 25] = [
