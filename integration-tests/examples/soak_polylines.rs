@@ -1,4 +1,4 @@
-//! Random polylines with blends, planned on the CR7, as many as you like: `soak_polylines [COUNT, else 100] [FIRST SEED]`.
+//! Random polylines with blends, planned on the CR7, as many as you like: `soak_polylines [COUNT, else 20] [FIRST SEED]`.
 //!
 //! One that fails is printed with its seed; `soak_polylines 1 SEED` plans it again.
 

@@ -1,4 +1,4 @@
-//! Random motions before and after one limit is raised, as many as you like: `soak_raised_limits [COUNT, else 100] [FIRST SEED]`.
+//! Random motions before and after one limit is raised, as many as you like: `soak_raised_limits [COUNT, else 4] [FIRST SEED]`.
 //!
 //! A motion that gets longer by more than 0.1 % is printed with its seed; `soak_raised_limits 1 SEED` plans it again.
 
@@ -11,7 +11,7 @@ const LONGER: f64 = 1e-3;
 
 fn main() {
     let mut arguments = std::env::args().skip(1).map(|text| text.parse::<u64>());
-    let count = arguments.next().and_then(Result::ok).unwrap_or(100);
+    let count = arguments.next().and_then(Result::ok).unwrap_or(4);
     let first = arguments.next().and_then(Result::ok).unwrap_or(0);
     let begin = Instant::now();
     let (mut refused, mut failed, mut longer, mut worst) = (0, 0, 0, f64::NEG_INFINITY);
