@@ -20,7 +20,7 @@ fn way_points(random: &mut Random, count: usize) -> Vec<Joints<6>> {
     points
 }
 
-/// Blends that meet, that leave room, and stops.
+/// Blends that meet, blends with straight stretches between them, and stops.
 fn blends(random: &mut Random, points: &[Joints<6>]) -> Vec<f64> {
     let line = |i: usize| (points[i + 1] - points[i]).norm();
     let share = random.one_of(&[0.1, 0.3, 0.5]);

@@ -95,7 +95,7 @@ pub struct Job {
     pub layers: Vec<String>,
     /// How far the tool goes up between two contours of a drawing, in m.
     pub lift: f64,
-    /// The arm starts in the configuration nearest to these joint values, in rad. Without them it starts in the one with most room along
+    /// The arm starts in the configuration nearest to these joint values, in rad. Without them it starts in the one that stays farthest from singular poses and the ends of joint ranges along
     /// the path.
     pub start_near: Option<JointValues>,
     /// The arm starts in a configuration of this posture.

@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::error::Cr7Error;
 use super::feed_notes::FeedNotes;
 use super::outline::Outline;
-use super::point_tools::orientations;
+use super::point_tools::{check_swing, orientations};
 use super::programmed::Programmed;
 use super::stretch::Stretch;
 use crate::input::error::InputError;
@@ -90,13 +90,15 @@ impl PlacedPath {
         let curve = small_enough(file, curve.transformed(&job.workpiece).map_err(error)?)?;
         let curve = ArcLengthCurve::new(curve, ARC_LENGTH_TOLERANCE).map_err(error)?;
         let Some(programmed) = programmed else {
-            let orientation = match (&tools, &fit) {
-                (Some(tools), Some((_, parameters))) => {
+            let orientation = match (&tools, &fit, &file.geometry) {
+                (Some(tools), Some((_, parameters)), PathGeometry::Points { lines, .. }) => {
                     let key = |(u, tool): (&f64, &UnitQuaternion<f64>)| {
                         (curve.arc_length_at(*u), job.workpiece.rotation * tool)
                     };
                     let keys: Vec<_> = parameters.iter().zip(tools).map(key).collect();
-                    OrientationPath::through(&keys).map_err(error)?
+                    let path = OrientationPath::through(&keys).map_err(error)?;
+                    check_swing(&path, &keys, file, lines)?;
+                    path
                 }
                 _ => orientation_of(job, &curve).map_err(error)?,
             };

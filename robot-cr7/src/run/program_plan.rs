@@ -211,12 +211,12 @@ impl<'t, A: PathArm<N> + Clone, const N: usize> Planning<'t, A, N> {
         let task = self.task;
         let Some(first) = task.first() else { return Ok(false) };
         let lines = run.lines();
-        let planned = run.plan(first, way).map_err(|source| task.error_at(source, lines))?;
-        let Some(planned) = planned else { return Ok(false) };
-        if let Some(tolerance) = self.tolerance {
-            let pieces = planned.trajectory().compile(tolerance).map_err(|source| task.compile_error(source))?;
-            self.pieces.push(pieces);
-        }
+        let planned = run.plan(first, way, self.tolerance).map_err(|source| match source {
+            CompileError::Plan(source) => task.error_at(source, lines),
+            source => task.compile_error(source),
+        })?;
+        let Some((planned, pieces)) = planned else { return Ok(false) };
+        self.pieces.extend(pieces);
         self.at = Some(*way.end());
         self.parts.push(ProgramPart::of_joints(self.parts.last(), planned, lines));
         Ok(true)

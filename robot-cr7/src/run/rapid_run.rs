@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use arcfeed_interp::{JointLines, MotionPath, PathArm, PlanError, Trajectory};
+use arcfeed_interp::{CompileError, CompiledPlan, JointLines, JointTrajectory, MotionPath, PathArm, PlanError};
 use arcfeed_kinematics::{Joints, KinematicsError};
 use nalgebra::{Isometry3, Vector3};
 
@@ -90,16 +90,25 @@ impl RapidRun {
         Ok(WayPoints { joints, reconfigured })
     }
 
-    /// The motion through the way-points; `None` where the joints do not move.
+    /// The motion through the way-points; `None` where the joints do not move. With a tolerance (rad) as polynomials too, which keep the
+    /// limits of the joints and of the angular speed of the tool.
     pub fn plan<'t, A: PathArm<N>, const N: usize>(
         &self,
         task: &'t Task<A, N>,
         way: &WayPoints<N>,
-    ) -> Result<Option<JointMove<'t, N>>, PlanError> {
+        tolerance: Option<f64>,
+    ) -> Result<Option<(JointMove<'t, N>, Option<JointTrajectory<N>>)>, CompileError> {
         let Some((path, place)) = self.joint_lines(task.arm(), &way.joints)? else { return Ok(None) };
         let at: Vec<f64> = place.iter().map(|&i| path.parameters()[i]).collect();
         let seen = self.look(task.arm(), &path, &at)?;
-        let trajectory: Trajectory<'t, N> = task.joint_planner()?.plan_shared(Arc::new(path))?;
+        let (planner, path) = (task.joint_planner()?, Arc::new(path));
+        let (trajectory, pieces) = match tolerance {
+            None => (planner.plan_shared(path)?, None),
+            Some(tolerance) => {
+                let CompiledPlan { trajectory, compiled, .. } = planner.plan_compiled(path, tolerance)?;
+                (trajectory, Some(compiled))
+            }
+        };
         let ends = self.ends.iter().zip(&seen.nearest).zip(&at[1..]);
         let passed = ends.map(|((end, &distance), &parameter)| Passed {
             line: end.line,
@@ -107,14 +116,15 @@ impl RapidRun {
             distance_m: distance,
             parameter,
         });
-        Ok(Some(JointMove {
+        let motion = JointMove {
             trajectory,
             passed: passed.collect(),
             leaves: seen.leaves,
             lift_m: self.lift,
             reconfigured: way.reconfigured,
             way: seen.way,
-        }))
+        };
+        Ok(Some((motion, pieces)))
     }
 
     /// The lines of the joints, and which of their way-points each one of `joints` is.

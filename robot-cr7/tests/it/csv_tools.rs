@@ -100,6 +100,7 @@ fn columns_that_do_not_say_where_the_tool_points_are_refused() {
     refused("x_mm,y_mm,qx,qy,qz,qw\n0,0,1,0,0,0\n10,0,1,1,0,0\n", &["tools.csv:3", "quaternion"]);
     refused("x_mm,y_mm,i,j,k\n0,0,0,0,1\n10,0,0,0,-1\n20,0,0,0,1\n", &["tools.csv:3", "turn back", "add points"]);
     refused("x_mm,y_mm,i,j,k\n0,0,0,0,1\n10,0,0,NaN,1\n", &["tools.csv:3", "column 4", "NaN"]);
+    refused("x_mm,y_mm,qx,qy,qz,qw\n0,0,1,0,0,0\n10,0,0,1,0,0\n", &["tools.csv:3", "turn back"]);
     let slerp = job("[orientation]\nmode = \"slerp\"\nfrom_rpy_deg = [180, 0, 0]\nto_rpy_deg = [180, 0, 90]\n");
     let error = poses("x_mm,y_mm,i,j,k\n0,0,0,0,1\n10,0,0,0,1\n", &slerp).expect_err("turned twice");
     assert!(error.contains("orientation of the job") && error.contains("constant"), "{error}");
@@ -123,4 +124,19 @@ fn the_report_tells_how_near_the_curve_is_to_the_points() {
     assert!(report.to_string().contains("points     41,"), "{report}");
     let json: serde_json::Value = serde_json::from_str(&report.to_json()).expect("JSON");
     assert_eq!(json["fit"]["points"], 41);
+}
+
+#[test]
+fn an_orientation_that_swings_past_its_points_is_refused_by_line() {
+    // Upright at five points, then leaning by 60 degrees at five others.
+    let lean = |i: usize| if i < 5 { 0.0 } else { PI / 3.0 };
+    let point = |i: usize| (Vector3::new(0.01 * i as f64, 0.0, 0.0), Vector3::new(0.0, -lean(i).sin(), lean(i).cos()));
+    let text = csv(&(0..10).map(point).collect::<Vec<_>>());
+    let error = poses(&text, &Job::default()).expect_err("it swings");
+    for part in ["tools.csv:", "smooth orientation", "polyline"] {
+        assert!(error.contains(part), "{error}");
+    }
+    assert!(!error.contains("tools.csv:2:"), "{error}");
+    let blended = job("[path]\nthrough = \"polyline\"\nblend_mm = 0.05\nblend_deg = 0.5\n");
+    poses(&text, &blended).expect("turns in step with the lines");
 }

@@ -2,7 +2,9 @@
 //!
 //! `RANDOM_PROGRAMS=500 RANDOM_SEED=7 cargo test --release -p robot-cr7 --test it rapid_moves -- --nocapture` searches longer.
 
+use arcfeed_interp::Quantity;
 use arcfeed_testing::Random;
+use robot_cr7::{Job, PartMotion, PathFile, ProgramTask};
 
 use crate::common::Desk;
 use crate::program_case::{Planned, Script, planned, read};
@@ -257,5 +259,26 @@ fn random_programs_keep_limits_lines_and_times() {
         // What a failure is about.
         println!("seed {seed}\n{job}{}", script.text);
         planned(&desk, &script, &job).keeps(&script, rapid, period);
+    }
+}
+
+/// The polynomials of joint moves keep the limit of the angular speed of the tool, too, however coarse they are.
+#[test]
+fn compiled_joint_moves_keep_the_angular_speed_of_the_tool() {
+    let text = b"G21 G90 G61\nG0 X0 Y0 Z20\nG1 Z0 F1200\nG1 X40\nG0 Z40\nG0 X120 Y100\nG0 Z0\nG1 X80\nM2\n";
+    let limit = 1.0_f64;
+    let job = format!("[feed]\nrapid = \"joints\"\nangular_speed_deg_s = {limit}\n");
+    let job = Job::from_bytes(job.as_bytes(), "job.toml".as_ref()).expect("a job");
+    let file = PathFile::from_bytes(text, "part.ngc".as_ref(), None).expect("a program");
+    let task = ProgramTask::of_cr7(&job, &file).expect("in reach");
+    for tolerance in [1e-6, 1e-3, 1e-2] {
+        let (motion, compiled) = task.plan_compiled(tolerance).expect("a motion");
+        let moves = motion.parts().iter().filter(|part| matches!(part.motion(), PartMotion::Joints(_))).count();
+        assert_eq!(moves, 1);
+        let arm = task.arm().expect("a path");
+        let tool = compiled.joints.certify_tool(arm);
+        let bound = tool.of(Quantity::AngularSpeed).expect("bounded").bound.to_degrees();
+        assert!(bound <= limit * (1.0 + 1e-6), "{tolerance}: {bound}");
+        assert!(bound > 0.5 * limit, "{tolerance}: the limit does not matter");
     }
 }
