@@ -265,8 +265,8 @@ fn random_programs_keep_limits_lines_and_times() {
 /// The polynomials of joint moves keep the limit of the angular speed of the tool, too, however coarse they are.
 #[test]
 fn compiled_joint_moves_keep_the_angular_speed_of_the_tool() {
-    let text = b"G21 G90 G61\nG0 X0 Y0 Z20\nG1 Z0 F1200\nG1 X40\nG0 Z40\nG0 X120 Y100\nG0 Z0\nG1 X80\nM2\n";
-    let limit = 1.0_f64;
+    let text = b"G21 G90 G61\nG0 X0 Y0 Z20\nG1 Z0 F1200\nG1 X40\nG0 Z40\nG0 X120 Y100 C60\nG0 Z0\nG1 X80\nM2\n";
+    let limit = 20.0_f64;
     let job = format!("[feed]\nrapid = \"joints\"\nangular_speed_deg_s = {limit}\n");
     let job = Job::from_bytes(job.as_bytes(), "job.toml".as_ref()).expect("a job");
     let file = PathFile::from_bytes(text, "part.ngc".as_ref(), None).expect("a program");
