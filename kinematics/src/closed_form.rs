@@ -53,7 +53,7 @@ impl<S: ClosedForm> ClosedFormArm<S> {
     /// An arm from its chain and joint range; the geometry is recognised, not the name.
     ///
     /// # Errors
-    /// [`KinematicsError::NotParallelAxis`] or [`KinematicsError::NotSphericalWrist`] names the rule of the geometry that the chain breaks.
+    /// [`KinematicsError::NoClosedForm`] names the rule of the geometry that the chain breaks.
     pub fn new(chain: Chain<6>, range: JointRange<6>) -> Result<Self, KinematicsError> {
         let solver = S::recognise(&chain.configuration(&Joints::zeros()))?;
         Ok(Self { chain, range, solver })

@@ -98,25 +98,12 @@ pub enum KinematicsError {
         rule: &'static str,
     },
 
-    /// The chain is not of the kind the closed-form solver is for.
+    /// The chain is not of the family of arms that the closed form is for.
     #[error(
         "no closed-form inverse for this arm: {rule}, but it is off by {deviation:.3e} (at most {tolerance:.1e} is corrected)"
     )]
-    NotParallelAxis {
-        /// The rule of the solver.
-        rule: &'static str,
-        /// By how much the arm misses it, rad or m.
-        deviation: f64,
-        /// The tolerance, rad or m.
-        tolerance: f64,
-    },
-
-    /// The chain is not of the kind the closed-form solver is for.
-    #[error(
-        "no closed-form inverse for this arm: {rule}, but it is off by {deviation:.3e} (at most {tolerance:.1e} is corrected)"
-    )]
-    NotSphericalWrist {
-        /// The rule of the solver.
+    NoClosedForm {
+        /// The rule of the family.
         rule: &'static str,
         /// By how much the arm misses it, rad or m.
         deviation: f64,

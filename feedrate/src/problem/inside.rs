@@ -97,12 +97,9 @@ impl FeedProblem {
 
 /// Rows by quadratic interpolation through an interval.
 impl FeedProblem {
-    /// The problem with some intervals split at fractions (increasing, inside 0..1) of their
-    /// length.
-    pub(crate) fn split(&self, cuts: &[(usize, Vec<f64>)]) -> Self {
-        let n = self.intervals();
-        let places = n + 1 + cuts.iter().map(|(_, fractions)| fractions.len()).sum::<usize>();
-        let mut new = Self {
+    /// A problem with the ends of this one and room for so many places.
+    pub(super) fn emptied(&self, places: usize) -> Self {
+        Self {
             s: Vec::with_capacity(places),
             points: RowTable::with_capacity(places),
             middles: RowTable::with_capacity(places),
@@ -110,7 +107,15 @@ impl FeedProblem {
             jerk_rows: Vec::with_capacity(3 * places * self.jerk_rows_per_place),
             bounds: BoundTable::default(),
             ..*self
-        };
+        }
+    }
+
+    /// The problem with some intervals split at fractions (increasing, inside 0..1) of their
+    /// length.
+    pub(crate) fn split(&self, cuts: &[(usize, Vec<f64>)]) -> Self {
+        let n = self.intervals();
+        let places = n + 1 + cuts.iter().map(|(_, fractions)| fractions.len()).sum::<usize>();
+        let mut new = self.emptied(places);
         let mut cuts = cuts.iter().peekable();
         for k in 0..n {
             new.s.push(self.s[k]);

@@ -1,8 +1,6 @@
 //! A problem on a part of its grid points, for a first idea of its solution.
 
-use super::bound_table::BoundTable;
 use super::feed_problem::FeedProblem;
-use super::row_table::RowTable;
 use crate::constraint::Within;
 use crate::row::JerkRow;
 
@@ -13,16 +11,9 @@ impl FeedProblem {
     pub(crate) fn thinned(&self, every: usize) -> Self {
         let kept = self.kept_points(every);
         let places = kept.len();
-        let mut new = Self {
-            s: kept.iter().map(|&i| self.s[i]).collect(),
-            points: RowTable::with_capacity(places),
-            middles: RowTable::with_capacity(places),
-            speed_bounds: Vec::with_capacity(places),
-            jerk_rows: Vec::with_capacity(3 * places * self.jerk_rows_per_place),
-            bounds: BoundTable::default(),
-            ..*self
-        };
+        let mut new = self.emptied(places);
         for &i in &kept {
+            new.s.push(self.s[i]);
             new.points.push(self.rows(i), self.x_max(i), self.points.source(i));
         }
         for pair in kept.windows(2) {

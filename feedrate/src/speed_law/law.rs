@@ -3,6 +3,11 @@
 use super::piece::Piece;
 use crate::state::{MotionLaw, MotionState};
 
+/// Positions this close, as a part of the largest one, are the same.
+const SAME_PLACE: f64 = 1e-12;
+/// Halvings of the time on a piece in which a position is passed.
+const MOST_HALVINGS: usize = 80;
+
 /// The motion along a path over time, exact between its knots.
 ///
 /// A piece between two knots has constant jerk (the S-profile scans), or an acceleration that is
@@ -75,6 +80,39 @@ impl SpeedLaw {
         let s = if s >= self.start() { s } else { self.start() };
         let i = self.pieces.partition_point(|piece| piece.s <= s).saturating_sub(1);
         self.within(i, s - self.pieces[i].s)
+    }
+
+    /// The first time (s) at which the motion is at position `s` (m), clamped to the path (NaN counts as its start). Exactly
+    /// the time of a knot where that has the position but for rounding.
+    ///
+    /// ```
+    /// use arcfeed_feedrate::SpeedLaw;
+    /// let law = SpeedLaw::from_knots(&[0.0, 1.0, 2.0], &[0.0, 1.0, 1.0])?;
+    /// assert_eq!(law.time_at_position(1.0), 2.0);
+    /// assert!((law.time_at_position(0.25) - 1.0).abs() < 1e-12);
+    /// # Ok::<(), arcfeed_feedrate::FeedError>(())
+    /// ```
+    pub fn time_at_position(&self, s: f64) -> f64 {
+        let near = SAME_PLACE * self.end.p.abs().max(self.start().abs());
+        let after = self.pieces.partition_point(|piece| piece.s < s - near);
+        let (mut high, place) = self.pieces.get(after).map_or((self.duration, self.end.p), |knot| (knot.t, knot.s));
+        let Some(before) = after.checked_sub(1) else { return high };
+        if place <= s + near {
+            return high;
+        }
+        let mut low = self.pieces[before].t;
+        for _ in 0..MOST_HALVINGS {
+            let middle = 0.5 * (low + high);
+            if middle <= low || middle >= high {
+                break;
+            }
+            if self.state_in(before, middle).p < s {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        high
     }
 
     /// The state a distance `ds` (m) after the start of piece `k`.

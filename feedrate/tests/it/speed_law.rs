@@ -40,6 +40,16 @@ proptest! {
         let x = v[k - 1] * v[k - 1] * (1.0 - part) + v[k] * v[k] * part;
         let state = law.at_position(place);
         prop_assert!((state.v * state.v - x).abs() <= 1e-12 * (x + 1e-3), "{s:?} {v:?} at {place}: {}", state.v);
+        // Before the last knot all stretches have their time, on the rest of the way the mean speed counts.
+        let whole: f64 = (1..k).map(|k| 2.0 * (s[k] - s[k - 1]) / (v[k] + v[k - 1])).sum();
+        let expected = if place > s[k - 1] { whole + 2.0 * (place - s[k - 1]) / (v[k - 1] + x.sqrt()) } else { whole };
+        let passed = law.time_at_position(place);
+        prop_assert!((passed - expected).abs() <= 1e-5 * time, "{s:?} {v:?} at {place}: {passed}, not {expected}");
+        prop_assert!((law.at(passed).p - place).abs() <= 2e-12 * s[s.len() - 1], "{s:?} {v:?} at {place}: {passed}");
+        for (t, knot) in law.knots() {
+            prop_assert_eq!(law.time_at_position(knot.p), t);
+        }
+        prop_assert_eq!(law.time_at_position(s[s.len() - 1]), law.duration());
         // Time and position invert each other.
         let t = at * law.duration();
         let by_time = law.at(t);

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use super::piece::State;
-use super::steps::{Step, time_of};
+use super::steps::Step;
 use crate::error::PlanError;
 use crate::trajectory::{Setpoints, Trajectory};
 use arcfeed_kinematics::Joints;
@@ -143,7 +143,7 @@ fn spacing<const N: usize>(trajectory: &Trajectory<'_, N>, tolerance: f64, jerk_
 fn marks<const N: usize>(trajectory: &Trajectory<'_, N>, steps: &[Step<N>], nearest: f64) -> Vec<(f64, Kind)> {
     let duration = trajectory.duration();
     let mut firm: Vec<(f64, Kind)> = vec![(0.0, Kind::Border), (duration, Kind::Border)];
-    firm.extend(trajectory.stops().map(|s| (time_of(trajectory.law(), s), Kind::Border)));
+    firm.extend(trajectory.stops().map(|s| (trajectory.law().time_at_position(s), Kind::Border)));
     for (i, step) in steps.iter().enumerate() {
         firm.extend([(step.window[0], Kind::StepBegins), (step.t, Kind::Step(i)), (step.window[1], Kind::Border)]);
     }

@@ -1,6 +1,6 @@
 //! Places where the planned acceleration of the joints steps, and the times around them over which a step is spread.
 
-use arcfeed_feedrate::{MotionLaw, SpeedLaw};
+use arcfeed_feedrate::MotionLaw;
 
 use nalgebra::Isometry3;
 
@@ -14,8 +14,6 @@ const SMOOTH: f64 = 1e-7;
 const NO_STEP: f64 = 1e-9;
 /// Parts of the time over which a step is spread that may lie before it, the best one first.
 const PARTS_BEFORE: [f64; 5] = [0.5, 0.375, 0.625, 0.25, 0.75];
-/// Halvings of the time in which a place of the path is passed.
-const HALVINGS: usize = 80;
 
 /// A step of the planned acceleration.
 #[derive(Debug, Clone, Copy)]
@@ -47,7 +45,7 @@ pub(super) fn steps<const N: usize>(trajectory: &Trajectory<'_, N>) -> Result<Ve
         if !jumps {
             continue;
         }
-        let t = time_of(law, s);
+        let t = law.time_at_position(s);
         let sides = [(before, law.at(t.next_down())), (after, law.at(t))];
         let [before, after] = sides.map(|(jet, state)| jet.setpoint(t, &state, Isometry3::identity()));
         let step = after.qdd - before.qdd;
@@ -77,21 +75,4 @@ fn separate<const N: usize>(steps: &mut [Step<N>], duration: f64) {
         let next = times.get(i + 1).map_or(duration, |next| 0.5 * (step.t + next));
         step.window = [step.window[0].max(last), step.window[1].min(next)];
     }
-}
-
-/// The time at which the law passes the place `s`: at a knot of the law exactly there.
-pub(super) fn time_of(law: &SpeedLaw, s: f64) -> f64 {
-    let (mut low, mut high) = (0.0, law.duration());
-    if let Some((t, _)) = law.knots().find(|(_, state)| (state.p - s).abs() <= 1e-13 * s) {
-        return t;
-    }
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (low + high);
-        if law.at(middle).p < s {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    high
 }

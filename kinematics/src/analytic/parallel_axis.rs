@@ -171,11 +171,7 @@ impl ClosedForm for ParallelAxes {
 
     fn recognise(zero: &Configuration<6>) -> Result<Self, KinematicsError> {
         let (z, o) = (&zero.axes, &zero.points);
-        let mut rules = Rules::new(zero, |rule, deviation, tolerance| KinematicsError::NotParallelAxis {
-            rule,
-            deviation,
-            tolerance,
-        })?;
+        let mut rules = Rules::new(zero)?;
         let mut rule = |rule: &'static str, deviation: f64| rules.hold(rule, deviation);
         let n = z[1];
         rule("axes 2 and 3 must be parallel", n.cross(&z[2]).norm())?;

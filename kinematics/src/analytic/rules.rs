@@ -13,8 +13,6 @@ pub(super) const WRIST_SINGULAR: f64 = 1e-10;
 
 /// The rules that were checked so far.
 pub(super) struct Rules {
-    /// The error of a rule that is broken: rule, deviation and tolerance.
-    error: fn(&'static str, f64, f64) -> KinematicsError,
     worst: f64,
 }
 
@@ -23,11 +21,8 @@ impl Rules {
     ///
     /// # Errors
     /// The first rule is broken.
-    pub(super) fn new(
-        zero: &Configuration<6>,
-        error: fn(&'static str, f64, f64) -> KinematicsError,
-    ) -> Result<Self, KinematicsError> {
-        let mut rules = Self { error, worst: 0.0 };
+    pub(super) fn new(zero: &Configuration<6>) -> Result<Self, KinematicsError> {
+        let mut rules = Self { worst: 0.0 };
         let sliding = zero.kinds.iter().filter(|kind| **kind != JointKind::Revolute).count();
         rules.hold("all six joints must be revolute", sliding as f64)?;
         Ok(rules)
@@ -42,7 +37,7 @@ impl Rules {
         if deviation <= ACCEPTED {
             return Ok(());
         }
-        Err((self.error)(rule, deviation, ACCEPTED))
+        Err(KinematicsError::NoClosedForm { rule, deviation, tolerance: ACCEPTED })
     }
 
     /// Holds that a link, which has this length (m), is no point.

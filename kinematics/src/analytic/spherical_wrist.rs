@@ -79,11 +79,7 @@ impl ClosedForm for SphericalWrist {
 
     fn recognise(zero: &Configuration<6>) -> Result<Self, KinematicsError> {
         let (z, o) = (&zero.axes, &zero.points);
-        let mut rules = Rules::new(zero, |rule, deviation, tolerance| KinematicsError::NotSphericalWrist {
-            rule,
-            deviation,
-            tolerance,
-        })?;
+        let mut rules = Rules::new(zero)?;
         let mut rule = |rule: &'static str, deviation: f64| rules.hold(rule, deviation);
         rule("axes 4 and 5 must be perpendicular", z[3].dot(&z[4]).abs())?;
         rule("axes 5 and 6 must be perpendicular", z[4].dot(&z[5]).abs())?;

@@ -12,7 +12,7 @@ use crate::run::joint_move::JointMove;
 use crate::run::limit_line::{LimitLine, worst};
 use crate::run::limit_lines::limit_lines;
 use crate::run::program_motion::ProgramMotion;
-use crate::run::program_part::{PartMotion, ProgramPart, time_among, time_at};
+use crate::run::program_part::{PartMotion, ProgramPart};
 use crate::run::program_plan::CompiledProgram;
 
 impl<const N: usize> ProgramMotion<'_, N> {
@@ -60,8 +60,7 @@ impl<const N: usize> ProgramMotion<'_, N> {
             match part.motion() {
                 PartMotion::Path(motion) => motion.outline().map_or_else(Vec::new, |outline| {
                     let law = motion.trajectory().law();
-                    let knots: Vec<(f64, f64)> = law.knots().map(|(t, state)| (t, state.p)).collect();
-                    lines_from(outline, from, |s| time_among(law, &knots, s))
+                    lines_from(outline, from, |s| law.time_at_position(s))
                 }),
                 PartMotion::Joints(motion) => rapid_lines(motion, from),
                 PartMotion::Dwell(_) => Vec::new(),
@@ -159,7 +158,7 @@ fn rapid_lines<const N: usize>(motion: &JointMove<'_, N>, [from_s, from_t]: [f64
             s_from_m,
             s_to_m: from_s + motion.way_at(end.parameter),
             t_from_s,
-            t_to_s: from_t + time_at(law, end.parameter),
+            t_to_s: from_t + law.time_at_position(end.parameter),
             feed_m_s: None,
             deviation_m: Some(end.distance_m),
         };

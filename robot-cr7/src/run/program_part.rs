@@ -1,6 +1,5 @@
 //! One part of the motion of a program, at its time.
 
-use arcfeed_feedrate::SpeedLaw;
 use arcfeed_interp::{Trajectory, Verification};
 use arcfeed_kinematics::Joints;
 
@@ -8,11 +7,6 @@ use super::joint_move::JointMove;
 use super::outline::MarkerLine;
 use super::program_marks::Marks;
 use super::task::Motion;
-
-/// Halvings of the interval in which a law is at a place.
-const HALVINGS: usize = 60;
-/// A place this near to the end, as a part of the length, is the end: where a motion comes to rest, the time of a place has few digits.
-const AT_END: f64 = 1e-12;
 
 /// A part of the motion of a program, from rest to rest unless it is at an end of the whole.
 #[derive(Debug, Clone)]
@@ -45,7 +39,7 @@ impl<'t, const N: usize> ProgramPart<'t, N> {
         if let PartMotion::Path(motion) = &part.motion {
             let place = |mark: &MarkerLine| MarkerLine {
                 s_m: part.from + mark.s_m,
-                t_s: Some(part.begin + time_at(motion.trajectory().law(), mark.s_m)),
+                t_s: Some(part.begin + motion.trajectory().law().time_at_position(mark.s_m)),
                 ..mark.clone()
             };
             part.marks = motion.outline().map(|o| o.markers.iter().map(place).collect()).unwrap_or_default();
@@ -72,7 +66,7 @@ impl<'t, const N: usize> ProgramPart<'t, N> {
         self.marks = marks.placed(|done| match (&self.motion, done.checked_sub(1)) {
             (_, None) => (self.begin, self.from),
             (PartMotion::Joints(motion), Some(i)) => motion.passed.get(i).map_or((self.end(), self.from), |passed| {
-                let t = time_at(motion.trajectory.law(), passed.parameter);
+                let t = motion.trajectory.law().time_at_position(passed.parameter);
                 (self.begin + t, self.from + motion.way_at(passed.parameter))
             }),
             _ => (self.end(), self.from + self.length),
@@ -149,30 +143,4 @@ impl<'t, const N: usize> ProgramPart<'t, N> {
             PartMotion::Dwell(_) => self.lines,
         }
     }
-}
-
-/// The time at which a law comes to the place `s`, s.
-pub(crate) fn time_at(law: &SpeedLaw, s: f64) -> f64 {
-    let knots: Vec<(f64, f64)> = law.knots().map(|(t, state)| (t, state.p)).collect();
-    time_among(law, &knots, s)
-}
-
-/// The same, with the knots of the law (time, place).
-pub(crate) fn time_among(law: &SpeedLaw, knots: &[(f64, f64)], s: f64) -> f64 {
-    if s >= law.end().p * (1.0 - AT_END) {
-        return law.duration();
-    }
-    let after = knots.partition_point(|(_, place)| *place < s);
-    let mut low = after.checked_sub(1).map_or(0.0, |i| knots[i].0);
-    let mut high = knots.get(after).map_or(law.duration(), |knot| knot.0);
-    let mut cursor = law.cursor();
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (low + high);
-        if cursor.at(middle).p < s {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    high
 }

@@ -2,8 +2,8 @@
 
 use super::{angle_difference, pose_distance};
 use arcfeed_kinematics::{
-    AnalyticInverse, BranchTracker, ClosedForm, ClosedFormArm, ForwardKinematics, InverseKinematics, Joints, Solutions,
-    smallest_singular_value,
+    AnalyticInverse, BranchTracker, Chain, ClosedForm, ClosedFormArm, ForwardKinematics, InverseKinematics, Joint,
+    Joints, Solutions, smallest_singular_value,
 };
 use nalgebra::{Isometry3, Vector3};
 use proptest::prelude::*;
@@ -74,6 +74,35 @@ pub fn nothing_is_lost_at(arm: &ClosedFormArm<impl ClosedForm>, q: &Joints<6>) -
     let found = arm.inverse(&target, q).map_err(|error| TestCaseError::fail(error.to_string()))?;
     let distance = pose_distance(&arm.forward(&found), &target);
     prop_assert!(distance < WRIST_SINGULAR, "{distance:e} at {found}");
+    Ok(())
+}
+
+/// Two shifts (m) and two turns (rad) of each joint by which a real arm misses its drawing.
+pub type Errors = [[f64; 4]; 6];
+
+pub fn manufacturing_errors() -> impl Strategy<Value = Errors> {
+    prop::array::uniform6(prop::array::uniform4(-1e-5..1e-5))
+}
+
+/// The chain with each joint moved by its errors.
+pub fn with_errors(chain: &Chain<6>, errors: &Errors) -> Chain<6> {
+    let mut joints = *chain.joints();
+    for (joint, e) in joints.iter_mut().zip(errors) {
+        let shift = Isometry3::new(Vector3::new(e[0], e[1], 0.0), Vector3::new(e[2], e[3], 0.0));
+        *joint = Joint::revolute(joint.origin() * shift, joint.axis().into_inner()).unwrap();
+    }
+    Chain::new(joints).unwrap()
+}
+
+/// Away from singular poses the solutions of an arm with errors have the pose, and one is `q`.
+pub fn solutions_are_polished(arm: &ClosedFormArm<impl ClosedForm>, q: &Joints<6>) -> Result<(), TestCaseError> {
+    prop_assume!(smallest_singular_value(&arm.jacobian(q)) > 2e-2);
+    let target = arm.forward(q);
+    let all = arm.inverse_all(&target).unwrap();
+    prop_assert!(nearest(&all, q) < 1e-9);
+    for solution in &all {
+        prop_assert!(pose_distance(&arm.forward(solution), &target) < 1e-11);
+    }
     Ok(())
 }
 

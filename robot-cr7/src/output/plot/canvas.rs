@@ -20,20 +20,20 @@ const LETTER: f64 = 0.55;
 const FONT_FACTOR: f64 = 1.24;
 
 /// Okabe and Ito's palette, told apart with every common colour blindness, in an order of good contrast on white.
-pub(crate) const PALETTE: [RGBColor; 6] = [
-    RGBColor(0, 114, 178),
-    RGBColor(230, 159, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(86, 180, 233),
-    RGBColor(90, 90, 90),
-];
+pub(crate) const PALETTE: [RGBColor; 6] =
+    [hex(0x00_72B2), hex(0xE6_9F00), hex(0x00_9E73), hex(0xCC_79A7), hex(0x56_B4E9), hex(0x5A_5A5A)];
 /// Limits and tolerances.
 pub(crate) const LIMIT: RGBColor = RGBColor(200, 30, 30);
 const INK: RGBColor = RGBColor(40, 40, 40);
 const SOFT_INK: RGBColor = RGBColor(95, 95, 95);
 const GRID: RGBColor = RGBColor(228, 228, 228);
 const FRAME: RGBColor = RGBColor(150, 150, 150);
+
+/// The colour with this number, red in its highest byte.
+const fn hex(color: u32) -> RGBColor {
+    let [_, red, green, blue] = color.to_be_bytes();
+    RGBColor(red, green, blue)
+}
 
 /// The style of a line.
 #[derive(Clone, Copy)]
