@@ -14,20 +14,16 @@
 //! Every angle comes from an arc tangent of what the later steps use too, so that a badly determined angle (near a
 //! singular pose) is made up for by the others and the pose stays exact to rounding.
 
-use super::{
-    ClosedForm, Solutions,
-    arm_plane::ArmPlane,
-    planar::{FirstJoint, Miss, TwoLink},
-    rules::{Rules, WRIST_SINGULAR, distances},
-};
-use crate::{
-    error::KinematicsError,
-    jacobian::Configuration,
-    joint::Joints,
-    posture::Posture,
-    singularity::SingularityDistances,
-    trig::{atan2, principal, sin_cos},
-};
+use super::arm_plane::ArmPlane;
+use super::planar::{FirstJoint, Miss, TwoLink};
+use super::rules::{Rules, WRIST_SINGULAR, distances};
+use super::{ClosedForm, Solutions};
+use crate::error::KinematicsError;
+use crate::jacobian::Configuration;
+use crate::joint::Joints;
+use crate::posture::Posture;
+use crate::singularity::SingularityDistances;
+use crate::trig::{atan2, principal, sin_cos};
 use nalgebra::{Isometry3, Matrix3, Rotation3, Vector2, Vector3};
 use std::f64::consts::PI;
 

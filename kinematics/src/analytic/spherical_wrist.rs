@@ -14,20 +14,16 @@
 //!
 //! C is read from what A leaves over, so that the pose stays exact to rounding however badly A is determined.
 
-use super::{
-    ClosedForm, Solutions,
-    arm_plane::{ArmPlane, Seen},
-    planar::TwoLink,
-    rules::{Rules, WRIST_SINGULAR, distances},
-};
-use crate::{
-    error::KinematicsError,
-    jacobian::Configuration,
-    joint::Joints,
-    posture::Posture,
-    singularity::SingularityDistances,
-    trig::{atan2, principal, sin_cos},
-};
+use super::arm_plane::{ArmPlane, Seen};
+use super::planar::TwoLink;
+use super::rules::{Rules, WRIST_SINGULAR, distances};
+use super::{ClosedForm, Solutions};
+use crate::error::KinematicsError;
+use crate::jacobian::Configuration;
+use crate::joint::Joints;
+use crate::posture::Posture;
+use crate::singularity::SingularityDistances;
+use crate::trig::{atan2, principal, sin_cos};
 use nalgebra::{Isometry3, Matrix3, Vector2};
 use std::f64::consts::PI;
 

@@ -42,12 +42,12 @@ pub fn cr7() -> ParallelAxisArm {
     let range = Joints::from([6.27, 6.27, 2.79, 6.27, 6.27, 6.27]);
     six_axis(
         [
-            DhRow::revolute(0.0, FRAC_PI_2, 0.147, 0.0),
-            DhRow::revolute(-0.377, 0.0, 0.0, -FRAC_PI_2),
-            DhRow::revolute(-0.307, 0.0, 0.0, 0.0),
-            DhRow::revolute(0.0, FRAC_PI_2, 0.141, -FRAC_PI_2),
-            DhRow::revolute(0.0, -FRAC_PI_2, 0.116, 0.0),
-            DhRow::revolute(0.0, 0.0, 0.105, 0.0),
+            [0.0, FRAC_PI_2, 0.147, 0.0],
+            [-0.377, 0.0, 0.0, -FRAC_PI_2],
+            [-0.307, 0.0, 0.0, 0.0],
+            [0.0, FRAC_PI_2, 0.141, -FRAC_PI_2],
+            [0.0, -FRAC_PI_2, 0.116, 0.0],
+            [0.0, 0.0, 0.105, 0.0],
         ],
         range,
     )
@@ -64,12 +64,12 @@ pub fn ur5e() -> ParallelAxisArm {
     let range = Joints::from([TAU, TAU, PI, TAU, TAU, TAU]);
     six_axis(
         [
-            DhRow::revolute(0.0, FRAC_PI_2, 0.1625, 0.0),
-            DhRow::revolute(-0.425, 0.0, 0.0, 0.0),
-            DhRow::revolute(-0.3922, 0.0, 0.0, 0.0),
-            DhRow::revolute(0.0, FRAC_PI_2, 0.1333, 0.0),
-            DhRow::revolute(0.0, -FRAC_PI_2, 0.0997, 0.0),
-            DhRow::revolute(0.0, 0.0, 0.0996, 0.0),
+            [0.0, FRAC_PI_2, 0.1625, 0.0],
+            [-0.425, 0.0, 0.0, 0.0],
+            [-0.3922, 0.0, 0.0, 0.0],
+            [0.0, FRAC_PI_2, 0.1333, 0.0],
+            [0.0, -FRAC_PI_2, 0.0997, 0.0],
+            [0.0, 0.0, 0.0996, 0.0],
         ],
         range,
     )
@@ -100,15 +100,15 @@ pub fn kr6_r700() -> SphericalWristArm {
 /// `models/DH/Puma560.py`, commit a9ed8d4, MIT. Joint ranges are the source's.
 pub fn puma560() -> SphericalWristArm {
     let rows = [
-        DhRow::revolute(0.0, FRAC_PI_2, 0.67183, 0.0),
-        DhRow::revolute(0.4318, 0.0, 0.0, 0.0),
-        DhRow::revolute(0.0203, -FRAC_PI_2, 0.15005, 0.0),
-        DhRow::revolute(0.0, FRAC_PI_2, 0.4318, 0.0),
-        DhRow::revolute(0.0, -FRAC_PI_2, 0.0, 0.0),
-        DhRow::revolute(0.0, 0.0, 0.0, 0.0),
+        [0.0, FRAC_PI_2, 0.67183, 0.0],
+        [0.4318, 0.0, 0.0, 0.0],
+        [0.0203, -FRAC_PI_2, 0.15005, 0.0],
+        [0.0, FRAC_PI_2, 0.4318, 0.0],
+        [0.0, -FRAC_PI_2, 0.0, 0.0],
+        [0.0, 0.0, 0.0, 0.0],
     ];
     let range = Joints::from([160.0_f64, 110.0, 135.0, 266.0, 100.0, 266.0].map(f64::to_radians));
-    let build = || SphericalWristArm::new(Chain::from_dh(&rows)?, JointRange::new(-range, range)?);
+    let build = || SphericalWristArm::new(Chain::from_dh(&revolute(rows))?, JointRange::new(-range, range)?);
     build().expect("the table above is of an arm with a spherical wrist")
 }
 
@@ -118,18 +118,18 @@ pub fn puma560() -> SphericalWristArm {
 /// source's; joint 4 cannot be stretched out.
 pub fn panda() -> NumericArm<7> {
     let rows = [
-        DhRow::revolute(0.0, 0.0, 0.333, 0.0),
-        DhRow::revolute(0.0, -FRAC_PI_2, 0.0, 0.0),
-        DhRow::revolute(0.0, FRAC_PI_2, 0.316, 0.0),
-        DhRow::revolute(0.0825, FRAC_PI_2, 0.0, 0.0),
-        DhRow::revolute(-0.0825, -FRAC_PI_2, 0.384, 0.0),
-        DhRow::revolute(0.0, FRAC_PI_2, 0.0, 0.0),
-        DhRow::revolute(0.088, FRAC_PI_2, 0.0, 0.0),
+        [0.0, 0.0, 0.333, 0.0],
+        [0.0, -FRAC_PI_2, 0.0, 0.0],
+        [0.0, FRAC_PI_2, 0.316, 0.0],
+        [0.0825, FRAC_PI_2, 0.0, 0.0],
+        [-0.0825, -FRAC_PI_2, 0.384, 0.0],
+        [0.0, FRAC_PI_2, 0.0, 0.0],
+        [0.088, FRAC_PI_2, 0.0, 0.0],
     ];
     let lower = Joints::from([-2.8973, -1.7628, -2.8973, -3.0718, -2.8973, -0.0175, -2.8973]);
     let upper = Joints::from([2.8973, 1.7628, 2.8973, -0.0698, 2.8973, 3.7525, 2.8973]);
     let build = || {
-        let chain = Chain::from_modified_dh(&rows)?.with_flange(Isometry3::translation(0.0, 0.0, 0.107))?;
+        let chain = Chain::from_modified_dh(&revolute(rows))?.with_flange(Isometry3::translation(0.0, 0.0, 0.107))?;
         Ok::<_, crate::KinematicsError>(NumericArm::new(chain, JointRange::new(lower, upper)?))
     };
     build().expect("the numbers above are finite")
@@ -223,7 +223,12 @@ fn describe_planar() -> ArmDescription {
     }
 }
 
-fn six_axis(rows: [DhRow; 6], range: Joints<6>) -> ParallelAxisArm {
-    let build = || ParallelAxisArm::new(Chain::from_dh(&rows)?, JointRange::new(-range, range)?);
+/// Rows of revolute joints from their a (m), alpha (rad), d (m) and theta (rad).
+fn revolute<const N: usize>(rows: [[f64; 4]; N]) -> [DhRow; N] {
+    rows.map(|[a, alpha, d, theta]| DhRow::revolute(a, alpha, d, theta))
+}
+
+fn six_axis(rows: [[f64; 4]; 6], range: Joints<6>) -> ParallelAxisArm {
+    let build = || ParallelAxisArm::new(Chain::from_dh(&revolute(rows))?, JointRange::new(-range, range)?);
     build().expect("the tables above are of arms with three parallel axes")
 }
