@@ -49,6 +49,7 @@ pub use run::error::Cr7Error;
 pub use run::joint_move::{JointMove, Leaves, Passed};
 pub use run::limit_line::{LimitLine, LimitUnit};
 pub use run::limit_lines::limit_lines;
+pub use run::on_robot::{OnProgram, OnToolPath};
 pub use run::online_events::Happening;
 pub use run::online_run::{OnlineRun, ScenarioError};
 pub use run::outline::{MarkerLine, Outline, Smoothed};

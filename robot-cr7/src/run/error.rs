@@ -54,6 +54,22 @@ pub enum Cr7Error {
         /// The fault.
         source: KinematicsError,
     },
+    /// The job has a key of the start that is for arms of six joints, and the arm has seven: exit code 2.
+    #[error("{key} is for arms of six joints, and {robot} has seven: remove the key")]
+    SixJointsOnly {
+        /// Key of the job.
+        key: &'static str,
+        /// Name of the robot.
+        robot: String,
+    },
+    /// The arm cannot follow a path of the tool: exit code 1.
+    #[error("{robot} has {joints} joints: a tool path with its orientation needs six, or seven of which one is held")]
+    Unsuited {
+        /// Name of the robot.
+        robot: String,
+        /// The number of its joints.
+        joints: usize,
+    },
     /// The torque is to be limited, but what that takes is not known of the robot: exit code 2.
     #[error("the job limits the torque, but of {robot} {missing} not known: {remedy}")]
     NoDynamics {

@@ -40,6 +40,7 @@ pub struct Drives<const N: usize = 6> {
 pub struct Robot {
     description: ArmDescription,
     any: AnyArm,
+    built_in: bool,
 }
 
 impl Robot {
@@ -66,7 +67,13 @@ impl Robot {
                 .ok_or_else(|| Cr7Error::NoSuchRobot { name: name.to_owned(), known: &Self::NAMES })?,
         };
         let any = description.build_any().map_err(wrong)?;
-        Ok(Self { description, any })
+        let built_in = !matches!(extension.as_str(), "urdf" | "json");
+        Ok(Self { description, any, built_in })
+    }
+
+    /// True for the arm that this crate is named after.
+    pub fn is_cr7(&self) -> bool {
+        self.built_in && self.description.name == "cr7"
     }
 
     /// Notes of its source.

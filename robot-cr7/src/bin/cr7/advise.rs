@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 
 use arcfeed_interp::PathArm;
-use robot_cr7::{Advice, Task};
+use robot_cr7::{Advice, OnToolPath, Task};
 
 use crate::Failure;
 use crate::output::show;
 use crate::progress::Progress;
 use crate::robots::RobotArgs;
-use crate::tool_path::{OnToolPath, on_tool_path, read_job, read_path};
+use crate::tool_path::{read_job, read_path};
 
 /// Arguments of `cr7 advise`.
 #[derive(Debug, clap::Args)]
@@ -30,7 +30,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let job = read_job(args.job.as_deref())?;
     let file = read_path(job.path_file.as_deref(), None, &job)?;
-    on_tool_path(&args.robot, &job, &file, Advise { json: args.json })
+    args.robot.load()?.on_tool_path(&job, &file, Advise { json: args.json })
 }
 
 struct Advise {
@@ -38,6 +38,9 @@ struct Advise {
 }
 
 impl OnToolPath for Advise {
+    type Output = ();
+    type Error = Failure;
+
     fn run<A: PathArm<N>, const N: usize>(self, task: Task<A, N>, assumed: Vec<String>) -> Result<(), Failure> {
         let progress = Progress::new("planning");
         let mut advice = Advice::new(&task, |limit| progress.step(limit))?;

@@ -4,13 +4,13 @@ use std::path::PathBuf;
 
 use arcfeed_interp::PathArm;
 use robot_cr7::plot::{compare_picture, save_picture};
-use robot_cr7::{InputError, Task, compare};
+use robot_cr7::{InputError, OnToolPath, Task, compare};
 
 use crate::Failure;
 use crate::output::show;
 use crate::progress::Progress;
 use crate::robots::RobotArgs;
-use crate::tool_path::{OnToolPath, on_tool_path, read_job, read_path};
+use crate::tool_path::{read_job, read_path};
 
 /// Arguments of `cr7 compare`.
 #[derive(Debug, clap::Args)]
@@ -35,7 +35,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let job = read_job(args.job.as_deref())?;
     let file = read_path(job.path_file.as_deref(), None, &job)?;
     std::fs::create_dir_all(&args.out).map_err(|source| InputError::Write { file: args.out.clone(), source })?;
-    on_tool_path(&args.robot, &job, &file, Compare { args })
+    args.robot.load()?.on_tool_path(&job, &file, Compare { args })
 }
 
 struct Compare<'a> {
@@ -43,6 +43,9 @@ struct Compare<'a> {
 }
 
 impl OnToolPath for Compare<'_> {
+    type Output = ();
+    type Error = Failure;
+
     fn run<A: PathArm<N>, const N: usize>(self, task: Task<A, N>, _: Vec<String>) -> Result<(), Failure> {
         let args = self.args;
         let progress = Progress::new("joint path");

@@ -101,9 +101,10 @@ impl From<Cr7Error> for Failure {
     fn from(error: Cr7Error) -> Self {
         match error {
             Cr7Error::Compile { file, source } => Self::Undoable(format!("{file}, --compile-rad: {source}")),
-            Cr7Error::Plan { .. } | Cr7Error::Configuration { .. } | Cr7Error::TooManySamples { .. } => {
-                Self::Undoable(error.to_string())
-            }
+            Cr7Error::Plan { .. }
+            | Cr7Error::Configuration { .. }
+            | Cr7Error::Unsuited { .. }
+            | Cr7Error::TooManySamples { .. } => Self::Undoable(error.to_string()),
             _ => Self::BadInput(error.to_string()),
         }
     }

@@ -6,8 +6,8 @@ use std::time::Instant;
 use arcfeed_interp::PathArm;
 use robot_cr7::plot::speed_picture;
 use robot_cr7::{
-    BoundReport, CompiledReport, Job, Motion, ProgramReport, ProgramTask, Series, Staging, Task, TrajectoryRow,
-    TrajectoryWriter, drawn_segments, few_enough, line_times,
+    BoundReport, CompiledReport, Job, Motion, OnToolPath, ProgramReport, ProgramTask, Series, Staging, Task,
+    TrajectoryRow, TrajectoryWriter, drawn_segments, few_enough, line_times,
 };
 
 use crate::Failure;
@@ -18,7 +18,7 @@ use crate::plan_files::{
 use crate::plan_program;
 use crate::progress::Progress;
 use crate::robots::RobotArgs;
-use crate::tool_path::{OnToolPath, on_tool_path, read_job, read_path};
+use crate::tool_path::{read_job, read_path};
 
 /// Arguments of `cr7 plan`.
 #[derive(Debug, clap::Args)]
@@ -91,7 +91,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if ProgramTask::is_needed(&job, &file) {
         return plan_program::run(args, &job, &file, staging, progress);
     }
-    on_tool_path(&args.robot, &job, &file, Plan { args, job: &job, staging, progress })
+    args.robot.load()?.on_tool_path(&job, &file, Plan { args, job: &job, staging, progress })
 }
 
 /// Plans and samples the motion, and writes all there is to write.
@@ -103,6 +103,9 @@ struct Plan<'a> {
 }
 
 impl OnToolPath for Plan<'_> {
+    type Output = ();
+    type Error = Failure;
+
     fn run<A: PathArm<N>, const N: usize>(self, task: Task<A, N>, warnings: Vec<String>) -> Result<(), Failure> {
         let Self { args, job, mut staging, progress } = self;
         // A lower bound of the duration, before the work.

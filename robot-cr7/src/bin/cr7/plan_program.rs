@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use arcfeed_interp::PathArm;
 use robot_cr7::{
-    BoundReport, Job, PartMotion, PathFile, ProgramMotion, ProgramPart, ProgramTask, Series, Staging, TrajectoryWriter,
-    drawn_segments, few_enough,
+    BoundReport, Job, OnProgram, PartMotion, PathFile, ProgramMotion, ProgramPart, ProgramTask, Series, Staging,
+    TrajectoryWriter, drawn_segments, few_enough,
 };
 
 use crate::Failure;
@@ -13,7 +13,6 @@ use crate::output::conclude;
 use crate::plan::Args;
 use crate::plan_files::{COMPILED, Drawn, FILES, LEVERS, LINES, MOST_PLACES, limit_at, pictures, write_lines};
 use crate::progress::Progress;
-use crate::tool_path::{OnProgram, on_program};
 
 pub fn run(args: &Args, job: &Job, file: &PathFile, staging: Staging, progress: Progress) -> Result<(), Failure> {
     if args.stream.is_some() {
@@ -23,7 +22,7 @@ pub fn run(args: &Args, job: &Job, file: &PathFile, staging: Staging, progress: 
                 .to_owned(),
         ));
     }
-    on_program(&args.robot, job, file, PlanProgram { args, job, staging, progress })
+    args.robot.load()?.on_program(job, file, PlanProgram { args, job, staging, progress })
 }
 
 /// Plans and samples the motion of a program, and writes all there is to write.
@@ -35,6 +34,9 @@ struct PlanProgram<'a> {
 }
 
 impl OnProgram for PlanProgram<'_> {
+    type Output = ();
+    type Error = Failure;
+
     fn run<A: PathArm<N> + Clone, const N: usize>(
         self,
         task: ProgramTask<A, N>,

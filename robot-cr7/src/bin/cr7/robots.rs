@@ -25,11 +25,6 @@ impl RobotArgs {
     pub fn load(&self) -> Result<Robot, Failure> {
         Ok(Robot::load(&self.robot, self.base_link.as_deref(), self.tip_link.as_deref())?)
     }
-
-    /// The arm that this program is named after, and nothing else asked for.
-    pub fn is_default(&self) -> bool {
-        self.robot == "cr7"
-    }
 }
 
 /// Joint values of a flag, as many as the robot has joints.

@@ -59,11 +59,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         staging.reads(path)?;
     }
     staging.clear()?;
-    if args.robot.is_default() {
+    let robot = args.robot.load()?;
+    if robot.is_cr7() {
         let cr7 = Cr7::of(scenario.job())?;
         return play(args, staging, &scenario, (cr7.arm(), cr7.limits()), Vec::new());
     }
-    let robot = args.robot.load()?;
     if robot.joints() != 6 {
         return Err(Failure::Undoable(format!(
             "{} has {} joints: a scenario on a tool path needs six",
