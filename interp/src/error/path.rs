@@ -121,6 +121,15 @@ fn of_those(postures: &[Posture]) -> String {
 }
 
 impl PathError {
+    /// The place on the path at which the arm cannot follow, where it is one place; that of the best configuration where all fail.
+    pub fn place(&self) -> Option<&PathPlace> {
+        match self {
+            Self::Arm { place, .. } | Self::BranchChange { place, .. } | Self::JointRange { place, .. } => Some(place),
+            Self::NoConfiguration { best, .. } => best.place(),
+            _ => None,
+        }
+    }
+
     /// A joint that has used up its range shows as a jump to another turn or branch: says so, where the limits are known.
     pub(crate) fn within<const N: usize>(self, lower: &Joints<N>, upper: &Joints<N>) -> Self {
         if let Self::BranchChange { place, predicted, .. } = &self {

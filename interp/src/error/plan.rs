@@ -42,6 +42,17 @@ pub enum PlanError {
     },
 }
 
+impl PlanError {
+    /// The place on the path at which it fails, where it is one place.
+    pub fn place(&self) -> Option<&PathPlace> {
+        match self {
+            Self::Path(error) => error.place(),
+            Self::Speed(SpeedError::Infeasible { place, .. }) | Self::Unverified { place, .. } => Some(place),
+            _ => None,
+        }
+    }
+}
+
 impl From<GeometryError> for PlanError {
     fn from(error: GeometryError) -> Self {
         Self::Path(error.into())

@@ -1,7 +1,7 @@
 //! The errors of planners, with the file and a likely cause.
 
 use arcfeed_geometry::PosePath;
-use arcfeed_interp::{LiveError, PathError, PlanError, SpeedError};
+use arcfeed_interp::{LiveError, PathError, PlanError};
 use arcfeed_kinematics::KinematicsError;
 use nalgebra::Vector3;
 
@@ -34,9 +34,9 @@ pub(crate) fn reach_hint(path: &PosePath, error: &PlanError) -> String {
             _ => false,
         }
     }
-    match (error, place_of(error)) {
-        (PlanError::Path(source), Some(s)) if out_of_reach(source) => {
-            let pose = path.jet(s).pose;
+    match (error, error.place()) {
+        (PlanError::Path(source), Some(place)) if out_of_reach(source) => {
+            let pose = path.jet(place.s).pose;
             let at = pose.translation.vector * 1e3;
             let z = pose.rotation * Vector3::z();
             format!(
@@ -51,23 +51,7 @@ pub(crate) fn reach_hint(path: &PosePath, error: &PlanError) -> String {
 
 /// The line of the file at which a plan fails, to follow its message.
 pub(crate) fn line_words(outline: &Outline, error: &PlanError) -> String {
-    place_of(error).map(|s| outline.words_at(s)).unwrap_or_default()
-}
-
-/// The arc length at which a plan fails, where it is one place.
-fn place_of(error: &PlanError) -> Option<f64> {
-    let place = match error {
-        PlanError::Path(
-            PathError::Arm { place, .. } | PathError::BranchChange { place, .. } | PathError::JointRange { place, .. },
-        )
-        | PlanError::Speed(SpeedError::Infeasible { place, .. })
-        | PlanError::Unverified { place, .. } => place,
-        PlanError::Path(PathError::NoConfiguration { best, .. }) => {
-            return place_of(&PlanError::Path((**best).clone()));
-        }
-        _ => return None,
-    };
-    Some(place.s)
+    error.place().map(|place| outline.words_at(place.s)).unwrap_or_default()
 }
 
 /// A mix-up of millimetres and metres shows as a path that is metres out of reach.

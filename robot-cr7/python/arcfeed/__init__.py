@@ -1,0 +1,48 @@
+"""arcfeed: motion that a robot arm can execute.
+
+A path and a job become a verified motion; arms have kinematics and dynamics; several axes move from state to state.
+Lengths are in m, angles in rad, times in s. Keys of jobs carry their units in their names.
+
+>>> import arcfeed
+>>> motion = arcfeed.plan(arcfeed.Path.butterfly(), "cr7", arcfeed.Job(feed={"feed_mm_s": 50}))
+>>> motion.q.shape[1]
+6
+"""
+
+from ._core import (
+    ArcfeedError,
+    InputError,
+    Job,
+    JointTrajectory,
+    Motion,
+    Path,
+    PlanError,
+    Problem,
+    Robot,
+    StateToState,
+    compare,
+    plan,
+    problem,
+    reproduce,
+    robots,
+    state_to_state,
+)
+
+__all__ = [
+    "ArcfeedError",
+    "InputError",
+    "Job",
+    "JointTrajectory",
+    "Motion",
+    "Path",
+    "PlanError",
+    "Problem",
+    "Robot",
+    "StateToState",
+    "compare",
+    "plan",
+    "problem",
+    "reproduce",
+    "robots",
+    "state_to_state",
+]
