@@ -35,6 +35,9 @@ pub use output::part_report::{JointMoveReport, PartReport};
 pub use output::plot;
 pub use output::program_report::{LineTime, ProgramReport, StopLine, line_times};
 pub use output::report::{Report, SegmentCount};
+#[cfg(feature = "mcap")]
+pub use output::ros::RosRecording;
+pub use output::ros::{RosError, RosTrajectory};
 pub use output::run_report::{Accuracy, DetourLine, EventLine, ExcursionLine, RunReport, StateSpan};
 pub use output::schedule_figure::{BindingBar, JointFigure, JointPanel, ShareFigure, SharePanel, SpeedFigure};
 pub use output::schedule_report::{BindingLine, ScheduleReport, ScheduleRun};

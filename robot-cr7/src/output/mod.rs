@@ -11,6 +11,7 @@ pub(crate) mod parts_report;
 pub mod plot;
 pub(crate) mod program_report;
 pub(crate) mod report;
+pub(crate) mod ros;
 pub(crate) mod run_report;
 pub(crate) mod schedule_figure;
 pub(crate) mod schedule_report;

@@ -15,6 +15,7 @@ mod pose;
 mod progress;
 mod reproduce;
 mod robots;
+mod ros;
 mod run;
 mod schedule;
 mod tool_path;

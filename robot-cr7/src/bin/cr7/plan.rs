@@ -18,6 +18,7 @@ use crate::plan_files::{
 use crate::plan_program;
 use crate::progress::Progress;
 use crate::robots::RobotArgs;
+use crate::ros::{self, Format, RosFiles};
 use crate::tool_path::{read_job, read_path};
 
 /// Arguments of `cr7 plan`.
@@ -31,6 +32,7 @@ use crate::tool_path::{read_job, read_path};
   cr7 plan --job robot-cr7/jobs/butterfly.toml --out butterfly
   cr7 plan --robot ur5e                    another robot: a name of `cr7 robots`, a .urdf or a .json file
   cr7 plan --compile-rad 1e-6              the joints as polynomials of the time, too, within 1 urad
+  cr7 plan --format ros2                   for ROS 2's joint trajectory controller
   cr7 plan --bound                         how much shorter any motion can be, too
   cr7 plan --stream 20                     segments arrive while the motion runs, 20 of them known ahead
   cr7 plan --stream 20 --stream-gap-ms 12  one every 12 ms: the motion waits where they come too late
@@ -52,6 +54,9 @@ pub struct Args {
     /// Also write joint_trajectory.json: polynomials of the time that stay within this tolerance of the planned joints, in rad
     #[arg(long, value_name = "TOLERANCE", conflicts_with = "stream")]
     pub compile_rad: Option<f64>,
+    /// Also write the motion for ROS 2: `ros2` for trajectory_msgs/JointTrajectory as YAML and JSON, `mcap` for a recording
+    #[arg(long, value_enum, value_delimiter = ',', conflicts_with = "stream")]
+    pub format: Vec<Format>,
     /// Also bound the duration of all motions within the limits from below; takes a few to forty times as long as the plan
     #[arg(long, conflicts_with = "stream")]
     pub bound: bool,
@@ -78,6 +83,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if let Some(value) = args.compile_rad.filter(|value| !(value.is_finite() && *value > 0.0)) {
         return Err(Failure::BadInput(format!("--compile-rad {value}: give a number above 0, such as 1e-6")));
     }
+    ros::check(&args.format)?;
     let inputs: Vec<&Path> = [&args.path, &args.job].into_iter().filter_map(|file| file.as_deref()).collect();
     let mut staging = Staging::new(&args.out, &FILES, &inputs)?;
     let job = read_job(args.job.as_deref())?;
@@ -92,6 +98,13 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         return plan_program::run(args, &job, &file, staging, progress);
     }
     args.robot.load()?.on_tool_path(&job, &file, Plan { args, job: &job, staging, progress })
+}
+
+impl Args {
+    /// The tolerance of the compiled motion, rad, where one is needed.
+    pub fn tolerance(&self) -> Option<f64> {
+        self.compile_rad.or((!self.format.is_empty()).then_some(ros::TOLERANCE))
+    }
 }
 
 /// Plans and samples the motion, and writes all there is to write.
@@ -114,7 +127,7 @@ impl OnToolPath for Plan<'_> {
         few_enough(task.path().length() / fastest, job.period, LEVERS)?;
         let path;
         let mut compiled = None;
-        let mut motion = match (args.stream, args.compile_rad) {
+        let mut motion = match (args.stream, args.tolerance()) {
             (Some(ahead), _) => {
                 path = task.tool_path()?;
                 task.plan_streamed(&path, ahead as usize, args.stream_gap_ms * 1e-3)?
@@ -147,12 +160,17 @@ impl OnToolPath for Plan<'_> {
         let mut series = Series::new(3 + 3 * N, samples);
         let name = FILES[0];
         let mut trajectory = TrajectoryWriter::new(staging.create(name)?).map_err(|e| staging.failed(name, e))?;
+        let pieces = compiled.as_ref().map(|(_, pieces, _)| pieces);
+        let mut ros = RosFiles::new(args, job, &mut staging, pieces, motion.trajectory().limits().joints())?;
         for setpoint in sampler {
             let p = setpoint.map_err(|e| Failure::Undoable(e.to_string()))?;
-            trajectory.write(&TrajectoryRow::from(&p)).map_err(|e| staging.failed(name, e))?;
+            let row = TrajectoryRow::from(&p);
+            trajectory.write(&row).map_err(|e| staging.failed(name, e))?;
+            ros.write(&row, &staging)?;
             series.push([p.t, p.s, p.feed].into_iter().chain([p.qd, p.qdd, p.jerk].iter().flatten().copied()));
         }
         trajectory.finish().map_err(|e| staging.failed(name, e))?;
+        ros.finish(&staging)?;
         series.cut();
         let sampling = begin.elapsed();
 

@@ -5,9 +5,10 @@ use robot_cr7::plot::{Along, Bound, JointQuantity, feed_picture, joint_picture, 
 use robot_cr7::{BindingBar, LineTime, Series, SpeedFigure, StreamReport};
 
 use crate::output::REPORTS;
+use crate::ros;
 
 /// The files of the command.
-pub const FILES: [&str; 13] = [
+pub const FILES: [&str; 16] = [
     "trajectory.csv",
     "path.svg",
     "path_speed.svg",
@@ -19,6 +20,9 @@ pub const FILES: [&str; 13] = [
     COMPILED,
     "stream.svg",
     LINES,
+    ros::FILES[0],
+    ros::FILES[1],
+    ros::FILES[2],
     REPORTS[0],
     REPORTS[1],
 ];

@@ -13,6 +13,7 @@ use crate::output::conclude;
 use crate::plan::Args;
 use crate::plan_files::{COMPILED, Drawn, FILES, LEVERS, LINES, MOST_PLACES, limit_at, pictures, write_lines};
 use crate::progress::Progress;
+use crate::ros::RosFiles;
 
 pub fn run(args: &Args, job: &Job, file: &PathFile, staging: Staging, progress: Progress) -> Result<(), Failure> {
     if args.stream.is_some() {
@@ -44,7 +45,7 @@ impl OnProgram for PlanProgram<'_> {
     ) -> Result<(), Failure> {
         let Self { args, job, mut staging, progress } = self;
         few_enough(task.least_duration(), task.period(), LEVERS)?;
-        let (mut motion, compiled) = match args.compile_rad {
+        let (mut motion, compiled) = match args.tolerance() {
             None => (task.plan()?, None),
             Some(tolerance) => {
                 let (motion, compiled) = task.plan_compiled(tolerance)?;
@@ -70,10 +71,13 @@ impl OnProgram for PlanProgram<'_> {
         let inverse = job.workpiece.inverse();
         let name = FILES[0];
         let mut trajectory = TrajectoryWriter::new(staging.create(name)?).map_err(|e| staging.failed(name, e))?;
+        let pieces = compiled.as_ref().map(|(_, compiled)| &compiled.joints);
+        let mut ros = RosFiles::new(args, job, &mut staging, pieces, motion.joint_limits())?;
         for (i, sample) in sampler.enumerate() {
             let sample = sample.map_err(|e| Failure::Undoable(e.to_string()))?;
             let row = sample.row;
             trajectory.write(&row).map_err(|e| staging.failed(name, e))?;
+            ros.write(&row, &staging)?;
             check.see(&row);
             let rates = [row.qd, row.qdd, row.jerk];
             series.push([row.t, sample.s, sample.feed].into_iter().chain(rates.iter().flatten().copied()));
@@ -83,6 +87,7 @@ impl OnProgram for PlanProgram<'_> {
             }
         }
         trajectory.finish().map_err(|e| staging.failed(name, e))?;
+        ros.finish(&staging)?;
         series.cut();
         let sampling = begin.elapsed();
         let check = check.finish(job.feed.end_speeds[1] == 0.0);
