@@ -9,4 +9,5 @@ pub mod blended_polylines;
 pub mod cnc_curves;
 pub mod hybrid_scenario;
 pub mod raised_limits;
+pub mod random_jobs;
 pub mod tight_bends;

@@ -10,5 +10,6 @@ mod hybrid;
 #[cfg(feature = "oracle")]
 mod large_fits;
 mod raised_limits;
+mod random_jobs;
 mod regressions;
 mod tight_bends;
