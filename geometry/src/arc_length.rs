@@ -1,22 +1,17 @@
 //! Curves by arc length: s -> u to near machine precision at sampling speed.
 
+mod chebyshev;
+mod map;
+
 use nalgebra::SVector;
 
+use self::chebyshev::Chebyshev;
+use self::map::{Builder, MOST_STEPS, MapPiece};
 use crate::curve::{Curve, Jet};
 use crate::error::GeometryError;
 use crate::nurbs::NurbsCurve;
 use crate::quadrature::check_tolerance;
 
-/// Degree of the polynomials in which `u(s)` is stored. Lower degrees need more pieces, higher ones more arithmetic;
-/// at 1e-12 mm on common test curves 13 is fastest.
-const DEGREE: usize = 13;
-/// Chebyshev nodes at which `|C'|` is sampled while the map is built.
-const SPEED_NODES: usize = 20;
-/// A piece is resolved when Newton's method inverts it in this many steps; from a straight line it takes four or five.
-const MOST_STEPS: usize = 10;
-/// On one piece of the map the speed `|C'|` drops by this factor at most. Where a curve stands still it never gets there:
-/// some node or end is nearer to the place than a tenth of the piece.
-const SLOWEST: f64 = 0.1;
 /// Entries of the table that finds the piece of an arc length, per piece.
 const BUCKETS_PER_PIECE: usize = 8;
 /// A knot span is halved at most this often before the curve is said to stand still.
@@ -51,55 +46,6 @@ pub struct ArcLengthCurve<const D: usize> {
     buckets: Vec<u32>,
     bucket_scale: f64,
     length: f64,
-}
-
-/// On `[start, end]` of arc length the curve's piece `piece` is run through by the local parameter
-/// `t(x) = sum c_k x^k`, `x = (s - middle) * scale` in [-1, 1].
-#[derive(Debug, Clone, Copy)]
-struct MapPiece {
-    start: f64,
-    end: f64,
-    middle: f64,
-    scale: f64,
-    c: [f64; DEGREE + 1],
-    piece: u32,
-}
-
-impl MapPiece {
-    #[inline]
-    fn x(&self, s: f64) -> f64 {
-        ((s - self.middle) * self.scale).max(-1.0).min(1.0)
-    }
-
-    /// Local parameter of the curve's piece, by Estrin's scheme (short dependency chains).
-    #[inline]
-    fn local(&self, s: f64) -> f64 {
-        const { assert!(DEGREE == 13) };
-        let c = &self.c;
-        let x = self.x(s);
-        let x2 = x * x;
-        let x4 = x2 * x2;
-        let x8 = x4 * x4;
-        let p = |i: usize| c[i] + c[i + 1] * x;
-        let q0 = p(0) + p(2) * x2;
-        let q1 = p(4) + p(6) * x2;
-        let q2 = p(8) + p(10) * x2;
-        let q3 = p(12);
-        (q0 + q1 * x4) + (q2 + q3 * x4) * x8
-    }
-}
-
-impl MapPiece {
-    /// Local parameter of the curve's piece and its derivative by arc length.
-    fn local_and_slope(&self, s: f64) -> (f64, f64) {
-        let x = self.x(s);
-        let (mut t, mut slope) = (0.0, 0.0);
-        for c in self.c.iter().rev() {
-            slope = slope * x + t;
-            t = t * x + c;
-        }
-        (t, slope * self.scale)
-    }
 }
 
 /// A place where the direction of the path jumps.
@@ -295,220 +241,5 @@ impl<const D: usize> ArcLengthCurve<D> {
                 (turn > angle).then_some(Corner { s, angle: turn })
             })
             .collect()
-    }
-}
-
-/// Builds the map piece by piece.
-struct Builder<'a, const D: usize> {
-    curve: &'a NurbsCurve<D>,
-    tolerance: f64,
-    rough: f64,
-    pieces: Vec<MapPiece>,
-    length: f64,
-    /// The error that the running sum `length` gained by rounding (Kahan's summation).
-    lost: f64,
-    speed_nodes: Chebyshev<SPEED_NODES>,
-    map_nodes: Chebyshev<{ DEGREE + 1 }>,
-}
-
-impl<const D: usize> Builder<'_, D> {
-    /// Covers the local parameters `[t0, t1]` of a curve piece, halving until both `s(t)` and `t(s)` are resolved.
-    fn add(&mut self, piece: usize, t0: f64, t1: f64, halvings: u32) -> Result<(), GeometryError> {
-        if let Some((total, c)) = self.fit(piece, t0, t1) {
-            let start = self.length;
-            let add = total - self.lost;
-            let end = start + add;
-            if end > start {
-                self.lost = (end - start) - add;
-                self.length = end;
-                let (middle, scale) = (0.5 * (start + end), 2.0 / (end - start));
-                self.pieces.push(MapPiece { start, end, middle, scale, c, piece: piece as u32 });
-                return Ok(());
-            }
-            // Shorter than the resolution of the arc length: no place falls into it. Its length waits for the next.
-            self.lost -= total;
-            return Ok(());
-        }
-        let middle = 0.5 * (t0 + t1);
-        if halvings == 0 {
-            let frame = &self.curve.pieces().frames[piece];
-            let (a, b) = self.curve.domain();
-            return Err(GeometryError::StandsStill {
-                u: frame.parameter(middle),
-                speed: self.curve.pieces().local_speed(piece, middle) * frame.scale,
-                mean: self.rough / (b - a),
-            });
-        }
-        self.add(piece, t0, middle, halvings - 1)?;
-        self.add(piece, middle, t1, halvings - 1)
-    }
-
-    /// Length of `[t0, t1]` and the coefficients of its map, or `None` where polynomials do not resolve it to the
-    /// tolerance.
-    fn fit(&self, piece: usize, t0: f64, t1: f64) -> Option<(f64, [f64; DEGREE + 1])> {
-        let (middle, half) = (0.5 * (t0 + t1), 0.5 * (t1 - t0));
-        let pieces = self.curve.pieces();
-        let at = self.speed_nodes.points.map(|x| middle + half * x);
-        let speed = pieces.local_speeds::<D, SPEED_NODES>(piece, &at).map(|v| half * v);
-        let (slowest, fastest) = speed.iter().fold((f64::INFINITY, 0.0f64), |(a, b), &v| (a.min(v), b.max(v)));
-        let ends = half * pieces.local_speed(piece, t0).min(pieces.local_speed(piece, t1));
-        // NaN is dropped by `min` and `max`, and then nothing or infinity is left.
-        if slowest.min(ends) <= SLOWEST * fastest || !fastest.is_finite() || fastest == 0.0 {
-            return None;
-        }
-        let f = self.speed_nodes.coefficients(&speed);
-        // Resolved when the last coefficients are below the tolerance or drowned in rounding; of the noise of the single
-        // values a quarter is left in a coefficient.
-        let noise = (4.0 * f64::EPSILON * f[0].abs()).max(0.25 * half * pieces.speed_noise(piece));
-        if f[SPEED_NODES - 3..].iter().any(|c| c.abs() > (0.1 * self.tolerance).max(noise)) {
-            return None;
-        }
-        // Integral of the series: s(x) with s(-1) = 0; b_k = (f_{k-1} - f_{k+1}) / 2k.
-        let mut b = [0.0; SPEED_NODES + 1];
-        for k in 1..=SPEED_NODES {
-            let above = if k + 1 < SPEED_NODES { f[k + 1] } else { 0.0 };
-            let below = if k == 1 { 2.0 * f[0] } else { f[k - 1] };
-            b[k] = (below - above) / (2 * k) as f64;
-        }
-        b[0] = -(1..=SPEED_NODES).map(|k| if k % 2 == 0 { b[k] } else { -b[k] }).sum::<f64>();
-        // s(1): all T_k(1) are 1.
-        let total = b.iter().rev().sum::<f64>();
-        if total.is_nan() || total <= 0.0 {
-            return None;
-        }
-
-        // Invert at Chebyshev nodes of s.
-        let x_at = solve_increasing(&b, &f, total, &self.map_nodes.points)?;
-        let mut c = self.map_nodes.coefficients(&x_at);
-        // An error of c in x moves the point along the curve by about |ds/dx| times as much.
-        let limit = (self.tolerance / fastest).max(4.0 * f64::EPSILON).max(noise / fastest);
-        if c[DEGREE - 1].abs() + c[DEGREE].abs() > limit {
-            return None;
-        }
-        // Make the ends exact: x(-1) = -1, x(1) = 1 take up the last rounding, so that pieces join without a gap.
-        let at_end = c.iter().rev().sum::<f64>();
-        let at_start = c.iter().enumerate().rev().map(|(k, c)| if k % 2 == 0 { *c } else { -c }).sum::<f64>();
-        c[0] -= 0.5 * ((at_end - 1.0) + (at_start + 1.0));
-        c[1] -= 0.5 * ((at_end - 1.0) - (at_start + 1.0));
-        let mut powers = self.map_nodes.to_powers(&c).map(|p| p * half);
-        powers[0] += middle;
-        Some((total, powers))
-    }
-}
-
-/// Solves `s(x) = total (1 + y) / 2` on [-1, 1] for all `y`, with an increasing series `s` from 0 to `total` and its
-/// derivative `f`, by Newton's method. `None` where it does not settle: the series is not resolved then.
-fn solve_increasing<const N: usize>(
-    s: &[f64; SPEED_NODES + 1],
-    f: &[f64; SPEED_NODES],
-    total: f64,
-    y: &[f64; N],
-) -> Option<[f64; N]> {
-    let mut x = *y;
-    for _ in 0..MOST_STEPS {
-        let (at, slope) = (clenshaw(s, &x), clenshaw(f, &x));
-        let mut largest = 0.0f64;
-        for j in 0..N {
-            let next = (x[j] - (at[j] - 0.5 * total * (1.0 + y[j])) / slope[j]).max(-1.0).min(1.0);
-            largest = largest.max((next - x[j]).abs());
-            x[j] = next;
-        }
-        // The error is squared from step to step.
-        if largest <= 1e-9 {
-            return Some(x);
-        }
-    }
-    None
-}
-
-/// Chebyshev points of the first kind, with what turns values into coefficients and those into powers.
-struct Chebyshev<const N: usize> {
-    points: [f64; N],
-    /// `T_k(x_j)`, by `k`.
-    values: [[f64; N]; N],
-    /// Coefficients of `T_k` by powers.
-    powers: [[f64; N]; N],
-}
-
-impl<const N: usize> Chebyshev<N> {
-    fn new() -> Self {
-        // All the cosines needed are those of multiples of pi / 2N, each to the last digit.
-        let cosine = |m: usize| (std::f64::consts::PI * m as f64 / (2 * N) as f64).cos();
-        let quarter: [f64; N] = std::array::from_fn(cosine);
-        let cosine = |m: usize| match m % (4 * N) {
-            m if m < N => quarter[m],
-            m if m == N || m == 3 * N => 0.0,
-            m if m < 2 * N => -quarter[2 * N - m],
-            m if m == 2 * N => -1.0,
-            m if m < 3 * N => -quarter[m - 2 * N],
-            m => quarter[4 * N - m],
-        };
-        let mut powers = [[0.0; N]; N];
-        powers[0][0] = 1.0;
-        powers[1][1] = 1.0;
-        for k in 2..N {
-            // T_k = 2 x T_{k-1} - T_{k-2}.
-            for i in 0..N {
-                let shifted = if i > 0 { powers[k - 1][i - 1] } else { 0.0 };
-                powers[k][i] = 2.0 * shifted - powers[k - 2][i];
-            }
-        }
-        Self {
-            points: std::array::from_fn(|j| cosine(2 * j + 1)),
-            values: std::array::from_fn(|k| std::array::from_fn(|j| cosine(k * (2 * j + 1)))),
-            powers,
-        }
-    }
-
-    fn coefficients(&self, values: &[f64; N]) -> [f64; N] {
-        let mut c = self.values.each_ref().map(|row| {
-            let sum: f64 = row.iter().zip(values).map(|(r, v)| r * v).sum();
-            // Divided last: the coefficients of a constant are exact.
-            2.0 * sum / N as f64
-        });
-        c[0] *= 0.5;
-        c
-    }
-
-    /// A Chebyshev series in powers of x.
-    fn to_powers(&self, c: &[f64; N]) -> [f64; N] {
-        let mut out = [0.0; N];
-        // The small terms first.
-        for (ck, row) in c.iter().zip(&self.powers).rev() {
-            for (o, p) in out.iter_mut().zip(row) {
-                *o += ck * p;
-            }
-        }
-        out
-    }
-}
-
-/// Values of a Chebyshev series at several places at once: the loop over the places becomes vector instructions.
-#[inline]
-fn clenshaw<const N: usize>(c: &[f64], x: &[f64; N]) -> [f64; N] {
-    let (mut b1, mut b2) = ([0.0; N], [0.0; N]);
-    for &ck in c[1..].iter().rev() {
-        for j in 0..N {
-            (b1[j], b2[j]) = (2.0 * x[j] * b1[j] - b2[j] + ck, b1[j]);
-        }
-    }
-    std::array::from_fn(|j| x[j] * b1[j] - b2[j] + c[0])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn chebyshev_series_and_powers_agree_with_the_function() {
-        let nodes = Chebyshev::<14>::new();
-        let values = nodes.points.map(|x: f64| (0.3 * x).exp());
-        let c = nodes.coefficients(&values);
-        let p = nodes.to_powers(&c);
-        for x in [-1.0f64, -0.37, 0.0, 0.81, 1.0] {
-            let exact = (0.3 * x).exp();
-            assert!((clenshaw(&c, &[x])[0] - exact).abs() < 4e-15);
-            assert!((p.iter().rev().fold(0.0, |s, &k| s * x + k) - exact).abs() < 4e-15);
-        }
     }
 }

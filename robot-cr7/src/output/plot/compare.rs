@@ -2,7 +2,8 @@
 
 use std::io;
 
-use super::canvas::{LIMIT, PALETTE, Panel, Pen, page, range};
+use super::canvas::{LIMIT, PALETTE, Pen, page};
+use super::panel::{Panel, range};
 use super::{LEFT, RIGHT, WIDTH};
 use crate::run::compare::{Comparison, Entry};
 use crate::text::number;

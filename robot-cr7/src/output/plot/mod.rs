@@ -6,8 +6,11 @@
 mod canvas;
 mod compare;
 mod decimate;
+mod panel;
 mod paper;
 mod run;
+mod run_space;
+mod run_states;
 mod schedule;
 mod speed;
 
@@ -23,7 +26,8 @@ pub use run::{Picture, run_pictures};
 pub use schedule::{joint_panels_picture, shares_picture, speed_picture};
 pub use speed::speed_path_picture;
 
-use canvas::{Anchor, Canvas, LIMIT, PALETTE, Panel, Pen, page, range, widened};
+use canvas::{Anchor, Canvas, LIMIT, PALETTE, Pen, page};
+use panel::{Panel, range, widened};
 
 pub use compare::compare_picture;
 

@@ -2,7 +2,8 @@
 
 use std::io;
 
-use super::canvas::{Anchor, LIMIT, PALETTE, Panel, Pen, page, range, widened};
+use super::canvas::{Anchor, LIMIT, PALETTE, Pen, page};
+use super::panel::{Panel, range, widened};
 use super::schedule::{joint_panels_picture, speed_picture};
 use super::{LEFT, RIGHT, WIDTH};
 use crate::output::paper_figure::{Drawing, PanelPlot, PaperFigure, PlanePlot};

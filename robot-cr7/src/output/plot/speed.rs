@@ -4,7 +4,8 @@ use std::io;
 
 use plotters::style::RGBColor;
 
-use super::canvas::{Anchor, Panel, Pen, page, range, widened};
+use super::canvas::{Anchor, Pen, page};
+use super::panel::{Panel, range, widened};
 use super::{LEFT, RIGHT, WIDTH};
 use crate::text::number;
 
