@@ -1,6 +1,7 @@
 //! Checked input becomes verified motion.
 
 pub(crate) mod advice;
+pub(crate) mod batch;
 pub(crate) mod compare;
 pub(crate) mod cr7;
 pub(crate) mod dense_lines;

@@ -4,6 +4,7 @@ mod advise;
 mod bad_jobs;
 mod bad_path_files;
 #[cfg(feature = "cli")]
+mod batch;
 mod command_line;
 mod common;
 mod compare;

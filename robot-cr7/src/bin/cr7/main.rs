@@ -1,6 +1,7 @@
 //! `cr7`: plan tool paths for the Dobot CR7, look at them, and check what the papers claim.
 
 mod advise;
+mod batch;
 mod compare;
 mod inspect;
 mod joint_move;
@@ -43,6 +44,7 @@ const EXAMPLES: &str = "Examples:
   cr7 plan --job job.toml --json        a job file; the report as JSON on stdout
   cr7 compare job.toml                  every planner on one job
   cr7 advise job.toml                   what each limit costs, and which to raise first
+  cr7 batch jobs.jsonl -j 8             many jobs, one line of JSON each; goes on after an interruption
   cr7 inspect part.csv --unit mm        length, curvature and segments of a path
   cr7 place part.ngc --z-mm 0 --turn    where the workpiece can stand
   cr7 fk --deg 0 -30 90 30 -90 0        where the tool stands
@@ -64,6 +66,8 @@ enum Command {
     Compare(compare::Args),
     /// What each limit of a job costs in seconds, and which to raise first
     Advise(advise::Args),
+    /// Many jobs: a folder of job files or a file with one a line; each planned, verified and told as one line
+    Batch(batch::Args),
     /// Look at a path: length, curvature, segments by each method, a picture
     Inspect(inspect::Args),
     /// Where a workpiece can stand so that the whole path is in reach
@@ -142,6 +146,7 @@ fn main() -> ExitCode {
         Command::Plan(args) => plan::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Advise(args) => advise::run(&args),
+        Command::Batch(args) => batch::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Place(args) => place::run(&args),
         Command::Fk(args) => pose::forward(&args),

@@ -126,18 +126,16 @@ impl OnToolPath for Plan<'_> {
         let fastest = job.sections.iter().fold(fastest, |feed, section| feed.max(section.feed));
         few_enough(task.path().length() / fastest, job.period, LEVERS)?;
         let path;
-        let mut compiled = None;
-        let mut motion = match (args.stream, args.tolerance()) {
+        let (mut motion, compiled) = match (args.stream, args.tolerance()) {
             (Some(ahead), _) => {
                 path = task.tool_path()?;
-                task.plan_streamed(&path, ahead as usize, args.stream_gap_ms * 1e-3)?
+                (task.plan_streamed(&path, ahead as usize, args.stream_gap_ms * 1e-3)?, None)
             }
             (None, Some(tolerance)) => {
                 let (motion, pieces, tool) = task.plan_compiled(tolerance)?;
-                compiled = Some((tolerance, pieces, tool));
-                motion
+                (motion, Some((tolerance, pieces, tool)))
             }
-            (None, None) => task.plan()?,
+            (None, None) => (task.plan()?, None),
         };
         motion.warn(warnings);
         few_enough(motion.trajectory().duration(), motion.trajectory().period(), LEVERS)?;
