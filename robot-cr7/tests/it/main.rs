@@ -10,6 +10,7 @@ mod common;
 mod compare;
 mod csv_tools;
 mod dense_gcode;
+mod docs;
 mod drawing_contours;
 mod drawing_dxf;
 mod drawing_hostile;
