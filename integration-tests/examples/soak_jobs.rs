@@ -19,7 +19,10 @@ fn main() {
         match random_job(seed, every > 0 && seed % every == 0) {
             Outcome::Done(job) => {
                 done += 1;
-                back += usize::from(job.fell_back);
+                if let Some(why) = &job.fallback {
+                    back += 1;
+                    println!("seed {seed}: {:.6} s; {why}", job.duration);
+                }
                 worst_ratio = worst_ratio.max(job.ratio);
                 gaps.extend(job.gap.map(|gap| (gap, seed)));
             }

@@ -33,8 +33,8 @@ pub enum Outcome {
 pub struct Done {
     /// Duration, s.
     pub duration: f64,
-    /// True if the law is not that of the jerk-limited planner.
-    pub fell_back: bool,
+    /// Why the law is not that of the jerk-limited planner, where it is not.
+    pub fallback: Option<String>,
     /// The part of the duration by which it may be longer than the shortest motion, where that was asked for.
     pub gap: Option<f64>,
     /// Largest certified ratio to a limit of the joints.
@@ -140,6 +140,6 @@ fn checked(trajectory: &Trajectory<'_>, bound: bool) -> Outcome {
         Err(error) => return Outcome::Failed(format!("no bound: {error}")),
     };
     let ratio = certificate.worst().map_or(0.0, |worst| worst.ratio());
-    let fell_back = trajectory.info().fallback.is_some();
-    Outcome::Done(Done { duration: trajectory.duration(), fell_back, gap, ratio })
+    let fallback = trajectory.info().fallback.as_ref().map(ToString::to_string);
+    Outcome::Done(Done { duration: trajectory.duration(), fallback, gap, ratio })
 }
