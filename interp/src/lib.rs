@@ -33,7 +33,7 @@
 //! | folder | holds |
 //! |---|---|
 //! | `path` | [`MotionPath`] and its four kinds, the choice of a configuration, the walk by continuity |
-//! | `limits` | [`Limits`], [`ToolLimits`], [`TorqueLimits`], [`FeedSection`] |
+//! | `limits` | [`Limits`], [`ToolLimits`], [`TorqueLimits`], [`JointTables`], [`FeedSection`] |
 //! | `problem` | [`PathProblem`]: grid, bounds, torque |
 //! | `planner`, `method`, `trajectory` | [`Planner`], [`Method`], [`Trajectory`] |
 //! | `verify` | [`Verification`]: the independent check |
@@ -71,7 +71,9 @@ pub use compiled::{
     JointSetpoint, JointSetpoints, JointTrajectory, JointTrajectoryError, ToolBound, ToolCertificate, certify,
 };
 pub use error::{Cause, Infeasibility, LimitError, PathEnd, PathError, PlanError, SpeedError};
-pub use limits::{Extent, FeedSection, Limits, Section, ToolLimits, TorqueLimits};
+pub use limits::{
+    Extent, FeedSection, JointTables, LimitTable, Limits, PayloadTable, Section, TableKind, ToolLimits, TorqueLimits,
+};
 pub use live::{
     Command, Detour, DriveLag, Excursion, HybridError, HybridMotion, HybridState, HybridStep, JointMoveBy, LeaveBy,
     LiveError, LivePath, LiveRoute, LiveTool, LiveToolStep, MAX_CYCLES, MAX_POINTS, SingularInterval, SingularityKind,

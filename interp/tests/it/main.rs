@@ -8,6 +8,7 @@ mod excursions;
 mod joint_check;
 mod joint_lines;
 mod joint_path;
+mod limit_tables;
 mod limits;
 mod live_tool;
 mod locked;
