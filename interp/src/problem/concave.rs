@@ -176,7 +176,8 @@ mod tests {
         // Constant, then a straight fall to half: exact by speed.
         let knee = LimitTable::new(&[[1.0, 1.0], [2.0, 0.5]]).expect("a table");
         assert!(kept(&knee, 2.0, LineBy::Speed) > 1.0 - 1e-12);
-        assert_eq!(kept_by(&knee, 2.0, LineBy::SquaredSpeed), 0.9473);
+        // (9 - 3 w) / (7 - w^2) at w = 3 - sqrt(2).
+        assert_eq!(kept_by(&knee, 2.0, LineBy::SquaredSpeed), 0.9459);
         // A straight fall to half from the start.
         let fall = LimitTable::new(&[[0.0, 1.0], [2.0, 0.5]]).expect("a table");
         assert_eq!(kept_by(&fall, 2.0, LineBy::SquaredSpeed), 0.8536);
