@@ -37,6 +37,7 @@
 //! | `problem` | [`PathProblem`]: grid, bounds, torque |
 //! | `planner`, `method`, `trajectory` | [`Planner`], [`Method`], [`Trajectory`] |
 //! | `verify` | [`Verification`]: the independent check |
+//! | `vibration`, `rms_torque` | [`Vibration`] of a flexible structure; the thermal load of the drives |
 //! | `compiled` | [`JointTrajectory`]: polynomials of the time; [`Certificate`]: what they do between samples |
 //! | `live` | motion that is changed, left and resumed while it runs: [`LivePath`], [`HybridMotion`] |
 //! | [`parameter`] | Taylor steps, closed-loop steps and the arc-length map behind one trait |
@@ -60,9 +61,12 @@ mod path;
 mod place;
 mod planner;
 mod problem;
+mod rms_torque;
 mod setpoint;
+mod time_pieces;
 mod trajectory;
 mod verify;
+mod vibration;
 
 pub use arcfeed_feedrate::{LimitId, Quantity};
 pub use arm::{MIN_SINGULAR_VALUE, PathArm};
@@ -88,3 +92,4 @@ pub use problem::{PathProblem, RowsNeeded};
 pub use setpoint::Setpoint;
 pub use trajectory::{LimitPoint, PlanInfo, Setpoints, Timings, Trajectory};
 pub use verify::{Binding, Check, JointCheck, JointRates, JointSample, Requirement, Verification, verify};
+pub use vibration::{AccelerationPiece, Oscillator, Vibration};

@@ -28,16 +28,28 @@ pub enum LimitError {
         /// The rule and the remedy.
         rule: &'static str,
     },
-    /// A table of limits is for a joint that the arm has not.
-    #[error("a table of limits is for joint {}, but the arm has {joints} joints: give the number of one of them", joint + 1)]
-    TableJoint {
+    /// Something is said of a joint that the arm has not.
+    #[error("{what} is for joint {}, but the arm has {joints} joints: give the number of one of them", joint + 1)]
+    NoSuchJoint {
+        /// What is for that joint.
+        what: &'static str,
         /// Which joint, from 0.
         joint: usize,
         /// Number of joints.
         joints: usize,
     },
+    /// A natural frequency or a damping is unusable.
+    #[error("oscillator: {value}, but {rule}")]
+    Oscillator {
+        /// The value given.
+        value: f64,
+        /// The rule.
+        rule: &'static str,
+    },
     /// A payload is beyond those of a table.
-    #[error("the payload is {payload} kg, but the table of limits is for 0 to {most} kg: add a column, or take off load")]
+    #[error(
+        "the payload is {payload} kg, but the table of limits is for 0 to {most} kg: add a column, or take off load"
+    )]
     Payload {
         /// The payload, kg.
         payload: f64,

@@ -110,7 +110,11 @@ impl PayloadTable {
             return wrong(0, value, "payloads are finite numbers of 0 kg or more: correct them");
         }
         if payloads.is_empty() || !increase {
-            return wrong(0, payloads.len() as f64, "payloads have to increase from column to column: sort the columns");
+            return wrong(
+                0,
+                payloads.len() as f64,
+                "payloads have to increase from column to column: sort the columns",
+            );
         }
         for (row, (_, limits)) in rows.iter().enumerate() {
             if limits.len() != payloads.len() {
@@ -219,10 +223,10 @@ impl<const N: usize> JointTables<N> {
     /// limit at lower speeds goes on.
     ///
     /// # Errors
-    /// [`LimitError::TableJoint`] for a joint that the arm has not, [`LimitError::Table`] for speeds below 0.
+    /// [`LimitError::NoSuchJoint`] for a joint that the arm has not, [`LimitError::Table`] for speeds below 0.
     pub fn with(mut self, kind: TableKind, joint: usize, table: LimitTable) -> Result<Self, LimitError> {
         if joint >= N {
-            return Err(LimitError::TableJoint { joint, joints: N });
+            return Err(LimitError::NoSuchJoint { what: "a table of limits", joint, joints: N });
         }
         let first = table.points[0][0];
         if kind.is_by_speed() && first < 0.0 {

@@ -150,7 +150,8 @@ impl<'p, const N: usize> PathProblem<'p, N> {
         let tables = settings.limits.tables().filter(|tables| !tables.is_empty());
         let feed = if feeds.is_empty() { f64::INFINITY } else { feeds.iter().copied().fold(0.0, f64::max) };
         let tables = tables.map(|tables| TablePath::of(&settings.limits, tables, &joints, &bounds, feed));
-        let lines = || tables.as_ref().map_or_else(|| std::array::from_fn(|_| Vec::new()), |tables| tables.torque.clone());
+        let lines =
+            || tables.as_ref().map_or_else(|| std::array::from_fn(|_| Vec::new()), |tables| tables.torque.clone());
         Self {
             tool_rates: tool_limited.then(|| ToolRates::of(settings.arm, &joints, &middles)),
             torque: torque.map(|torque| TorquePath::of(&joints, &middles, torque, lines())),

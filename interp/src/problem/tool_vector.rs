@@ -121,7 +121,8 @@ impl ToolVectors {
     pub fn jerk(&self, limit: f64, margin: f64, period: f64) -> ToolJerk<'_> {
         let frames: Vec<Frame> = (0..self.middles.len()).map(|k| self.frame(k, limit)).collect();
         // As many lines as the component off the plane can reach.
-        let reached = |k: usize| if frames[k].off_plane == 0.0 { 0.0 } else { frames[k].off_plane * self.fastest[k].powi(2) };
+        let reached =
+            |k: usize| if frames[k].off_plane == 0.0 { 0.0 } else { frames[k].off_plane * self.fastest[k].powi(2) };
         let most = (0..frames.len()).map(reached).fold(0.0, f64::max);
         let lines = STEPS.iter().skip(1).position(|y| *y >= most).map_or(STEPS.len() - 1, |last| last + 1);
         ToolJerk { vectors: self, frames, lines, limit, of_rows: 1.0 - margin, period }
@@ -293,7 +294,9 @@ mod tests {
     /// How far a motion may grow before a row holds it back, in units of the limit on the magnitude: the least and the most of all.
     fn kept(seed: u64, of: impl Fn(&mut Random) -> f64) -> [f64; 2] {
         let mut random = Random::new(seed);
-        (0..20_000).map(|_| of(&mut random)).fold([f64::INFINITY, 0.0], |[low, high], kept| [low.min(kept), high.max(kept)])
+        (0..20_000)
+            .map(|_| of(&mut random))
+            .fold([f64::INFINITY, 0.0], |[low, high], kept| [low.min(kept), high.max(kept)])
     }
 
     #[test]

@@ -38,7 +38,9 @@ impl Told {
             let torque = Joints::from([150.0, 150.0, 80.0, 30.0, 25.0, 20.0]) * part;
             limits = limits.with_torque(arm.dynamics().expect("known"), torque).expect("above 0");
         }
-        Planner::new(arm, limits.with_tool(self.tool).with_tables(&self.tables)).with_chord_tolerance(1e-3).expect("valid")
+        Planner::new(arm, limits.with_tool(self.tool).with_tables(&self.tables))
+            .with_chord_tolerance(1e-3)
+            .expect("valid")
     }
 }
 
@@ -208,7 +210,8 @@ fn by_differences(arm: &Arm<6>, told: &Told, plan: &Trajectory<'_>) -> [f64; 4] 
                 all.map(|(q, v)| limits_at(told, j, q, v)[which]).fold(0.0, f64::max)
             };
             let margin = told.rates[1] * dt;
-            let over = |v: &[f64]| v.iter().flat_map(|v| [v.abs() - margin, v.abs() + margin]).map(|v| v.max(0.0)).collect();
+            let over =
+                |v: &[f64]| v.iter().flat_map(|v| [v.abs() - margin, v.abs() + margin]).map(|v| v.max(0.0)).collect();
             let (two, three): (Vec<f64>, Vec<f64>) = (over(&[v0, v1]), over(&[v0, v1, v2]));
             most[0] = most[0].max((v1 - v0).abs() / dt / highest(0, &two, &[a, b, c]));
             most[1] = most[1].max((v2 - 2.0 * v1 + v0).abs() / dt / dt / highest(1, &three, &[a, b, c, d]));

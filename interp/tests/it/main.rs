@@ -21,6 +21,7 @@ mod sampling;
 mod singular;
 mod six_joints;
 mod verify;
+mod vibration;
 
 #[path = "common/qb.rs"]
 mod qb;

@@ -9,7 +9,7 @@ use nalgebra::Unit;
 use super::error::{InputError, read_text, text_of};
 use super::job::{FeedLimits, Job, Payload, ToolOrientation, TorqueJob};
 use super::job_file::{
-    RawFeed, RawJob, RawMode, RawOrientation, RawPath, RawPlan, RawRapid, RawSection, RawStart, RawThrough, RawTorque,
+    RawFeed, RawJob, RawMode, RawOrientation, RawPath, RawPlan, RawRapid, RawSection, RawStart, RawThrough,
 };
 use super::rapid_moves::{RapidKind, RapidMoves};
 use super::toml_check::{Check, read_toml, rotation};
@@ -104,7 +104,9 @@ impl JobCheck<'_> {
             feed,
             rapid: self.rapid(&raw.feed, default.rapid)?,
             sections: raw.sections.iter().enumerate().map(|(i, raw)| self.section(i, raw)).collect::<Result<_, _>>()?,
-            torque: self.torque(&raw.torque)?,
+            torque: self.torque(raw)?,
+            tables: self.tables(raw)?,
+            vibrations: self.vibrations(raw)?,
             joints: self.0.overrides("joints", &raw.joints)?,
             chord_tolerance: self.0.limit_or(
                 "tolerance.chord_mm",
@@ -173,6 +175,8 @@ impl JobCheck<'_> {
                 default.normal_acceleration,
             )?,
             normal_jerk: self.0.limit("feed.normal_jerk_mm_s3", raw.normal_jerk_mm_s3, mm)?,
+            tool_acceleration: self.0.limit("feed.tool_acceleration_mm_s2", raw.tool_acceleration_mm_s2, mm)?,
+            tool_jerk: self.0.limit("feed.tool_jerk_mm_s3", raw.tool_jerk_mm_s3, mm)?,
             angular_speed: self.0.limit(
                 "feed.angular_speed_deg_s",
                 raw.angular_speed_deg_s,
@@ -293,8 +297,10 @@ impl JobCheck<'_> {
         })
     }
 
-    fn torque(&self, raw: &RawTorque) -> Result<Option<TorqueJob>, InputError> {
+    fn torque(&self, job: &RawJob) -> Result<Option<TorqueJob>, InputError> {
+        let raw = &job.torque;
         let limit = raw.limit_nm.as_ref().map(|values| self.0.limits("torque.limit_nm", values, 1.0)).transpose()?;
+        let rated = raw.rated_nm.as_ref().map(|values| self.0.limits("torque.rated_nm", values, 1.0)).transpose()?;
         let mass = self.0.limit("torque.payload_kg", raw.payload_kg, 1.0)?;
         let centre = raw.payload_centre_mm.map(|mm| self.0.finite("torque.payload_centre_mm", mm)).transpose()?;
         let without = |key: &str, rule, remedy| Err(self.0.wrong(key, "given", rule, remedy));
@@ -307,12 +313,16 @@ impl JobCheck<'_> {
             let rule = "torque.limited = false leaves the torque out of account";
             return without("torque.limit_nm", rule, "remove one of the two keys");
         }
-        if !limited && mass.is_some() {
-            let rule = "a payload counts only where the torque is limited";
-            return without("torque.payload_kg", rule, "add torque.limited = true, or torque.limit_nm");
+        if !limited && rated.is_some() {
+            let rule = "a rated torque is held against the torque of a motion, which has to be limited";
+            return without("torque.rated_nm", rule, "add torque.limited = true, or torque.limit_nm");
+        }
+        if !limited && mass.is_some() && !job.tables.iter().any(|table| table.payload_kg.is_some()) {
+            let rule = "a payload counts only where the torque is limited, or a table of limits has payloads";
+            return without("torque.payload_kg", rule, "add torque.limited = true, torque.limit_nm, or such a table");
         }
         let payload = mass.map(|mass| Payload { mass, centre: centre.unwrap_or_default() / 1e3 });
-        Ok(limited.then_some(TorqueJob { limit, payload }))
+        Ok(limited.then_some(TorqueJob { limit, rated, payload }))
     }
 
     fn method(&self, raw: &RawPlan) -> Result<Method, InputError> {

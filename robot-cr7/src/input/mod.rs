@@ -16,6 +16,7 @@ pub(crate) mod rapid_moves;
 pub(crate) mod sample_paths;
 pub(crate) mod scenario;
 pub(crate) mod schedule_file;
+pub(crate) mod table_reader;
 pub(crate) mod toml_check;
 pub(crate) mod tool_scenario;
 pub(crate) mod unit;
