@@ -19,4 +19,5 @@ pub(crate) mod schedule_file;
 pub(crate) mod table_reader;
 pub(crate) mod toml_check;
 pub(crate) mod tool_scenario;
+pub(crate) mod torque_reader;
 pub(crate) mod unit;

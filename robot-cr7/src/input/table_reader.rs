@@ -25,7 +25,12 @@ impl JobCheck<'_> {
             (None, Some(positions)) => (false, "position_deg", positions),
             _ => {
                 let rule = "a table has one argument: speed_deg_s or position_deg";
-                return Err(self.0.wrong(&format!("tables[{index}]"), "not one of them", rule, "give exactly one of the two"));
+                return Err(self.0.wrong(
+                    &format!("tables[{index}]"),
+                    "not one of them",
+                    rule,
+                    "give exactly one of the two",
+                ));
             }
         };
         let given = [
@@ -36,7 +41,12 @@ impl JobCheck<'_> {
         let mut limits = given.into_iter().filter_map(|(name, columns)| Some((name, columns.as_ref()?)));
         let (Some((name, columns)), None) = (limits.next(), limits.next()) else {
             let rule = "a table limits one thing: acceleration_deg_s2, jerk_deg_s3 or torque_nm";
-            return Err(self.0.wrong(&format!("tables[{index}]"), "not one of them", rule, "give exactly one of the three"));
+            return Err(self.0.wrong(
+                &format!("tables[{index}]"),
+                "not one of them",
+                rule,
+                "give exactly one of the three",
+            ));
         };
         let kind = match (name, by_speed) {
             ("acceleration_deg_s2", true) => TableKind::AccelerationBySpeed,
@@ -46,12 +56,22 @@ impl JobCheck<'_> {
             (_, true) => TableKind::TorqueBySpeed,
             (_, false) => {
                 let rule = "torque is limited by speed";
-                return Err(self.0.wrong(&key("torque_nm"), "by position", rule, "give speed_deg_s in place of position_deg"));
+                return Err(self.0.wrong(
+                    &key("torque_nm"),
+                    "by position",
+                    rule,
+                    "give speed_deg_s in place of position_deg",
+                ));
             }
         };
         if kind == TableKind::TorqueBySpeed && !job.torque.limited.unwrap_or(job.torque.limit_nm.is_some()) {
             let rule = "a table of torque counts only where the torque is limited";
-            return Err(self.0.wrong(&key("torque_nm"), "given", rule, "add torque.limited = true, or remove the table"));
+            return Err(self.0.wrong(
+                &key("torque_nm"),
+                "given",
+                rule,
+                "add torque.limited = true, or remove the table",
+            ));
         }
         self.arguments(&key(argument), arguments, by_speed)?;
         let arguments: Vec<f64> = arguments.iter().map(|degrees| degrees / PER_RADIAN).collect();
@@ -66,7 +86,9 @@ impl JobCheck<'_> {
         let Some(number) = joint else { return Ok(None) };
         match usize::try_from(number).ok().and_then(|number| number.checked_sub(1)) {
             Some(joint) => Ok(Some(joint)),
-            None => Err(self.0.wrong(key, number, "joints count from 1", "give the number of a joint, or remove the key")),
+            None => {
+                Err(self.0.wrong(key, number, "joints count from 1", "give the number of a joint, or remove the key"))
+            }
         }
     }
 
@@ -77,11 +99,17 @@ impl JobCheck<'_> {
         for (row, &value) in arguments.iter().enumerate() {
             let key = format!("{key}[{row}]");
             if !value.is_finite() || by_speed && value < 0.0 {
-                let rule = if by_speed { "a speed is a finite number, 0 or more" } else { "it has to be a finite number" };
+                let rule =
+                    if by_speed { "a speed is a finite number, 0 or more" } else { "it has to be a finite number" };
                 return Err(self.0.wrong(&key, value, rule, "write a plain number"));
             }
             if row > 0 && !(arguments[row - 1] < value) {
-                return Err(self.0.wrong(&key, value, "arguments increase from row to row", "sort the rows of the table"));
+                return Err(self.0.wrong(
+                    &key,
+                    value,
+                    "arguments increase from row to row",
+                    "sort the rows of the table",
+                ));
             }
         }
         Ok(())
@@ -120,7 +148,8 @@ impl JobCheck<'_> {
     ) -> Result<LimitTable, InputError> {
         let key = format!("tables[{index}].payload_kg");
         let table = |column: &[f64]| {
-            let points: Vec<[f64; 2]> = arguments.iter().copied().zip(column.iter().copied()).map(|(x, y)| [x, y]).collect();
+            let points: Vec<[f64; 2]> =
+                arguments.iter().copied().zip(column.iter().copied()).map(|(x, y)| [x, y]).collect();
             LimitTable::new(&points).map_err(|error| {
                 let rule = "a table has limits above 0 at increasing arguments";
                 self.0.wrong(&format!("tables[{index}]"), error, rule, "correct the table")
@@ -138,7 +167,12 @@ impl JobCheck<'_> {
         };
         if payloads.len() != columns.len() {
             let value = format!("{} payloads for {} lists of limits", payloads.len(), columns.len());
-            return Err(self.0.wrong(&key, value, "each payload has a list of limits", "give one list for each payload"));
+            return Err(self.0.wrong(
+                &key,
+                value,
+                "each payload has a list of limits",
+                "give one list for each payload",
+            ));
         }
         let row = |i: usize| (arguments[i], columns.iter().map(|column| column[i]).collect::<Vec<f64>>());
         let rows: Vec<(f64, Vec<f64>)> = (0..arguments.len()).map(row).collect();

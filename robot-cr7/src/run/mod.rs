@@ -1,6 +1,7 @@
 //! Checked input becomes verified motion.
 
 pub(crate) mod advice;
+pub(crate) mod calm;
 pub(crate) mod compare;
 pub(crate) mod cr7;
 pub(crate) mod dense_lines;
@@ -31,6 +32,7 @@ pub(crate) mod programmed;
 pub(crate) mod rapid_run;
 pub(crate) mod robot;
 pub(crate) mod samples;
+pub(crate) mod side_effects;
 pub(crate) mod speed_task;
 pub(crate) mod stage;
 pub(crate) mod stand_in;
