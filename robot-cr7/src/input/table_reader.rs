@@ -103,7 +103,7 @@ impl JobCheck<'_> {
                     if by_speed { "a speed is a finite number, 0 or more" } else { "it has to be a finite number" };
                 return Err(self.0.wrong(&key, value, rule, "write a plain number"));
             }
-            if row > 0 && !(arguments[row - 1] < value) {
+            if row > 0 && arguments[row - 1] >= value {
                 return Err(self.0.wrong(
                     &key,
                     value,

@@ -40,6 +40,7 @@ pub(crate) mod stream;
 pub(crate) mod stretch;
 pub(crate) mod task;
 pub(crate) mod task_limits;
+pub(crate) mod task_planner;
 pub(crate) mod tool_check;
 pub(crate) mod tool_run;
 pub(crate) mod trajectory_row;

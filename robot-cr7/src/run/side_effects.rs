@@ -151,3 +151,8 @@ pub(crate) fn check_joints<const N: usize>(vibrations: &[VibrationJob]) -> Resul
         None => Ok(()),
     }
 }
+
+/// What is said of jerk that was lowered for the sake of vibration.
+pub(crate) fn calm_words(jerk: f64) -> Option<String> {
+    (jerk < 1.0).then(|| format!("the jerk of the joints is {jerk:.3} of its limit, to keep the limits on vibration"))
+}

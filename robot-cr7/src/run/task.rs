@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 use arcfeed_feedrate::{FeedError, FeedPlanner, StreamedScan};
 use arcfeed_geometry::PosePath;
 use arcfeed_interp::{
-    CompileError, CompiledPlan, JointTables, JointTrajectory, LimitError, Limits, Method, MotionPath, PathArm,
-    PathError, PlanError, Planner, Setpoints, ToolCertificate, ToolLimits, ToolPath, Trajectory,
+    CompileError, CompiledPlan, JointTrajectory, LimitError, Method, MotionPath, PathArm, PathError, PlanError,
+    Setpoints, ToolCertificate, ToolLimits, ToolPath, Trajectory,
 };
 use arcfeed_kinematics::{AnalyticInverse, JointLimits, Joints, ParallelAxisArm};
 use nalgebra::Vector3;
@@ -18,7 +18,7 @@ use super::outline::Outline;
 use super::placed_path::{PlacedPath, PointFit, tool_of};
 use super::plan_error::{line_words, plan_error, reach_hint};
 use super::robot::{Drives, Robot};
-use super::side_effects::{ThermalLine, VibrationLine, check_joints};
+use super::side_effects::{ThermalLine, VibrationLine, calm_words, check_joints};
 use super::stream::StreamReport;
 use super::task_limits::{TaskLimits, tables_of};
 use crate::input::job::{Job, VibrationJob};
@@ -55,19 +55,19 @@ pub struct Motion<'t, const N: usize = 6> {
 pub struct Task<A = ParallelAxisArm, const N: usize = 6> {
     name: String,
     file: String,
-    arm: A,
+    pub(super) arm: A,
     start: Joints<N>,
     path: PosePath,
-    limits: TaskLimits<N>,
-    drives: Option<Drives<N>>,
+    pub(super) limits: TaskLimits<N>,
+    pub(super) drives: Option<Drives<N>>,
     vibrations: Vec<VibrationJob>,
     stops: Vec<f64>,
     outline: Option<Outline>,
     fit: Option<PointFit>,
-    end_speeds: [f64; 2],
-    chord_tolerance: f64,
-    period: f64,
-    method: Method,
+    pub(super) end_speeds: [f64; 2],
+    pub(super) chord_tolerance: f64,
+    pub(super) period: f64,
+    pub(super) method: Method,
     preparation: Duration,
     warnings: Vec<String>,
 }
@@ -257,64 +257,6 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
     fn tool_path_near(&self, near: &Joints<N>) -> Result<ToolPath<'_, N>, Cr7Error> {
         let path = ToolPath::starting_near(&self.arm, self.path.clone(), near);
         Ok(path.map_err(|source| self.error(source.into()))?.with_stops(&self.stops))
-    }
-
-    /// The planner with all limits of the job.
-    ///
-    /// # Errors
-    /// [`Cr7Error::Plan`] for a limit that cannot be used.
-    pub fn planner(&self) -> Result<Planner<'_, N>, Cr7Error> {
-        self.planner_within(&self.limits)
-    }
-
-    /// The limits of the job.
-    pub(crate) fn own_limits(&self) -> &TaskLimits<N> {
-        &self.limits
-    }
-
-    /// The planner with other limits.
-    ///
-    /// # Errors
-    /// As [`Task::planner`].
-    pub(crate) fn planner_within<'t>(&'t self, limits: &'t TaskLimits<N>) -> Result<Planner<'t, N>, Cr7Error> {
-        self.planner_beside(limits, &limits.tables)
-    }
-
-    /// The same with tables from elsewhere in place of its own.
-    ///
-    /// # Errors
-    /// As [`Task::planner`].
-    pub(crate) fn planner_beside<'t>(
-        &'t self,
-        limits: &TaskLimits<N>,
-        tables: &'t JointTables<N>,
-    ) -> Result<Planner<'t, N>, Cr7Error> {
-        let [v_start, v_end] = self.end_speeds;
-        let planner = self.planner_under(limits, tables).and_then(|planner| planner.with_end_speeds(v_start, v_end));
-        Ok(planner.map_err(|source| self.error(source))?.with_sections(limits.sections.clone()))
-    }
-
-    /// The planner of joint moves from rest to rest: with the limits of the joints and of their torque, and with that of the angular
-    /// speed of the tool.
-    pub(crate) fn joint_planner(&self) -> Result<Planner<'_, N>, PlanError> {
-        let tool = match self.limits.tool.angular_speed() {
-            Some(speed) => ToolLimits::new().with_angular_speed(speed)?,
-            None => ToolLimits::new(),
-        };
-        self.planner_under(&TaskLimits { tool, ..self.limits.clone() }, &self.limits.tables)
-    }
-
-    fn planner_under<'t>(
-        &'t self,
-        within: &TaskLimits<N>,
-        tables: &'t JointTables<N>,
-    ) -> Result<Planner<'t, N>, PlanError> {
-        let mut limits = Limits::new(within.joints).with_tool(within.tool).with_tables(tables);
-        if let (Some(drives), Some(torque)) = (&self.drives, within.torque) {
-            limits = limits.with_torque(&drives.dynamics, torque)?;
-        }
-        let planner = Planner::new(&self.arm, limits).with_chord_tolerance(self.chord_tolerance)?;
-        Ok(planner.with_period(self.period)?.with_method(self.method))
     }
 
     /// The error of a planner, with the file and a likely cause.
@@ -529,11 +471,6 @@ pub(crate) fn corner_words(corners: usize) -> Option<String> {
 /// What is said where a certificate leaves limits out.
 const UNCERTIFIED: &str =
     "the plan keeps [[tables]], tool_acceleration and tool_jerk; the certificate of the polynomials leaves them out";
-
-/// What is said of jerk that was lowered for the sake of vibration.
-fn calm_words(jerk: f64) -> Option<String> {
-    (jerk < 1.0).then(|| format!("the jerk of the joints is {:.3} of its limit, to keep the limits on vibration", jerk))
-}
 
 /// Points of each chord segment, dense enough to be drawn as a curve, seen along the workpiece's z axis (m).
 pub fn drawn_segments<const N: usize>(
