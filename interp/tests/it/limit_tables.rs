@@ -5,8 +5,8 @@ use crate::qb;
 
 use arcfeed_geometry::{ArcLengthCurve, NurbsCurve, OrientationPath, PosePath};
 use arcfeed_interp::{
-    JointSpline, JointTables, LimitError, LimitTable, Limits, MotionPath, PlanError, Planner, PoseMove, Quantity,
-    RowsNeeded, TableKind, ToolLimits, ToolPath, Trajectory, Verification,
+    JointSpline, JointTables, LimitError, LimitTable, Limits, Method, MotionPath, PlanError, Planner, PoseMove,
+    Quantity, RowsNeeded, TableKind, ToolLimits, ToolPath, Trajectory, Verification,
 };
 use arcfeed_kinematics::{Arm, ForwardKinematics, Joints};
 use arcfeed_testing::Random;
@@ -247,6 +247,37 @@ fn tool_jerk_holds_where_the_curvature_jumps() {
     let verification = planner.verify(&problem, free.law(), true).expect("on the path");
     for quantity in [Quantity::ToolJerk, Quantity::ToolAcceleration] {
         assert!(verification.worst_of(quantity).expect("looked at").ratio > 1.5, "{quantity}");
+    }
+}
+
+/// Every planner keeps them; those that limit jerk keep the tables of jerk as well.
+#[test]
+fn every_planner_keeps_tables_and_vectors() {
+    let arm = qb::arm();
+    let (half_circle, spline) = (half_circle(&arm), way_points());
+    let mut told = Kind::TorqueBySpeed.told(0.6);
+    for kind in [Kind::AccelerationBySpeed, Kind::JerkBySpeed] {
+        let more = kind.told(1.0).tables;
+        for table in TableKind::ALL {
+            for j in 0..6 {
+                if let Some(found) = more.of(table, j) {
+                    told.tables = told.tables.with(table, j, found.clone()).expect("a joint");
+                }
+            }
+        }
+    }
+    told.tool = told.tool.with_acceleration(1.5).and_then(|tool| tool.with_jerk(30.0)).expect("above 0");
+    for path in [&half_circle as &dyn MotionPath<6>, &spline] {
+        for method in Method::ALL {
+            let plan = told.planner(&arm).with_method(method).plan(path);
+            let plan = plan.unwrap_or_else(|error| panic!("{method}: {error}"));
+            assert!(plan.verification().holds(TOLERANCE), "{method}: {:?}", plan.verification().worst());
+            for quantity in [Quantity::JointAcceleration, Quantity::JointTorque, Quantity::ToolAcceleration] {
+                assert!(plan.verification().worst_of(quantity).is_some(), "{method}: {quantity} was not looked at");
+            }
+            let looked_at = plan.verification().worst_of(Quantity::ToolJerk).is_some();
+            assert_eq!(looked_at, method.limits_jerk(), "{method}");
+        }
     }
 }
 
