@@ -28,6 +28,10 @@ pub enum Quantity {
     NormalAcceleration,
     /// Normal jerk of the tool.
     NormalJerk,
+    /// Magnitude of the acceleration of the tool point.
+    ToolAcceleration,
+    /// Magnitude of the jerk of the tool point.
+    ToolJerk,
     /// Distance of the path from the straight line between two setpoints.
     ChordError,
     /// Distance of the tool from its path.
@@ -75,6 +79,8 @@ impl Quantity {
             Self::TangentialJerk => "tangential jerk",
             Self::NormalAcceleration => "normal acceleration",
             Self::NormalJerk => "normal jerk",
+            Self::ToolAcceleration => "tool acceleration",
+            Self::ToolJerk => "tool jerk",
             Self::ChordError => "chord error",
             Self::PathDeviation => "deviation from the path",
             Self::OrientationDeviation => "turn away from the path",
@@ -101,8 +107,8 @@ impl Quantity {
             Self::JointJerk => "rad/s^3",
             Self::JointTorque => "N m",
             Self::Feed | Self::Corner | Self::StartSpeed | Self::EndSpeed | Self::ControllableSet => "m/s",
-            Self::TangentialAcceleration | Self::NormalAcceleration => "m/s^2",
-            Self::TangentialJerk | Self::NormalJerk => "m/s^3",
+            Self::TangentialAcceleration | Self::NormalAcceleration | Self::ToolAcceleration => "m/s^2",
+            Self::TangentialJerk | Self::NormalJerk | Self::ToolJerk => "m/s^3",
             Self::ChordError | Self::PathDeviation => "m",
             Self::Continuity | Self::Ends | Self::SetpointAgreement | Self::Other => "1",
         }

@@ -33,10 +33,11 @@
 //! | folder | holds |
 //! |---|---|
 //! | `path` | [`MotionPath`] and its four kinds, the choice of a configuration, the walk by continuity |
-//! | `limits` | [`Limits`], [`ToolLimits`], [`TorqueLimits`], [`FeedSection`] |
+//! | `limits` | [`Limits`], [`ToolLimits`], [`TorqueLimits`], [`JointTables`], [`FeedSection`] |
 //! | `problem` | [`PathProblem`]: grid, bounds, torque |
 //! | `planner`, `method`, `trajectory` | [`Planner`], [`Method`], [`Trajectory`] |
 //! | `verify` | [`Verification`]: the independent check |
+//! | `vibration`, `rms_torque` | [`Vibration`] of a flexible structure; the thermal load of the drives |
 //! | `compiled` | [`JointTrajectory`]: polynomials of the time; [`Certificate`]: what they do between samples |
 //! | `live` | motion that is changed, left and resumed while it runs: [`LivePath`], [`HybridMotion`] |
 //! | [`parameter`] | Taylor steps, closed-loop steps and the arc-length map behind one trait |
@@ -60,9 +61,12 @@ mod path;
 mod place;
 mod planner;
 mod problem;
+mod rms_torque;
 mod setpoint;
+mod time_pieces;
 mod trajectory;
 mod verify;
+mod vibration;
 
 pub use arcfeed_feedrate::{LimitId, Quantity};
 pub use arm::{MIN_SINGULAR_VALUE, PathArm};
@@ -72,7 +76,9 @@ pub use compiled::{
     certify,
 };
 pub use error::{Cause, Infeasibility, LimitError, PathEnd, PathError, PlanError, SpeedError};
-pub use limits::{Extent, FeedSection, Limits, Section, ToolLimits, TorqueLimits};
+pub use limits::{
+    Extent, FeedSection, JointTables, LimitTable, Limits, PayloadTable, Section, TableKind, ToolLimits, TorqueLimits,
+};
 pub use live::{
     Command, Detour, DriveLag, Excursion, HybridError, HybridMotion, HybridState, HybridStep, JointMoveBy, LeaveBy,
     LiveError, LivePath, LiveRoute, LiveTool, LiveToolStep, MAX_CYCLES, MAX_POINTS, SingularInterval, SingularityKind,
@@ -87,3 +93,4 @@ pub use problem::{PathProblem, RowsNeeded};
 pub use setpoint::Setpoint;
 pub use trajectory::{LimitPoint, PlanInfo, Setpoints, Timings, Trajectory};
 pub use verify::{Binding, Check, JointCheck, JointRates, JointSample, Requirement, Verification, verify};
+pub use vibration::{AccelerationPiece, Oscillator, Vibration};

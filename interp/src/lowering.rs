@@ -82,6 +82,8 @@ pub(crate) fn lower_where_exceeded(
                 | Quantity::JointAcceleration
                 | Quantity::TangentialJerk
                 | Quantity::TangentialAcceleration
+                | Quantity::ToolAcceleration
+                | Quantity::ToolJerk
         );
         if by_rows {
             for excess in verification.excesses(check.id) {

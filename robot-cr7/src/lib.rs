@@ -15,7 +15,7 @@ pub use input::error::InputError;
 pub use input::gcode::{
     GcodeFault, GcodeMarker, GcodeMove, GcodeOptions, GcodeProgram, MarkerKind, MoveKind, MoveShape, PathControl,
 };
-pub use input::job::{FeedLimits, Job, Payload, ToolOrientation, TorqueJob};
+pub use input::job::{FeedLimits, Job, Payload, TableJob, ToolOrientation, TorqueJob, VibrationJob};
 pub use input::joint_values::{JointOverrides, JointValues};
 pub use input::online_file::OnlineFile;
 pub use input::online_scenario::OnlineScenario;
@@ -68,6 +68,7 @@ pub use run::program_samples::{ProgramSample, ProgramSamples};
 pub use run::program_task::ProgramTask;
 pub use run::robot::{Drives, Robot};
 pub use run::samples::{MOST_CYCLES, MOST_SAMPLES, TooManySamples, few_enough, sample_times};
+pub use run::side_effects::{ThermalLine, VibrationLine};
 pub use run::speed_task::SpeedTask;
 pub use run::stage::Stage;
 pub use run::stream::StreamReport;

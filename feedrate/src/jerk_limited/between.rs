@@ -237,8 +237,8 @@ impl<'a> Inside<'a> {
         let (problem, k, edges) = (self.problem, self.k, &self.edges);
         let (near, middle, far) = (problem.rows(k), problem.middle_rows(k), problem.rows(k + 1));
         for (j, row) in middle.iter().enumerate() {
-            let Some(p) = matching(near, row, j, middle.len(), false).map(|j| &near[j]) else { continue };
-            let Some(q) = matching(far, row, j, middle.len(), true).map(|j| &far[j]) else { continue };
+            let Some(p) = matching(near, middle, j, false).map(|j| &near[j]) else { continue };
+            let Some(q) = matching(far, middle, j, true).map(|j| &far[j]) else { continue };
             let [least, most] = if self.rests || row.c != 0.0 {
                 self.range_of([p, row, q])
             } else {

@@ -47,8 +47,8 @@ impl FeedProblem {
     pub(crate) fn through(&self, k: usize) -> impl Iterator<Item = [&Row; 3]> {
         let (near, middle, far) = (self.rows(k), self.middle_rows(k), self.rows(k + 1));
         middle.iter().enumerate().filter_map(move |(j, m)| {
-            let p = matching(near, m, j, middle.len(), false).map(|j| &near[j])?;
-            let q = matching(far, m, j, middle.len(), true).map(|j| &far[j])?;
+            let p = matching(near, middle, j, false).map(|j| &near[j])?;
+            let q = matching(far, middle, j, true).map(|j| &far[j])?;
             Some([p, m, q])
         })
     }
@@ -156,7 +156,7 @@ impl FeedProblem {
         let mix = quadratic(fraction);
         let (near, middle, far) = (self.rows(k), self.middle_rows(k), self.rows(k + 1));
         let between = |(j, m): (usize, &Row)| {
-            let ends = matching(near, m, j, middle.len(), false).zip(matching(far, m, j, middle.len(), true));
+            let ends = matching(near, middle, j, false).zip(matching(far, middle, j, true));
             let (p, q) = ends.map_or((m, m), |(p, q)| (&near[p], &far[q]));
             Row { a: mix(p.a, m.a, q.a), b: mix(p.b, m.b, q.b), c: mix(p.c, m.c, q.c), d: mix(p.d, m.d, q.d), ..*m }
         };
@@ -183,13 +183,40 @@ pub(crate) fn quadratic(fraction: f64) -> impl Fn(f64, f64, f64) -> f64 {
 }
 
 /// The index of the row at an end of an interval that belongs to row `j` of its middle: the same
-/// index, or the same source where a jump doubles the rows of a point (those after it come first).
-pub(crate) fn matching(rows: &[Row], middle: &Row, j: usize, count: usize, last: bool) -> Option<usize> {
-    if rows.len() == count {
-        Some(j)
-    } else if last {
-        rows.iter().rposition(|row| row.source == middle.source)
+/// index, or, where a jump doubles the rows of a point (those after it come first), the one that
+/// comes at the same place among the rows of its source.
+pub(crate) fn matching(rows: &[Row], middle: &[Row], j: usize, last: bool) -> Option<usize> {
+    if rows.len() == middle.len() {
+        return Some(j);
+    }
+    let source = middle[j].source;
+    let same = |row: &&Row| row.source == source;
+    let of_source = |(_, row): &(usize, &Row)| row.source == source;
+    if last {
+        let later = middle[j + 1..].iter().filter(same).count();
+        rows.iter().enumerate().rev().filter(of_source).nth(later).map(|(i, _)| i)
     } else {
-        rows.iter().position(|row| row.source == middle.source)
+        let earlier = middle[..j].iter().filter(same).count();
+        rows.iter().enumerate().filter(of_source).nth(earlier).map(|(i, _)| i)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::row::Quantity;
+
+    /// Two rows of one source and one of another: doubled at a jump, each finds its own.
+    #[test]
+    fn rows_of_one_source_keep_their_order_where_a_jump_doubles_them() {
+        let [one, other] = [0, 1].map(|joint| LimitId::joint(Quantity::JointAcceleration, joint));
+        let row = |a: f64, source| Row::symmetric(a, 0.0, 1.0, source);
+        let middle = [row(1.0, one), row(2.0, one), row(3.0, other)];
+        let after = [row(10.0, one), row(20.0, one), row(30.0, other)];
+        let before = [row(11.0, one), row(21.0, one), row(31.0, other)];
+        let point: Vec<Row> = after.iter().chain(&before).copied().collect();
+        let found = |last: bool| [0, 1, 2].map(|j| matching(&point, &middle, j, last).map(|i| point[i].a));
+        assert_eq!(found(false), [Some(10.0), Some(20.0), Some(30.0)]);
+        assert_eq!(found(true), [Some(11.0), Some(21.0), Some(31.0)]);
     }
 }

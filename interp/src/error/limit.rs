@@ -18,6 +18,44 @@ pub enum LimitError {
     /// A limit of a joint is unusable.
     #[error("limits: {0}")]
     Joint(#[from] KinematicsError),
+    /// A row of a table of limits is unusable.
+    #[error("table of limits, row {}: {value}, but {rule}", row + 1)]
+    Table {
+        /// Which row, from 0.
+        row: usize,
+        /// The value given.
+        value: f64,
+        /// The rule and the remedy.
+        rule: &'static str,
+    },
+    /// Something is said of a joint that the arm has not.
+    #[error("{what} is for joint {}, but the arm has {joints} joints: give the number of one of them", joint + 1)]
+    NoSuchJoint {
+        /// What is for that joint.
+        what: &'static str,
+        /// Which joint, from 0.
+        joint: usize,
+        /// Number of joints.
+        joints: usize,
+    },
+    /// A natural frequency or a damping is unusable.
+    #[error("oscillator: {value}, but {rule}")]
+    Oscillator {
+        /// The value given.
+        value: f64,
+        /// The rule.
+        rule: &'static str,
+    },
+    /// A payload is beyond those of a table.
+    #[error(
+        "the payload is {payload} kg, but the table of limits is for 0 to {most} kg: add a column, or take off load"
+    )]
+    Payload {
+        /// The payload, kg.
+        payload: f64,
+        /// The greatest payload of the table, kg.
+        most: f64,
+    },
     /// A path of this kind cannot be planned without a limit, or not with it.
     #[error("{limit} {problem}: {remedy}")]
     Unsuited {

@@ -2,6 +2,7 @@
 
 use arcfeed_kinematics::{Dynamics, JointLimits, Joints};
 
+use super::table::JointTables;
 use super::tool::ToolLimits;
 use super::torque::TorqueLimits;
 use crate::error::LimitError;
@@ -24,12 +25,13 @@ pub struct Limits<'a, const N: usize = 6> {
     joints: JointLimits<N>,
     tool: ToolLimits,
     torque: Option<TorqueLimits<'a, N>>,
+    tables: Option<&'a JointTables<N>>,
 }
 
 impl<'a, const N: usize> Limits<'a, N> {
     /// Limits of the joints alone.
     pub const fn new(joints: JointLimits<N>) -> Self {
-        Self { joints, tool: ToolLimits::new(), torque: None }
+        Self { joints, tool: ToolLimits::new(), torque: None, tables: None }
     }
 
     /// With limits of the tool.
@@ -46,6 +48,11 @@ impl<'a, const N: usize> Limits<'a, N> {
         Ok(Self { torque: Some(TorqueLimits::new(dynamics, torque)?), ..self })
     }
 
+    /// With limits of the joints as tables, beside the constant ones: the least counts.
+    pub fn with_tables(self, tables: &'a JointTables<N>) -> Self {
+        Self { tables: Some(tables), ..self }
+    }
+
     /// Limits of the joints.
     pub const fn joints(&self) -> &JointLimits<N> {
         &self.joints
@@ -59,5 +66,10 @@ impl<'a, const N: usize> Limits<'a, N> {
     /// Limits of the drives.
     pub const fn torque(&self) -> Option<&TorqueLimits<'a, N>> {
         self.torque.as_ref()
+    }
+
+    /// Limits of the joints as tables.
+    pub const fn tables(&self) -> Option<&'a JointTables<N>> {
+        self.tables
     }
 }

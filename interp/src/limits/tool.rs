@@ -19,6 +19,8 @@ pub struct ToolLimits {
     normal_acceleration: Option<f64>,
     normal_jerk: Option<f64>,
     angular_speed: Option<f64>,
+    acceleration: Option<f64>,
+    jerk: Option<f64>,
 }
 
 impl ToolLimits {
@@ -31,6 +33,8 @@ impl ToolLimits {
             normal_acceleration: None,
             normal_jerk: None,
             angular_speed: None,
+            acceleration: None,
+            jerk: None,
         }
     }
 
@@ -82,6 +86,22 @@ impl ToolLimits {
         Ok(Self { angular_speed: Some(positive("angular speed", limit)?), ..self })
     }
 
+    /// With a highest magnitude of the acceleration vector of the tool point, along and across the path together, m/s^2.
+    ///
+    /// # Errors
+    /// [`LimitError::NotPositive`].
+    pub fn with_acceleration(self, limit: f64) -> Result<Self, LimitError> {
+        Ok(Self { acceleration: Some(positive("acceleration of the tool", limit)?), ..self })
+    }
+
+    /// With a highest magnitude of the jerk vector of the tool point, m/s^3.
+    ///
+    /// # Errors
+    /// [`LimitError::NotPositive`].
+    pub fn with_jerk(self, limit: f64) -> Result<Self, LimitError> {
+        Ok(Self { jerk: Some(positive("jerk of the tool", limit)?), ..self })
+    }
+
     /// Programmed feed, m/s.
     pub const fn feed(&self) -> Option<f64> {
         self.feed
@@ -110,5 +130,15 @@ impl ToolLimits {
     /// Highest angular speed of the tool, rad/s.
     pub const fn angular_speed(&self) -> Option<f64> {
         self.angular_speed
+    }
+
+    /// Highest magnitude of the acceleration vector, m/s^2.
+    pub const fn acceleration(&self) -> Option<f64> {
+        self.acceleration
+    }
+
+    /// Highest magnitude of the jerk vector, m/s^3.
+    pub const fn jerk(&self) -> Option<f64> {
+        self.jerk
     }
 }

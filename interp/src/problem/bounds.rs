@@ -17,11 +17,8 @@ use arcfeed_geometry::PoseJet;
 use arcfeed_kinematics::{Joints, Twist};
 use nalgebra::Vector3;
 
-use super::jumps::{Jump, near_jumps};
+use super::jumps::{Jump, SPREAD, near_jumps};
 use crate::path::{JointJet, JointPath, MotionPath};
-
-/// A step of acceleration counts for so much, because the speed changes within the control period that it is spread over.
-const SPREAD: f64 = 1.005;
 
 /// Bounds of the derivatives of joints and tool on every interval.
 #[derive(Debug, Clone)]

@@ -4,6 +4,9 @@ use arcfeed_kinematics::Joints;
 
 use crate::path::JointPath;
 
+/// A step of acceleration counts for so much, because the speed changes within the control period that it is spread over.
+pub(crate) const SPREAD: f64 = 1.005;
+
 /// A jump of the second joint derivatives at a grid point.
 ///
 /// There the acceleration of the joints steps by `|jump of q''| v^2` (the path is only tangent-continuous). No jerk limit allows that in
@@ -40,15 +43,20 @@ pub(crate) fn jumps<const N: usize>(
 
 /// For every interval the sum of the jumps that it is near to.
 pub(crate) fn near_jumps<const N: usize>(joints: &JointPath<N>, jumps: &[Jump<N>]) -> Vec<Joints<N>> {
-    let nodes = joints.nodes();
     let mut near = vec![Joints::zeros(); joints.intervals()];
     for jump in jumps {
-        let (s, reach) = (nodes[jump.at].s, jump.reach * (1.0 - 1e-6));
-        (0..jump.at)
-            .rev()
-            .take_while(|&k| k + 1 == jump.at || nodes[k + 1].s > s - reach)
-            .for_each(|k| near[k] += jump.of);
-        (jump.at..near.len()).take_while(|&k| k == jump.at || nodes[k].s < s + reach).for_each(|k| near[k] += jump.of);
+        intervals_near(joints, jump).for_each(|k| near[k] += jump.of);
     }
     near
+}
+
+/// The intervals that are near to a jump.
+pub(crate) fn intervals_near<'a, const N: usize>(
+    joints: &'a JointPath<N>,
+    jump: &Jump<N>,
+) -> impl Iterator<Item = usize> + use<'a, N> {
+    let (nodes, at) = (joints.nodes(), jump.at);
+    let (s, reach) = (nodes[at].s, jump.reach * (1.0 - 1e-6));
+    let before = (0..at).rev().take_while(move |&k| k + 1 == at || nodes[k + 1].s > s - reach);
+    before.chain((at..joints.intervals()).take_while(move |&k| k == at || nodes[k].s < s + reach))
 }

@@ -1,15 +1,19 @@
 //! A path with its limits on a grid: what planners of speed take.
 
 mod bounds;
+mod concave;
 mod fractions;
 mod grid;
+mod joint_tables;
 mod jumps;
 mod needs;
 mod path_grid;
 mod path_problem;
 mod resolution;
+mod rows;
 mod settings;
 mod tool_speed;
+mod tool_vector;
 mod torque;
 
 pub(crate) use fractions::LimitFractions;

@@ -1,34 +1,27 @@
 //! A path on its grid with everything that its limits are made from: computed once, asked for rows as often as it takes.
 
-use std::ops::RangeInclusive;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use arcfeed_feedrate::constraint::{
-    Feed, JointAcceleration, JointJerk, JointVelocity, PathConstraint, PathDerivatives, SpeedCap, Stop,
-    TangentialAcceleration, TangentialJerk,
-};
-use arcfeed_feedrate::{FeedError, FeedProblem, Quantity, SpeedLaw};
+use arcfeed_feedrate::{FeedError, FeedProblem, SpeedLaw};
 use arcfeed_geometry::Segmentation;
 use arcfeed_kinematics::Joints;
 
-use super::bounds::{BendLimits, DerivativeBounds};
+use super::bounds::DerivativeBounds;
 use super::fractions::LimitFractions;
 use super::grid;
+use super::joint_tables::TablePath;
 use super::jumps::{Jump, jumps};
 use super::needs::RowsNeeded;
 use super::path_grid::PathGrid;
 use super::settings::Settings;
 use super::tool_speed::ToolRates;
+use super::tool_vector::ToolVectors;
 use super::torque::TorquePath;
 use crate::error::{LimitError, PlanError, SpeedError};
-use crate::limits::{Feeds, Limits, Section};
+use crate::limits::{Feeds, JointTables, Limits, Section, TableKind};
 use crate::path::{JointJet, JointPath, MotionPath};
 use crate::place::PathParameter;
-
-/// Part of the joints' jerk along a curve of the tool that is left for what three places of an interval do not tell of the rest of
-/// it: so much less than the grid costs that it does not show, and a second round of planning is seldom needed.
-const BETWEEN: f64 = 2e-4;
 
 /// A path that a planner borrows or shares.
 #[derive(Debug, Clone)]
@@ -58,17 +51,19 @@ pub struct PathProblem<'p, const N: usize = 6> {
     pub(crate) path: Held<'p, N>,
     pub(crate) layout: PathGrid,
     pub(crate) joints: JointPath<N>,
-    stops: Vec<usize>,
+    pub(super) stops: Vec<usize>,
     /// Programmed feed on every interval, m/s; empty where there is none.
-    feeds: Vec<f64>,
+    pub(super) feeds: Vec<f64>,
     /// Derivatives of the joints by the parameter, joint by joint: just after every grid point, just before it, in the middle of every
     /// interval; first, second, third.
-    after: [Vec<f64>; 3],
-    before: [Vec<f64>; 3],
-    middle: [Vec<f64>; 3],
-    bounds: DerivativeBounds<N>,
-    tool_rates: Option<ToolRates>,
-    torque: Option<TorquePath<N>>,
+    pub(super) after: [Vec<f64>; 3],
+    pub(super) before: [Vec<f64>; 3],
+    pub(super) middle: [Vec<f64>; 3],
+    pub(super) bounds: DerivativeBounds<N>,
+    pub(super) tool_rates: Option<ToolRates>,
+    pub(super) tool_vectors: Option<ToolVectors>,
+    pub(super) tables: Option<TablePath<N>>,
+    pub(super) torque: Option<TorquePath<N>>,
     needs: RowsNeeded,
     times: [Duration; 2],
 }
@@ -145,10 +140,24 @@ impl<'p, const N: usize> PathProblem<'p, N> {
         let (tool, torque) = (settings.limits.tool(), settings.limits.torque());
         let by_joints = path.get().tool(0.0).is_none();
         let tool_limited = by_joints && (tool.feed().is_some() || tool.angular_speed().is_some());
+        let jumps = jumps_of(settings, path.get(), &layout, &joints);
+        let bounds = DerivativeBounds::of(path.get(), &joints, &jumps);
+        let by_vectors = tool.acceleration().is_some() || tool.jerk().is_some();
+        let tool_vectors = by_vectors.then(|| {
+            let fastest = fastest(settings, &joints, &middles, &feeds);
+            ToolVectors::of(settings.arm, (&joints, &middles), &jumps, fastest)
+        });
+        let tables = settings.limits.tables().filter(|tables| !tables.is_empty());
+        let feed = if feeds.is_empty() { f64::INFINITY } else { feeds.iter().copied().fold(0.0, f64::max) };
+        let tables = tables.map(|tables| TablePath::of(&settings.limits, tables, &joints, &bounds, feed));
+        let lines =
+            || tables.as_ref().map_or_else(|| std::array::from_fn(|_| Vec::new()), |tables| tables.torque.clone());
         Self {
-            bounds: DerivativeBounds::of(path.get(), &joints, &jumps_of(settings, path.get(), &layout, &joints)),
             tool_rates: tool_limited.then(|| ToolRates::of(settings.arm, &joints, &middles)),
-            torque: torque.map(|torque| TorquePath::of(&joints, &middles, torque)),
+            torque: torque.map(|torque| TorquePath::of(&joints, &middles, torque, lines())),
+            bounds,
+            tool_vectors,
+            tables,
             middle: [flat(|jet| &jet.d1), flat(|jet| &jet.d2), flat(|jet| &jet.d3)],
             settings: settings.clone(),
             path,
@@ -244,114 +253,9 @@ impl<'p, const N: usize> PathProblem<'p, N> {
         self.rows_within(&LimitFractions::default(), needs.min(self.needs))
     }
 
-    /// The same with a part of each limit.
-    pub(crate) fn rows_within(&self, used: &LimitFractions, needs: RowsNeeded) -> Result<FeedProblem, SpeedError> {
-        self.build(used, needs).map_err(|error| self.explained(error))
-    }
-
     /// The error of a planner, with the place.
     pub(crate) fn explained(&self, error: FeedError) -> SpeedError {
         SpeedError::explained(error, &self.layout.grid, |s| self.path.get().place(s))
-    }
-
-    fn build(&self, used: &LimitFractions, needs: RowsNeeded) -> Result<FeedProblem, FeedError> {
-        let (limits, path) = (&self.settings.limits, self.path.get());
-        let (joints, tool, between) = (limits.joints(), limits.tool(), needs > RowsNeeded::Points);
-        let [d1, d2, d3] = self.bounds.joints();
-        let steps = self.bounds.steps(self.settings.period);
-        let [after, before, middle] = [&self.after, &self.before, &self.middle];
-        let mut derivatives = PathDerivatives::new(N, &after[0], &after[1])?
-            .with_third(&after[2])?
-            .with_values_before(&before[0], &before[1], &before[2])?
-            .with_bounds([&d1, &d2, &d3])?
-            .with_steps(&steps)?;
-        if between {
-            derivatives = derivatives.with_middles(&middle[0], &middle[1])?.with_third_in_middles(&middle[2])?;
-        }
-        let velocities = joints.velocity().component_mul(&used.joints(Quantity::JointVelocity));
-        let accelerations = joints.acceleration().component_mul(&used.joints(Quantity::JointAcceleration));
-        let jerks = joints.jerk().component_mul(&used.joints(Quantity::JointJerk));
-        let velocity = JointVelocity::new(derivatives, velocities.as_slice())?;
-        let acceleration = JointAcceleration::new(derivatives, accelerations.as_slice())?;
-        let margin = if path.tool_curve().is_some() { BETWEEN } else { 0.0 };
-        let jerk = JointJerk::new(derivatives, jerks.as_slice())?.with_margin(margin)?;
-        let mut constraints: Vec<&dyn PathConstraint> = vec![&velocity, &acceleration];
-
-        let lowered = |limit: Option<f64>, quantity| limit.map(|limit| limit * used.tool(quantity));
-        let by_length = path.parameter() == PathParameter::ArcLength;
-        let feeds: Vec<f64> = self.feeds.iter().map(|feed| feed * used.tool(Quantity::Feed)).collect();
-        let feed = if feeds.is_empty() { None } else { Some(Feed::new(&feeds)?) };
-        let bend = self.bend_limits(used);
-        let bends = self.bounds.bend_speeds(&self.feeds, |kappa| bend.speed(kappa));
-        let bends = SpeedCap::new(&bends[0], Quantity::NormalAcceleration)?.with_intervals(&bends[1])?;
-        let angular = lowered(tool.angular_speed(), Quantity::AngularSpeed);
-        let turns = angular.map(|limit| self.bounds.turn_speeds(&self.feeds, limit));
-        let turns = match &turns {
-            Some([points, intervals]) => {
-                Some(SpeedCap::new(points, Quantity::AngularSpeed)?.with_intervals(intervals)?)
-            }
-            None => None,
-        };
-        let rates = self.tool_rates.as_ref();
-        let linear_speed = lowered(tool.feed(), Quantity::Feed).zip(rates).map(|(limit, rates)| rates.linear(limit));
-        let angular_speed = angular.zip(rates).map(|(limit, rates)| rates.angular(limit));
-        let tangential = lowered(tool.tangential_acceleration(), Quantity::TangentialAcceleration)
-            .map(TangentialAcceleration::new)
-            .transpose()?;
-        let tangential_jerk =
-            lowered(tool.tangential_jerk(), Quantity::TangentialJerk).map(TangentialJerk::new).transpose()?;
-        let torque = self.torque.as_ref().map(|torque| torque.rows(used));
-        let stops: Vec<Stop> = self.stops.iter().map(|&at| Stop { at }).collect();
-
-        constraints.extend(feed.iter().map(|feed| feed as &dyn PathConstraint));
-        if path.tool(0.0).is_some() {
-            if by_length {
-                constraints.push(&bends);
-                constraints.extend(tangential.iter().map(|rows| rows as &dyn PathConstraint));
-            }
-            constraints.extend(turns.iter().map(|turns| turns as &dyn PathConstraint));
-        }
-        constraints.extend(linear_speed.iter().chain(&angular_speed).map(|rows| rows as &dyn PathConstraint));
-        if needs == RowsNeeded::Jerk {
-            if by_length {
-                constraints.extend(tangential_jerk.iter().map(|rows| rows as &dyn PathConstraint));
-            }
-            constraints.push(&jerk);
-        }
-        constraints.extend(torque.iter().map(|torque| torque as &dyn PathConstraint));
-        constraints.extend(stops.iter().map(|stop| stop as &dyn PathConstraint));
-        let problem = match between {
-            true => FeedProblem::between_points(&self.layout.grid, &constraints)?,
-            false => FeedProblem::at_points(&self.layout.grid, &constraints)?,
-        };
-        let mut problem = problem.with_end_speeds(self.settings.ends[0], self.settings.ends[1])?;
-        for stretch in used.stretches() {
-            problem = problem.with_fraction(
-                stretch.limit,
-                self.intervals_between(stretch.from, stretch.to),
-                stretch.factor,
-            )?;
-        }
-        Ok(problem)
-    }
-
-    /// The intervals that a part of the path touches.
-    pub(crate) fn intervals_between(&self, from: f64, to: f64) -> RangeInclusive<usize> {
-        let (grid, last) = (&self.layout.grid, self.intervals() - 1);
-        let at = |s: f64| grid.partition_point(|&g| g <= s).saturating_sub(1).min(last);
-        at(from)..=at(to)
-    }
-
-    /// The bounds of the speed in bends, with a fraction of each limit.
-    pub(crate) fn bend_limits(&self, used: &LimitFractions) -> BendLimits {
-        let tool = self.settings.limits.tool();
-        let lowered = |limit: Option<f64>, quantity| limit.map(|limit| limit * used.tool(quantity));
-        BendLimits {
-            chord: self.settings.chord_tolerance * used.tool(Quantity::ChordError),
-            period: self.settings.period,
-            normal_acceleration: lowered(tool.normal_acceleration(), Quantity::NormalAcceleration),
-            normal_jerk: lowered(tool.normal_jerk(), Quantity::NormalJerk),
-        }
     }
 
     /// The setpoint at time `t` (s) when the path is run by `law`, in the state `state`, near the jet `near`.
@@ -395,6 +299,14 @@ pub(crate) fn suits<const N: usize>(settings: &Settings<'_, N>, path: &dyn Motio
             });
         }
     }
+    let by_torque = |tables: &JointTables<N>| tables.has(TableKind::TorqueBySpeed);
+    if settings.limits.torque().is_none() && settings.limits.tables().is_some_and(by_torque) {
+        return Err(LimitError::Unsuited {
+            limit: "a table of torque by speed",
+            problem: "needs the dynamics of the arm",
+            remedy: "give them with Limits::with_torque; an infinite torque leaves the limit to the table",
+        });
+    }
     if path.parameter() != PathParameter::JointDistance {
         return Ok(());
     }
@@ -423,6 +335,24 @@ fn feeds<const N: usize>(settings: &Settings<'_, N>, path: &dyn MotionPath<N>, l
     let reachable = settings.reachable(path.length());
     let feeds = Feeds { elsewhere, sections: &layout.sections };
     layout.grid.windows(2).map(|pair| feeds.at(0.5 * (pair[0] + pair[1])).min(reachable)).collect()
+}
+
+/// The greatest speed that feed and joints allow on every interval, units of the parameter per s.
+fn fastest<const N: usize>(
+    settings: &Settings<'_, N>,
+    joints: &JointPath<N>,
+    middles: &[JointJet<N>],
+    feeds: &[f64],
+) -> Vec<f64> {
+    let velocity = settings.limits.joints().velocity();
+    let by_joints = |jet: &JointJet<N>| velocity.component_div(&jet.d1.abs()).min();
+    let one = |k: usize| {
+        let (start, end) = joints.interval(k);
+        let three = [Some(start), middles.get(k), Some(end)];
+        let most = three.into_iter().flatten().map(by_joints).fold(0.0, f64::max);
+        feeds.get(k).map_or(most, |feed| most.min(*feed))
+    };
+    (0..joints.intervals()).map(one).collect()
 }
 
 /// The jumps of the second derivatives in motion.

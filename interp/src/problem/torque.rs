@@ -15,6 +15,7 @@ use arcfeed_feedrate::{IntervalBound, LimitId, Quantity, Row};
 use arcfeed_kinematics::{Dynamics, Joints, PathTorque};
 
 use super::fractions::LimitFractions;
+use super::joint_tables::{JointLines, push_line};
 use crate::limits::TorqueLimits;
 use crate::path::{JointJet, JointPath};
 
@@ -54,6 +55,8 @@ impl Directions {
 /// The torque at one place: factors of `a`, `v^2` and `v`, gravity, and between what Coulomb friction lies.
 #[derive(Debug, Clone, Copy)]
 struct Terms<const N: usize> {
+    /// Of the joints along the path.
+    rate: Joints<N>,
     inertia: Joints<N>,
     velocity: Joints<N>,
     viscous: Joints<N>,
@@ -85,7 +88,7 @@ impl<const N: usize> Terms<N> {
                 };
             }
         }
-        Self { inertia, velocity, viscous, gravity, low, high }
+        Self { rate: jet.d1, inertia, velocity, viscous, gravity, low, high }
     }
 }
 
@@ -93,6 +96,8 @@ impl<const N: usize> Terms<N> {
 #[derive(Debug, Clone)]
 pub(crate) struct TorquePath<const N: usize> {
     limits: Joints<N>,
+    /// Lines below the limits by the speed of a joint.
+    lines: JointLines<N>,
     points: Vec<Terms<N>>,
     /// Just before a grid point, where that differs.
     before: Vec<Option<Terms<N>>>,
@@ -100,8 +105,14 @@ pub(crate) struct TorquePath<const N: usize> {
 }
 
 impl<const N: usize> TorquePath<N> {
-    /// `middles` are the joints in the middle of every interval, or nothing where they are not looked at.
-    pub fn of(joints: &JointPath<N>, middles: &[JointJet<N>], torque: &TorqueLimits<'_, N>) -> Self {
+    /// `middles` are the joints in the middle of every interval, or nothing where they are not looked at; `lines` are below the limits by
+    /// the speed of a joint.
+    pub fn of(
+        joints: &JointPath<N>,
+        middles: &[JointJet<N>],
+        torque: &TorqueLimits<'_, N>,
+        lines: JointLines<N>,
+    ) -> Self {
         let dynamics = torque.dynamics();
         let n = joints.intervals();
         let directions: Vec<[Directions; N]> = (0..n)
@@ -127,7 +138,7 @@ impl<const N: usize> TorquePath<N> {
             })
             .collect();
         let middles = middles.iter().zip(&directions).map(|(jet, ways)| Terms::at(dynamics, jet, ways)).collect();
-        Self { limits: *torque.limits(), points, before, middles }
+        Self { limits: *torque.limits(), lines, points, before, middles }
     }
 
     /// Rows that use `fractions` of what the constant part leaves of every limit.
@@ -135,9 +146,9 @@ impl<const N: usize> TorquePath<N> {
         TorqueRows { path: self, used: fractions.joints(Quantity::JointTorque) }
     }
 
-    /// Largest magnitudes of the terms of joint `j` on interval `k`: factors of acceleration, squared speed and speed, and what remains
-    /// at rest.
-    fn most(&self, k: usize, j: usize) -> [f64; 4] {
+    /// Largest magnitudes of the terms of joint `j` on interval `k`: factors of acceleration, squared speed and speed, what remains at
+    /// rest, and the rate of the joint.
+    fn most(&self, k: usize, j: usize) -> [f64; 5] {
         let near = &self.points[k];
         let far = self.before[k + 1].as_ref().unwrap_or(&self.points[k + 1]);
         let three = [near, &self.middles[k], far];
@@ -151,7 +162,10 @@ impl<const N: usize> TorquePath<N> {
         let high = three.map(|terms| terms.high[j]).into_iter().fold(f64::NEG_INFINITY, f64::max);
         let low = three.map(|terms| terms.low[j]).into_iter().fold(f64::INFINITY, f64::min);
         let rest = (p.max(q).max(inner) + high).max(-(p.min(q).min(inner) + low));
-        [enclose(|terms| &terms.inertia), enclose(|terms| &terms.velocity), enclose(|terms| &terms.viscous), rest]
+        let of_motion: [fn(&Terms<N>) -> &Joints<N>; 4] =
+            [|terms| &terms.inertia, |terms| &terms.velocity, |terms| &terms.viscous, |terms| &terms.rate];
+        let [inertia, velocity, viscous, rate] = of_motion.map(enclose);
+        [inertia, velocity, viscous, rest, rate]
     }
 }
 
@@ -169,14 +183,22 @@ impl<const N: usize> TorqueRows<'_, N> {
     }
 
     fn push(&self, terms: &Terms<N>, out: &mut RowSink<'_>) {
-        for j in (0..N).filter(|&j| self.path.limits[j].is_finite()) {
-            let (limit, rest) = (self.path.limits[j], terms.gravity[j]);
+        for j in 0..N {
+            let rest = terms.gravity[j];
             let (a, b, c) = (terms.inertia[j], terms.velocity[j], terms.viscous[j]);
-            let hi = rest + self.lowered(j, limit - terms.high[j] - rest);
-            let lo = rest - self.lowered(j, limit + terms.low[j] + rest);
-            // Friction beyond the limit leaves nothing.
-            let lo = lo.min(hi);
-            out.row(Row { a, b, c, d: rest, lo, hi, source: LimitId::joint(Quantity::JointTorque, j) });
+            let within = |limit: f64| {
+                let hi = rest + self.lowered(j, limit - terms.high[j] - rest);
+                let lo = rest - self.lowered(j, limit + terms.low[j] + rest);
+                // Friction beyond the limit leaves nothing.
+                let lo = lo.min(hi);
+                Row { a, b, c, d: rest, lo, hi, source: LimitId::joint(Quantity::JointTorque, j) }
+            };
+            if self.path.limits[j].is_finite() {
+                out.row(within(self.path.limits[j]));
+            }
+            for line in &self.path.lines[j] {
+                push_line(within(line.rest), line.slope, terms.rate[j], out);
+            }
         }
     }
 }
@@ -199,11 +221,17 @@ impl<const N: usize> PathConstraint for TorqueRows<'_, N> {
     }
 
     fn interval_bounds(&self, k: usize, _h: f64, out: &mut Vec<IntervalBound>) {
-        for j in (0..N).filter(|&j| self.path.limits[j].is_finite()) {
-            let [a, b, c, rest] = self.path.most(k, j);
-            let limit = rest + self.lowered(j, self.path.limits[j] - rest);
+        for j in 0..N {
+            let [a, b, c, rest, rate] = self.path.most(k, j);
             let source = LimitId::joint(Quantity::JointTorque, j);
-            out.push(IntervalBound::Acceleration { a, b, c, rest, limit, source });
+            let mut push = |most: f64, slope: f64| {
+                let limit = rest + self.lowered(j, most - rest);
+                out.push(IntervalBound::Acceleration { a, b, c: c + slope * rate, rest, limit, source });
+            };
+            if self.path.limits[j].is_finite() {
+                push(self.path.limits[j], 0.0);
+            }
+            self.path.lines[j].iter().for_each(|line| push(line.rest, line.slope));
         }
     }
 }

@@ -5,6 +5,7 @@ mod joint_check;
 mod joints;
 mod requirement;
 mod sample;
+mod tables;
 mod tally;
 mod verification;
 mod worst;

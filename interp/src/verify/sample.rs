@@ -15,7 +15,9 @@ pub(crate) struct Sample<const N: usize> {
     pub turning: f64,
     /// True if the tool moves; its direction is that of the path otherwise.
     pub moves: bool,
-    /// Acceleration of the tool point along its direction and across it.
+    /// Acceleration of the tool point.
+    pub acceleration: Vector3<f64>,
+    /// Its parts along the direction of the tool and across it.
     pub tangential: f64,
     pub normal: f64,
     /// Distance from the path and angle to its orientation, where the path prescribes the tool.
@@ -53,6 +55,7 @@ impl<const N: usize> Sample<N> {
             velocity,
             moves: of_motion.is_some(),
             turning: Vector3::new(twist[3], twist[4], twist[5]).norm(),
+            acceleration,
             tangential,
             normal,
             off_path: tool.map_or(0.0, |tool| (position - tool.pose.translation.vector).norm()),

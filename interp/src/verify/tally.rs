@@ -8,6 +8,7 @@ use super::check::Verification;
 use super::joints::{EachJoint, JointRates, JointSample, JointTally, each};
 use super::requirement::Requirement;
 use super::sample::Sample;
+use super::tables::{ACCELERATION, JERK, TORQUE, limit, limit_of_mean};
 use super::worst::{Worst, sum_up};
 use crate::path::MotionPath;
 use crate::place::PathParameter;
@@ -44,6 +45,8 @@ pub(crate) struct Tally<'a, const N: usize> {
     normal: Option<Worst>,
     normal_jerk: Option<Worst>,
     angular: Option<Worst>,
+    acceleration: Option<Worst>,
+    jerk: Option<Worst>,
     chord: Option<Worst>,
     off_path: Option<Worst>,
     turned: Option<Worst>,
@@ -75,6 +78,8 @@ impl<'a, const N: usize> Tally<'a, N> {
             normal: along(Quantity::NormalAcceleration, tool.normal_acceleration()),
             normal_jerk: along(Quantity::NormalJerk, tool.normal_jerk()),
             angular: tool.angular_speed().map(|limit| one(Quantity::AngularSpeed, limit)),
+            acceleration: tool.acceleration().map(|limit| one(Quantity::ToolAcceleration, limit)),
+            jerk: tool.jerk().filter(|_| r.jerk_limited).map(|limit| one(Quantity::ToolJerk, limit)),
             chord: path.tool_curve().map(|_| one(Quantity::ChordError, r.chord_tolerance)),
             off_path: prescribed.then(|| one(Quantity::PathDeviation, r.path_tolerance)),
             turned: prescribed.then(|| one(Quantity::OrientationDeviation, ORIENTATION_TOLERANCE)),
@@ -86,18 +91,20 @@ impl<'a, const N: usize> Tally<'a, N> {
 
     /// Limits of the joints at one moment.
     pub fn look_at_joints(&mut self, sample: &Sample<N>) {
-        let (at, gap, r) = (&sample.at, self.gap, &self.r);
+        let (at, gap, r, tables) = (&sample.at, self.gap, &self.r, self.r.limits.tables());
         self.joints.see_position(&at.q, at.into());
         for k in 0..N {
             self.joints.velocity[k].see_binding(at.qd[k], self.rates.velocity[k], at, gap);
-            self.joints.acceleration[k].see_binding(at.qdd[k], self.rates.acceleration[k], at, gap);
+            let most = limit(self.rates.acceleration[k], tables, &ACCELERATION, k, (&at.q, &at.qd));
+            self.joints.acceleration[k].see_binding(at.qdd[k], most, at, gap);
         }
         if let Some((each, limits)) = self.torque.as_mut().zip(r.limits.torque()) {
             // At rest friction has the direction of the motion that follows; at the end, of that which was.
             let qd = if at.qd.amax() == 0.0 { creeping(r, at) } else { at.qd };
             let torque = limits.torque(&at.q, &qd, &at.qdd);
             for k in 0..N {
-                each[k].see_binding(torque[k], limits.limits()[k], at, gap);
+                let most = limit(limits.limits()[k], tables, &TORQUE, k, (&at.q, &at.qd));
+                each[k].see_binding(torque[k], most, at, gap);
             }
         }
     }
@@ -115,6 +122,7 @@ impl<'a, const N: usize> Tally<'a, N> {
             (&mut self.tangential, sample.tangential, tool.tangential_acceleration()),
             (&mut self.normal, sample.normal, tool.normal_acceleration()),
             (&mut self.angular, sample.turning, tool.angular_speed()),
+            (&mut self.acceleration, sample.acceleration.norm(), tool.acceleration()),
         ] {
             if let Some((worst, limit)) = worst.as_mut().zip(limit) {
                 worst.see_binding(value, limit, at, gap);
@@ -151,8 +159,10 @@ impl<'a, const N: usize> Tally<'a, N> {
             return;
         }
         if let Some(each) = &mut self.joints.jerk {
-            for (worst, jerk) in each.iter_mut().zip(at.jerk.iter()) {
-                worst.see(*jerk, at);
+            for (k, (worst, jerk)) in each.iter_mut().zip(at.jerk.iter()).enumerate() {
+                let tables = self.r.limits.tables();
+                let most = limit(self.rates.jerk[k], tables, &JERK, k, (&at.q, &at.qd));
+                worst.see_against(*jerk, most, at);
             }
         }
     }
@@ -179,7 +189,16 @@ impl<'a, const N: usize> Tally<'a, N> {
     /// The last two are `dt` apart, s.
     pub fn compare(&mut self, samples: [&Sample<N>; 3], dt: f64) {
         self.compare_joints(samples, dt, true);
-        let [_, before, now] = samples;
+        let [first, before, now] = samples;
+        if let Some(worst) = self.jerk.as_mut().filter(|_| dt > 0.0) {
+            // As for the joints: where the curvature jumps, the step counts as spread over a control period.
+            let crosses = |from: &Sample<N>| self.jumps.iter().any(|s| (from.at.s..=now.at.s).contains(s));
+            let over = |from: &Sample<N>, time: f64| {
+                ((now.acceleration - from.acceleration).norm() - ROUNDING).max(0.0) / time
+            };
+            let jerk = if crosses(before) { over(first, self.r.period) } else { over(before, dt) };
+            worst.see_binding(jerk, worst.check().limit, &now.at, self.gap);
+        }
         if let Some(worst) = self.tangential_jerk.as_mut().filter(|_| dt > 0.0) {
             // Accelerations that differ by rounding alone are no jerk.
             let change = now.tangential - before.tangential;
@@ -196,12 +215,18 @@ impl<'a, const N: usize> Tally<'a, N> {
         let crosses = |a: f64, b: f64| on_path && self.jumps.iter().any(|&s| a.min(b) <= s && s <= a.max(b));
         // Where the curvature itself jumps, acceleration has to step; a controller sees it spread over its period, whenever that begins.
         let jumped = crosses(first.at.s, b.s);
+        let tables = self.r.limits.tables();
         if let Some(each) = &mut self.joints.jerk {
             let spread = (b.qdd - first.at.qdd) / self.r.period;
             let jerk = if crosses(a.s, b.s) { spread } else { (b.qdd - a.qdd) / dt };
             for k in 0..N {
-                each[k].see_binding(jerk[k], self.rates.jerk[k], b, self.gap);
-                each[k].see(if jumped { spread[k] } else { b.jerk[k] }, b);
+                let from = if jumped { first } else { before };
+                let states = [&from.at, b].map(|at| (&at.q, &at.qd));
+                let most = limit_of_mean(self.rates.jerk[k], tables, &JERK, k, states);
+                each[k].see_binding(jerk[k], most, b, self.gap);
+                let here = limit(self.rates.jerk[k], tables, &JERK, k, (&b.q, &b.qd));
+                let (value, most) = if jumped { (spread[k], most) } else { (b.jerk[k], here) };
+                each[k].see_against(value, most, b);
             }
         }
         let step = if jumped { self.r.period } else { 0.0 };
@@ -236,6 +261,8 @@ impl<'a, const N: usize> Tally<'a, N> {
             self.normal,
             self.normal_jerk,
             self.angular,
+            self.acceleration,
+            self.jerk,
             self.chord,
             self.off_path,
             self.turned,

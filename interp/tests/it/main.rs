@@ -9,6 +9,7 @@ mod joint_check;
 mod joint_lines;
 mod joint_path;
 mod joint_points;
+mod limit_tables;
 mod limits;
 mod live_tool;
 mod locked;
@@ -21,6 +22,7 @@ mod sampling;
 mod singular;
 mod six_joints;
 mod verify;
+mod vibration;
 
 #[path = "common/qb.rs"]
 mod qb;

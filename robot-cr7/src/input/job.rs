@@ -5,7 +5,7 @@
 
 use std::path::PathBuf;
 
-use arcfeed_interp::{FeedSection, Method};
+use arcfeed_interp::{FeedSection, LimitTable, Method, Oscillator, TableKind};
 use arcfeed_kinematics::Posture;
 use nalgebra::{Isometry3, Unit, UnitQuaternion, Vector3};
 
@@ -46,6 +46,10 @@ pub struct FeedLimits {
     pub normal_acceleration: f64,
     /// Normal jerk in m/s^3, if it is limited.
     pub normal_jerk: Option<f64>,
+    /// Magnitude of the acceleration vector in m/s^2, if it is limited.
+    pub tool_acceleration: Option<f64>,
+    /// Magnitude of the jerk vector in m/s^3, if it is limited.
+    pub tool_jerk: Option<f64>,
     /// Angular speed of the tool in rad/s, if it is limited.
     pub angular_speed: Option<f64>,
     /// Speeds at the start and at the end of the path in m/s; 0 is rest.
@@ -57,8 +61,32 @@ pub struct FeedLimits {
 pub struct TorqueJob {
     /// Greatest torques in N m, where they replace those of the arm's model.
     pub limit: Option<JointValues>,
+    /// Torques in N m that the drives give for ever, if they are known.
+    pub rated: Option<JointValues>,
     /// The load at the flange.
     pub payload: Option<Payload>,
+}
+
+/// A limit of joints that depends on their speed or their position.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TableJob {
+    /// Which joint, from 0; all where there is none.
+    pub joint: Option<usize>,
+    /// What it limits, and by what.
+    pub kind: TableKind,
+    /// The limits, for the payload of the job.
+    pub table: LimitTable,
+}
+
+/// A structure that a motion excites.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VibrationJob {
+    /// The joint that carries it, from 0; the tool where there is none.
+    pub joint: Option<usize>,
+    /// Its natural frequency and damping.
+    pub oscillator: Oscillator,
+    /// Largest deflection after the end of the motion, rad or m, if it is limited.
+    pub limit: Option<f64>,
 }
 
 /// A body at the flange.
@@ -114,6 +142,10 @@ pub struct Job {
     pub sections: Vec<FeedSection>,
     /// Limits of the joints, where they differ from the model's.
     pub joints: JointOverrides,
+    /// Limits of the joints that depend on their speed or their position, beside the others.
+    pub tables: Vec<TableJob>,
+    /// Structures that the motion excites.
+    pub vibrations: Vec<VibrationJob>,
     /// Limits of the torque; `None` leaves it out of account.
     pub torque: Option<TorqueJob>,
     /// Chord tolerance in m.
@@ -152,12 +184,16 @@ impl Default for Job {
                 tangential_jerk: 20.0,
                 normal_acceleration: 1.0,
                 normal_jerk: None,
+                tool_acceleration: None,
+                tool_jerk: None,
                 angular_speed: None,
                 end_speeds: [0.0; 2],
             },
             rapid: RapidMoves::default(),
             sections: Vec::new(),
             joints: JointOverrides::default(),
+            tables: Vec::new(),
+            vibrations: Vec::new(),
             torque: None,
             chord_tolerance: 1e-6,
             period: 1e-3,

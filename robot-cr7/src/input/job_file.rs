@@ -17,6 +17,8 @@ pub(crate) struct RawJob {
     pub joints: RawJoints,
     pub torque: RawTorque,
     pub sections: Vec<RawSection>,
+    pub tables: Vec<RawTable>,
+    pub vibration: Vec<RawVibration>,
     pub tolerance: RawTolerance,
     pub sampling: RawSampling,
     pub plan: RawPlan,
@@ -86,6 +88,8 @@ pub(crate) struct RawFeed {
     pub tangential_jerk_mm_s3: Option<f64>,
     pub normal_acceleration_mm_s2: Option<f64>,
     pub normal_jerk_mm_s3: Option<f64>,
+    pub tool_acceleration_mm_s2: Option<f64>,
+    pub tool_jerk_mm_s3: Option<f64>,
     pub angular_speed_deg_s: Option<f64>,
     pub start_mm_s: Option<f64>,
     pub end_mm_s: Option<f64>,
@@ -107,6 +111,7 @@ pub(crate) enum RawRapid {
 pub(crate) struct RawTorque {
     pub limited: Option<bool>,
     pub limit_nm: Option<JointValues>,
+    pub rated_nm: Option<JointValues>,
     pub payload_kg: Option<f64>,
     pub payload_centre_mm: Option<[f64; 3]>,
 }
@@ -121,6 +126,36 @@ pub(crate) struct RawSection {
     pub to_u: Option<f64>,
     pub from_segment: Option<i64>,
     pub to_segment: Option<i64>,
+}
+
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct RawTable {
+    pub joint: Option<i64>,
+    pub speed_deg_s: Option<Vec<f64>>,
+    pub position_deg: Option<Vec<f64>>,
+    pub payload_kg: Option<Vec<f64>>,
+    pub acceleration_deg_s2: Option<RawColumns>,
+    pub jerk_deg_s3: Option<RawColumns>,
+    pub torque_nm: Option<RawColumns>,
+}
+
+/// Limits of a table: a list, or one for each payload.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(untagged, expecting = "a list of limits, or a list with such a list for each payload")]
+pub(crate) enum RawColumns {
+    One(Vec<f64>),
+    PerPayload(Vec<Vec<f64>>),
+}
+
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct RawVibration {
+    pub joint: Option<i64>,
+    pub frequency_hz: Option<f64>,
+    pub damping: Option<f64>,
+    pub residual_limit_deg: Option<f64>,
+    pub residual_limit_mm: Option<f64>,
 }
 
 #[derive(Debug, Clone, Default, Deserialize)]

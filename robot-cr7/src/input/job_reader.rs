@@ -7,9 +7,9 @@ use arcfeed_kinematics::Posture;
 use nalgebra::Unit;
 
 use super::error::{InputError, read_text, text_of};
-use super::job::{FeedLimits, Job, Payload, ToolOrientation, TorqueJob};
+use super::job::{FeedLimits, Job, ToolOrientation};
 use super::job_file::{
-    RawFeed, RawJob, RawMode, RawOrientation, RawPath, RawPlan, RawRapid, RawSection, RawStart, RawThrough, RawTorque,
+    RawFeed, RawJob, RawMode, RawOrientation, RawPath, RawPlan, RawRapid, RawSection, RawStart, RawThrough,
 };
 use super::rapid_moves::{RapidKind, RapidMoves};
 use super::toml_check::{Check, read_toml, rotation};
@@ -104,7 +104,9 @@ impl JobCheck<'_> {
             feed,
             rapid: self.rapid(&raw.feed, default.rapid)?,
             sections: raw.sections.iter().enumerate().map(|(i, raw)| self.section(i, raw)).collect::<Result<_, _>>()?,
-            torque: self.torque(&raw.torque)?,
+            torque: self.torque(raw)?,
+            tables: self.tables(raw)?,
+            vibrations: self.vibrations(raw)?,
             joints: self.0.overrides("joints", &raw.joints)?,
             chord_tolerance: self.0.limit_or(
                 "tolerance.chord_mm",
@@ -173,6 +175,8 @@ impl JobCheck<'_> {
                 default.normal_acceleration,
             )?,
             normal_jerk: self.0.limit("feed.normal_jerk_mm_s3", raw.normal_jerk_mm_s3, mm)?,
+            tool_acceleration: self.0.limit("feed.tool_acceleration_mm_s2", raw.tool_acceleration_mm_s2, mm)?,
+            tool_jerk: self.0.limit("feed.tool_jerk_mm_s3", raw.tool_jerk_mm_s3, mm)?,
             angular_speed: self.0.limit(
                 "feed.angular_speed_deg_s",
                 raw.angular_speed_deg_s,
@@ -291,28 +295,6 @@ impl JobCheck<'_> {
             let remedy = "write front or back, up or down, flip or no-flip, as in \"front up no-flip\"";
             self.0.wrong("start.configuration", format!("\"{text}\""), rule, remedy)
         })
-    }
-
-    fn torque(&self, raw: &RawTorque) -> Result<Option<TorqueJob>, InputError> {
-        let limit = raw.limit_nm.as_ref().map(|values| self.0.limits("torque.limit_nm", values, 1.0)).transpose()?;
-        let mass = self.0.limit("torque.payload_kg", raw.payload_kg, 1.0)?;
-        let centre = raw.payload_centre_mm.map(|mm| self.0.finite("torque.payload_centre_mm", mm)).transpose()?;
-        let without = |key: &str, rule, remedy| Err(self.0.wrong(key, "given", rule, remedy));
-        if centre.is_some() && mass.is_none() {
-            let rule = "a centre of mass needs a mass";
-            return without("torque.payload_centre_mm", rule, "add torque.payload_kg, or remove the key");
-        }
-        let limited = raw.limited.unwrap_or(limit.is_some());
-        if !limited && limit.is_some() {
-            let rule = "torque.limited = false leaves the torque out of account";
-            return without("torque.limit_nm", rule, "remove one of the two keys");
-        }
-        if !limited && mass.is_some() {
-            let rule = "a payload counts only where the torque is limited";
-            return without("torque.payload_kg", rule, "add torque.limited = true, or torque.limit_nm");
-        }
-        let payload = mass.map(|mass| Payload { mass, centre: centre.unwrap_or_default() / 1e3 });
-        Ok(limited.then_some(TorqueJob { limit, payload }))
     }
 
     fn method(&self, raw: &RawPlan) -> Result<Method, InputError> {

@@ -16,6 +16,8 @@ pub(crate) mod rapid_moves;
 pub(crate) mod sample_paths;
 pub(crate) mod scenario;
 pub(crate) mod schedule_file;
+pub(crate) mod table_reader;
 pub(crate) mod toml_check;
 pub(crate) mod tool_scenario;
+pub(crate) mod torque_reader;
 pub(crate) mod unit;

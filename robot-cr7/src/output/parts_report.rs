@@ -14,6 +14,7 @@ use crate::run::limit_lines::limit_lines;
 use crate::run::program_motion::ProgramMotion;
 use crate::run::program_part::{PartMotion, ProgramPart};
 use crate::run::program_plan::CompiledProgram;
+use crate::run::side_effects::VibrationLine;
 
 impl<const N: usize> ProgramMotion<'_, N> {
     /// The report of the motion: `samples` of them were computed in `sampling`, and `check` is what a check of these says.
@@ -42,6 +43,8 @@ impl<const N: usize> ProgramMotion<'_, N> {
             sampling_time_s,
             motion_per_computing: self.duration() / (planning_time_s + verification_time_s + sampling_time_s),
             limits: self.limits(check),
+            vibration: VibrationLine::most_of(self.paths().map(|(_, path)| path.vibration())),
+            thermal: Vec::new(),
             bound: None,
             fit: None,
             program: Some(ProgramReport::joined(outlines, self.markers().cloned().collect())),

@@ -15,6 +15,7 @@ use super::program_report::ProgramReport;
 use crate::run::limit_line::{LimitLine, worst};
 use crate::run::limit_lines::limit_lines;
 use crate::run::placed_path::PointFit;
+use crate::run::side_effects::{ThermalLine, VibrationLine, thermal_words, vibration_words};
 use crate::run::stream::StreamReport;
 use crate::run::task::Motion;
 use crate::text::{WIDTH, clip, duration, json, number};
@@ -65,6 +66,12 @@ pub struct Report {
     pub motion_per_computing: f64,
     /// Every limit with its worst place.
     pub limits: Vec<LimitLine>,
+    /// The vibration of each structure that the job names.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub vibration: Vec<VibrationLine>,
+    /// The thermal load of the drives, where torque is limited.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub thermal: Vec<ThermalLine>,
     /// How much shorter any motion can be, where that was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bound: Option<BoundReport>,
@@ -94,7 +101,7 @@ impl Report {
         json(self)
     }
 
-    /// The lines on a program and its parts; their number.
+    /// The lines on a program and its parts, on vibration and on thermal load; their number.
     fn program_lines(&self, f: &mut Formatter<'_>) -> Result<usize, fmt::Error> {
         // Beside a bound and a compiled motion the screen is full; JSON has it.
         let fit = self.fit.as_ref().filter(|_| self.bound.is_none() || self.compiled.is_none());
@@ -102,7 +109,12 @@ impl Report {
         let corners = self.program.as_ref().map(|program| (' ', "corners", program.line()));
         let parts = parts_line(&self.parts).map(|parts| (' ', "parts", parts));
         let rapids = rapids_line(&self.parts).map(|(line, exceeds)| (if exceeds { '!' } else { ' ' }, "rapids", line));
-        let lines = [fit, corners, parts, rapids];
+        let side = |name, words: Option<(bool, String)>| {
+            words.map(|(holds, line)| (if holds { ' ' } else { '!' }, name, line))
+        };
+        let vibration = side("vibration", vibration_words(&self.vibration));
+        let thermal = side("rms torque", thermal_words(&self.thermal));
+        let lines = [fit, corners, parts, rapids, vibration, thermal];
         for (mark, name, line) in lines.iter().flatten() {
             writeln!(f, "{mark} {name:<11}{}", clip(line, WIDTH - 13))?;
         }
@@ -139,6 +151,8 @@ impl<const N: usize> Motion<'_, N> {
             sampling_time_s,
             motion_per_computing: plan.duration() / (planning_time_s + verification_time_s + sampling_time_s),
             limits: self.limits(),
+            vibration: self.vibration().to_vec(),
+            thermal: self.thermal().to_vec(),
             bound: None,
             fit: self.fit(),
             program: None,
@@ -337,6 +351,8 @@ mod tests {
             sampling_time_s: 0.0045,
             motion_per_computing: 323.4,
             limits,
+            vibration: Vec::new(),
+            thermal: Vec::new(),
             bound: None,
             fit: None,
             program: None,

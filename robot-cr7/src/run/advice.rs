@@ -3,7 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use arcfeed_interp::{LimitError, MotionPath, PathArm, PlanError, ToolLimits};
+use arcfeed_interp::{LimitError, MotionPath, PathArm, PlanError, TableKind, ToolLimits};
 use arcfeed_kinematics::Joints;
 use serde::Serialize;
 
@@ -77,6 +77,8 @@ enum Limit {
     JointAcceleration(usize),
     JointJerk(usize),
     JointTorque(usize),
+    ToolAcceleration,
+    ToolJerk,
 }
 
 impl Limit {
@@ -89,6 +91,8 @@ impl Limit {
             ("normal acceleration", _) => Self::NormalAcceleration,
             ("normal jerk", _) => Self::NormalJerk,
             ("angular speed", _) => Self::AngularSpeed,
+            ("tool acceleration", _) => Self::ToolAcceleration,
+            ("tool jerk", _) => Self::ToolJerk,
             ("joint velocity", Some(joint)) => Self::JointVelocity(joint),
             ("joint acceleration", Some(joint)) => Self::JointAcceleration(joint),
             ("joint jerk", Some(joint)) => Self::JointJerk(joint),
@@ -99,6 +103,7 @@ impl Limit {
 
     /// Its key in the job.
     fn key<const N: usize>(self, limits: &TaskLimits<N>, is_program: bool) -> &'static str {
+        let tabled = |joint| self.tables().iter().any(|kind| limits.tables.of(*kind, joint).is_some());
         match self {
             Self::Feed if limits.sections.is_empty() => "feed.feed_mm_s",
             Self::Feed if is_program => "F of the program, and feed.feed_mm_s",
@@ -108,10 +113,25 @@ impl Limit {
             Self::NormalAcceleration => "feed.normal_acceleration_mm_s2",
             Self::NormalJerk => "feed.normal_jerk_mm_s3",
             Self::AngularSpeed => "feed.angular_speed_deg_s",
+            Self::ToolAcceleration => "feed.tool_acceleration_mm_s2",
+            Self::ToolJerk => "feed.tool_jerk_mm_s3",
             Self::JointVelocity(_) => "joints.velocity_deg_s",
+            Self::JointAcceleration(joint) if tabled(joint) => "joints.acceleration_deg_s2, and [[tables]]",
             Self::JointAcceleration(_) => "joints.acceleration_deg_s2",
+            Self::JointJerk(joint) if tabled(joint) => "joints.jerk_deg_s3, and [[tables]]",
             Self::JointJerk(_) => "joints.jerk_deg_s3",
+            Self::JointTorque(joint) if tabled(joint) => "torque.limit_nm, and [[tables]]",
             Self::JointTorque(_) => "torque.limit_nm",
+        }
+    }
+
+    /// The kinds of tables that state it, too.
+    fn tables(self) -> &'static [TableKind] {
+        match self {
+            Self::JointAcceleration(_) => &[TableKind::AccelerationBySpeed, TableKind::AccelerationByPosition],
+            Self::JointJerk(_) => &[TableKind::JerkBySpeed, TableKind::JerkByPosition],
+            Self::JointTorque(_) => &[TableKind::TorqueBySpeed],
+            _ => &[],
         }
     }
 
@@ -123,7 +143,12 @@ impl Limit {
             Some(value) => set(tool, value * factor),
             None => Ok(tool),
         };
+        if let Self::JointAcceleration(joint) | Self::JointJerk(joint) | Self::JointTorque(joint) = self {
+            raised.tables = limits.tables.scaled(self.tables(), joint, factor)?;
+        }
         match self {
+            Self::ToolAcceleration => raised.tool = with(tool.acceleration(), ToolLimits::with_acceleration)?,
+            Self::ToolJerk => raised.tool = with(tool.jerk(), ToolLimits::with_jerk)?,
             Self::Feed => {
                 raised.tool = with(tool.feed(), ToolLimits::with_feed)?;
                 raised.sections.iter_mut().for_each(|section| section.feed *= factor);
@@ -180,14 +205,14 @@ impl Advice {
             }
             tell(&line.joint.map_or(line.name.clone(), |joint| format!("{} J{joint}", line.name)));
             let saved = |factor: f64| {
-                let raised = limit.raised(&own, factor).ok()?;
+                let raised = limit.raised(own, factor).ok()?;
                 let plan = task.planner_within(&raised).ok()?.plan_shared(path.clone()).ok()?;
                 Some(duration - plan.duration())
             };
             limits.push(LimitCost {
                 name: line.name.clone(),
                 joint: line.joint,
-                key: limit.key(&own, task.outline().is_some()),
+                key: limit.key(own, task.outline().is_some()),
                 unit: line.unit,
                 limit: line.limit,
                 raised_saves_s: saved(RAISED),

@@ -110,6 +110,20 @@ pub enum Cr7Error {
         /// A likely cause, starting with a separator; empty when there is none to name.
         hint: String,
     },
+    /// A structure shakes more than the job allows, however low the jerk: exit code 1.
+    #[error(
+        "{file}: vibration of {what}, with {factor} of the joints' jerk still: raise vibration.{key}, or lower feed and accelerations"
+    )]
+    Shaking {
+        /// The file, or the name of an embedded path.
+        file: String,
+        /// Which structure, its deflection and its limit.
+        what: String,
+        /// The lowest part of the jerk that was tried.
+        factor: f64,
+        /// The key of the limit.
+        key: &'static str,
+    },
     /// The motion cannot be made of polynomials that keep the limits: exit code 1.
     #[error("{file}, compiled: {source}")]
     Compile {

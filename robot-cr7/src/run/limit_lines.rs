@@ -28,8 +28,10 @@ fn unit(quantity: Quantity, joint: Option<usize>) -> LimitUnit {
         Quantity::JointAcceleration | Quantity::EndAcceleration => LimitUnit::RadianPerSecond2,
         Quantity::JointJerk => LimitUnit::RadianPerSecond3,
         Quantity::Feed => LimitUnit::MetrePerSecond,
-        Quantity::TangentialAcceleration | Quantity::NormalAcceleration => LimitUnit::MetrePerSecond2,
-        Quantity::TangentialJerk | Quantity::NormalJerk => LimitUnit::MetrePerSecond3,
+        Quantity::TangentialAcceleration | Quantity::NormalAcceleration | Quantity::ToolAcceleration => {
+            LimitUnit::MetrePerSecond2
+        }
+        Quantity::TangentialJerk | Quantity::NormalJerk | Quantity::ToolJerk => LimitUnit::MetrePerSecond3,
         Quantity::PathDeviation if joint.is_some() => LimitUnit::Radian,
         Quantity::ChordError | Quantity::PathDeviation => LimitUnit::Metre,
         _ => LimitUnit::One,

@@ -2,6 +2,7 @@
 
 pub(crate) mod advice;
 pub(crate) mod batch;
+pub(crate) mod calm;
 pub(crate) mod compare;
 pub(crate) mod cr7;
 pub(crate) mod dense_lines;
@@ -33,6 +34,7 @@ pub(crate) mod programmed;
 pub(crate) mod rapid_run;
 pub(crate) mod robot;
 pub(crate) mod samples;
+pub(crate) mod side_effects;
 pub(crate) mod speed_task;
 pub(crate) mod stage;
 pub(crate) mod stand_in;
@@ -40,6 +42,7 @@ pub(crate) mod stream;
 pub(crate) mod stretch;
 pub(crate) mod task;
 pub(crate) mod task_limits;
+pub(crate) mod task_planner;
 pub(crate) mod tool_check;
 pub(crate) mod tool_run;
 pub(crate) mod trajectory_row;

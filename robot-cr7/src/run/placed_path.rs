@@ -268,6 +268,12 @@ pub(crate) fn tool_of(job: &Job, fastest: f64) -> Result<ToolLimits, LimitError>
     if let Some(jerk) = feed.normal_jerk {
         tool = tool.with_normal_jerk(jerk)?;
     }
+    if let Some(limit) = feed.tool_acceleration {
+        tool = tool.with_acceleration(limit)?;
+    }
+    if let Some(limit) = feed.tool_jerk {
+        tool = tool.with_jerk(limit)?;
+    }
     if let Some(speed) = feed.angular_speed {
         tool = tool.with_angular_speed(speed)?;
     }

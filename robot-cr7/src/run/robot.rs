@@ -23,6 +23,8 @@ pub struct Drives<const N: usize = 6> {
     pub dynamics: ArmDynamics<N>,
     /// Greatest torques, N m.
     pub torque: Joints<N>,
+    /// Torques that they give for ever, N m, where these are known.
+    pub rated: Option<Joints<N>>,
 }
 
 /// An arm that is not known before the program runs, with what its source says and does not say.
@@ -153,6 +155,8 @@ impl Robot {
             (None, Some(own)) => own,
             (None, None) => return Err(unknown("the torque limits are", "give your own as torque.limit_nm")),
         };
-        Ok(Some(Drives { dynamics, torque }))
+        let rated = wanted.rated.as_ref().map(|values| values.of::<N>().map(Joints::from)).transpose();
+        let rated = rated.map_err(|given| Cr7Error::JointCount { key: "torque.rated_nm", given, joints: N })?;
+        Ok(Some(Drives { dynamics, torque, rated }))
     }
 }

@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 use arcfeed_feedrate::{FeedError, FeedPlanner, StreamedScan};
 use arcfeed_geometry::PosePath;
 use arcfeed_interp::{
-    CompileError, CompiledPlan, FeedSection, JointTrajectory, LimitError, Limits, Method, MotionPath, PathArm,
-    PathError, PlanError, Planner, Setpoints, ToolCertificate, ToolLimits, ToolPath, Trajectory,
+    CompileError, CompiledPlan, JointTrajectory, LimitError, Method, MotionPath, PathArm, PathError, PlanError,
+    Setpoints, ToolCertificate, ToolLimits, ToolPath, Trajectory,
 };
 use arcfeed_kinematics::{AnalyticInverse, JointLimits, Joints, ParallelAxisArm};
 use nalgebra::Vector3;
@@ -18,9 +18,10 @@ use super::outline::Outline;
 use super::placed_path::{PlacedPath, PointFit, tool_of};
 use super::plan_error::{line_words, plan_error, reach_hint};
 use super::robot::{Drives, Robot};
+use super::side_effects::{ThermalLine, VibrationLine, calm_words, check_joints};
 use super::stream::StreamReport;
-use super::task_limits::TaskLimits;
-use crate::input::job::Job;
+use super::task_limits::{TaskLimits, tables_of};
+use crate::input::job::{Job, VibrationJob};
 use crate::input::path_file::PathFile;
 
 /// A planned and verified motion along the path of a [`Task`], with all that a report needs.
@@ -32,6 +33,8 @@ pub struct Motion<'t, const N: usize = 6> {
     stream: Option<StreamReport>,
     outline: Option<&'t Outline>,
     fit: Option<PointFit>,
+    vibration: Vec<VibrationLine>,
+    thermal: Vec<ThermalLine>,
     warnings: Vec<String>,
 }
 
@@ -52,20 +55,19 @@ pub struct Motion<'t, const N: usize = 6> {
 pub struct Task<A = ParallelAxisArm, const N: usize = 6> {
     name: String,
     file: String,
-    arm: A,
+    pub(super) arm: A,
     start: Joints<N>,
     path: PosePath,
-    limits: JointLimits<N>,
-    tool: ToolLimits,
-    drives: Option<Drives<N>>,
-    sections: Vec<FeedSection>,
+    pub(super) limits: TaskLimits<N>,
+    pub(super) drives: Option<Drives<N>>,
+    vibrations: Vec<VibrationJob>,
     stops: Vec<f64>,
     outline: Option<Outline>,
     fit: Option<PointFit>,
-    end_speeds: [f64; 2],
-    chord_tolerance: f64,
-    period: f64,
-    method: Method,
+    pub(super) end_speeds: [f64; 2],
+    pub(super) chord_tolerance: f64,
+    pub(super) period: f64,
+    pub(super) method: Method,
     preparation: Duration,
     warnings: Vec<String>,
 }
@@ -143,6 +145,9 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
         let begin = Instant::now();
         let shown = file.file.display().to_string();
         let tool = tool_of(job, placed.fastest).map_err(|source| plan_error(&shown, source.into()))?;
+        let limit_error = |source: LimitError| plan_error(&shown, source.into());
+        let tables = tables_of(&job.tables).map_err(limit_error)?;
+        check_joints::<N>(&job.vibrations).map_err(limit_error)?;
         let warnings = placed.warnings(job);
         let PlacedPath { path, sections, stops, outline, fit, .. } = placed;
         let (arm, start) = arm_for(&path).map_err(|source| match plan_error(&shown, source.into()) {
@@ -159,10 +164,15 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
             arm,
             start,
             path,
-            limits: *limits,
-            tool,
+            limits: TaskLimits {
+                joints: *limits,
+                tool,
+                torque: drives.as_ref().map(|drives| drives.torque),
+                tables,
+                sections,
+            },
             drives,
-            sections,
+            vibrations: job.vibrations.clone(),
             stops,
             outline,
             fit,
@@ -207,12 +217,22 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
 
     /// Limits of the joints.
     pub fn joint_limits(&self) -> &JointLimits<N> {
-        &self.limits
+        &self.limits.joints
     }
 
     /// Limits of the tool.
     pub fn tool_limits(&self) -> &ToolLimits {
-        &self.tool
+        &self.limits.tool
+    }
+
+    /// The structures that its motion excites.
+    pub(crate) fn vibrations(&self) -> &[VibrationJob] {
+        &self.vibrations
+    }
+
+    /// The file, or the name of an embedded path.
+    pub(crate) fn file(&self) -> &str {
+        &self.file
     }
 
     /// The load and the limits of the drives, where torque is limited.
@@ -239,49 +259,6 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
         Ok(path.map_err(|source| self.error(source.into()))?.with_stops(&self.stops))
     }
 
-    /// The planner with all limits of the job.
-    ///
-    /// # Errors
-    /// [`Cr7Error::Plan`] for a limit that cannot be used.
-    pub fn planner(&self) -> Result<Planner<'_, N>, Cr7Error> {
-        self.planner_within(&self.own_limits())
-    }
-
-    /// The limits of the job.
-    pub(crate) fn own_limits(&self) -> TaskLimits<N> {
-        let torque = self.drives.as_ref().map(|drives| drives.torque);
-        TaskLimits { joints: self.limits, tool: self.tool, torque, sections: self.sections.clone() }
-    }
-
-    /// The planner with other limits.
-    ///
-    /// # Errors
-    /// As [`Task::planner`].
-    pub(crate) fn planner_within(&self, limits: &TaskLimits<N>) -> Result<Planner<'_, N>, Cr7Error> {
-        let [v_start, v_end] = self.end_speeds;
-        let planner = self.planner_under(limits).and_then(|planner| planner.with_end_speeds(v_start, v_end));
-        Ok(planner.map_err(|source| self.error(source))?.with_sections(limits.sections.clone()))
-    }
-
-    /// The planner of joint moves from rest to rest: with the limits of the joints and of their torque, and with that of the angular
-    /// speed of the tool.
-    pub(crate) fn joint_planner(&self) -> Result<Planner<'_, N>, PlanError> {
-        let tool = match self.tool.angular_speed() {
-            Some(speed) => ToolLimits::new().with_angular_speed(speed)?,
-            None => ToolLimits::new(),
-        };
-        self.planner_under(&TaskLimits { tool, ..self.own_limits() })
-    }
-
-    fn planner_under(&self, within: &TaskLimits<N>) -> Result<Planner<'_, N>, PlanError> {
-        let mut limits = Limits::new(within.joints).with_tool(within.tool);
-        if let (Some(drives), Some(torque)) = (&self.drives, within.torque) {
-            limits = limits.with_torque(&drives.dynamics, torque)?;
-        }
-        let planner = Planner::new(&self.arm, limits).with_chord_tolerance(self.chord_tolerance)?;
-        Ok(planner.with_period(self.period)?.with_method(self.method))
-    }
-
     /// The error of a planner, with the file and a likely cause.
     pub(crate) fn error(&self, source: PlanError) -> Cr7Error {
         let slow = match source {
@@ -300,7 +277,7 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
 
     /// The key of the job that makes the motion longer than `longest` (s).
     fn slow_key(&self, longest: f64) -> String {
-        let (length, tool) = (self.path.length(), &self.tool);
+        let (length, tool) = (self.path.length(), &self.limits.tool);
         let or_none = |limit: Option<f64>| limit.unwrap_or(f64::INFINITY);
         let feed = or_none(tool.feed());
         let (a, j) = (or_none(tool.tangential_acceleration()), or_none(tool.tangential_jerk()));
@@ -331,9 +308,11 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
     /// # Errors
     /// As [`Task::plan`].
     pub fn plan_near(&self, near: &Joints<N>) -> Result<Motion<'_, N>, Cr7Error> {
-        let path = Arc::new(self.tool_path_near(near)?);
-        let trajectory = self.planner()?.plan_shared(path).map_err(|source| self.error(source))?;
-        Ok(self.motion(trajectory))
+        let path: Arc<dyn MotionPath<N> + '_> = Arc::new(self.tool_path_near(near)?);
+        let (trajectory, jerk) = self.calm_trajectory(&path)?;
+        let mut motion = self.motion(trajectory, None)?;
+        motion.warnings.extend(calm_words(jerk));
+        Ok(motion)
     }
 
     /// The same with its motion as polynomials of the time, which keep the limits of joints and tool and deviate from the plan by no more
@@ -357,21 +336,41 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
         near: &Joints<N>,
         tolerance: f64,
     ) -> Result<(Motion<'_, N>, JointTrajectory<N>, ToolCertificate), Cr7Error> {
-        let path = Arc::new(self.tool_path_near(near)?);
-        let plan = self.planner()?.plan_compiled(path, tolerance).map_err(|source| match source {
+        let path: Arc<dyn MotionPath<N> + '_> = Arc::new(self.tool_path_near(near)?);
+        let calm = self.vibrations.iter().any(|vibration| vibration.limit.is_some());
+        let jerk = if calm { self.calm_trajectory(&path)?.1 } else { 1.0 };
+        let planner = self.planner_beside(&self.limits_with_jerk(jerk)?, &self.limits.tables)?;
+        let plan = planner.plan_compiled(path, tolerance).map_err(|source| match source {
             CompileError::Plan(source) => self.error(source),
             source => Cr7Error::Compile { file: self.name.clone(), source: Box::new(source) },
         })?;
         let CompiledPlan { trajectory, compiled, tool } = plan;
-        Ok((self.motion(trajectory), compiled, tool))
+        let mut motion = self.motion(trajectory, None)?;
+        let by_vectors = self.limits.tool.acceleration().is_some() || self.limits.tool.jerk().is_some();
+        if by_vectors || !self.limits.tables.is_empty() {
+            motion.warnings.push(UNCERTIFIED.to_owned());
+        }
+        motion.warnings.extend(calm_words(jerk));
+        Ok((motion, compiled, tool))
     }
 
-    fn motion<'t>(&'t self, trajectory: Trajectory<'t, N>) -> Motion<'t, N> {
+    fn motion<'t>(
+        &'t self,
+        trajectory: Trajectory<'t, N>,
+        stream: Option<StreamReport>,
+    ) -> Result<Motion<'t, N>, Cr7Error> {
         let mut warnings = self.warnings.clone();
-        warnings.extend(corner_words(trajectory.stops().len()));
+        if stream.is_none() {
+            warnings.extend(corner_words(trajectory.stops().len()));
+        }
         let outline = self.outline.as_ref();
         let (preparation, fit) = (self.preparation, self.fit);
-        Motion { name: &self.name, trajectory, preparation, stream: None, outline, fit, warnings }
+        let fail = |source| self.error(source);
+        let vibration = VibrationLine::all(&self.vibrations, &trajectory).map_err(fail)?;
+        let rated = self.drives.as_ref().and_then(|drives| drives.rated.as_ref());
+        let thermal = ThermalLine::all(rated, &trajectory).map_err(fail)?;
+        let name = &self.name;
+        Ok(Motion { name, trajectory, preparation, stream, outline, fit, vibration, thermal, warnings })
     }
 }
 
@@ -399,11 +398,8 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
         let whole_duration_s = known.plan(&rows).map_err(speed)?.duration();
         let trajectory = planner.finish(problem, run.law, true).map_err(fail)?;
         let (held_back_m, waits_m_s) = (run.held_back, run.waits);
-        let stream = Some(StreamReport { look_ahead, gap_s: gap, whole_duration_s, held_back_m, waits_m_s });
-        let warnings = self.warnings.clone();
-        let outline = self.outline.as_ref();
-        let (preparation, fit) = (self.preparation, self.fit);
-        Ok(Motion { name: &self.name, trajectory, preparation, stream, outline, fit, warnings })
+        let stream = StreamReport { look_ahead, gap_s: gap, whole_duration_s, held_back_m, waits_m_s };
+        self.motion(trajectory, Some(stream))
     }
 }
 
@@ -431,6 +427,16 @@ impl<'t, const N: usize> Motion<'t, N> {
     /// How near the path is to the points of its file, where it is a smooth curve through such.
     pub fn fit(&self) -> Option<PointFit> {
         self.fit
+    }
+
+    /// The vibrations of the structures that the job names.
+    pub fn vibration(&self) -> &[VibrationLine] {
+        &self.vibration
+    }
+
+    /// The thermal load of the drives, where torque is limited.
+    pub fn thermal(&self) -> &[ThermalLine] {
+        &self.thermal
     }
 
     /// Warnings about the motion.
@@ -461,6 +467,10 @@ impl<'t, const N: usize> Motion<'t, N> {
 pub(crate) fn corner_words(corners: usize) -> Option<String> {
     (corners > 0).then(|| format!("the path has {corners} corners, where the tool stops"))
 }
+
+/// What is said where a certificate leaves limits out.
+const UNCERTIFIED: &str =
+    "the plan keeps [[tables]], tool_acceleration and tool_jerk; the certificate of the polynomials leaves them out";
 
 /// Points of each chord segment, dense enough to be drawn as a curve, seen along the workpiece's z axis (m).
 pub fn drawn_segments<const N: usize>(

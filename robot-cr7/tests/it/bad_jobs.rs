@@ -57,8 +57,11 @@ fn the_example_shows_every_key() {
     );
     assert_eq!(job.method, Method::PerSegment { window: Some(100) });
     assert_relative_eq!(job.feed.angular_speed.expect("given"), FRAC_PI_2);
+    assert_relative_eq!(job.feed.tool_acceleration.expect("given"), 1.2);
+    assert_relative_eq!(job.feed.tool_jerk.expect("given"), 40.0);
     let torque = job.torque.expect("limited");
     assert_relative_eq!(torque.limit.expect("given").of::<6>().expect("six")[3], 28.0);
+    assert_relative_eq!(torque.rated.expect("given").of::<6>().expect("six")[0], 60.0);
     let payload = torque.payload.expect("given");
     assert!(payload.mass == 2.0 && payload.centre == Vector3::new(0.0, 0.0, 0.06));
     assert_eq!(job.start_posture.map(|posture| posture.to_string()).as_deref(), Some("front up no-flip"));

@@ -34,6 +34,7 @@ mod hostile_numbers;
 #[cfg(feature = "cli")]
 mod joint_space;
 #[cfg(feature = "cli")]
+mod limit_jobs;
 mod limits_and_files;
 mod papers;
 #[cfg(feature = "plot")]
