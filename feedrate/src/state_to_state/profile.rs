@@ -61,6 +61,11 @@ pub struct PositionRange {
 }
 
 impl StateToState {
+    /// A standstill at a position, which takes no time.
+    pub const fn standing(position: f64) -> Self {
+        Self { phases: Phases::at_rest(MotionState { p: position, v: 0.0, a: 0.0, j: 0.0 }), release_jerk: 0.0 }
+    }
+
     /// Out of working units, the target and what follows it excepted.
     pub(super) fn rescale(&mut self, units: Units) {
         self.phases.map(|p, dt| {

@@ -53,7 +53,11 @@ impl Coast {
     /// From `s` the acceleration is brought to zero, and the velocity inside its limits; then it
     /// stays what it is. Where the range ends ahead, the axis brakes so that it stands at that end.
     pub fn new(s: &AxisState, l: &AxisLimits, range: &Range) -> Result<Self, FeedError> {
-        let v = l.velocity_after(s).clamp(l.v_min(), l.v_max());
+        Self::to_velocity(s, l.velocity_after(s).clamp(l.v_min(), l.v_max()), l, range)
+    }
+
+    /// From `s` to the velocity `v`, which then stays; as [`Coast::new`] where the range ends.
+    pub fn to_velocity(s: &AxisState, v: f64, l: &AxisLimits, range: &Range) -> Result<Self, FeedError> {
         let end = if v > 0.0 { range.upper } else { range.lower };
         if v == 0.0 || !end.is_finite() {
             let motion = StateToState::to_velocity(s, v, 0.0, l)?;

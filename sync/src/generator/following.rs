@@ -3,6 +3,8 @@
 use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, MotionState, StateToState};
 
 use super::coast::{Coast, Range};
+use super::course::Course;
+use super::time_scale::Pace;
 use crate::error::SyncError;
 use crate::sampler::Window;
 use crate::state_to_state::Trajectory;
@@ -17,7 +19,7 @@ pub(super) struct Following<const N: usize> {
 /// One axis: how far it is on its motion and how it goes on after that.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Axis {
-    /// Cycles since its motion began, and until the target.
+    /// Cycles since its motion began, and until the target; not whole where time was scaled.
     pub steps: f64,
     pub planned: f64,
     /// The motion leads to the target; otherwise it is `after`.
@@ -49,6 +51,43 @@ impl<const N: usize> Following<N> {
             motions[k] = axes[k].after.motion;
         }
         Ok(Self { plan: Trajectory::of(motions), axes })
+    }
+
+    /// Every axis by itself to a velocity, within its range.
+    pub fn jogging(
+        start: &[AxisState; N],
+        velocity: &[f64; N],
+        limits: &[AxisLimits; N],
+        ranges: &[Range; N],
+    ) -> Result<Self, SyncError> {
+        let mut motions = [StateToState::default(); N];
+        let mut axes = [Axis::new(0.0, false, Coast::default()); N];
+        for k in 0..N {
+            let after = StateToState::to_velocity(&start[k], velocity[k], 0.0, &limits[k])
+                .and_then(|_| Coast::to_velocity(&start[k], velocity[k], &limits[k], &ranges[k]))
+                .map_err(|source| SyncError::State { axis: k, source })?;
+            ranges[k].check(&after.motion).map_err(|(position, _, limit)| SyncError::CannotStop {
+                axis: k,
+                what: "present state",
+                position,
+                limit,
+            })?;
+            (axes[k].after, motions[k]) = (after, after.motion);
+        }
+        Ok(Self { plan: Trajectory::of(motions), axes })
+    }
+
+    /// Motions that end at rest, each in a whole number of cycles or a little earlier.
+    pub fn stopping(plan: Trajectory<N>, cycle: f64) -> Self {
+        let rest = |m: &StateToState| {
+            let motion = StateToState::standing(m.at(m.duration()).p);
+            Coast { motion, brakes_from: f64::INFINITY }
+        };
+        let axes = std::array::from_fn(|k| {
+            let motion = &plan.axes()[k];
+            Axis::new((motion.duration() / cycle).ceil(), true, rest(motion))
+        });
+        Self { plan, axes }
     }
 
     /// Axis `k` goes on from `state` without a target.
@@ -90,26 +129,38 @@ impl<const N: usize> Following<N> {
         Ok(())
     }
 
-    /// Moves axis `k` on by one cycle.
-    pub fn step(&mut self, k: usize, cycle: f64, target: &AxisState) -> AxisStep {
+    /// Moves axis `k` on by `elapsed` seconds of its plan, `cycles` cycles.
+    pub fn step(&mut self, k: usize, (elapsed, cycles): (f64, f64), cycle: f64, target: &AxisState) -> AxisStep {
         let mut arrived = self.axes[k].underway && self.axes[k].planned == 0.0;
         if arrived {
             self.arrive(k);
         }
         let axis = &mut self.axes[k];
-        axis.steps += 1.0;
+        axis.steps += cycles;
         let t = axis.steps * cycle;
         let mut state = axis.window.sample(&self.plan.axes()[k], t);
         let mut range_ends = false;
         if !axis.underway {
-            range_ends = axis.after.brakes_between(t - cycle, t);
-        } else if axis.steps >= axis.planned {
+            range_ends = axis.after.brakes_between(t - elapsed, t);
+        } else if axis.steps >= axis.planned - WHOLE {
             arrived = true;
+            let beyond = axis.steps - axis.planned;
             self.arrive(k);
             let j = self.plan.axes()[k].at(0.0).j;
             state = MotionState { p: target.p, v: target.v, a: target.a, j };
+            if beyond > WHOLE {
+                self.axes[k].steps = beyond;
+                state = self.plan.axes()[k].at_or_after(beyond * cycle);
+            }
         }
         AxisStep { state, arrived, range_ends }
+    }
+
+    /// What axis `k` has before it.
+    pub fn course(&self, k: usize, cycle: f64, limits: &AxisLimits) -> Course<'_> {
+        let axis = &self.axes[k];
+        let until = if axis.underway { axis.planned * cycle } else { f64::INFINITY };
+        Course::new(&self.plan.axes()[k], axis.steps * cycle, until, &axis.after.motion, limits)
     }
 
     fn arrive(&mut self, k: usize) {
@@ -122,6 +173,9 @@ impl<const N: usize> Following<N> {
         self.axes[k] = Axis::new(0.0, false, *after);
     }
 }
+
+/// Part of a cycle that counts as round-off.
+const WHOLE: f64 = 1e-9;
 
 /// Going on from `state`, checked against the range.
 fn coast(
