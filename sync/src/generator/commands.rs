@@ -260,12 +260,13 @@ impl<const N: usize> OnlineGenerator<N> {
             return None;
         }
         let plan = Trajectory::stop_on_line(&self.commanded, &self.target, &self.limits)?;
-        let stays = plan.axes().iter().zip(self.following.plan.axes()).zip(&self.ranges).all(|((stop, plan), range)| {
-            let (stop_range, way) = (stop.position_range(), plan.position_range());
-            let slack = ROUND_OFF * (way.max.abs() + way.min.abs());
-            let on_plan = stop_range.min >= way.min - slack && stop_range.max <= way.max + slack;
-            on_plan && range.check(stop).is_ok()
-        });
+        let stays =
+            plan.axes().iter().zip(self.following.plan.axes()).zip(&self.ranges).all(|((stop, plan), range)| {
+                let (stop_range, way) = (stop.position_range(), plan.position_range());
+                let slack = ROUND_OFF * (way.max.abs() + way.min.abs());
+                let on_plan = stop_range.min >= way.min - slack && stop_range.max <= way.max + slack;
+                on_plan && range.check(stop).is_ok()
+            });
         stays.then_some(plan)
     }
 

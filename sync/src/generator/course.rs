@@ -92,10 +92,7 @@ impl<'a> Course<'a> {
         let all = [
             times(v, scale),
             sum(times(a, square), times(v, rate)),
-            sum(
-                sum(times(j, cube), times(a, (3.0 * cross.0, 3.0 * cross.1))),
-                ordered(v.0 * phase.j, v.1 * phase.j),
-            ),
+            sum(sum(times(j, cube), times(a, (3.0 * cross.0, 3.0 * cross.1))), ordered(v.0 * phase.j, v.1 * phase.j)),
         ];
         if all.iter().zip(&self.bounds).all(|(x, bound)| within(x, bound)) {
             return true;
@@ -112,11 +109,7 @@ impl<'a> Course<'a> {
     fn keeps_at(&self, phase: &Phase, x: f64) -> bool {
         let s = phase.after(x);
         let [v, a, j] = self.hull(s.p.max(0.0), s.p.max(0.0)).map(|h| h.0);
-        let all = [
-            v * s.v,
-            a * s.v * s.v + v * s.a,
-            j * s.v.powi(3) + 3.0 * a * s.v * s.a + v * phase.j,
-        ];
+        let all = [v * s.v, a * s.v * s.v + v * s.a, j * s.v.powi(3) + 3.0 * a * s.v * s.a + v * phase.j];
         all.iter().zip(&self.bounds).all(|(&x, bound)| within(&(x, x), bound))
     }
 

@@ -4,7 +4,6 @@ use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, MotionState, StateToSta
 
 use super::coast::{Coast, Range};
 use super::course::Course;
-use super::time_scale::Pace;
 use crate::error::SyncError;
 use crate::sampler::Window;
 use crate::state_to_state::Trajectory;

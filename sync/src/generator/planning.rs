@@ -62,11 +62,9 @@ impl<const N: usize> OnlineGenerator<N> {
         let from = *self.planning_state();
         let order = Order { target: &target, limits: &limits, from: &from, anew: self.command != Command::Target };
         let (mut next, mut replanned) = self.follow(&order)?;
-        let mut from = from;
         if next.as_ref().is_some_and(|next| !self.scale_fits(next, &limits)) {
             // The scale starts at 1 again, from the state commanded last.
-            from = self.commanded;
-            (next, replanned) = self.follow(&Order { from: &from, anew: true, ..order })?;
+            (next, replanned) = self.follow(&Order { from: &self.commanded, anew: true, ..order })?;
             self.scale.jump(1.0);
         }
         self.limits = limits;
