@@ -30,7 +30,7 @@
 //! | states, limits, errors | [`MotionState`], [`AxisState`], [`AxisLimits`], [`MotionLaw`], [`Phase`], [`FeedError`] |
 //! | change of speed in the least time | [`SpeedChange`], [`distance_for_change`] and its inverses |
 //! | motion over a displacement | [`SProfile`] |
-//! | motion from any state to any other | [`StateToState`]; in a given duration [`AxisProblem`], [`Durations`] |
+//! | motion from any state to any other | [`StateToState`]; in a given duration [`AxisProblem`], [`Durations`]; inside a range of positions [`BoundedProblem`], [`PositionLimits`] |
 //! | speed limits from the path and the joints | [`caps`] |
 //! | limits as rows on a grid | [`constraint`], [`Row`], [`JerkRow`], [`IntervalBound`], [`FeedProblem`] |
 //! | planners for segments | [`Segment`], [`plan_per_segment`], [`plan_windowed`], [`plan_continuous`] |
@@ -99,4 +99,4 @@ pub use scurve::profile::{Adjust, Adjusted, SProfile};
 pub use scurve::solve::{distance_for_change, highest_speed_over, lowest_speed_over};
 pub use speed_law::{Cursor, SpeedLaw};
 pub use state::{AxisState, MotionLaw, MotionState};
-pub use state_to_state::{AxisProblem, Durations, PositionRange, StateToState};
+pub use state_to_state::{AxisProblem, BoundedProblem, Durations, PositionLimits, PositionRange, StateToState};

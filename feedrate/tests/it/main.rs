@@ -3,6 +3,7 @@
 mod allocation;
 #[cfg(feature = "clarabel")]
 mod baseline;
+mod bounded;
 mod change;
 mod common;
 mod exact_problems;
