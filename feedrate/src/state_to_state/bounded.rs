@@ -158,12 +158,18 @@ impl Frame {
         PositionLimits::new(lower, upper)
     }
 
+    /// The target backwards in time, and the limits that hold then.
+    const fn backwards(&self) -> (AxisState, AxisLimits) {
+        let Self { target, limits: l, .. } = self;
+        let limits = AxisLimits { v: (-l.v.1, -l.v.0), a: l.a, j: (-l.j.1, -l.j.0) };
+        (AxisState::new(target.p, -target.v, target.a), limits)
+    }
+
     /// Returns an error if the hardest braking leaves the range, after the start or, backwards in
     /// time, before the target.
     fn check_ends(&self) -> Result<(), FeedError> {
-        let Self { start, target, limits: l, positions } = self;
-        let back = AxisState::new(target.p, -target.v, target.a);
-        let reversed = AxisLimits { v: (-l.v.1, -l.v.0), a: l.a, j: (-l.j.1, -l.j.0) };
+        let Self { start, limits: l, positions, .. } = self;
+        let (back, reversed) = self.backwards();
         for (state, l, is_start) in [(start, l, true), (&back, &reversed, false)] {
             let up = hardest_turn(state, l).p;
             let down = -hardest_turn(&mirrored(state), &mirrored_limits(l)).p;
@@ -241,25 +247,26 @@ impl Frame {
             return None;
         }
         let time = |m: &Option<StateToState>| m.as_ref().map_or(f64::INFINITY, |m| m.duration());
-        // The hardest braking from the start is the only way in where the range just suffices.
-        let turn = hardest_turn(&self.start, &self.limits);
-        let (mut best, mut at) = (with((turn.a / lowest_at_turn(&self.limits)).min(1.0)), None);
-        for i in 0..=GRID {
-            let motion = with(i as f64 / GRID as f64);
+        // Where the range just suffices, only the hardest braking from the start and the hardest
+        // run-up to the target are possible.
+        let part = |state: &AxisState, l: &AxisLimits| (hardest_turn(state, l).a / lowest_at_turn(l)).min(1.0);
+        let (back, reversed) = self.backwards();
+        let ends = [part(&self.start, &self.limits), part(&back, &reversed)];
+        let (mut best, mut at) = (None, ends[0]);
+        for x in ends.into_iter().chain((0..=GRID).map(|i| i as f64 / GRID as f64)) {
+            let motion = with(x);
             if time(&motion) < time(&best) {
-                (best, at) = (motion, Some(i as f64));
+                (best, at) = (motion, x);
             }
         }
-        let at = at.unwrap_or(GRID as f64 * (turn.a / lowest_at_turn(&self.limits)).min(1.0));
-        let mut lo = ((at - 1.0) / GRID as f64).max(0.0);
-        let mut hi = ((at + 1.0) / GRID as f64).min(1.0);
+        let width = 1.0 / GRID as f64;
+        let (mut lo, mut hi) = ((at - width).max(0.0), (at + width).min(1.0));
         for _ in 0..STEPS {
             let (x, y) = (hi - GOLDEN * (hi - lo), lo + GOLDEN * (hi - lo));
             let (first, second) = (with(x), with(y));
-            let middle = at / GRID as f64;
             // Where neither is possible, towards the one that is known.
             let left = match (first.is_some(), second.is_some()) {
-                (false, false) => middle < 0.5 * (lo + hi),
+                (false, false) => at < 0.5 * (lo + hi),
                 _ => time(&first) <= time(&second),
             };
             if left {

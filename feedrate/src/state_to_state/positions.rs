@@ -27,6 +27,9 @@ pub struct PositionLimits {
 }
 
 impl PositionLimits {
+    /// All positions.
+    pub const ALL: Self = Self { lower: f64::NEG_INFINITY, upper: f64::INFINITY };
+
     /// From the lower to the upper end.
     ///
     /// # Errors
@@ -50,12 +53,31 @@ impl PositionLimits {
         self.lower <= position && position <= self.upper
     }
 
+    /// The nearest position inside.
+    pub const fn nearest(&self, position: f64) -> f64 {
+        position.max(self.lower).min(self.upper)
+    }
+
     /// Returns true if a motion stays inside but for round-off.
     pub fn contain_all_of(&self, motion: &StateToState) -> bool {
+        self.check(motion).is_ok()
+    }
+
+    /// As [`PositionLimits::contain_all_of`].
+    ///
+    /// # Errors
+    /// [`FeedError::LeavesPositions`] with the farthest position and when it is there.
+    pub fn check(&self, motion: &StateToState) -> Result<(), FeedError> {
         let way = motion.position_range();
         let ends = [self.lower, self.upper].into_iter().filter(|x| x.is_finite());
         let slack = ROUND_OFF * (ends.fold(0.0, |m: f64, x| m.max(x.abs())) + way.max - way.min);
-        way.max <= self.upper + slack && way.min >= self.lower - slack
+        if way.max > self.upper + slack {
+            Err(FeedError::LeavesPositions { position: way.max, time: way.t_max, limit: self.upper })
+        } else if way.min < self.lower - slack {
+            Err(FeedError::LeavesPositions { position: way.min, time: way.t_min, limit: self.lower })
+        } else {
+            Ok(())
+        }
     }
 
     /// Returns true if braking from `s` stays inside, by a closed form.

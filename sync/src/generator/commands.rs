@@ -251,7 +251,7 @@ impl<const N: usize> OnlineGenerator<N> {
         if range.check(&shortest).is_ok() {
             return Ok(shortest);
         }
-        StateToState::stop_within(state, limits, (range.lower, range.upper))
+        StateToState::stop_within(state, limits, (range.lower(), range.upper()))
     }
 
     /// The shortest stop on a straight line that stays on the plan.
@@ -272,7 +272,7 @@ impl<const N: usize> OnlineGenerator<N> {
 
     fn begin_stop(&mut self, plan: Trajectory<N>, limits: [AxisLimits; N]) {
         for (k, motion) in plan.axes().iter().enumerate() {
-            self.target[k] = AxisState::rest(self.ranges[k].cut(motion.at(motion.duration()).p));
+            self.target[k] = AxisState::rest(self.ranges[k].nearest(motion.at(motion.duration()).p));
         }
         self.scale.jump(1.0);
         self.begin(Following::stopping(plan, self.cycle), limits, Command::Stop);

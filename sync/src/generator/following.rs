@@ -1,8 +1,8 @@
 //! The motions that are being followed, axis by axis.
 
-use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, MotionState, StateToState};
+use arcfeed_feedrate::{AxisLimits, AxisState, FeedError, MotionLaw, MotionState, PositionLimits, StateToState};
 
-use super::coast::{Coast, Range};
+use super::coast::Coast;
 use super::course::Course;
 use crate::error::SyncError;
 use crate::sampler::Window;
@@ -42,7 +42,11 @@ impl Axis {
 
 impl<const N: usize> Following<N> {
     /// Goes on from `start` without a target.
-    pub fn coasting(start: &[AxisState; N], limits: &[AxisLimits; N], ranges: &[Range; N]) -> Result<Self, SyncError> {
+    pub fn coasting(
+        start: &[AxisState; N],
+        limits: &[AxisLimits; N],
+        ranges: &[PositionLimits; N],
+    ) -> Result<Self, SyncError> {
         let mut motions = [StateToState::default(); N];
         let mut axes = [Axis::new(0.0, false, Coast::default()); N];
         for k in 0..N {
@@ -57,7 +61,7 @@ impl<const N: usize> Following<N> {
         start: &[AxisState; N],
         velocity: &[f64; N],
         limits: &[AxisLimits; N],
-        ranges: &[Range; N],
+        ranges: &[PositionLimits; N],
     ) -> Result<Self, SyncError> {
         let mut motions = [StateToState::default(); N];
         let mut axes = [Axis::new(0.0, false, Coast::default()); N];
@@ -65,12 +69,7 @@ impl<const N: usize> Following<N> {
             let after = StateToState::to_velocity(&start[k], velocity[k], 0.0, &limits[k])
                 .and_then(|_| Coast::to_velocity(&start[k], velocity[k], &limits[k], &ranges[k]))
                 .map_err(|source| SyncError::State { axis: k, source })?;
-            ranges[k].check(&after.motion).map_err(|(position, _, limit)| SyncError::CannotStop {
-                axis: k,
-                what: "present state",
-                position,
-                limit,
-            })?;
+            check_stop(k, "present state", &after, &ranges[k])?;
             (axes[k].after, motions[k]) = (after, after.motion);
         }
         Ok(Self { plan: Trajectory::of(motions), axes })
@@ -90,7 +89,13 @@ impl<const N: usize> Following<N> {
     }
 
     /// Axis `k` goes on from `state` without a target.
-    pub fn coast(&mut self, k: usize, state: &AxisState, l: &AxisLimits, range: &Range) -> Result<(), SyncError> {
+    pub fn coast(
+        &mut self,
+        k: usize,
+        state: &AxisState,
+        l: &AxisLimits,
+        range: &PositionLimits,
+    ) -> Result<(), SyncError> {
         let after = coast(k, "present state", state, l, range)?;
         self.go_on(k, &after);
         Ok(())
@@ -103,14 +108,9 @@ impl<const N: usize> Following<N> {
         planned: f64,
         target: &AxisState,
         l: &AxisLimits,
-        range: &Range,
+        range: &PositionLimits,
     ) -> Result<(), SyncError> {
-        range.check(&self.plan.axes()[k]).map_err(|(position, time, limit)| SyncError::LeavesRange {
-            axis: k,
-            position,
-            time,
-            limit,
-        })?;
+        range.check(&self.plan.axes()[k]).map_err(|source| leaves(k, source))?;
         self.axes[k] = Axis::new(planned, true, self.axes[k].after);
         self.arrange_after(k, target, l, range)
     }
@@ -121,7 +121,7 @@ impl<const N: usize> Following<N> {
         k: usize,
         target: &AxisState,
         l: &AxisLimits,
-        range: &Range,
+        range: &PositionLimits,
     ) -> Result<(), SyncError> {
         l.check_leaving(target).map_err(|source| SyncError::State { axis: k, source })?;
         self.axes[k].after = coast(k, "target", target, l, range)?;
@@ -182,11 +182,28 @@ fn coast(
     what: &'static str,
     state: &AxisState,
     l: &AxisLimits,
-    range: &Range,
+    range: &PositionLimits,
 ) -> Result<Coast, SyncError> {
     let after = Coast::new(state, l, range).map_err(|source| SyncError::State { axis, source })?;
+    check_stop(axis, what, &after, range)?;
+    Ok(after)
+}
+
+/// Returns an error if a motion without a target leaves the range.
+fn check_stop(axis: usize, what: &'static str, after: &Coast, range: &PositionLimits) -> Result<(), SyncError> {
     match range.check(&after.motion) {
-        Ok(()) => Ok(after),
-        Err((position, _, limit)) => Err(SyncError::CannotStop { axis, what, position, limit }),
+        Err(FeedError::LeavesPositions { position, limit, .. }) => {
+            Err(SyncError::CannotStop { axis, what, position, limit })
+        }
+        Err(source) => Err(SyncError::State { axis, source }),
+        Ok(()) => Ok(()),
+    }
+}
+
+/// An axis that leaves its range on the way to its target.
+fn leaves(axis: usize, source: FeedError) -> SyncError {
+    match source {
+        FeedError::LeavesPositions { position, time, limit } => SyncError::LeavesRange { axis, position, time, limit },
+        source => SyncError::State { axis, source },
     }
 }

@@ -9,9 +9,8 @@ mod following;
 mod planning;
 mod time_scale;
 
-use arcfeed_feedrate::{AxisLimits, AxisState};
+use arcfeed_feedrate::{AxisLimits, AxisState, PositionLimits};
 
-use self::coast::Range;
 use self::command::Command;
 use self::following::Following;
 use self::time_scale::TimeScale;
@@ -50,9 +49,11 @@ pub use self::events::{Events, Step};
 /// every other mode a change plans all axes anew.
 ///
 /// # Ranges
-/// With ranges ([`OnlineGenerator::with_ranges`]) no position leaves them. Refused are a start or
-/// target outside, a motion that would leave them between, and a target after which the axis could
-/// not stop inside. An axis that goes on brakes before the end of its range and stands there
+/// With ranges ([`OnlineGenerator::with_ranges`]) no position leaves them. A motion that would leave
+/// them between is bent: it touches the end of the range instead of passing it
+/// ([`BoundedProblem`](arcfeed_feedrate::BoundedProblem)), and the axes still arrive together. A
+/// forced straight line is not bent. Refused are a start or target outside, a state from which no
+/// braking stays inside, and a target after which the axis could not stop inside. An axis that goes on brakes before the end of its range and stands there
 /// ([`Events::range_ends`]).
 ///
 /// # Interruption
@@ -90,7 +91,7 @@ pub struct OnlineGenerator<const N: usize> {
     cycle: f64,
     options: MotionOptions,
     limits: [AxisLimits; N],
-    ranges: [Range; N],
+    ranges: [PositionLimits; N],
     target: [AxisState; N],
     /// The state of the plan: that of the last step, were it played at scale 1.
     state: [AxisState; N],
@@ -116,7 +117,7 @@ impl<const N: usize> OnlineGenerator<N> {
         synchronisation: Synchronisation,
     ) -> Result<Self, SyncError> {
         let options = MotionOptions::new(synchronisation).with_cycle(cycle)?;
-        let ranges = [Range::ALL; N];
+        let ranges = [PositionLimits::ALL; N];
         let following = Following::coasting(&start, &limits, &ranges)?;
         Ok(Self {
             cycle,
@@ -157,11 +158,8 @@ impl<const N: usize> OnlineGenerator<N> {
     /// ```
     pub fn with_ranges(mut self, ranges: [(f64, f64); N]) -> Result<Self, SyncError> {
         for (axis, (lower, upper)) in ranges.into_iter().enumerate() {
-            // Not a number is no end of a range either.
-            if !matches!(lower.partial_cmp(&upper), Some(std::cmp::Ordering::Less)) {
-                return Err(SyncError::Range { axis, lower, upper });
-            }
-            self.ranges[axis] = Range { lower, upper };
+            self.ranges[axis] =
+                PositionLimits::new(lower, upper).map_err(|_| SyncError::Range { axis, lower, upper })?;
         }
         self.check_inside("start", &self.state)?;
         self.check_inside("target", &self.target)?;
@@ -186,7 +184,7 @@ impl<const N: usize> OnlineGenerator<N> {
         for k in 0..N {
             let step = self.following.step(k, (pace.elapsed, cycles), self.cycle, &self.target[k]);
             (events.arrived[k], events.range_ends[k]) = (step.arrived, step.range_ends);
-            let p = self.ranges[k].cut(step.state.p);
+            let p = self.ranges[k].nearest(step.state.p);
             let now = pace.apply(&step.state);
             (state.q[k], state.qd[k], state.qdd[k], state.qddd[k]) = (p, now.v, now.a, now.j);
             self.state[k] = AxisState::new(p, step.state.v, step.state.a);
@@ -236,9 +234,9 @@ impl<const N: usize> OnlineGenerator<N> {
 
     fn check_inside(&self, what: &'static str, states: &[AxisState; N]) -> Result<(), SyncError> {
         for (axis, (range, s)) in self.ranges.iter().zip(states).enumerate() {
-            let Range { lower, upper } = *range;
+            let (lower, upper) = (range.lower(), range.upper());
             // The planner says what is not a number.
-            if !range.contains(s.p) && !s.p.is_nan() {
+            if !range.contain(s.p) && !s.p.is_nan() {
                 return Err(SyncError::OutsideRange { axis, what, position: s.p, lower, upper });
             }
         }

@@ -91,7 +91,7 @@ impl<const N: usize> OnlineGenerator<N> {
             // Plans that begin in the state commanded last.
             for (k, _) in self.following.axes.iter().enumerate().filter(|(_, axis)| axis.steps == 0.0) {
                 let s = self.following.plan.axes()[k].at(0.0);
-                self.state[k] = AxisState::new(self.ranges[k].cut(s.p), s.v, s.a);
+                self.state[k] = AxisState::new(self.ranges[k].nearest(s.p), s.v, s.a);
             }
         } else {
             self.state = self.commanded;
@@ -136,7 +136,7 @@ impl<const N: usize> OnlineGenerator<N> {
         for (k, target) in all.iter_mut().enumerate() {
             let stop = StateToState::stop(&self.commanded[k], &self.limits[k])
                 .map_err(|source| SyncError::State { axis: k, source })?;
-            *target = AxisState::rest(self.ranges[k].cut(stop.at(stop.duration()).p));
+            *target = AxisState::rest(self.ranges[k].nearest(stop.at(stop.duration()).p));
         }
         Ok(all)
     }
@@ -167,7 +167,13 @@ impl<const N: usize> OnlineGenerator<N> {
             return Ok(false);
         }
         let (from, to, within) = (group.map(|k| order.from[k]), group.map(|k| target[k]), group.map(|k| limits[k]));
-        let plan = Trajectory::<M>::new(&from, &to, &within, &self.options).map_err(|e| e.of_axis(|k| group[k]))?;
+        let mut plan = Trajectory::<M>::new(&from, &to, &within, &self.options).map_err(|e| e.of_axis(|k| group[k]))?;
+        let ranges = group.map(|k| self.ranges[k]);
+        let leaves = plan.axes().iter().zip(&ranges).any(|(motion, range)| !range.contain_all_of(motion));
+        if leaves && self.options.synchronisation() != Synchronisation::ForcedStraight {
+            // What stays impossible is named below, by the place where the motion leaves.
+            plan = Trajectory::inside(&from, &to, &within, (&ranges, &self.options)).unwrap_or(plan);
+        }
         let left = group.iter().fold(0.0, |t: f64, &k| t.max(self.time_left_of(k)));
         let keeps = same_target && !order.anew && plan.duration() >= left;
         if keeps && group.iter().all(|&k| self.plan_keeps(k, &limits[k])) {

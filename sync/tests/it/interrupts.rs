@@ -252,3 +252,15 @@ fn commands_allocate_nothing() {
     });
     assert_eq!(count, 0);
 }
+
+#[test]
+fn a_stop_is_not_slowed_down_by_the_scale() {
+    let mut g = one_axis();
+    g.set_target([AxisState::rest(3.0)]).unwrap();
+    steps(&mut g, 1000);
+    g.stop().unwrap();
+    g.set_scale(0.3).unwrap();
+    assert!((299..=301).contains(&until_reached(&mut g)));
+    steps(&mut g, 1);
+    assert_eq!(g.scale(), 0.3);
+}
