@@ -223,9 +223,14 @@ impl Frame {
         }
     }
 
+    /// The lowest acceleration at a touch that the velocity limits permit before and after it.
+    fn lowest(&self) -> f64 {
+        lowest_at_turn(&self.limits).max(lowest_at_turn(&self.backwards().1))
+    }
+
     /// The state at the upper end with a part of the lowest acceleration.
     fn touch(&self, part: f64) -> AxisState {
-        AxisState::new(self.positions.upper(), 0.0, part * lowest_at_turn(&self.limits))
+        AxisState::new(self.positions.upper(), 0.0, part * self.lowest())
     }
 
     /// The shortest motion between two states, if it stays inside.
@@ -249,7 +254,7 @@ impl Frame {
         let time = |m: &Option<StateToState>| m.as_ref().map_or(f64::INFINITY, |m| m.duration());
         // Where the range just suffices, only the hardest braking from the start and the hardest
         // run-up to the target are possible.
-        let part = |state: &AxisState, l: &AxisLimits| (hardest_turn(state, l).a / lowest_at_turn(l)).min(1.0);
+        let part = |state: &AxisState, l: &AxisLimits| (hardest_turn(state, l).a / self.lowest()).min(1.0);
         let (back, reversed) = self.backwards();
         let ends = [part(&self.start, &self.limits), part(&back, &reversed)];
         let (mut best, mut at) = (None, ends[0]);
