@@ -38,6 +38,7 @@
 //! | reference optimum (feature `clarabel`) | `ClarabelBaseline` |
 //! | the result of every planner | [`SpeedLaw`], sampled by time or by position |
 //! | limits that change while the motion runs | [`FeedScheduler`] |
+//! | a moving target followed by one axis | [`TargetTracker`] |
 //! | segments that arrive while the motion runs | [`SegmentStream`]; simulated on a problem [`StreamedScan`] |
 //! | an operator's override, hold and step back | [`FeedOverride`] under a [`VelocityLimitCurve`] |
 //!
@@ -81,7 +82,10 @@ pub use error::{FeedError, PathEnd};
 pub use jerk_limited::{JerkLimited, JerkLimitedPlan, LowerBound};
 pub use limits::AxisLimits;
 pub use live::{FeedOverride, LiveSection, LiveStatus, LiveStep, MAX_SECTIONS, VelocityLimitCurve};
-pub use online::{Adoption, FeedScheduler, FeedStatus, FeedStep, SegmentStream, StreamStatus, StreamStep};
+pub use online::{
+    Adoption, FeedScheduler, FeedStatus, FeedStep, SegmentStream, StreamStatus, StreamStep, TargetTracker, TrackStatus,
+    TrackStep,
+};
 pub use problem::{FeedPlanner, FeedProblem, LimitPartition, live_speed};
 pub use row::{IntervalBound, JerkRow, LimitId, Quantity, Row};
 pub use scan::continuous_acceleration::{plan_continuous, plan_continuous_at_once};

@@ -4,8 +4,12 @@
 //! not, the shortest one inside touches an end of the range: there its velocity is zero, and its
 //! acceleration points inwards. From the start to the touch and from there to the target it is the
 //! shortest motion again, so that one number is left, the acceleration at the touch. The duration is
-//! minimised over it on a grid and by golden section. A range so narrow that both ends are touched
-//! is searched on a coarse grid.
+//! minimised over it on a grid and by golden section. Where one touch does not do, both ends are
+//! touched, searched on a coarse grid.
+//!
+//! The result is the shortest motion with one touch that the search finds. Linear programs on a grid
+//! of time found a motion shorter by 2 % or more in 4 of 92 random cases, in one of them by 15 %:
+//! with touches at both ends where one does, or between two accelerations of the grid.
 
 use super::positions::{PositionLimits, hardest_turn, lowest_at_turn, mirrored, mirrored_limits};
 use super::problem::AxisProblem;
