@@ -173,7 +173,11 @@ impl TargetTracker {
         let y = -2.0 * p + 3.0 * v - 7.0 / 6.0 * a;
         let z = a - x - y;
         let (mut now, l) = (*s, &self.limits);
-        // What the round-off of the position makes of the jerk.
+        let mean = (target.a - s.a) / t;
+        if !(l.j_min() <= mean && mean <= l.j_max()) {
+            return None;
+        }
+        // What the round-off of the position makes of the jerk of a third.
         let slack = 8.0 * f64::EPSILON * ((target.p.abs() + s.p.abs()) / h.powi(3) + l.j_max() - l.j_min());
         for j in [x, y, z] {
             if !(l.j_min() - slack <= j && j <= l.j_max() + slack) {
@@ -247,6 +251,10 @@ impl TargetTracker {
         // The time needed for the meeting after so many cycles, less that time.
         let lack = |n: f64| {
             let there = prediction.at((n - 1.0) * cycle);
+            // The limits must hold after the meeting, too.
+            if !self.limits.contain(&there) {
+                return None;
+            }
             let problem = AxisProblem::new(&self.state, &there, &self.limits).ok()?;
             // Not every longer duration is possible between states that move.
             Some((problem.durations().at_least(n * cycle) / cycle - n, problem))

@@ -203,6 +203,9 @@ impl<const N: usize> OnlineGenerator<N> {
 
     /// Ends a stop whose axes stand. Returns true if a stop on the path ended in this cycle.
     pub(super) fn end_stop(&mut self) -> bool {
+        if self.command == Command::Target {
+            return false;
+        }
         let rests = self.commanded.iter().all(|s| s.v == 0.0 && s.a == 0.0);
         match self.command {
             Command::Stop if !self.is_underway() => self.command = Command::Target,

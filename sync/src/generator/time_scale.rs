@@ -44,6 +44,9 @@ impl Pace {
     /// The state of an axis that is in state `s` of its plan.
     pub fn apply(&self, s: &MotionState) -> MotionState {
         let Self { scale, rate, jerk, .. } = *self;
+        if (scale, rate, jerk) == (1.0, 0.0, 0.0) {
+            return *s;
+        }
         MotionState {
             p: s.p,
             v: s.v * scale,
