@@ -260,7 +260,8 @@ impl TargetTracker {
             Some((problem.durations().at_least(n * cycle) / cycle - n, problem))
         };
         let (mut early, mut late, mut slope) = (0.0, self.left.max(1.0), 0.0_f64);
-        let (mut best, mut before): (Option<(f64, AxisProblem)>, Option<(f64, f64)>) = (None, None);
+        let mut best: Option<(f64, AxisProblem)> = None;
+        let mut before: Option<(f64, f64)> = None;
         for _ in 0..STEPS {
             let found = lack(late);
             if let Some((short, problem)) = found
