@@ -68,7 +68,7 @@ pub struct TrackStep {
 ///         break;
 ///     }
 /// }
-/// assert!(cycles < 320);
+/// assert!(cycles < 500);
 /// # Ok::<(), arcfeed_feedrate::FeedError>(())
 /// ```
 #[derive(Debug, Clone, Copy)]

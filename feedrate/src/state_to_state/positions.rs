@@ -15,9 +15,9 @@ const ROUND_OFF: f64 = 64.0 * f64::EPSILON;
 /// use arcfeed_feedrate::{AxisLimits, AxisState, PositionLimits};
 /// let limits = AxisLimits::symmetric(1.0, 5.0, 50.0)?;
 /// let positions = PositionLimits::new(-1.0, 1.0)?;
-/// // At full speed 0.12 before the end. The shortest stop takes 0.15, the hardest braking less.
-/// assert!(positions.can_stay(&AxisState::new(0.88, 1.0, 0.0), &limits));
-/// assert!(!positions.can_stay(&AxisState::new(0.90, 1.0, 0.0), &limits));
+/// // At full speed 0.148 before the end. The shortest stop takes 0.15, the hardest braking 0.1479.
+/// assert!(positions.can_stay(&AxisState::new(0.852, 1.0, 0.0), &limits));
+/// assert!(!positions.can_stay(&AxisState::new(0.853, 1.0, 0.0), &limits));
 /// # Ok::<(), arcfeed_feedrate::FeedError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -94,9 +94,9 @@ pub struct OnlineGenerator<const N: usize> {
     ranges: [PositionLimits; N],
     target: [AxisState; N],
     /// The state of the plan: that of the last step, were it played at scale 1.
-    state: [AxisState; N],
+    planned: [AxisState; N],
     /// The state of the last step.
-    commanded: [AxisState; N],
+    state: [AxisState; N],
     command: Command<N>,
     scale: TimeScale,
     following: Following<N>,
@@ -125,8 +125,8 @@ impl<const N: usize> OnlineGenerator<N> {
             limits,
             ranges,
             target: start,
+            planned: start,
             state: start,
-            commanded: start,
             command: Command::Target,
             scale: TimeScale::default(),
             following,
@@ -161,7 +161,7 @@ impl<const N: usize> OnlineGenerator<N> {
             self.ranges[axis] =
                 PositionLimits::new(lower, upper).map_err(|_| SyncError::Range { axis, lower, upper })?;
         }
-        self.check_inside("start", &self.state)?;
+        self.check_inside("start", &self.planned)?;
         self.check_inside("target", &self.target)?;
         for k in 0..N {
             let (limits, range, axis) = (&self.limits[k], &self.ranges[k], self.following.axes[k]);
@@ -169,7 +169,7 @@ impl<const N: usize> OnlineGenerator<N> {
                 self.following.lead(k, axis.planned, &self.target[k], limits, range)?;
                 self.following.axes[k].steps = axis.steps;
             } else {
-                self.following.coast(k, &self.state[k], limits, range)?;
+                self.following.coast(k, &self.planned[k], limits, range)?;
             }
         }
         Ok(self)
@@ -187,19 +187,19 @@ impl<const N: usize> OnlineGenerator<N> {
             let p = self.ranges[k].nearest(step.state.p);
             let now = pace.apply(&step.state);
             (state.q[k], state.qd[k], state.qdd[k], state.qddd[k]) = (p, now.v, now.a, now.j);
-            self.state[k] = AxisState::new(p, step.state.v, step.state.a);
-            self.commanded[k] = AxisState::new(p, now.v, now.a);
+            self.planned[k] = AxisState::new(p, step.state.v, step.state.a);
+            self.state[k] = AxisState::new(p, now.v, now.a);
         }
         events.reached = events.arrived.contains(&true) && !self.is_underway();
         events.reached |= self.end_stop();
         self.replanned = false;
-        self.outside_limits = events.outside_limits && is_outside(&self.commanded, &self.limits);
+        self.outside_limits = events.outside_limits && is_outside(&self.state, &self.limits);
         Step { state, events }
     }
 
     /// The state of the last step.
     pub const fn state(&self) -> &[AxisState; N] {
-        &self.commanded
+        &self.state
     }
 
     /// The state to reach.

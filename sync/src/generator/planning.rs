@@ -64,7 +64,7 @@ impl<const N: usize> OnlineGenerator<N> {
         let (mut next, mut replanned) = self.follow(&order)?;
         if next.as_ref().is_some_and(|next| !self.scale_fits(next, &limits)) {
             // The scale starts at 1 again, from the state commanded last.
-            (next, replanned) = self.follow(&Order { from: &self.commanded, anew: true, ..order })?;
+            (next, replanned) = self.follow(&Order { from: &self.state, anew: true, ..order })?;
             self.scale.jump(1.0);
         }
         self.limits = limits;
@@ -85,23 +85,23 @@ impl<const N: usize> OnlineGenerator<N> {
     /// Follows other motions from now on.
     pub(super) fn adopt(&mut self, next: Following<N>) {
         self.following = next;
-        self.outside_limits = is_outside(&self.commanded, &self.limits);
+        self.outside_limits = is_outside(&self.state, &self.limits);
         self.scale.retarget();
         if self.scale.steady() != Some(1.0) {
             // Plans that begin in the state commanded last.
             for (k, _) in self.following.axes.iter().enumerate().filter(|(_, axis)| axis.steps == 0.0) {
                 let s = self.following.plan.axes()[k].at(0.0);
-                self.state[k] = AxisState::new(self.ranges[k].nearest(s.p), s.v, s.a);
+                self.planned[k] = AxisState::new(self.ranges[k].nearest(s.p), s.v, s.a);
             }
         } else {
-            self.state = self.commanded;
+            self.planned = self.state;
         }
     }
 
     /// The state from which plans begin: that of the plan where its time is scaled, and the one
     /// commanded last where it is held.
     pub(super) fn planning_state(&self) -> &[AxisState; N] {
-        if self.scale.steady() == Some(0.0) { &self.commanded } else { &self.state }
+        if self.scale.steady() == Some(0.0) { &self.state } else { &self.planned }
     }
 
     /// Returns true if the scale can go on as it does while other motions are followed.
@@ -134,7 +134,7 @@ impl<const N: usize> OnlineGenerator<N> {
         }
         let mut all = self.target;
         for (k, target) in all.iter_mut().enumerate() {
-            let stop = StateToState::stop(&self.commanded[k], &self.limits[k])
+            let stop = StateToState::stop(&self.state[k], &self.limits[k])
                 .map_err(|source| SyncError::State { axis: k, source })?;
             *target = AxisState::rest(self.ranges[k].nearest(stop.at(stop.duration()).p));
         }
@@ -192,7 +192,7 @@ impl<const N: usize> OnlineGenerator<N> {
 
     /// Returns true if `new` is the target set already, up to round-off in the caller's arithmetic.
     fn is_target(&self, k: usize, new: &AxisState) -> bool {
-        let (old, s, l) = (&self.target[k], &self.state[k], &self.limits[k]);
+        let (old, s, l) = (&self.target[k], &self.planned[k], &self.limits[k]);
         let same = |x: f64, y: f64, size: f64| x == y || (x - y).abs() <= ROUND_OFF * size;
         same(old.p, new.p, old.p.abs() + s.p.abs())
             && same(old.v, new.v, l.v_max() - l.v_min())
