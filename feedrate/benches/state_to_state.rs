@@ -3,10 +3,13 @@
 //! Measured on a 2-core AMD EPYC VM with other work on both cores: criterion's medians 596 ns and 8.6 ns at a load of 4, 419 ns
 //! and 6.8 ns at a load of 2. The least of many repetitions of each input, beside another library, is measured in the
 //! benchmark of the same name in `integration-tests`: median 340 ns, 99th percentile 460 ns, largest 770 ns.
-#![allow(missing_docs)]
+//!
+//! Inside a range: 1.3 us where one calculation tells, 0.34 us for the test of a state. A cycle of tracking a sinusoid with jumps:
+//! 16 us in the mean.
+#![allow(missing_docs, clippy::unwrap_used)]
 use std::hint::black_box;
 
-use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, StateToState};
+use arcfeed_feedrate::{AxisLimits, AxisState, BoundedProblem, MotionLaw, PositionLimits, StateToState, TargetTracker};
 use criterion::{Criterion, criterion_group, criterion_main};
 
 #[path = "../tests/it/common/mod.rs"]
@@ -68,5 +71,28 @@ fn sampling(c: &mut Criterion) {
     });
 }
 
-criterion_group!(benches, calculation, sampling);
+/// Ranges that the shortest motion leaves, and targets that move.
+fn bounded_and_tracking(c: &mut Criterion) {
+    let limits = AxisLimits::symmetric(1.0, 2.0, 20.0).unwrap();
+    let positions = PositionLimits::new(-1.0, 0.2).unwrap();
+    let (start, target) = (AxisState::new(0.0, 0.8, 0.0), AxisState::rest(-0.5));
+    c.bench_function("state to state inside a range, one calculation", |b| {
+        b.iter(|| BoundedProblem::new(black_box(&start), black_box(&target), &limits, &positions));
+    });
+    let (state, mut n) = (AxisState::new(0.1, 0.4, 1.0), 0);
+    c.bench_function("braking inside a range, one test", |b| {
+        b.iter(|| positions.can_stay(black_box(&state), &limits));
+    });
+    let mut tracker = TargetTracker::new(&AxisState::rest(0.0), &limits, 1e-3).unwrap();
+    c.bench_function("tracking a sinusoid that jumps every second, one cycle", |b| {
+        b.iter(|| {
+            n += 1;
+            let (t, jump) = (f64::from(n % 100_000) * 1e-3, f64::from(n / 1000 % 2));
+            let target = AxisState::new(0.1 * (3.0 * t).sin() + jump, 0.3 * (3.0 * t).cos(), -0.9 * (3.0 * t).sin());
+            tracker.step(black_box(&target))
+        });
+    });
+}
+
+criterion_group!(benches, calculation, sampling, bounded_and_tracking);
 criterion_main!(benches);

@@ -382,6 +382,55 @@ pub enum FeedError {
         /// The limit it breaks (m).
         limit: f64,
     },
+    /// A range of positions is no interval.
+    #[error("the positions are limited to [{lower}, {upper}]; the lower end must be below the upper one")]
+    EmptyRange {
+        /// The lower end given (m).
+        lower: f64,
+        /// The upper end given (m).
+        upper: f64,
+    },
+    /// The hardest braking from the start leaves the range of positions.
+    #[error(
+        "from v = {v} and a = {a} even the hardest braking goes to {position}, beyond the limit {limit}; \
+         start slower or farther from it, or allow more acceleration and jerk"
+    )]
+    StartTrapped {
+        /// Velocity of the start (m/s).
+        v: f64,
+        /// Acceleration of the start (m/s²).
+        a: f64,
+        /// Where the hardest braking turns (m).
+        position: f64,
+        /// The limit it breaks (m).
+        limit: f64,
+    },
+    /// Every motion to the target comes from outside the range of positions.
+    #[error(
+        "to arrive with v = {v} and a = {a} a motion must have turned at {position} or farther out, beyond the limit \
+         {limit}; move the target away from that limit or lower its velocity"
+    )]
+    TargetTrapped {
+        /// Velocity of the target (m/s).
+        v: f64,
+        /// Acceleration of the target (m/s²).
+        a: f64,
+        /// Where the shortest run-up turns (m).
+        position: f64,
+        /// The limit it breaks (m).
+        limit: f64,
+    },
+    /// No motion from the start to the target was found inside the range of positions.
+    #[error(
+        "no motion between the two states stays within [{lower}, {upper}]; widen the range, or lower the velocities \
+         and accelerations of both states"
+    )]
+    NoMotionInside {
+        /// The lower end (m).
+        lower: f64,
+        /// The upper end (m).
+        upper: f64,
+    },
     /// The end speed cannot be reached.
     #[error("end speed {speed} is out of reach: the fastest motion arrives at {highest}; ask for that or less")]
     EndTooFast {

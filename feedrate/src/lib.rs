@@ -30,7 +30,7 @@
 //! | states, limits, errors | [`MotionState`], [`AxisState`], [`AxisLimits`], [`MotionLaw`], [`Phase`], [`FeedError`] |
 //! | change of speed in the least time | [`SpeedChange`], [`distance_for_change`] and its inverses |
 //! | motion over a displacement | [`SProfile`] |
-//! | motion from any state to any other | [`StateToState`]; in a given duration [`AxisProblem`], [`Durations`] |
+//! | motion from any state to any other | [`StateToState`]; in a given duration [`AxisProblem`], [`Durations`]; inside a range of positions [`BoundedProblem`], [`PositionLimits`] |
 //! | speed limits from the path and the joints | [`caps`] |
 //! | limits as rows on a grid | [`constraint`], [`Row`], [`JerkRow`], [`IntervalBound`], [`FeedProblem`] |
 //! | planners for segments | [`Segment`], [`plan_per_segment`], [`plan_windowed`], [`plan_continuous`] |
@@ -38,6 +38,7 @@
 //! | reference optimum (feature `clarabel`) | `ClarabelBaseline` |
 //! | the result of every planner | [`SpeedLaw`], sampled by time or by position |
 //! | limits that change while the motion runs | [`FeedScheduler`] |
+//! | a moving target followed by one axis | [`TargetTracker`] |
 //! | segments that arrive while the motion runs | [`SegmentStream`]; simulated on a problem [`StreamedScan`] |
 //! | an operator's override, hold and step back | [`FeedOverride`] under a [`VelocityLimitCurve`] |
 //!
@@ -81,7 +82,10 @@ pub use error::{FeedError, PathEnd};
 pub use jerk_limited::{JerkLimited, JerkLimitedPlan, LowerBound};
 pub use limits::AxisLimits;
 pub use live::{FeedOverride, LiveSection, LiveStatus, LiveStep, MAX_SECTIONS, VelocityLimitCurve};
-pub use online::{Adoption, FeedScheduler, FeedStatus, FeedStep, SegmentStream, StreamStatus, StreamStep};
+pub use online::{
+    Adoption, FeedScheduler, FeedStatus, FeedStep, SegmentStream, StreamStatus, StreamStep, TargetTracker, TrackStatus,
+    TrackStep,
+};
 pub use problem::{FeedPlanner, FeedProblem, LimitPartition, live_speed};
 pub use row::{IntervalBound, JerkRow, LimitId, Quantity, Row};
 pub use scan::continuous_acceleration::{plan_continuous, plan_continuous_at_once};
@@ -99,4 +103,4 @@ pub use scurve::profile::{Adjust, Adjusted, SProfile};
 pub use scurve::solve::{distance_for_change, highest_speed_over, lowest_speed_over};
 pub use speed_law::{Cursor, SpeedLaw};
 pub use state::{AxisState, MotionLaw, MotionState};
-pub use state_to_state::{AxisProblem, Durations, PositionRange, StateToState};
+pub use state_to_state::{AxisProblem, BoundedProblem, Durations, PositionLimits, PositionRange, StateToState};

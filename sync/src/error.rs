@@ -140,6 +140,18 @@ pub enum SyncError {
         /// The value given (s).
         value: f64,
     },
+    /// The time after which a jog ends is NaN, infinite or negative.
+    #[error("the time-out of the jog is {value} s; it must be finite and not negative")]
+    Timeout {
+        /// The value given (s).
+        value: f64,
+    },
+    /// A scale of time is NaN or outside its range.
+    #[error("the scale of time is {value}; it must be from 0 to 1.5")]
+    Scale {
+        /// The value given.
+        value: f64,
+    },
     /// The numbers are valid one by one, but the motion between them leaves the range of `f64`.
     #[error(
         "the motion is not representable in finite numbers for these arguments; use units in which the numbers are closer to 1"

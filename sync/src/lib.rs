@@ -15,6 +15,7 @@
 //! by axis.
 #![forbid(unsafe_code)]
 
+mod bounded;
 mod error;
 mod generator;
 mod joint_state;

@@ -98,6 +98,24 @@ impl<const N: usize> Trajectory<N> {
         Self::straight(&at_rest(start), &at_rest(goal), limits, &options)
     }
 
+    /// The shortest stop on the line through `start` and `target`; `None` if they are on none, or an
+    /// axis would exceed its limits.
+    pub(crate) fn stop_on_line(
+        start: &[AxisState; N],
+        target: &[AxisState; N],
+        limits: &[AxisLimits; N],
+    ) -> Option<Self> {
+        let line = Line::new(start, target, limits).ok()?;
+        let m = line.reference;
+        let motion = StateToState::stop(&start[m], &line.limits(limits)?).ok()?;
+        let way = motion.at(motion.duration()).p - start[m].p;
+        let axes = std::array::from_fn(|k| {
+            motion.in_proportion(line.ratios[k], &start[k], &AxisState::rest(start[k].p + line.ratios[k] * way))
+        });
+        let keeps = (0..N).all(|k| keeps_what_holds(&axes[k], &start[k], &limits[k]));
+        keeps.then(|| Self { axes, duration: motion.duration(), straight: true })
+    }
+
     /// Combines motions that belong to no line.
     pub(crate) fn of(axes: [StateToState; N]) -> Self {
         let duration = axes.iter().fold(0.0, |t: f64, a| t.max(a.duration()));

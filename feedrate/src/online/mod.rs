@@ -1,9 +1,12 @@
-//! Speed along a path whose limits change, or whose segments arrive, while it runs.
+//! Speed along a path whose limits change, or whose segments arrive, while it runs; one axis that
+//! follows a moving target.
 
 mod plan;
 mod scheduler;
 mod stream;
+mod tracker;
 mod window;
 
 pub use scheduler::{Adoption, FeedScheduler, FeedStatus, FeedStep};
 pub use stream::{SegmentStream, StreamStatus, StreamStep};
+pub use tracker::{TargetTracker, TrackStatus, TrackStep};

@@ -28,12 +28,13 @@
 //!   third way is shorter is not proven.
 //! * A target outside them, or one that cannot be entered without leaving them, is an error.
 //! * Positions are not limited while planning; [`StateToState::check_within`] says where a motion
-//!   leaves a range.
+//!   leaves a range, and [`BoundedProblem`] finds the shortest motion that does not.
 //!
 //! # Source
 //! Liu et al. 2024: online trajectory generation for robots in hybrid space (task and joint space),
 //! section 4.1.
 
+mod bounded;
 mod brake_to_limits;
 mod by_duration;
 mod cruise;
@@ -43,6 +44,7 @@ mod entry;
 mod extremal;
 mod mean;
 mod phase_writer;
+mod positions;
 mod problem;
 mod profile;
 mod scale;
@@ -50,6 +52,8 @@ mod shape;
 mod solve;
 mod velocity;
 
+pub use bounded::BoundedProblem;
 pub use durations::Durations;
+pub use positions::PositionLimits;
 pub use problem::AxisProblem;
 pub use profile::{PositionRange, StateToState};

@@ -61,6 +61,44 @@ pub struct PositionRange {
 }
 
 impl StateToState {
+    /// A standstill at a position, which takes no time.
+    pub const fn standing(position: f64) -> Self {
+        Self { phases: Phases::at_rest(MotionState { p: position, v: 0.0, a: 0.0, j: 0.0 }), release_jerk: 0.0 }
+    }
+
+    /// One motion after another, with a rest of `pause` seconds between them, which begins and ends
+    /// at rest if it is not 0; `None` if they are too many phases.
+    pub(super) fn joined(first: &Self, pause: f64, second: &Self) -> Option<Self> {
+        let mut all = *first;
+        let still = Phase { t: 0.0, s: first.phases.end.p, v: 0.0, a: 0.0, j: 0.0 };
+        let count = first.phases.len() + usize::from(pause > 0.0) + second.phases.len();
+        if count > PHASES {
+            return None;
+        }
+        all.phases.push(still, pause);
+        for (phase, dt) in second.phases() {
+            all.phases.push(phase, dt);
+        }
+        all.phases.end = second.phases.end;
+        all.release_jerk = second.release_jerk;
+        Some(all)
+    }
+
+    /// The same motion the other way round.
+    pub(super) fn mirrored(mut self) -> Self {
+        self.phases.map(|p, dt| (Phase { t: p.t, s: -p.s, v: -p.v, a: -p.a, j: -p.j }, dt));
+        let end = self.phases.end;
+        self.phases.end = MotionState { p: -end.p, v: -end.v, a: -end.a, j: 0.0 };
+        self.release_jerk = -self.release_jerk;
+        self
+    }
+
+    /// The same motion, whose duration is this but for round-off.
+    pub(super) const fn lasting(mut self, duration: f64) -> Self {
+        self.phases.duration = duration;
+        self
+    }
+
     /// Out of working units, the target and what follows it excepted.
     pub(super) fn rescale(&mut self, units: Units) {
         self.phases.map(|p, dt| {

@@ -3,6 +3,7 @@
 mod allocation;
 #[cfg(feature = "clarabel")]
 mod baseline;
+mod bounded;
 mod change;
 mod common;
 mod exact_problems;
@@ -23,6 +24,7 @@ mod state_to_state;
 mod state_to_state_allocation;
 mod stream;
 mod time_constrained;
+mod tracker;
 mod velocity_targets;
 
 #[path = "common/row_families.rs"]

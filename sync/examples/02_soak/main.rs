@@ -5,6 +5,7 @@
 //! | `states` | one axis from state to state, in a longer duration, mirrored, reversed; four axes together | cases |
 //! | `generator` | some thousand cycles in one mode, with targets, limits and ranges that change | cycles |
 //! | `projection` | some thousand cycles towards a target that changes | cycles |
+//! | `interrupts` | some thousand cycles with stops, jogs, holds and scales of time | cycles |
 //!
 //! Every case has a seed of its own. What fails is printed with the command that plays it alone, and with its input as code.
 mod soak;

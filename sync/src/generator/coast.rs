@@ -1,45 +1,7 @@
 //! The motion of an axis without a target: at constant velocity, and to a stop before its range
 //! ends.
 
-use arcfeed_feedrate::{AxisLimits, AxisState, FeedError, MotionLaw, StateToState};
-
-/// Relative difference that counts as round-off.
-const ROUND_OFF: f64 = 64.0 * f64::EPSILON;
-
-/// The positions an axis may take.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Range {
-    pub lower: f64,
-    pub upper: f64,
-}
-
-impl Range {
-    pub const ALL: Self = Self { lower: f64::NEG_INFINITY, upper: f64::INFINITY };
-
-    pub fn contains(&self, position: f64) -> bool {
-        self.lower <= position && position <= self.upper
-    }
-
-    /// Returns true if a motion stays inside but for round-off, and otherwise the farthest
-    /// position, its time and the end passed.
-    pub fn check(&self, motion: &StateToState) -> Result<(), (f64, f64, f64)> {
-        let way = motion.position_range();
-        let size = [self.lower, self.upper].into_iter().filter(|x| x.is_finite()).fold(0.0, |m: f64, x| m.max(x.abs()));
-        let slack = ROUND_OFF * (size + way.max - way.min);
-        if way.max > self.upper + slack {
-            Err((way.max, way.t_max, self.upper))
-        } else if way.min < self.lower - slack {
-            Err((way.min, way.t_min, self.lower))
-        } else {
-            Ok(())
-        }
-    }
-
-    /// A position inside but for round-off, without it.
-    pub const fn cut(&self, position: f64) -> f64 {
-        position.max(self.lower).min(self.upper)
-    }
-}
+use arcfeed_feedrate::{AxisLimits, AxisState, FeedError, MotionLaw, PositionLimits, StateToState};
 
 /// The motion of an axis that has no target to go to.
 #[derive(Debug, Clone, Copy, Default)]
@@ -52,9 +14,13 @@ pub(super) struct Coast {
 impl Coast {
     /// From `s` the acceleration is brought to zero, and the velocity inside its limits; then it
     /// stays what it is. Where the range ends ahead, the axis brakes so that it stands at that end.
-    pub fn new(s: &AxisState, l: &AxisLimits, range: &Range) -> Result<Self, FeedError> {
-        let v = l.velocity_after(s).clamp(l.v_min(), l.v_max());
-        let end = if v > 0.0 { range.upper } else { range.lower };
+    pub fn new(s: &AxisState, l: &AxisLimits, range: &PositionLimits) -> Result<Self, FeedError> {
+        Self::to_velocity(s, l.velocity_after(s).clamp(l.v_min(), l.v_max()), l, range)
+    }
+
+    /// From `s` to the velocity `v`, which then stays; as [`Coast::new`] where the range ends.
+    pub fn to_velocity(s: &AxisState, v: f64, l: &AxisLimits, range: &PositionLimits) -> Result<Self, FeedError> {
+        let end = if v > 0.0 { range.upper() } else { range.lower() };
         if v == 0.0 || !end.is_finite() {
             let motion = StateToState::to_velocity(s, v, 0.0, l)?;
             return Ok(Self { motion, brakes_from: f64::INFINITY });

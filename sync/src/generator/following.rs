@@ -1,8 +1,9 @@
 //! The motions that are being followed, axis by axis.
 
-use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, MotionState, StateToState};
+use arcfeed_feedrate::{AxisLimits, AxisState, FeedError, MotionLaw, MotionState, PositionLimits, StateToState};
 
-use super::coast::{Coast, Range};
+use super::coast::Coast;
+use super::course::Course;
 use crate::error::SyncError;
 use crate::sampler::Window;
 use crate::state_to_state::Trajectory;
@@ -17,7 +18,7 @@ pub(super) struct Following<const N: usize> {
 /// One axis: how far it is on its motion and how it goes on after that.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Axis {
-    /// Cycles since its motion began, and until the target.
+    /// Cycles since its motion began, and until the target; not whole where time was scaled.
     pub steps: f64,
     pub planned: f64,
     /// The motion leads to the target; otherwise it is `after`.
@@ -41,7 +42,11 @@ impl Axis {
 
 impl<const N: usize> Following<N> {
     /// Goes on from `start` without a target.
-    pub fn coasting(start: &[AxisState; N], limits: &[AxisLimits; N], ranges: &[Range; N]) -> Result<Self, SyncError> {
+    pub fn coasting(
+        start: &[AxisState; N],
+        limits: &[AxisLimits; N],
+        ranges: &[PositionLimits; N],
+    ) -> Result<Self, SyncError> {
         let mut motions = [StateToState::default(); N];
         let mut axes = [Axis::new(0.0, false, Coast::default()); N];
         for k in 0..N {
@@ -51,8 +56,46 @@ impl<const N: usize> Following<N> {
         Ok(Self { plan: Trajectory::of(motions), axes })
     }
 
+    /// Every axis by itself to a velocity, within its range.
+    pub fn jogging(
+        start: &[AxisState; N],
+        velocity: &[f64; N],
+        limits: &[AxisLimits; N],
+        ranges: &[PositionLimits; N],
+    ) -> Result<Self, SyncError> {
+        let mut motions = [StateToState::default(); N];
+        let mut axes = [Axis::new(0.0, false, Coast::default()); N];
+        for k in 0..N {
+            let after = StateToState::to_velocity(&start[k], velocity[k], 0.0, &limits[k])
+                .and_then(|_| Coast::to_velocity(&start[k], velocity[k], &limits[k], &ranges[k]))
+                .map_err(|source| SyncError::State { axis: k, source })?;
+            check_stop(k, "present state", &after, &ranges[k])?;
+            (axes[k].after, motions[k]) = (after, after.motion);
+        }
+        Ok(Self { plan: Trajectory::of(motions), axes })
+    }
+
+    /// Motions that end at rest, each in a whole number of cycles or a little earlier.
+    pub fn stopping(plan: Trajectory<N>, cycle: f64) -> Self {
+        let rest = |m: &StateToState| {
+            let motion = StateToState::standing(m.at(m.duration()).p);
+            Coast { motion, brakes_from: f64::INFINITY }
+        };
+        let axes = std::array::from_fn(|k| {
+            let motion = &plan.axes()[k];
+            Axis::new((motion.duration() / cycle).ceil(), true, rest(motion))
+        });
+        Self { plan, axes }
+    }
+
     /// Axis `k` goes on from `state` without a target.
-    pub fn coast(&mut self, k: usize, state: &AxisState, l: &AxisLimits, range: &Range) -> Result<(), SyncError> {
+    pub fn coast(
+        &mut self,
+        k: usize,
+        state: &AxisState,
+        l: &AxisLimits,
+        range: &PositionLimits,
+    ) -> Result<(), SyncError> {
         let after = coast(k, "present state", state, l, range)?;
         self.go_on(k, &after);
         Ok(())
@@ -65,14 +108,9 @@ impl<const N: usize> Following<N> {
         planned: f64,
         target: &AxisState,
         l: &AxisLimits,
-        range: &Range,
+        range: &PositionLimits,
     ) -> Result<(), SyncError> {
-        range.check(&self.plan.axes()[k]).map_err(|(position, time, limit)| SyncError::LeavesRange {
-            axis: k,
-            position,
-            time,
-            limit,
-        })?;
+        range.check(&self.plan.axes()[k]).map_err(|source| leaves(k, source))?;
         self.axes[k] = Axis::new(planned, true, self.axes[k].after);
         self.arrange_after(k, target, l, range)
     }
@@ -83,33 +121,45 @@ impl<const N: usize> Following<N> {
         k: usize,
         target: &AxisState,
         l: &AxisLimits,
-        range: &Range,
+        range: &PositionLimits,
     ) -> Result<(), SyncError> {
         l.check_leaving(target).map_err(|source| SyncError::State { axis: k, source })?;
         self.axes[k].after = coast(k, "target", target, l, range)?;
         Ok(())
     }
 
-    /// Moves axis `k` on by one cycle.
-    pub fn step(&mut self, k: usize, cycle: f64, target: &AxisState) -> AxisStep {
+    /// Moves axis `k` on by `elapsed` seconds of its plan, `cycles` cycles.
+    pub fn step(&mut self, k: usize, (elapsed, cycles): (f64, f64), cycle: f64, target: &AxisState) -> AxisStep {
         let mut arrived = self.axes[k].underway && self.axes[k].planned == 0.0;
         if arrived {
             self.arrive(k);
         }
         let axis = &mut self.axes[k];
-        axis.steps += 1.0;
+        axis.steps += cycles;
         let t = axis.steps * cycle;
         let mut state = axis.window.sample(&self.plan.axes()[k], t);
         let mut range_ends = false;
         if !axis.underway {
-            range_ends = axis.after.brakes_between(t - cycle, t);
-        } else if axis.steps >= axis.planned {
+            range_ends = axis.after.brakes_between(t - elapsed, t);
+        } else if axis.steps >= axis.planned - WHOLE {
             arrived = true;
+            let beyond = axis.steps - axis.planned;
             self.arrive(k);
             let j = self.plan.axes()[k].at(0.0).j;
             state = MotionState { p: target.p, v: target.v, a: target.a, j };
+            if beyond > WHOLE {
+                self.axes[k].steps = beyond;
+                state = self.plan.axes()[k].at_or_after(beyond * cycle);
+            }
         }
         AxisStep { state, arrived, range_ends }
+    }
+
+    /// What axis `k` has before it.
+    pub fn course(&self, k: usize, cycle: f64, limits: &AxisLimits) -> Course<'_> {
+        let axis = &self.axes[k];
+        let until = if axis.underway { axis.planned * cycle } else { f64::INFINITY };
+        Course::new(&self.plan.axes()[k], axis.steps * cycle, until, &axis.after.motion, limits)
     }
 
     fn arrive(&mut self, k: usize) {
@@ -123,17 +173,37 @@ impl<const N: usize> Following<N> {
     }
 }
 
+/// Part of a cycle that counts as round-off.
+const WHOLE: f64 = 1e-9;
+
 /// Going on from `state`, checked against the range.
 fn coast(
     axis: usize,
     what: &'static str,
     state: &AxisState,
     l: &AxisLimits,
-    range: &Range,
+    range: &PositionLimits,
 ) -> Result<Coast, SyncError> {
     let after = Coast::new(state, l, range).map_err(|source| SyncError::State { axis, source })?;
+    check_stop(axis, what, &after, range)?;
+    Ok(after)
+}
+
+/// Returns an error if a motion without a target leaves the range.
+fn check_stop(axis: usize, what: &'static str, after: &Coast, range: &PositionLimits) -> Result<(), SyncError> {
     match range.check(&after.motion) {
-        Ok(()) => Ok(after),
-        Err((position, _, limit)) => Err(SyncError::CannotStop { axis, what, position, limit }),
+        Err(FeedError::LeavesPositions { position, limit, .. }) => {
+            Err(SyncError::CannotStop { axis, what, position, limit })
+        }
+        Err(source) => Err(SyncError::State { axis, source }),
+        Ok(()) => Ok(()),
+    }
+}
+
+/// An axis that leaves its range on the way to its target.
+fn leaves(axis: usize, source: FeedError) -> SyncError {
+    match source {
+        FeedError::LeavesPositions { position, time, limit } => SyncError::LeavesRange { axis, position, time, limit },
+        source => SyncError::State { axis, source },
     }
 }

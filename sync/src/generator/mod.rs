@@ -1,17 +1,23 @@
 //! Motion generated cycle by cycle towards targets and within limits that may change at any cycle.
 
 mod coast;
+mod command;
+mod commands;
+mod course;
 mod events;
 mod following;
+mod planning;
+mod time_scale;
 
-use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw};
+use arcfeed_feedrate::{AxisLimits, AxisState, PositionLimits};
 
-use self::coast::Range;
+use self::command::Command;
 use self::following::Following;
+use self::time_scale::TimeScale;
 use crate::error::SyncError;
 use crate::joint_state::JointState;
 use crate::mode::{MotionOptions, Synchronisation};
-use crate::state_to_state::{Trajectory, keeps};
+use crate::state_to_state::Trajectory;
 
 pub use self::events::{Events, Step};
 
@@ -43,10 +49,19 @@ pub use self::events::{Events, Step};
 /// every other mode a change plans all axes anew.
 ///
 /// # Ranges
-/// With ranges ([`OnlineGenerator::with_ranges`]) no position leaves them. Refused are a start or
-/// target outside, a motion that would leave them between, and a target after which the axis could
-/// not stop inside. An axis that goes on brakes before the end of its range and stands there
+/// With ranges ([`OnlineGenerator::with_ranges`]) no position leaves them. A motion that would leave
+/// them between is bent: it touches the end of the range instead of passing it
+/// ([`BoundedProblem`](arcfeed_feedrate::BoundedProblem)), and the axes still arrive together. A
+/// forced straight line is not bent. Refused are a start or target outside, a state from which no
+/// braking stays inside, and a target after which the axis could not stop inside. An axis that goes on brakes before the end of its range and stands there
 /// ([`Events::range_ends`]).
+///
+/// # Interruption
+/// [`OnlineGenerator::stop`] brakes every axis in the shortest way, and
+/// [`OnlineGenerator::stop_on_path`] all of them on the curve they are on. A jog holds velocities
+/// for a time ([`OnlineGenerator::jog`]). The scale of time slows the motion down on its curve
+/// ([`OnlineGenerator::set_scale`]), to a hold and back ([`OnlineGenerator::hold`],
+/// [`OnlineGenerator::resume`]).
 ///
 /// No call allocates. A refused setting leaves everything as it was.
 ///
@@ -76,9 +91,14 @@ pub struct OnlineGenerator<const N: usize> {
     cycle: f64,
     options: MotionOptions,
     limits: [AxisLimits; N],
-    ranges: [Range; N],
+    ranges: [PositionLimits; N],
     target: [AxisState; N],
+    /// The state of the plan: that of the last step, were it played at scale 1.
+    planned: [AxisState; N],
+    /// The state of the last step.
     state: [AxisState; N],
+    command: Command<N>,
+    scale: TimeScale,
     following: Following<N>,
     replanned: bool,
     outside_limits: bool,
@@ -97,7 +117,7 @@ impl<const N: usize> OnlineGenerator<N> {
         synchronisation: Synchronisation,
     ) -> Result<Self, SyncError> {
         let options = MotionOptions::new(synchronisation).with_cycle(cycle)?;
-        let ranges = [Range::ALL; N];
+        let ranges = [PositionLimits::ALL; N];
         let following = Following::coasting(&start, &limits, &ranges)?;
         Ok(Self {
             cycle,
@@ -105,7 +125,10 @@ impl<const N: usize> OnlineGenerator<N> {
             limits,
             ranges,
             target: start,
+            planned: start,
             state: start,
+            command: Command::Target,
+            scale: TimeScale::default(),
             following,
             replanned: false,
             outside_limits: is_outside(&start, &limits),
@@ -135,13 +158,10 @@ impl<const N: usize> OnlineGenerator<N> {
     /// ```
     pub fn with_ranges(mut self, ranges: [(f64, f64); N]) -> Result<Self, SyncError> {
         for (axis, (lower, upper)) in ranges.into_iter().enumerate() {
-            // Not a number is no end of a range either.
-            if !matches!(lower.partial_cmp(&upper), Some(std::cmp::Ordering::Less)) {
-                return Err(SyncError::Range { axis, lower, upper });
-            }
-            self.ranges[axis] = Range { lower, upper };
+            self.ranges[axis] =
+                PositionLimits::new(lower, upper).map_err(|_| SyncError::Range { axis, lower, upper })?;
         }
-        self.check_inside("start", &self.state)?;
+        self.check_inside("start", &self.planned)?;
         self.check_inside("target", &self.target)?;
         for k in 0..N {
             let (limits, range, axis) = (&self.limits[k], &self.ranges[k], self.following.axes[k]);
@@ -149,133 +169,29 @@ impl<const N: usize> OnlineGenerator<N> {
                 self.following.lead(k, axis.planned, &self.target[k], limits, range)?;
                 self.following.axes[k].steps = axis.steps;
             } else {
-                self.following.coast(k, &self.state[k], limits, range)?;
+                self.following.coast(k, &self.planned[k], limits, range)?;
             }
         }
         Ok(self)
     }
 
-    /// Sets the state to reach.
-    ///
-    /// # Errors
-    /// As [`Trajectory::new`]. Nothing changes then.
-    pub fn set_target(&mut self, target: [AxisState; N]) -> Result<(), SyncError> {
-        self.set(target, self.limits)
-    }
-
-    /// Sets the state one axis is to reach.
-    ///
-    /// # Errors
-    /// As [`Trajectory::new`], [`SyncError::NoSuchAxis`]. Nothing changes then.
-    pub fn set_axis_target(&mut self, axis: usize, target: AxisState) -> Result<(), SyncError> {
-        let mut all = self.target;
-        *all.get_mut(axis).ok_or(SyncError::NoSuchAxis { axis, count: N })? = target;
-        self.set_target(all)
-    }
-
-    /// Sets the limits.
-    ///
-    /// # Errors
-    /// As [`Trajectory::new`]: the target must be inside the new limits. Nothing changes then.
-    pub fn set_limits(&mut self, limits: [AxisLimits; N]) -> Result<(), SyncError> {
-        self.set(self.target, limits)
-    }
-
-    /// Sets the limits of one axis.
-    ///
-    /// # Errors
-    /// As [`OnlineGenerator::set_limits`], [`SyncError::NoSuchAxis`]. Nothing changes then.
-    pub fn set_axis_limits(&mut self, axis: usize, limits: AxisLimits) -> Result<(), SyncError> {
-        let mut all = self.limits;
-        *all.get_mut(axis).ok_or(SyncError::NoSuchAxis { axis, count: N })? = limits;
-        self.set_limits(all)
-    }
-
-    /// Sets target and limits at once: where neither goes with the other's old value.
-    ///
-    /// # Errors
-    /// As [`Trajectory::new`]; [`SyncError::State`] also for a target from which the axis cannot go
-    /// on within its velocity limits; with ranges [`SyncError::OutsideRange`],
-    /// [`SyncError::LeavesRange`] and [`SyncError::CannotStop`]. Nothing changes then.
-    pub fn set(&mut self, target: [AxisState; N], limits: [AxisLimits; N]) -> Result<(), SyncError> {
-        let order = Order { target: &target, limits: &limits };
-        let mut next = None;
-        let mut replanned = false;
-        if self.options.synchronisation() == Synchronisation::None {
-            for k in 0..N {
-                replanned |= self.change([k], &order, &mut next)?;
-            }
-        } else {
-            replanned = self.change(std::array::from_fn::<_, N, _>(|k| k), &order, &mut next)?;
-        }
-        self.limits = limits;
-        self.replanned |= replanned;
-        if let Some(next) = next {
-            self.following = next;
-            self.outside_limits = is_outside(&self.state, &limits);
-        }
-        for ((old, new), axis) in self.target.iter_mut().zip(&target).zip(&self.following.axes) {
-            // Arrival is exact for the latest target, the same one up to round-off included.
-            if axis.underway {
-                *old = *new;
-            }
-        }
-        Ok(())
-    }
-
-    /// Plans the motion of a group of axes that move together for an order, and puts it into `next`
-    /// where it is a new plan. Returns true if it is.
-    fn change<const M: usize>(
-        &self,
-        group: [usize; M],
-        order: &Order<'_, N>,
-        next: &mut Option<Following<N>>,
-    ) -> Result<bool, SyncError> {
-        let (target, limits) = (order.target, order.limits);
-        let same_target = group.iter().all(|&k| self.is_target(k, &target[k]));
-        if same_target && group.iter().all(|&k| limits[k] == self.limits[k]) {
-            return Ok(false);
-        }
-        if !same_target {
-            self.check_inside("target", target)?;
-        }
-        let next = next.get_or_insert(self.following);
-        if same_target && !group.iter().any(|&k| self.following.axes[k].underway) {
-            // Arrived: nothing to plan but the way back inside.
-            for &k in &group {
-                next.coast(k, &self.state[k], &limits[k], &self.ranges[k])?;
-            }
-            return Ok(false);
-        }
-        let (from, to, within) = (group.map(|k| self.state[k]), group.map(|k| target[k]), group.map(|k| limits[k]));
-        let plan = Trajectory::<M>::new(&from, &to, &within, &self.options).map_err(|e| e.of_axis(|k| group[k]))?;
-        let left = group.iter().fold(0.0, |t: f64, &k| t.max(self.time_left_of(k)));
-        if same_target && plan.duration() >= left && group.iter().all(|&k| self.plan_keeps(k, &limits[k])) {
-            for &k in &group {
-                next.arrange_after(k, &target[k], &limits[k], &self.ranges[k])?;
-            }
-            return Ok(false);
-        }
-        next.plan.take(&group, &plan);
-        for (&k, motion) in group.iter().zip(plan.axes()) {
-            let planned = (motion.duration() / self.cycle).round();
-            next.lead(k, planned, &target[k], &limits[k], &self.ranges[k])?;
-        }
-        Ok(true)
-    }
-
     /// Moves on by one cycle.
     pub fn step(&mut self) -> Step<N> {
+        let pace = self.pace();
+        let cycles = if pace.elapsed == self.cycle { 1.0 } else { pace.elapsed / self.cycle };
         let mut events = Events { replanned: self.replanned, outside_limits: self.outside_limits, ..Events::default() };
         let mut state = JointState::default();
         for k in 0..N {
-            let step = self.following.step(k, self.cycle, &self.target[k]);
+            let step = self.following.step(k, (pace.elapsed, cycles), self.cycle, &self.target[k]);
             (events.arrived[k], events.range_ends[k]) = (step.arrived, step.range_ends);
-            let p = self.ranges[k].cut(step.state.p);
-            (state.q[k], state.qd[k], state.qdd[k], state.qddd[k]) = (p, step.state.v, step.state.a, step.state.j);
-            self.state[k] = AxisState::new(p, step.state.v, step.state.a);
+            let p = self.ranges[k].nearest(step.state.p);
+            let now = pace.apply(&step.state);
+            (state.q[k], state.qd[k], state.qdd[k], state.qddd[k]) = (p, now.v, now.a, now.j);
+            self.planned[k] = AxisState::new(p, step.state.v, step.state.a);
+            self.state[k] = AxisState::new(p, now.v, now.a);
         }
         events.reached = events.arrived.contains(&true) && !self.is_underway();
+        events.reached |= self.end_stop();
         self.replanned = false;
         self.outside_limits = events.outside_limits && is_outside(&self.state, &self.limits);
         Step { state, events }
@@ -301,7 +217,7 @@ impl<const N: usize> OnlineGenerator<N> {
         self.following.axes.iter().any(|a| a.underway)
     }
 
-    /// Time until the last axis has reached its target (s).
+    /// Time until the last axis has reached its target (s), at scale 1.
     pub fn time_left(&self) -> f64 {
         (0..N).fold(0.0, |t: f64, k| t.max(self.time_left_of(k)))
     }
@@ -318,39 +234,16 @@ impl<const N: usize> OnlineGenerator<N> {
 
     fn check_inside(&self, what: &'static str, states: &[AxisState; N]) -> Result<(), SyncError> {
         for (axis, (range, s)) in self.ranges.iter().zip(states).enumerate() {
-            let Range { lower, upper } = *range;
+            let (lower, upper) = (range.lower(), range.upper());
             // The planner says what is not a number.
-            if !range.contains(s.p) && !s.p.is_nan() {
+            if !range.contain(s.p) && !s.p.is_nan() {
                 return Err(SyncError::OutsideRange { axis, what, position: s.p, lower, upper });
             }
         }
         Ok(())
     }
-
-    /// Returns true if `new` is the target set already, up to round-off in the caller's arithmetic.
-    fn is_target(&self, k: usize, new: &AxisState) -> bool {
-        let (old, s, l) = (&self.target[k], &self.state[k], &self.limits[k]);
-        let same = |x: f64, y: f64, size: f64| x == y || (x - y).abs() <= ROUND_OFF * size;
-        same(old.p, new.p, old.p.abs() + s.p.abs())
-            && same(old.v, new.v, l.v_max() - l.v_min())
-            && same(old.a, new.a, l.a_max() - l.a_min())
-    }
-
-    /// Returns true if what is left of the plan of an axis stays within `limits`.
-    fn plan_keeps(&self, k: usize, limits: &AxisLimits) -> bool {
-        keeps(&self.following.plan.axes()[k], self.following.axes[k].steps * self.cycle, limits)
-    }
-}
-
-/// The target that is set.
-struct Order<'a, const N: usize> {
-    target: &'a [AxisState; N],
-    limits: &'a [AxisLimits; N],
 }
 
 fn is_outside<const N: usize>(state: &[AxisState; N], limits: &[AxisLimits; N]) -> bool {
     state.iter().zip(limits).any(|(s, l)| !l.contain(s))
 }
-
-/// Relative difference that counts as round-off in the caller's arithmetic.
-const ROUND_OFF: f64 = 16.0 * f64::EPSILON;

@@ -4,6 +4,7 @@ mod allocation;
 mod arrival;
 mod common;
 mod generator;
+mod interrupts;
 mod line;
 mod projection;
 mod projection_allocation;

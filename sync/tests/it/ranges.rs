@@ -2,6 +2,9 @@
 #![allow(clippy::unwrap_used)]
 use arcfeed_sync::feedrate::{AxisLimits, AxisState};
 use arcfeed_sync::{OnlineGenerator, SyncError, Synchronisation};
+use arcfeed_testing::Random;
+
+use crate::common::moving_problem;
 
 const CYCLE: f64 = 1e-3;
 const MODES: [Synchronisation; 3] = [Synchronisation::Time, Synchronisation::None, Synchronisation::StraightLine];
@@ -107,4 +110,78 @@ fn an_axis_that_goes_on_brakes_before_its_range_ends() {
         g.set_target([AxisState::rest(-1.0), AxisState::rest(0.5)]).unwrap();
         while !g.step().events.reached {}
     }
+}
+
+/// Position and velocity change as the acceleration allows: nothing is cut off at the end of a range.
+fn smooth(was: &AxisState, now: &AxisState, jerk: f64) -> bool {
+    let (dp, dv) = (now.p - was.p - CYCLE * 0.5 * (was.v + now.v), now.v - was.v - 0.5 * CYCLE * (was.a + now.a));
+    dp.abs() <= jerk * CYCLE.powi(3) / 12.0 * (1.0 + 1e-6) + 1e-14
+        && dv.abs() <= jerk * CYCLE.powi(2) / 4.0 * (1.0 + 1e-6) + 1e-14
+        && (now.a - was.a).abs() <= jerk * CYCLE * (1.0 + 1e-6)
+}
+
+/// Motions that would leave their range between touch its end instead, and arrive together all the same.
+#[test]
+fn motions_are_bent_at_the_end_of_their_range() {
+    let mut rng = Random::new(91);
+    let mut bent = [0; 2];
+    for i in 0..60_000 {
+        let p = moving_problem::<2>(&mut rng, 0.9);
+        let mode = [Synchronisation::Time, Synchronisation::None][i % 2];
+        let Ok(mut free) = OnlineGenerator::new(p.start, p.limits, CYCLE, mode) else { continue };
+        free.set_target(p.target).unwrap();
+        // The free motion leaves most of these by a little: more is impossible for most states.
+        let ranges = std::array::from_fn(|k| {
+            let way = free.plan().axes()[k].position_range();
+            let (lo, hi) = (p.start[k].p.min(p.target[k].p), p.start[k].p.max(p.target[k].p));
+            let part = rng.between(0.7, 1.0);
+            (lo + part * (way.min - lo) - 1e-3, hi + part * (way.max - hi) + 1e-3)
+        });
+        let started = OnlineGenerator::new(p.start, p.limits, CYCLE, mode).and_then(|g| g.with_ranges(ranges));
+        let Ok(mut g) = started else { continue };
+        let leaves = free.plan().axes().iter().zip(&ranges).any(|(m, r)| m.check_within(*r).is_err());
+        if !leaves || g.set_target(p.target).is_err() {
+            continue;
+        }
+        bent[i % 2] += 1;
+        assert!(g.time_left() >= free.time_left(), "case {i}");
+        let (mut was, mut arrivals) = (*g.state(), 0);
+        while g.is_underway() {
+            let step = g.step();
+            arrivals += usize::from(step.events.arrived.contains(&true));
+            for k in 0..2 {
+                let (now, l) = (g.state()[k], &p.limits[k]);
+                let jerk = l.j_max().max(-l.j_min());
+                assert!(smooth(&was[k], &now, jerk), "case {i} axis {k}: {:?} {now:?}", was[k]);
+                assert!(l.contain(&now), "case {i} axis {k}: {now:?}");
+                assert!(ranges[k].0 <= now.p && now.p <= ranges[k].1, "case {i} axis {k}: {now:?}");
+            }
+            was = *g.state();
+        }
+        assert!(mode == Synchronisation::None || arrivals == 1, "case {i}: {arrivals}");
+    }
+    // From most states that leave a range every motion does.
+    println!("bent: {bent:?} by time and alone");
+    assert!(bent[0] >= 15, "{bent:?}");
+}
+
+#[test]
+fn a_stop_that_would_leave_the_range_is_bent() {
+    let limits = [AxisLimits::symmetric(1.0, 5.0, 50.0).unwrap()];
+    let mut g = OnlineGenerator::new([AxisState::rest(0.0)], limits, CYCLE, Synchronisation::Time).unwrap();
+    g.set_target([AxisState::rest(2.0)]).unwrap();
+    for _ in 0..900 {
+        g.step();
+    }
+    let upper = g.state()[0].p + 0.1485;
+    g.set_target([AxisState::rest(0.0)]).unwrap();
+    let mut g = g.with_ranges([(-3.0, upper)]).unwrap();
+    g.stop().unwrap();
+    let mut was = g.state()[0];
+    while g.is_underway() {
+        g.step();
+        assert!(smooth(&was, &g.state()[0], 50.0) && g.state()[0].p <= upper, "{was:?} {:?}", g.state()[0]);
+        was = g.state()[0];
+    }
+    assert!(was.p < upper && was.v == 0.0);
 }

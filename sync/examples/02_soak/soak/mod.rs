@@ -4,6 +4,7 @@
 
 pub mod generator;
 mod generator_input;
+pub mod interrupts;
 pub mod judge;
 pub mod projection;
 pub mod states;
@@ -18,10 +19,11 @@ pub struct Family {
     pub case: fn(u64) -> Outcome,
 }
 
-pub const FAMILIES: [Family; 3] = [
+pub const FAMILIES: [Family; 4] = [
     Family { name: "states", case: states::case },
     Family { name: "generator", case: generator::case },
     Family { name: "projection", case: projection::case },
+    Family { name: "interrupts", case: interrupts::case },
 ];
 
 /// What one case gave.

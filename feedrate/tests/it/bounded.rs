@@ -1,0 +1,261 @@
+//! Motions inside a range of positions: limits, ends, durations, refusals, and an oracle.
+#![allow(clippy::unwrap_used)]
+
+use arcfeed_feedrate::{AxisLimits, AxisState, BoundedProblem, FeedError, MotionLaw, PositionLimits, StateToState};
+use arcfeed_testing::{Random, allocations_in};
+
+use crate::common;
+use common::axis::{Case, fault, random_case};
+
+/// The same state backwards in time, and the limits that hold then.
+fn backwards(case: &Case) -> (AxisState, AxisLimits) {
+    let AxisState { p, v, a } = case.target;
+    let limits = AxisLimits::new((-case.v.1, -case.v.0), case.a, (-case.j.1, -case.j.0)).unwrap();
+    (AxisState::new(p, -v, a), limits)
+}
+
+/// A case with a range around both of its ends that the shortest motion leaves, although braking from the start and running up
+/// to the target do not.
+pub fn ranged_case(rng: &mut Random) -> (Case, PositionLimits) {
+    loop {
+        let case = random_case(rng, false);
+        let (lo, hi) = (case.start.p.min(case.target.p), case.start.p.max(case.target.p));
+        let Ok(free) = case.solve() else { continue };
+        let way = free.position_range();
+        if way.min >= lo && way.max <= hi {
+            continue;
+        }
+        let (back, reversed) = backwards(&case);
+        for _ in 0..20 {
+            let mut end = |near: f64, far: f64, wide: f64| {
+                if near == far { near + wide * rng.log(1e-3, 1.0) } else { near + (far - near) * rng.unit() }
+            };
+            let size = (hi - lo) + (way.max - way.min);
+            let positions = PositionLimits::new(end(lo, way.min, -size), end(hi, way.max, size)).unwrap();
+            let safe = positions.can_stay(&case.start, &case.limits()) && positions.can_stay(&back, &reversed);
+            if safe && !positions.contain_all_of(&free) {
+                return (case, positions);
+            }
+        }
+    }
+}
+
+fn samples_inside(motion: &StateToState, positions: &PositionLimits) -> bool {
+    let slack = 1e-12 * (1.0 + positions.upper().abs().max(positions.lower().abs()));
+    (0..=2000).all(|i| {
+        let p = motion.at(motion.duration() * f64::from(i) / 2000.0).p;
+        positions.lower() - slack <= p && p <= positions.upper() + slack
+    })
+}
+
+#[test]
+fn random_motions_stay_inside_and_keep_the_limits() {
+    let mut rng = Random::new(81);
+    let (mut longer, mut none) = (Vec::new(), 0);
+    for i in 0..300 {
+        let (case, positions) = ranged_case(&mut rng);
+        let free = case.solve().unwrap();
+        match BoundedProblem::new(&case.start, &case.target, &case.limits(), &positions) {
+            Ok(problem) => {
+                let motion = problem.shortest();
+                assert!(motion.duration() >= free.duration() * (1.0 - 1e-12), "case {i}");
+                longer.push(motion.duration() / free.duration());
+                let wrong = fault(&case, &motion);
+                assert!(wrong.is_none(), "case {i}: {} {case:?} {positions:?}", wrong.unwrap());
+                assert!(samples_inside(&motion, &positions), "case {i}: {case:?} {positions:?}");
+            }
+            Err(e) => {
+                println!("case {i}: {e}: {case:?} {positions:?}");
+                none += 1;
+            }
+        }
+    }
+    longer.sort_by(f64::total_cmp);
+    let n = longer.len();
+    println!("{n} bent, {none} refused; longer by median {} worst {}", longer[n / 2], longer[n - 1]);
+    assert_eq!(none, 0);
+}
+
+/// A start or a target from which no motion stays inside is refused with the place it cannot avoid, and no other is.
+#[test]
+fn refusals_name_what_cannot_be_avoided() {
+    let limits = AxisLimits::symmetric(1.0, 5.0, 50.0).unwrap();
+    // From v = 1: jerk -50 for 0.1 s, then 0.15 s at -5.
+    let turn = 0.1 - 50.0 * 1e-3 / 6.0 + 0.75 * 0.75 / 10.0;
+    let fast = AxisState::new(0.0, 1.0, 0.0);
+    for (upper, possible) in [(turn + 1e-9, true), (turn - 1e-9, false)] {
+        let positions = PositionLimits::new(-1.0, upper).unwrap();
+        assert_eq!(positions.can_stay(&fast, &limits), possible);
+        let way_back = BoundedProblem::new(&fast, &AxisState::rest(-0.5), &limits, &positions);
+        match way_back {
+            Ok(problem) => assert!(possible && problem.shortest().position_range().max <= upper + 1e-12),
+            Err(FeedError::StartTrapped { position, limit, .. }) => {
+                assert!(!possible && (position - turn).abs() < 1e-12 && limit == upper);
+            }
+            Err(e) => panic!("{e}"),
+        }
+        // The same backwards in time: the run-up to a target.
+        let run_up = BoundedProblem::new(&AxisState::rest(-0.5), &AxisState::new(0.0, -1.0, 0.0), &limits, &positions);
+        assert_eq!(run_up.is_ok(), possible);
+        assert!(possible || matches!(run_up, Err(FeedError::TargetTrapped { v: -1.0, .. })));
+    }
+    let positions = PositionLimits::new(-1.0, 1.0).unwrap();
+    let outside = BoundedProblem::new(&fast, &AxisState::rest(1.1), &limits, &positions);
+    assert!(matches!(outside, Err(FeedError::LeavesPositions { limit: 1.0, .. })));
+    assert!(matches!(PositionLimits::new(1.0, 1.0), Err(FeedError::EmptyRange { .. })));
+    assert!(PositionLimits::new(f64::NAN, 1.0).is_err());
+    let nan = BoundedProblem::new(&AxisState::rest(f64::NAN), &AxisState::rest(0.0), &limits, &positions);
+    assert!(matches!(nan, Err(FeedError::NotFinite { .. })));
+}
+
+/// A start outside comes back, no farther out than it must.
+#[test]
+fn a_start_outside_comes_back() {
+    let limits = AxisLimits::symmetric(1.0, 5.0, 50.0).unwrap();
+    let positions = PositionLimits::new(-1.0, 1.0).unwrap();
+    let start = AxisState::new(1.2, 0.5, 0.0);
+    let motion = BoundedProblem::new(&start, &AxisState::rest(0.0), &limits, &positions).unwrap().shortest();
+    // v = 0.5: jerk -50 until a = -5 takes 0.1 s and leaves 0.25, which -5 takes in 0.05 s.
+    let turn = 1.2 + 0.05 - 50.0 * 1e-3 / 6.0 + 0.25 * 0.25 / 10.0;
+    assert!((motion.position_range().max - turn).abs() < 1e-12);
+    assert!(motion.at(motion.duration()).p == 0.0);
+}
+
+/// Every duration from the shortest with a rest on the way on, and no limit is broken.
+#[test]
+fn longer_durations_stay_inside() {
+    let mut rng = Random::new(82);
+    let (mut done, mut none) = (0, 0);
+    for i in 0..150 {
+        let (case, positions) = ranged_case(&mut rng);
+        let problem = BoundedProblem::new(&case.start, &case.target, &case.limits(), &positions).unwrap();
+        for factor in [1.01, 1.3, 3.0, 20.0] {
+            let wanted = factor * problem.shortest_duration();
+            let motion = match problem.with_duration(wanted) {
+                Ok(motion) => motion,
+                Err(FeedError::DurationImpossible { above, .. }) => {
+                    none += 1;
+                    assert!(above > wanted, "case {i}");
+                    if !above.is_finite() {
+                        continue;
+                    }
+                    problem.with_duration(above * (1.0 + 1e-9)).unwrap()
+                }
+                Err(e) => panic!("case {i}: {e}"),
+            };
+            done += 1;
+            let wrong = fault(&case, &motion);
+            assert!(wrong.is_none(), "case {i}: {} {case:?} {positions:?}", wrong.unwrap());
+            assert!(samples_inside(&motion, &positions), "case {i}: {case:?} {positions:?}");
+        }
+    }
+    println!("{done} motions, {none} durations refused at first");
+    assert!(done > 500);
+}
+
+#[test]
+fn nothing_allocates() {
+    let mut rng = Random::new(83);
+    let cases: Vec<_> = (0..20).map(|_| ranged_case(&mut rng)).collect();
+    let count = allocations_in(|| {
+        for (case, positions) in &cases {
+            let problem = BoundedProblem::new(&case.start, &case.target, &case.limits(), positions);
+            let _ = std::hint::black_box(problem.map(|p| p.with_duration(1.5 * p.shortest_duration())));
+        }
+    });
+    assert_eq!(count, 0);
+}
+
+/// The least time in which piecewise constant jerk on a grid stays inside, by linear programs: an upper bound of the shortest
+/// duration, which no motion of ours may exceed by more than the grid costs.
+#[cfg(feature = "clarabel")]
+mod oracle {
+    use super::*;
+    use clarabel::algebra::CscMatrix;
+    use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
+
+    const CELLS: usize = 120;
+
+    /// The least violation with which a motion of this duration exists, in parts of the limits.
+    fn violation(case: &Case, positions: &PositionLimits, duration: f64) -> f64 {
+        let dt = duration / CELLS as f64;
+        // Rows g(j) <= b + violation: position, velocity and acceleration at every grid point, as sums over the jerk before.
+        let coefficients = |i: usize, n: usize| {
+            let rest = (n - i) as f64 * dt;
+            let before = rest - dt;
+            [(rest.powi(3) - before.powi(3)) / 6.0, (rest.powi(2) - before.powi(2)) / 2.0, dt]
+        };
+        let free = |n: usize| {
+            let (t, s) = (n as f64 * dt, case.start);
+            [s.p + t * (s.v + 0.5 * t * s.a), s.v + t * s.a, s.a]
+        };
+        let size = positions.upper() - positions.lower();
+        let bounds = [
+            (positions.lower(), positions.upper(), size),
+            (case.v.0, case.v.1, case.v.1 - case.v.0),
+            (case.a.0, case.a.1, case.a.1 - case.a.0),
+        ];
+        let mut rows: Vec<(Vec<f64>, f64)> = Vec::new();
+        for n in 1..=CELLS {
+            for q in 0..3 {
+                let (lo, hi, size) = bounds[q];
+                let row: Vec<f64> =
+                    (0..CELLS).map(|i| if i < n { coefficients(i, n)[q] * case.j.1 / size } else { 0.0 }).collect();
+                let x = free(n)[q];
+                let end = [case.target.p, case.target.v, case.target.a][q];
+                let (lo, hi) = if n == CELLS { (end, end) } else { (lo, hi) };
+                rows.push((row.clone(), (hi - x) / size));
+                rows.push((row.iter().map(|c| -c).collect(), (x - lo) / size));
+            }
+        }
+        let (count, columns) = (rows.len() + 2 * CELLS + 1, CELLS + 1);
+        let (mut colptr, mut rowval, mut nzval) = (vec![0], Vec::new(), Vec::new());
+        for i in 0..CELLS {
+            for (r, (row, _)) in rows.iter().enumerate().filter(|(_, (row, _))| row[i] != 0.0) {
+                rowval.push(r);
+                nzval.push(row[i]);
+            }
+            rowval.extend([rows.len() + 2 * i, rows.len() + 2 * i + 1]);
+            nzval.extend([1.0, -1.0]);
+            colptr.push(rowval.len());
+        }
+        rowval.extend((0..rows.len()).chain([count - 1]));
+        nzval.extend(std::iter::repeat_n(-1.0, rows.len() + 1));
+        colptr.push(rowval.len());
+        let a = CscMatrix::new(count, columns, colptr, rowval, nzval);
+        let mut b: Vec<f64> = rows.iter().map(|r| r.1).collect();
+        b.extend((0..CELLS).flat_map(|_| [1.0, -case.j.0 / case.j.1]));
+        b.push(0.0);
+        let mut cost = vec![0.0; columns];
+        cost[CELLS] = 1.0;
+        let settings = DefaultSettingsBuilder::default().verbose(false).build().unwrap();
+        let cones = [SupportedConeT::NonnegativeConeT(count)];
+        let mut solver =
+            DefaultSolver::new(&CscMatrix::zeros((columns, columns)), &cost, &a, &b, &cones, settings).unwrap();
+        solver.solve();
+        assert!(matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved));
+        solver.solution.x[CELLS]
+    }
+
+    #[test]
+    fn no_shorter_motion_is_found_by_linear_programs() {
+        let mut rng = Random::new(84);
+        let mut found = 0;
+        for i in 0..12 {
+            let (case, positions) = ranged_case(&mut rng);
+            let ours =
+                BoundedProblem::new(&case.start, &case.target, &case.limits(), &positions).unwrap().shortest_duration();
+            // The grid allows ours but for its coarseness, and nothing shorter.
+            let same = violation(&case, &positions, ours);
+            assert!(same < 0.02, "case {i}: {same} {case:?} {positions:?}");
+            for factor in [0.5, 0.7, 0.85, 0.95, 0.98] {
+                let v = violation(&case, &positions, factor * ours);
+                if v < 1e-5 {
+                    found += 1;
+                    println!("case {i}: {factor} of {ours} is possible but for {v:e}: {case:?} {positions:?}");
+                }
+            }
+        }
+        assert_eq!(found, 0);
+    }
+}

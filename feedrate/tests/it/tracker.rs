@@ -1,0 +1,216 @@
+//! One axis that follows ramps, sinusoids, steps and noise.
+#![allow(clippy::unwrap_used)]
+
+use arcfeed_feedrate::{
+    AxisLimits, AxisState, FeedError, MotionLaw, StateToState, TargetTracker, TrackStatus, TrackStep,
+};
+use arcfeed_testing::{Random, allocations_in};
+
+const CYCLE: f64 = 1e-3;
+
+/// Follows a target and checks every cycle: jerk, acceleration, velocity, and no jump.
+struct Watch {
+    tracker: TargetTracker,
+    limits: AxisLimits,
+    time: f64,
+}
+
+impl Watch {
+    fn new(start: AxisState, limits: AxisLimits) -> Self {
+        Self { tracker: TargetTracker::new(&start, &limits, CYCLE).unwrap(), limits, time: 0.0 }
+    }
+
+    fn step(&mut self, target: impl Fn(f64) -> AxisState) -> TrackStep {
+        self.time += CYCLE;
+        let was = *self.tracker.state();
+        let step = self.tracker.step(&target(self.time)).unwrap();
+        let (now, l) = (*self.tracker.state(), &self.limits);
+        assert_eq!((step.state.p, step.state.v, step.state.a), (now.p, now.v, now.a));
+        let jerk = l.j_max().max(-l.j_min());
+        let text = || format!("at {}: {was:?} -> {step:?} within {l:?}", self.time);
+        let round_off = 1e-13 * (1.0 + now.p.abs() + was.p.abs());
+        let mean = (now.a - was.a) / CYCLE;
+        assert!(mean <= l.j_max() * (1.0 + 1e-9) && mean >= l.j_min() * (1.0 + 1e-9), "jerk {}", text());
+        let dv = now.v - was.v - 0.5 * CYCLE * (was.a + now.a);
+        assert!(dv.abs() <= jerk * CYCLE.powi(2) / 4.0 * (1.0 + 1e-6) + round_off, "velocity jumps {}", text());
+        let dp = now.p - was.p - 0.5 * CYCLE * (was.v + now.v);
+        assert!(dp.abs() <= jerk * CYCLE.powi(3) / 12.0 * (1.0 + 1e-6) + round_off, "position jumps {}", text());
+        assert!(l.contain(&now), "limits {}", text());
+        step
+    }
+
+    /// Steps until it follows, and the time that takes.
+    fn until_following(&mut self, most: f64, target: impl Fn(f64) -> AxisState) -> f64 {
+        let from = self.time;
+        while self.step(&target).status != TrackStatus::Following {
+            assert!(self.time - from < most, "not there after {most} s: {:?} {:?}", self.tracker, target(self.time));
+        }
+        self.time - from
+    }
+
+    /// Zero error for so many cycles.
+    fn stays(&mut self, cycles: usize, target: impl Fn(f64) -> AxisState) {
+        for _ in 0..cycles {
+            let step = self.step(&target);
+            let wanted = target(self.time);
+            assert_eq!(step.status, TrackStatus::Following, "at {}: {step:?} {wanted:?}", self.time);
+            assert_eq!(*self.tracker.state(), wanted);
+        }
+    }
+}
+
+fn limits(rng: &mut Random) -> AxisLimits {
+    let pair = |rng: &mut Random, lo: f64, hi: f64| (-rng.log(lo, hi), rng.log(lo, hi));
+    AxisLimits::new(pair(rng, 0.5, 5.0), pair(rng, 2.0, 30.0), pair(rng, 20.0, 500.0)).unwrap()
+}
+
+#[test]
+fn a_step_is_followed_in_the_least_time() {
+    let mut rng = Random::new(101);
+    for i in 0..200 {
+        let l = limits(&mut rng);
+        let goal = AxisState::rest(rng.between(-2.0, 2.0));
+        let shortest = StateToState::new(&AxisState::rest(0.0), &goal, &l).unwrap().duration();
+        let taken = Watch::new(AxisState::rest(0.0), l).until_following(10.0 * shortest + 1.0, |_| goal);
+        assert!(taken <= shortest + 3.0 * CYCLE, "case {i}: {taken} instead of {shortest}");
+    }
+}
+
+#[test]
+fn a_ramp_is_met_in_the_least_time_and_followed_without_error() {
+    let mut rng = Random::new(102);
+    for i in 0..200 {
+        let l = limits(&mut rng);
+        let speed = 0.8 * rng.between(l.v_min(), l.v_max());
+        let ahead = rng.between(-1.0, 1.0);
+        let target = |t: f64| AxisState::new(ahead + speed * t, speed, 0.0);
+        // In the frame of the target.
+        let frame =
+            AxisLimits::new((l.v_min() - speed, l.v_max() - speed), (l.a_min(), l.a_max()), (l.j_min(), l.j_max()));
+        let from = AxisState::new(-ahead, -speed, 0.0);
+        let shortest = StateToState::new(&from, &AxisState::rest(0.0), &frame.unwrap()).unwrap().duration();
+        let mut watch = Watch::new(AxisState::rest(0.0), l);
+        let taken = watch.until_following(10.0 * shortest + 1.0, target);
+        assert!(taken <= 1.01 * shortest + 3.0 * CYCLE, "case {i}: {taken} instead of {shortest}");
+        watch.stays(300, target);
+    }
+}
+
+#[test]
+fn a_sinusoid_is_met_and_followed_without_error() {
+    let mut rng = Random::new(103);
+    let mut ratios = Vec::new();
+    for i in 0..200 {
+        let l = limits(&mut rng);
+        let w = rng.log(0.5, 15.0);
+        let least = |lo: f64, hi: f64| hi.min(-lo);
+        // Within 60 % of each limit.
+        let size = (least(l.v_min(), l.v_max()) / w)
+            .min(least(l.a_min(), l.a_max()) / w.powi(2))
+            .min(least(l.j_min(), l.j_max()) / w.powi(3));
+        let (size, middle) = (0.6 * size, rng.between(-1.0, 1.0));
+        let phase = rng.between(0.0, 6.0);
+        let target = |t: f64| {
+            let x = w * t + phase;
+            AxisState::new(middle + size * x.sin(), size * w * x.cos(), -size * w * w * x.sin())
+        };
+        let mut watch = Watch::new(AxisState::rest(0.0), l);
+        let taken = watch.until_following(60.0, target);
+        watch.stays(2000, target);
+        // The least time with hindsight: the first meeting that is possible.
+        let meets = |t: f64| {
+            let problem = arcfeed_feedrate::AxisProblem::new(&AxisState::rest(0.0), &target(t), &l).unwrap();
+            problem.shortest_duration() <= t
+        };
+        let best = (1..).map(|n| 1e-2 * f64::from(n)).find(|&t| meets(t)).unwrap();
+        ratios.push(taken / best);
+        assert!(taken < best + 0.5, "case {i}: {taken} instead of {best}");
+    }
+    ratios.sort_by(f64::total_cmp);
+    println!(
+        "time to meet a sinusoid by the least with hindsight: median {:.3}, 90 % {:.3}, worst {:.3}",
+        ratios[100], ratios[180], ratios[199]
+    );
+}
+
+/// A target that is too fast is followed at the limit, and met again when it is not.
+#[test]
+fn a_target_beyond_the_limits_saturates_smoothly() {
+    let mut rng = Random::new(104);
+    for _ in 0..60 {
+        let l = limits(&mut rng);
+        let fast = 1.5 * l.v_max();
+        let target = |t: f64| {
+            if t < 1.0 { AxisState::new(fast * t, fast, 0.0) } else { AxisState::rest(fast) }
+        };
+        let mut watch = Watch::new(AxisState::rest(0.0), l);
+        let (mut changes, mut before) = (0, 0.0);
+        while watch.time < 0.999 {
+            let step = watch.step(target);
+            assert_eq!(step.status, TrackStatus::Saturated);
+            changes += usize::from(step.state.j * before < 0.0);
+            before = step.state.j;
+        }
+        assert!(changes <= 3, "{changes} changes of the sign of the jerk");
+        watch.until_following(20.0, target);
+        watch.stays(100, target);
+    }
+}
+
+/// Whatever the target does, the limits hold; and noise costs no more than its size.
+#[test]
+fn noise_and_jumps_break_no_limit() {
+    let mut rng = Random::new(105);
+    for _ in 0..40 {
+        let l = limits(&mut rng);
+        let mut watch = Watch::new(AxisState::rest(0.0), l);
+        let mut wild = |size: f64| AxisState::new(size * rng.signed(), size * rng.signed(), size * rng.signed());
+        for _ in 0..1500 {
+            let target = wild(3.0);
+            watch.step(|_| target);
+        }
+        let mut worst = 0.0_f64;
+        // Noise of the position alone, which no motion can follow.
+        for n in 0..12_000 {
+            let noise = wild(1e-4);
+            watch.step(|_| AxisState::rest(noise.p));
+            if n > 10_000 {
+                worst = worst.max(watch.tracker.state().p.abs());
+            }
+        }
+        assert!(worst < 1.1e-4, "{worst}");
+    }
+}
+
+#[test]
+fn wrong_numbers_change_nothing_and_nothing_allocates() {
+    let l = AxisLimits::symmetric(1.0, 5.0, 50.0).unwrap();
+    let mut tracker = TargetTracker::new(&AxisState::rest(0.0), &l, CYCLE).unwrap();
+    let before = *tracker.state();
+    for bad in [f64::NAN, f64::INFINITY] {
+        assert!(matches!(tracker.step(&AxisState::rest(bad)), Err(FeedError::NotFinite { what: "target.p", .. })));
+        assert!(tracker.step(&AxisState::new(0.0, bad, 0.0)).is_err());
+        assert!(tracker.step(&AxisState::new(0.0, 0.0, bad)).is_err());
+        assert!(TargetTracker::new(&AxisState::rest(0.0), &l, bad).is_err());
+    }
+    assert_eq!(*tracker.state(), before);
+    assert!(TargetTracker::new(&AxisState::rest(0.0), &l, 0.0).is_err());
+    let count = allocations_in(|| {
+        for n in 0..3000 {
+            let t = f64::from(n) * CYCLE;
+            let _ = tracker.step(&AxisState::new((3.0 * t).sin(), 3.0 * (3.0 * t).cos(), -9.0 * (3.0 * t).sin()));
+        }
+    });
+    assert_eq!(count, 0);
+    // Numbers of any size: no panic and no NaN.
+    let mut rng = Random::new(106);
+    for _ in 0..20_000 {
+        let mut any = || rng.sign() * rng.log(1e-150, 1e150);
+        let start = AxisState::new(any(), any(), any());
+        let mut tracker = TargetTracker::new(&start, &l, CYCLE).unwrap();
+        if let Ok(step) = tracker.step(&AxisState::new(any(), any(), any())) {
+            let s = step.state;
+            assert!(!(s.p.is_nan() || s.v.is_nan() || s.a.is_nan() || s.j.is_nan()), "{step:?}");
+        }
+    }
+}

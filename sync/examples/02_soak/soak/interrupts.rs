@@ -1,0 +1,281 @@
+//! The online generator while it is stopped, jogged, held, scaled and sent to other targets.
+//!
+//! Judged from the samples: every step is possible within the limits; a stop, a hold and a jog whose time is over end at rest in
+//! the time they can take; a jog gets to its velocities; a stop on the path, a hold and a scale leave no curve that was planned.
+
+use arcfeed_sync::feedrate::AxisState;
+use arcfeed_sync::{OnlineGenerator, Step, Synchronisation, Trajectory};
+use arcfeed_testing::Random;
+
+use super::generator_input::{AXES, Limits, Scene, States};
+use super::judge::{Precision, broken};
+use super::{Failure, Outcome, random};
+
+type Verdict = Result<(), (String, f64)>;
+
+/// What is expected of the cycles that follow.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Expect {
+    Nothing,
+    /// Rest, in so many cycles at most.
+    Rest(u64),
+    /// These velocities, in so many cycles.
+    Jog([f64; AXES], u64),
+}
+
+struct Play {
+    scene: Scene,
+    generator: OnlineGenerator<AXES>,
+    now: States,
+    limits: Limits,
+    expect: Expect,
+    /// The plan on whose curve the axes are, and how far they are.
+    curve: Option<(Trajectory<AXES>, f64)>,
+    /// The scale that is set.
+    scale: f64,
+    log: Vec<String>,
+}
+
+pub fn case(seed: u64) -> Outcome {
+    let mut rng = random(seed);
+    let mut scene = Scene::new(&mut rng);
+    let mut outcome = Outcome::default();
+    // Inside the limits: what is outside may be so for long while time is scaled.
+    scene.start = scene.start.map(|s| AxisState::rest(s.p));
+    let made = OnlineGenerator::new(scene.start, scene.limits, scene.cycle, scene.mode)
+        .and_then(|g| scene.ranges.map_or(Ok(g.clone()), |r| g.with_ranges(r)));
+    let Ok(generator) = made else {
+        outcome.failure = Some(("a start is refused".to_owned(), Failure { size: 1.0, seed, input: String::new() }));
+        return outcome;
+    };
+    let mut play = Play {
+        generator,
+        now: scene.start,
+        limits: scene.limits,
+        expect: Expect::Nothing,
+        curve: None,
+        scale: 1.0,
+        log: Vec::new(),
+        scene,
+    };
+    for _ in 0..12 {
+        let result = play.command(&mut rng, &mut outcome).and_then(|()| {
+            let count = if rng.chance(0.2) { 2000 } else { rng.below(400) as u64 };
+            (0..count).try_for_each(|_| {
+                outcome.counted += 1;
+                play.cycle()
+            })
+        });
+        if let Err((what, size)) = result {
+            let kind = format!("[{:?}] {what}", play.scene.mode);
+            let input = format!("{:?}\n{}", play.scene, play.log.join("\n"));
+            outcome.failure = Some((kind, Failure { size, seed, input }));
+            break;
+        }
+    }
+    outcome
+}
+
+fn wrong<T>(what: String, size: f64) -> Result<T, (String, f64)> {
+    Err((what, size))
+}
+
+impl Play {
+    fn command(&mut self, rng: &mut Random, outcome: &mut Outcome) -> Verdict {
+        let g = &mut self.generator;
+        let which = rng.below(9);
+        let mut done = Ok(());
+        let text;
+        match which {
+            0 | 1 => {
+                let rest = rng.chance(0.6);
+                let target: States = std::array::from_fn(|k| {
+                    if rest {
+                        AxisState::rest(self.scene.place(k, rng))
+                    } else {
+                        self.scene.moving(k, &self.limits[k], rng)
+                    }
+                });
+                text = format!("set_target {target:?}");
+                done = g.set_target(target);
+                if done.is_ok() {
+                    self.expect = Expect::Nothing;
+                    self.curve = (g.is_underway() && rest).then(|| (*g.plan(), 0.0));
+                }
+            }
+            2 => {
+                text = "stop".to_owned();
+                done = g.stop();
+                if done.is_ok() {
+                    self.expect = Expect::Rest(cycles(self.scene.cycle, stop_time(&self.now, &self.limits)));
+                    self.curve = None;
+                }
+            }
+            3 | 4 => {
+                text = "stop_on_path".to_owned();
+                let limit = cycles(self.scene.cycle, 2.0 * g.time_left() + stop_time(&self.now, &self.limits) + 1.0);
+                g.stop_on_path();
+                self.expect = Expect::Rest(limit);
+            }
+            5 => {
+                let velocity = std::array::from_fn(|k| rng.between(self.limits[k].v_min(), self.limits[k].v_max()));
+                let time = rng.log(0.01, 3.0);
+                text = format!("jog {velocity:?} {time}");
+                done = g.jog(velocity, time);
+                if done.is_ok() {
+                    let free = self.scene.ranges.is_none() && self.scale == 1.0 && g.scale() == 1.0 && !g.is_held();
+                    let count = cycles(self.scene.cycle, time);
+                    // Time enough to get there.
+                    let enough = time
+                        > stop_time(&self.now, &self.limits)
+                            + stop_time(&velocity.map(|v| AxisState::new(0.0, v, 0.0)), &self.limits);
+                    let free = free && enough;
+                    self.expect = if free { Expect::Jog(velocity, count) } else { Expect::Nothing };
+                    self.curve = None;
+                }
+            }
+            6 => {
+                let scale = rng.one_of(&[0.0, 0.1, 0.5, 0.9, 1.0, 1.0, 1.2, 1.5]);
+                text = format!("set_scale {scale}");
+                done = g.set_scale(scale);
+                self.scale = scale;
+                if let Expect::Jog(..) = self.expect {
+                    self.expect = Expect::Nothing;
+                }
+            }
+            7 => {
+                text = "hold".to_owned();
+                g.hold();
+                if let Expect::Jog(..) = self.expect {
+                    self.expect = Expect::Nothing;
+                }
+            }
+            _ => {
+                text = "resume".to_owned();
+                g.resume();
+            }
+        }
+        let name = text.split(' ').next().unwrap_or_default().to_owned();
+        outcome.see(&format!("{name}{}", if done.is_err() { ", refused" } else { "" }));
+        self.log.push(format!("{text}: {done:?}"));
+        if done.is_err() && which > 1 && self.scene.ranges.is_none() {
+            return wrong(format!("refused without a reason: {text}: {done:?}"), 1.0);
+        }
+        Ok(())
+    }
+
+    fn cycle(&mut self) -> Verdict {
+        let dt = self.scene.cycle;
+        let step = self.generator.step();
+        let was = self.now;
+        let size = was.iter().fold(0.0, |m: f64, s| m.max(s.p.abs()));
+        for k in 0..AXES {
+            self.now[k] = AxisState::new(step.state.q[k], step.state.qd[k], step.state.qdd[k]);
+            let precision = Precision { slack: 1e-12, size };
+            if let Some((what, size)) = broken(&was[k], &self.now[k], dt, &self.limits[k], precision) {
+                return wrong(format!("{what}, axis {k}: {:?} -> {:?}", was[k], self.now[k]), size);
+            }
+            if step.events.outside_limits {
+                return wrong("outside its limits".to_owned(), 1.0);
+            }
+            if let Some(ranges) = &self.scene.ranges {
+                let p = self.now[k].p;
+                if !(ranges[k].0 <= p && p <= ranges[k].1) {
+                    return wrong("outside its range".to_owned(), (p - ranges[k].1).max(ranges[k].0 - p));
+                }
+            }
+        }
+        self.expected(&step)?;
+        self.on_curve()
+    }
+
+    fn expected(&mut self, step: &Step<AXES>) -> Verdict {
+        let rests = self.now.iter().all(|s| s.v == 0.0 && s.a == 0.0);
+        self.expect = match self.expect {
+            // A target that moves is left again at once.
+            Expect::Rest(_) if step.events.reached && rests => {
+                if self.now != *self.generator.target() {
+                    return wrong("the stop does not end in the target".to_owned(), 1.0);
+                }
+                self.curve = None;
+                Expect::Nothing
+            }
+            Expect::Rest(0) => return wrong("the stop takes too long".to_owned(), 1.0),
+            Expect::Rest(left) => Expect::Rest(left - 1),
+            // A stop of less than a cycle.
+            Expect::Jog(..) if step.events.reached => Expect::Nothing,
+            Expect::Jog(_, 0) => {
+                let time = stop_time(&self.now, &self.limits);
+                Expect::Rest(cycles(self.scene.cycle, time) + 1)
+            }
+            Expect::Jog(velocity, left) => {
+                let off = (0..AXES).map(|k| (self.now[k].v - velocity[k]).abs()).fold(0.0, f64::max);
+                let size = self.limits.iter().fold(0.0, |m: f64, l| m.max(l.v_max() - l.v_min()));
+                if off > 1e-9 * size && left == 4 {
+                    return wrong("the jog does not get to its velocities".to_owned(), off);
+                }
+                Expect::Jog(velocity, left - 1)
+            }
+            Expect::Nothing => Expect::Nothing,
+        };
+        Ok(())
+    }
+
+    /// Looks for the time of the plan at which the axis that moves fastest is where it is, and compares the other axes.
+    fn on_curve(&mut self) -> Verdict {
+        let Some((plan, from)) = &mut self.curve else { return Ok(()) };
+        if !self.generator.is_underway() {
+            self.curve = None;
+            return Ok(());
+        }
+        // Axes that arrive on their own keep the time of their plan only together.
+        if self.scene.mode == Synchronisation::None {
+            return Ok(());
+        }
+        let start = *from;
+        let off_at = |t: f64| {
+            let s = plan.at(t);
+            (0..AXES).map(|k| (s.q[k] - self.now[k].p).abs()).fold(0.0, f64::max)
+        };
+        // Golden section beside the best of some places: axes that turn have more than one minimum.
+        let wide = 1.6 * self.scene.cycle / 64.0;
+        let places = (0..=64).map(|i| start + wide * f64::from(i));
+        let near = places.fold(start, |best, t| if off_at(t) < off_at(best) { t } else { best });
+        let (mut lo, mut hi) = ((near - wide).max(start), near + wide);
+        for _ in 0..80 {
+            let (x, y) = (hi - 0.618_033_988_75 * (hi - lo), lo + 0.618_033_988_75 * (hi - lo));
+            if off_at(x) <= off_at(y) { hi = y } else { lo = x }
+        }
+        let best = 0.5 * (lo + hi);
+        let off = off_at(best);
+        let size = self.limits.iter().fold(0.0, |m: f64, l| m.max(l.v_max() - l.v_min()));
+        *from = best;
+        if off > 1e-9 * (1.0 + size * self.scene.cycle) {
+            return wrong(
+                format!(
+                    "leaves the curve of its plan at {best} of {}, scale {}",
+                    plan.duration(),
+                    self.generator.scale()
+                ),
+                off,
+            );
+        }
+        Ok(())
+    }
+}
+
+fn cycles(cycle: f64, time: f64) -> u64 {
+    (time / cycle).ceil() as u64 + 2
+}
+
+/// A time in which any axis comes to rest: acceleration to zero, velocity to zero with half the limits.
+fn stop_time(states: &States, limits: &Limits) -> f64 {
+    let time = |s: &AxisState, l: &arcfeed_sync::feedrate::AxisLimits| {
+        let (a, j) = (l.a_max().min(-l.a_min()), l.j_max().min(-l.j_min()));
+        let release = s.a.abs() / j;
+        let v = s.v.abs() + s.a.abs() * release;
+        // A stop that turns at the end of a range goes back as well.
+        2.0 * (release + 2.0 * v / a + 4.0 * (v / j).sqrt() + a / j)
+    };
+    states.iter().zip(limits).map(|(s, l)| time(s, l)).fold(0.0, f64::max)
+}

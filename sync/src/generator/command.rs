@@ -1,0 +1,14 @@
+//! What the axes were told last.
+
+/// The command that is carried out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Command<const N: usize> {
+    /// To the target, and on from there.
+    Target,
+    /// To rest, every axis in the shortest way or all on a line.
+    Stop,
+    /// To rest without leaving the curve of the plan.
+    PathStop,
+    /// Velocities, for so many cycles more.
+    Jog { velocity: [f64; N], left: f64 },
+}
