@@ -1,10 +1,14 @@
 //! Curves through dense points: the G1 micro segments of machine programs.
 
 mod corners;
+mod element;
 mod fitted;
+mod junction;
 mod march;
 mod piece;
 mod polyline;
+mod primitive;
+mod recognition;
 mod stretch;
 mod window;
 
@@ -77,6 +81,8 @@ const LEAST_TOLERANCE: f64 = 1e-9;
 pub struct DenseFit<const D: usize> {
     tolerance: f64,
     corner_angle: f64,
+    /// Lines and arcs are recognised.
+    primitives: bool,
     /// Largest coordinate so far.
     size: f64,
     /// Number of points so far.
@@ -98,6 +104,7 @@ impl<const D: usize> DenseFit<D> {
         Ok(Self {
             tolerance,
             corner_angle: CORNER_ANGLE,
+            primitives: true,
             size: 0.0,
             count: 0,
             corners: None,
@@ -116,6 +123,13 @@ impl<const D: usize> DenseFit<D> {
         check_positive("corner angle", angle)?;
         self.corner_angle = angle.max(0.02).min(3.0);
         Ok(self)
+    }
+
+    /// The same fit without the recognition of lines and arcs: cubic spans alone. It has an effect before the first point
+    /// only.
+    pub fn with_cubics_only(mut self) -> Self {
+        self.primitives = false;
+        self
     }
 
     /// Takes the next point. A point that equals the one before is counted and left out.
@@ -189,7 +203,7 @@ impl<const D: usize> DenseFit<D> {
     fn hand_on(&mut self) -> Result<(), GeometryError> {
         let Some(corners) = &mut self.corners else { return Ok(()) };
         while let Some((vertex, corner)) = corners.pop() {
-            let start = || StretchFit::new(self.tolerance, vertex.point, vertex.index);
+            let start = || StretchFit::new(self.tolerance, self.primitives, vertex.point, vertex.index);
             match &mut self.stretch {
                 None => self.stretch = Some(start()),
                 Some(stretch) => {
