@@ -30,6 +30,10 @@ const FINEST: usize = 4_000;
 const MOST_FINER: usize = 2;
 /// Rounds in which the grid is made finer: what two of them do not mend, less of all limits does.
 const FINER_ROUNDS: usize = 2;
+/// On a grid of more intervals than this, a motion that exceeds a limit by no more than this part is slowed down as a whole: another
+/// round would take long.
+const LARGE: usize = 6000;
+const SLIGHT: f64 = 1e-4;
 /// Rounds in which a limit is lowered only where it is exceeded; later ones lower it everywhere.
 const LOCAL_ROUNDS: usize = 6;
 /// By how much more all limits are lowered than the worst was exceeded, and by what at the most in one round.
@@ -290,7 +294,7 @@ impl<'a, const N: usize> Planner<'a, N> {
         let mut chosen = self.choose_over_grids(&mut problem)?;
         self.choose_on_finer_grid(&mut problem, &mut chosen);
         let (mut verifying, mut refined) = (Duration::ZERO, 1);
-        let mut rounds = 0;
+        let (mut rounds, mut margin) = (0, 0.1 * SLIGHT);
         let verification = loop {
             rounds += 1;
             let started = Instant::now();
@@ -316,6 +320,15 @@ impl<'a, const N: usize> Planner<'a, N> {
                 break verification;
             }
             let excess = verification.worst().ratio - 1.0;
+            let rests = self.settings.ends == [0.0; 2];
+            if excess <= SLIGHT && problem.intervals() > LARGE && rests && self.method == Method::JerkLimited {
+                // Accelerations and jerks fall by more. The margin is for what the next setpoints, which lie elsewhere, see.
+                let slower = chosen.law.scaled(1.0 - excess - margin);
+                margin *= 2.0;
+                let slower = slower.map_err(|error| PlanError::from(problem.explained(error)))?;
+                chosen.law = slower;
+                continue;
+            }
             let local = rounds <= LOCAL_ROUNDS && self.method == Method::JerkLimited;
             let parts = if excess > COARSE && rounds <= FINER_ROUNDS {
                 self.parts_where_exceeded(&problem, &verification, &chosen.law)
