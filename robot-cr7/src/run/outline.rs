@@ -75,7 +75,14 @@ impl Outline {
     /// The first and last line of the file that belong to the arc length `s` (m): mostly the same one; on a blend the lines that it joins.
     /// In a curve that stands for many lines it is the one that is nearest by its length.
     pub fn lines_at(&self, s: f64) -> [usize; 2] {
-        self.piece_at(s).map_or([0; 2], |piece| self.line_inside(piece, s).map_or(piece.lines, |line| [line; 2]))
+        let Some(piece) = self.piece_at(s) else { return [0; 2] };
+        if let Some(line) = self.line_inside(piece, s) {
+            return [line; 2];
+        }
+        let [from, to] = piece.lines;
+        // The last line of a curve before a blend.
+        let before = self.inside.partition_point(|&(_, line)| line < to).checked_sub(1).map(|i| self.inside[i].1);
+        [before.filter(|&line| piece.blend && line > from).unwrap_or(from), to]
     }
 
     /// The line at a place of a curve that stands for several.

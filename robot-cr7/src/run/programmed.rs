@@ -156,11 +156,7 @@ impl Programmed {
             let step = self.step(second);
             OutlinePiece {
                 to: curve.arc_length_at(piece.end),
-                lines: if blend {
-                    [self.step(first).map_or(first, |step| step.last), second]
-                } else {
-                    [first, step.map_or(first, |step| step.last)]
-                },
+                lines: if blend { [first, second] } else { [first, step.map_or(first, |step| step.last)] },
                 blend,
                 feed: step.and_then(|step| step.feed),
             }
