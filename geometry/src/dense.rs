@@ -1,10 +1,14 @@
 //! Curves through dense points: the G1 micro segments of machine programs.
 
 mod corners;
+mod element;
 mod fitted;
+mod junction;
 mod march;
 mod piece;
 mod polyline;
+mod primitive;
+mod recognition;
 mod stretch;
 mod window;
 
@@ -38,6 +42,10 @@ const LEAST_TOLERANCE: f64 = 1e-9;
 ///   that the angles between short chords with rounded coordinates do not count.
 /// * **Lines.** A chord that is far longer than its neighbours, or that an arc cannot replace within the
 ///   tolerance, is a straight line in its middle part. The curve continues it with continuous curvature.
+/// * **Lines and arcs of many points.** A run of at least eight chords that lies on a line or on an arc within 0.6
+///   tolerances, and that the polyline leaves soon at both ends, becomes that line or arc. Three cubic spans lead from
+///   one to the next with continuous curvature, as long as the tolerance permits. Between two corners they are kept
+///   where they are no more pieces than cubics alone; a polyline of more than some thousand points is compared in parts.
 /// * **Spans.** The integral of the squared distance between curve and polyline is least, window by window.
 ///   Spans are as wide as the tolerance permits. A window starts with point and two derivatives of the one
 ///   before.
@@ -66,10 +74,11 @@ const LEAST_TOLERANCE: f64 = 1e-9;
 /// fit.finish()?;
 /// let stretches: Vec<_> = std::iter::from_fn(|| fit.next_stretch()).collect();
 ///
-/// let [arc, line] = &stretches[..] else { panic!("two stretches") };
-/// assert_eq!((arc.first, arc.last), (0, 628));
-/// assert!(arc.max_deviation <= 0.005 && arc.pieces() < 12);
-/// assert!((arc.curve.jet(30.0).curvature() * 20.0 - 1.0).abs() < 0.03);
+/// // The arc, with a cubic to each of its ends, and the line.
+/// let arc = stretches.iter().find(|s| s.shape == StretchShape::Arc).expect("an arc");
+/// assert!(stretches.iter().all(|s| s.max_deviation <= 0.005) && stretches.len() == 4);
+/// assert!((arc.curve.jet(arc.curve.domain().0).curvature() * 20.0 - 1.0).abs() < 0.001);
+/// let line = &stretches[3];
 /// assert_eq!((line.shape, line.first, line.last), (StretchShape::Line, 628, 1028));
 /// # Ok::<(), arcfeed_geometry::GeometryError>(())
 /// ```
@@ -77,6 +86,8 @@ const LEAST_TOLERANCE: f64 = 1e-9;
 pub struct DenseFit<const D: usize> {
     tolerance: f64,
     corner_angle: f64,
+    /// Lines and arcs are recognised.
+    primitives: bool,
     /// Largest coordinate so far.
     size: f64,
     /// Number of points so far.
@@ -98,6 +109,7 @@ impl<const D: usize> DenseFit<D> {
         Ok(Self {
             tolerance,
             corner_angle: CORNER_ANGLE,
+            primitives: true,
             size: 0.0,
             count: 0,
             corners: None,
@@ -116,6 +128,13 @@ impl<const D: usize> DenseFit<D> {
         check_positive("corner angle", angle)?;
         self.corner_angle = angle.max(0.02).min(3.0);
         Ok(self)
+    }
+
+    /// The same fit without the recognition of lines and arcs: cubic spans alone. It has an effect before the first point
+    /// only.
+    pub fn with_cubics_only(mut self) -> Self {
+        self.primitives = false;
+        self
     }
 
     /// Takes the next point. A point that equals the one before is counted and left out.
@@ -180,7 +199,7 @@ impl<const D: usize> DenseFit<D> {
         self.out.pop_front()
     }
 
-    /// Number of parts of chords that the fit has read so far: the work done, some ten for each chord.
+    /// Number of parts of chords that the fit has read so far: the work done, some twenty-five for each chord.
     pub fn parts_read(&self) -> u64 {
         self.visits + self.stretch.as_ref().map_or(0, StretchFit::visits)
     }
@@ -189,7 +208,7 @@ impl<const D: usize> DenseFit<D> {
     fn hand_on(&mut self) -> Result<(), GeometryError> {
         let Some(corners) = &mut self.corners else { return Ok(()) };
         while let Some((vertex, corner)) = corners.pop() {
-            let start = || StretchFit::new(self.tolerance, vertex.point, vertex.index);
+            let start = || StretchFit::new(self.tolerance, self.primitives, vertex.point, vertex.index);
             match &mut self.stretch {
                 None => self.stretch = Some(start()),
                 Some(stretch) => {

@@ -1,8 +1,7 @@
-//! Squares with rounded corners from dense points, against the same squares from their exact lines and arcs, on the CR7:
-//! `dense_arcs [all]`. Without an argument one square.
+//! Squares with rounded corners from dense points, on the CR7: by cubics alone, with the lines and arcs that the fit recognises, and from
+//! the exact lines and arcs. `dense_arcs [all]`; without an argument one square.
 //!
-//! The exact path is the best that a recognition of lines and arcs in the points could find. Its jumps of curvature are blended within
-//! the tolerance of the fit.
+//! The jumps of curvature of the exact path are blended within the tolerance of the fit.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -22,24 +21,25 @@ fn main() -> Result<(), Failure> {
     let all = std::env::args().any(|argument| argument == "all");
     let (radii, tolerances): (&[f64], &[f64]) =
         if all { (&[1e-3, 5e-3, 2e-2], &[2e-6, 5e-6, 2e-5]) } else { (&[5e-3], &[5e-6]) };
-    println!("| radius, mm | tolerance, um | pieces: fit, arcs | intervals | time, s | largest curvature, 1/mm |");
+    println!(
+        "| radius, mm | tolerance, um | pieces: cubics, recognised, exact | intervals | time, s | largest curvature, 1/mm |"
+    );
     println!("|---|---|---|---|---|---|");
     for &radius in radii {
         for &tolerance in tolerances {
-            let fitted = measure(&fitted(radius, tolerance)?)?;
-            let exact = measure(&exact(radius, tolerance)?)?;
+            let paths =
+                [fitted(radius, tolerance, false)?, fitted(radius, tolerance, true)?, exact(radius, tolerance)?];
+            let [cubics, recognised, exact] = paths.map(|path| measure(&path));
+            let all = [cubics?, recognised?, exact?];
+            let list = |of: fn(&Measured) -> String| all.iter().map(of).collect::<Vec<_>>().join(", ");
             println!(
-                "| {} | {} | {}, {} | {}, {} | {:.4}, {:.4} | {:.4}, {:.4} |",
+                "| {} | {} | {} | {} | {} | {} |",
                 1e3 * radius,
                 1e6 * tolerance,
-                fitted.pieces,
-                exact.pieces,
-                fitted.intervals,
-                exact.intervals,
-                fitted.time,
-                exact.time,
-                1e-3 * fitted.curvature,
-                1e-3 * exact.curvature
+                list(|m| m.pieces.to_string()),
+                list(|m| m.intervals.to_string()),
+                list(|m| format!("{:.4}", m.time)),
+                list(|m| format!("{:.4}", 1e-3 * m.curvature)),
             );
         }
     }
@@ -69,9 +69,10 @@ fn corners(radius: f64) -> (Vector3<f64>, Vec<[Vector3<f64>; 3]>) {
 }
 
 /// The curve through points of the square every 0.1 mm, rounded to a micrometre.
-fn fitted(radius: f64, tolerance: f64) -> Result<NurbsCurve<3>, Failure> {
+fn fitted(radius: f64, tolerance: f64, recognise: bool) -> Result<NurbsCurve<3>, Failure> {
     let (start, corners) = corners(radius);
-    let mut fit = DenseFit::<3>::new(tolerance)?;
+    let fit = DenseFit::<3>::new(tolerance)?;
+    let mut fit = if recognise { fit } else { fit.with_cubics_only() };
     let round = |p: Vector3<f64>| p.map(|x| (x * 1e6).round() / 1e6);
     let mut points = vec![start];
     let line = |points: &mut Vec<Vector3<f64>>, to: Vector3<f64>| {
@@ -89,8 +90,11 @@ fn fitted(radius: f64, tolerance: f64) -> Result<NurbsCurve<3>, Failure> {
     line(&mut points, start);
     points.into_iter().try_for_each(|point| fit.push(round(point)))?;
     fit.finish()?;
-    let stretch = fit.next_stretch().ok_or("no curve")?;
-    if fit.next_stretch().is_some() { Err("more than one curve".into()) } else { Ok(stretch.curve) }
+    let mut path = JoinedPathBuilder::new(start, 1e-9)?;
+    while let Some(stretch) = fit.next_stretch() {
+        path.curve(&stretch.curve, 1)?;
+    }
+    Ok(path.build()?.to_curve()?)
 }
 
 /// The lines and arcs themselves.

@@ -30,6 +30,12 @@ const FINEST: usize = 4_000;
 const MOST_FINER: usize = 2;
 /// Rounds in which the grid is made finer: what two of them do not mend, less of all limits does.
 const FINER_ROUNDS: usize = 2;
+/// Part of the excess that is left after a round in which a limit was lowered where it was exceeded, for lack of grid points there.
+const STUCK: f64 = 0.9;
+/// On a grid of more intervals than this, a motion that exceeds a limit by no more than this part is slowed down as a whole: another
+/// round would take long.
+const LARGE: usize = 6000;
+const SLIGHT: f64 = 1e-4;
 /// Rounds in which a limit is lowered only where it is exceeded; later ones lower it everywhere.
 const LOCAL_ROUNDS: usize = 6;
 /// By how much more all limits are lowered than the worst was exceeded, and by what at the most in one round.
@@ -290,7 +296,7 @@ impl<'a, const N: usize> Planner<'a, N> {
         let mut chosen = self.choose_over_grids(&mut problem)?;
         self.choose_on_finer_grid(&mut problem, &mut chosen);
         let (mut verifying, mut refined) = (Duration::ZERO, 1);
-        let mut rounds = 0;
+        let (mut rounds, mut margin, mut last_excess) = (0, 1.2 * SLIGHT, f64::INFINITY);
         let verification = loop {
             rounds += 1;
             let started = Instant::now();
@@ -316,8 +322,20 @@ impl<'a, const N: usize> Planner<'a, N> {
                 break verification;
             }
             let excess = verification.worst().ratio - 1.0;
+            let rests = self.settings.ends == [0.0; 2];
+            if excess <= SLIGHT && problem.intervals() > LARGE && rests && self.method == Method::JerkLimited {
+                // Accelerations and jerks fall by more. The margin is for the setpoints of the slower motion, which lie elsewhere.
+                let slower = chosen.law.scaled(1.0 - excess - margin);
+                margin *= 2.0;
+                let slower = slower.map_err(|error| PlanError::from(problem.explained(error)))?;
+                chosen.law = slower;
+                continue;
+            }
             let local = rounds <= LOCAL_ROUNDS && self.method == Method::JerkLimited;
-            let parts = if excess > COARSE && rounds <= FINER_ROUNDS {
+            // What a lower limit does not mend is seen by a finer grid.
+            let stuck = excess > STUCK * last_excess;
+            last_excess = excess;
+            let parts = if (excess > COARSE && rounds <= FINER_ROUNDS) || stuck {
                 self.parts_where_exceeded(&problem, &verification, &chosen.law)
             } else {
                 None

@@ -1,6 +1,7 @@
 //! The law itself: pieces, end and duration.
 
-use super::piece::Piece;
+use super::piece::{Piece, Shape};
+use crate::error::{FeedError, positive};
 use crate::state::{MotionLaw, MotionState};
 
 /// Positions this close, as a part of the largest one, are the same.
@@ -45,6 +46,34 @@ impl SpeedLaw {
             chained.duration = t0 + part.duration;
         }
         chained
+    }
+
+    /// The same motion with all speeds multiplied by `factor`: it takes `1 / factor` of the time. Accelerations are multiplied by its
+    /// square, jerks by its third power.
+    ///
+    /// ```
+    /// use arcfeed_feedrate::SpeedLaw;
+    /// let law = SpeedLaw::from_knots(&[0.0, 1.0, 2.0], &[0.0, 1.0, 1.0])?.scaled(0.5)?;
+    /// assert_eq!((law.duration(), law.end().v), (6.0, 0.5));
+    /// # Ok::<(), arcfeed_feedrate::FeedError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`FeedError::NotFinite`], [`FeedError::NotPositive`] for a factor that is not a number above 0.
+    pub fn scaled(&self, factor: f64) -> Result<Self, FeedError> {
+        let factor = positive("factor of the speed", factor)?;
+        let square = factor * factor;
+        let shape = |shape: Shape| match shape {
+            Shape::Jerk(j) => Shape::Jerk(j * square * factor),
+            Shape::Slope(w) => Shape::Slope(w * square),
+        };
+        let piece =
+            |p: &Piece| Piece { t: p.t / factor, s: p.s, v: p.v * factor, a: p.a * square, shape: shape(p.shape) };
+        Ok(Self {
+            pieces: self.pieces.iter().map(piece).collect(),
+            end: MotionState { v: self.end.v * factor, ..self.end },
+            duration: self.duration / factor,
+        })
     }
 
     /// Duration of the motion (s).

@@ -14,6 +14,8 @@ pub enum StretchShape {
     Line,
     /// A cubic B-spline with continuous curvature.
     Curve,
+    /// A circular arc, exact, of degree 2.
+    Arc,
     /// A straight line in a place where no smooth curve keeps the tolerance: the polyline itself, up to a start
     /// within the tolerance of it. Its ends are corners.
     Polyline,
@@ -22,9 +24,9 @@ pub enum StretchShape {
 /// A part of a polyline between two corners, as a curve.
 ///
 /// The parameter of a curve is the length along the polyline from the start of the stretch; the polyline's point
-/// at the same parameter is never farther away than [`FittedStretch::max_deviation`]. The bound holds in both
-/// directions: every point of the curve is that near to the polyline, and every point of the polyline that near
-/// to the curve.
+/// at the same parameter is never farther away than [`FittedStretch::max_deviation`], except that an arc has another
+/// parameter inside. The bound holds in both directions: every point of the curve is that near to the polyline, and
+/// every point of the polyline that near to the curve.
 #[derive(Debug, Clone)]
 pub struct FittedStretch<const D: usize> {
     /// The curve.
@@ -40,8 +42,8 @@ pub struct FittedStretch<const D: usize> {
     pub max_deviation: f64,
     /// Parameter intervals on which the curve is a straight line, in order.
     pub lines: Vec<(f64, f64)>,
-    /// True where the stretch continues the one before with the same point, direction and curvature. A corner is
-    /// there otherwise.
+    /// True where the stretch continues the one before with the same point, direction and curvature (next to an arc its
+    /// parameter runs at another rate). A corner is there otherwise.
     pub continues: bool,
 }
 
@@ -49,6 +51,16 @@ impl<const D: usize> FittedStretch<D> {
     /// Number of polynomial pieces of the curve.
     pub fn pieces(&self) -> usize {
         self.curve.knots().spans().count()
+    }
+
+    /// A stretch that is no line, and that continues none.
+    pub(super) fn bent(
+        shape: StretchShape,
+        curve: NurbsCurve<D>,
+        (first, last): (usize, usize),
+        max_deviation: f64,
+    ) -> Self {
+        Self { curve, shape, first, last, max_deviation, lines: Vec::new(), continues: false }
     }
 
     /// A straight stretch.

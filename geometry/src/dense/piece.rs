@@ -24,12 +24,17 @@ pub(super) struct Piece<const D: usize> {
 }
 
 impl<const D: usize> Piece<D> {
-    /// The part between two parameters of a line through `point`, which it passes at `at`.
-    pub fn line((start, end): (f64, f64), at: f64, point: &SVector<f64, D>, direction: &SVector<f64, D>) -> Self {
-        let (middle, half) = (0.5 * (start + end), 0.5 * (end - start));
+    /// The part of a line over an interval: its point and derivative at the start.
+    pub fn line(
+        (start, end): (f64, f64),
+        point: &SVector<f64, D>,
+        direction: &SVector<f64, D>,
+        deviation: f64,
+    ) -> Self {
+        let half = 0.5 * (end - start);
         let zero = SVector::zeros();
-        let coefficients = [point + direction * (middle - at), direction * half, zero, zero];
-        Self { start, end, coefficients, deviation: 0.0, straight: true }
+        let coefficients = [point + direction * half, direction * half, zero, zero];
+        Self { start, end, coefficients, deviation, straight: true }
     }
 
     pub fn width(&self) -> f64 {

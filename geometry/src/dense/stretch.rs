@@ -4,10 +4,12 @@ use std::collections::VecDeque;
 
 use nalgebra::SVector;
 
-use super::fitted::{FittedStretch, StretchShape, joined, line};
+use super::element::{Element, ElementShape, curves};
+use super::fitted::{FittedStretch, StretchShape, line};
 use super::march::March;
 use super::piece::Piece;
-use super::polyline::{Vertex, angle, between};
+use super::polyline::{Vertex, between};
+use super::recognition::{Primitive, Recognition};
 use super::window::{End, Start, Window};
 use crate::error::GeometryError;
 
@@ -26,13 +28,8 @@ const ROUNDING: f64 = 1e-3;
 const MOST_PIECES: usize = 1 << 13;
 /// Longest curve, as a multiple of its narrowest span. Spans narrower than 1e-9 of a curve are no spans of it.
 const LONGEST: f64 = 1e7;
-/// A chord is a line where its length times the larger angle at its ends exceeds so many tolerances: an arc over
-/// it would leave it by an eighth of the product.
-const STRAIGHT: f64 = 12.0;
-/// A chord is a line, too, where it is longer than both its neighbours by this factor,
-const FAR_LONGER: f64 = 16.0;
-/// and than the tolerance by this one.
-const LONG: f64 = 64.0;
+/// Part of the tolerance that a line or an arc may be off the polyline; the rest is left to the curves between them.
+const OF_PRIMITIVES: f64 = 0.6;
 
 /// Finished stretches.
 pub(super) type Output<const D: usize> = VecDeque<FittedStretch<D>>;
@@ -40,27 +37,47 @@ pub(super) type Output<const D: usize> = VecDeque<FittedStretch<D>>;
 /// A fit from one corner to the next.
 #[derive(Debug, Clone)]
 pub(super) struct StretchFit<const D: usize> {
-    tolerance: f64,
+    pub(super) tolerance: f64,
     /// The part of the tolerance that is left to the rounding of the curve.
-    rounding: f64,
-    march: March,
-    vertices: Vec<Vertex<D>>,
+    pub(super) rounding: f64,
+    pub(super) march: March,
+    pub(super) vertices: Vec<Vertex<D>>,
     /// Parameter up to which the fit is done, and the condition there.
-    at: f64,
-    start: Start<D>,
+    pub(super) at: f64,
+    pub(super) start: Start<D>,
+    pub(super) recognition: Recognition<D>,
+    /// A line or an arc that the fit has reached and whose end is not known.
+    pub(super) pending: Option<Primitive<D>>,
+    /// True where a line or an arc was found, and where the first chord is gone or a curve was handed out.
+    pub(super) recognised: bool,
+    partial: bool,
     /// True where nothing of the polyline was left behind.
-    fresh: bool,
-    /// The curve so far: its pieces, the point and the index where it starts, and whether it continues another.
-    pieces: Vec<Piece<D>>,
+    pub(super) fresh: bool,
+    /// The curve so far: its elements, the point and the index where it starts, and whether it continues another.
+    pub(super) elements: Vec<Element<D>>,
     from: SVector<f64, D>,
     first: usize,
     continues: bool,
-    narrowest: f64,
+    /// Start and narrowest span of the cubics since the last arc.
+    pub(super) cubics: (f64, f64),
+    /// Where the primitives began that may give way to cubics alone.
+    pub(super) checkpoint: Option<Checkpoint<D>>,
+}
+
+/// A state of a fit to which it can go back.
+#[derive(Debug, Clone)]
+pub(super) struct Checkpoint<const D: usize> {
+    pub at: f64,
+    pub start: Start<D>,
+    pub fresh: bool,
+    pub elements: usize,
+    pub cubics: (f64, f64),
+    pub march: March,
 }
 
 impl<const D: usize> StretchFit<D> {
     /// A fit that starts in the corner `point`.
-    pub fn new(tolerance: f64, point: SVector<f64, D>, index: usize) -> Self {
+    pub fn new(tolerance: f64, primitives: bool, point: SVector<f64, D>, index: usize) -> Self {
         let rounding = ROUNDING * tolerance;
         Self {
             tolerance,
@@ -69,12 +86,17 @@ impl<const D: usize> StretchFit<D> {
             vertices: vec![Vertex { point, at: 0.0, index }],
             at: 0.0,
             start: Start::Point(point),
+            recognition: Recognition::new(if primitives { OF_PRIMITIVES * tolerance } else { 0.0 }),
+            pending: None,
+            recognised: false,
+            partial: false,
             fresh: true,
-            pieces: Vec::new(),
+            elements: Vec::new(),
             from: point,
             first: index,
             continues: false,
-            narrowest: f64::INFINITY,
+            cubics: (0.0, f64::INFINITY),
+            checkpoint: None,
         }
     }
 
@@ -85,7 +107,7 @@ impl<const D: usize> StretchFit<D> {
 
     /// Number of parts of chords that were read.
     pub fn visits(&self) -> u64 {
-        self.march.visits
+        self.march.visits + self.recognition.visits
     }
 
     /// Takes the next point, which differs from the one before.
@@ -97,8 +119,13 @@ impl<const D: usize> StretchFit<D> {
             return Ok(());
         }
         // The last chord is not known to be no line.
-        let limit = self.vertices[n - 2].at;
         self.take_line(n - 3, out)?;
+        self.recognise(self.vertices.len() - 1, false, out)?;
+        self.drop_passed();
+        if self.pending.is_some() {
+            return Ok(());
+        }
+        let limit = self.vertices[self.recognition.from().min(self.vertices.len() - 2)].at;
         while self.sees_far_enough(limit) {
             self.step(limit, End::Open, out)?;
             self.drop_passed();
@@ -108,6 +135,27 @@ impl<const D: usize> StretchFit<D> {
 
     /// Ends the stretch in its last point.
     pub fn finish(&mut self, out: &mut Output<D>) -> Result<(), GeometryError> {
+        let (partial, mut curves) = (self.partial, Output::new());
+        self.end(&mut curves)?;
+        if self.recognised && !partial {
+            // The whole polyline is at hand: where cubics alone are fewer, they are taken.
+            let mut plain = Self::new(self.tolerance, false, self.vertices[0].point, self.vertices[0].index);
+            let mut cubics = Output::new();
+            for vertex in &self.vertices[1..] {
+                plain.push(vertex.point, vertex.index, &mut cubics)?;
+            }
+            plain.end(&mut cubics)?;
+            self.march.visits += plain.visits();
+            let pieces = |curves: &Output<D>| curves.iter().map(FittedStretch::pieces).sum::<usize>();
+            if pieces(&cubics) < pieces(&curves) {
+                curves = cubics;
+            }
+        }
+        out.append(&mut curves);
+        Ok(())
+    }
+
+    fn end(&mut self, out: &mut Output<D>) -> Result<(), GeometryError> {
         let n = self.vertices.len();
         if n < 2 {
             return Ok(());
@@ -121,6 +169,8 @@ impl<const D: usize> StretchFit<D> {
             return Ok(());
         }
         self.take_line(n - 2, out)?;
+        self.recognise(self.vertices.len() - 1, true, out)?;
+        self.finish_pending(out)?;
         self.run(last.at, End::Point(last.point), out)?;
         self.emit(last.point, last.index, out)
     }
@@ -138,9 +188,16 @@ impl<const D: usize> StretchFit<D> {
 
     /// Drops chords that are passed, except for one before the present.
     fn drop_passed(&mut self) {
-        let passed = self.vertices.partition_point(|v| v.at <= self.at).saturating_sub(2);
+        let at = self.checkpoint.as_ref().map_or(self.at, |checkpoint| checkpoint.at);
+        let passed = self.vertices.partition_point(|v| v.at <= at).saturating_sub(2);
         if passed > MANY_CHORDS / 2 {
             self.vertices.drain(..passed);
+            self.partial = true;
+            self.recognition.drop_front(passed);
+        }
+        if self.vertices.len() > 4 * MANY_CHORDS {
+            // The primitives since the checkpoint stay.
+            self.checkpoint = None;
         }
     }
 
@@ -154,50 +211,8 @@ impl<const D: usize> StretchFit<D> {
         (deviation <= 0.5 * self.tolerance || self.vertices.len() == 2).then_some(deviation)
     }
 
-    /// Ends the curve so far in the chord that starts in vertex `i`, and continues behind it, if the chord is a line.
-    fn take_line(&mut self, i: usize, out: &mut Output<D>) -> Result<(), GeometryError> {
-        let Some((from, to)) = self.line(i) else { return Ok(()) };
-        let (a, b) = (self.vertices[i], self.vertices[i + 1]);
-        let direction = (b.point - a.point) / (b.at - a.at);
-        let piece = Piece::line((from, to), a.at, &a.point, &direction);
-        self.run(from, End::Line(piece.point(-1.0), direction), out)?;
-        self.add(piece, out)?;
-        self.march.restart();
-        self.drop_passed();
-        Ok(())
-    }
-
-    /// The part of the chord from vertex `i` on that is a line, if one is.
-    ///
-    /// The line reaches to a corner. At a smooth joint it ends before, and the margin leaves room for a curve that turns by the angle at the
-    /// joint, or whose curvature rises from 0 to that of the neighbour.
-    fn line(&self, i: usize) -> Option<(f64, f64)> {
-        let v = &self.vertices;
-        let (a, b) = (&v[i], &v[i + 1]);
-        let (chord, length) = (b.point - a.point, b.at - a.at);
-        let before = i.checked_sub(1).map(|h| a.point - v[h].point);
-        let after = v.get(i + 2).map(|c| c.point - b.point);
-        let turn = |other: &Option<SVector<f64, D>>| other.map_or(0.0, |other| angle(&chord, &other));
-        let size = |other: &Option<SVector<f64, D>>| other.map_or(0.0, |other| other.norm());
-        let product = length * turn(&before).max(turn(&after));
-        let longer = length > FAR_LONGER * size(&before).max(size(&after)) && length > LONG * self.tolerance;
-        if product <= STRAIGHT * self.tolerance && !longer {
-            return None;
-        }
-        let margin = |other: &Option<SVector<f64, D>>| {
-            if other.is_none() {
-                return 0.0;
-            }
-            let angle = turn(other);
-            let for_angle = 8.0 * self.tolerance / angle;
-            let for_curvature = (12.0 * self.tolerance * size(other) / angle).sqrt();
-            for_angle.min(for_curvature).min(0.25 * length)
-        };
-        Some((a.at + margin(&before), b.at - margin(&after)))
-    }
-
     /// Fits up to `limit`, where the condition `end` holds.
-    fn run(&mut self, limit: f64, end: End<D>, out: &mut Output<D>) -> Result<(), GeometryError> {
+    pub(super) fn run(&mut self, limit: f64, end: End<D>, out: &mut Output<D>) -> Result<(), GeometryError> {
         while self.at < limit {
             self.step(limit, end, out)?;
         }
@@ -213,19 +228,20 @@ impl<const D: usize> StretchFit<D> {
         }
     }
 
-    fn add(&mut self, piece: Piece<D>, out: &mut Output<D>) -> Result<(), GeometryError> {
+    pub(super) fn add(&mut self, piece: Piece<D>, out: &mut Output<D>) -> Result<(), GeometryError> {
         self.fresh = false;
-        self.narrowest = self.narrowest.min(piece.width());
-        if let Some(first) = self.pieces.first()
-            && (self.pieces.len() >= MOST_PIECES || piece.end - first.start > LONGEST * self.narrowest)
+        self.cubics.1 = self.cubics.1.min(piece.width());
+        if !self.elements.is_empty()
+            && (self.elements.len() >= MOST_PIECES || piece.end - self.cubics.0 > LONGEST * self.cubics.1)
         {
             let smooth = matches!(self.start, Start::Jet(_));
             self.emit(self.start.point(), self.index_from(self.at), out)?;
-            (self.continues, self.narrowest) = (smooth, piece.width());
+            (self.continues, self.cubics.1) = (smooth, piece.width());
         }
         self.at = piece.end;
         self.start = Start::Jet(piece.taylor_at_end());
-        self.pieces.push(piece);
+        let indices = (self.index_up_to(piece.start), self.index_from(piece.end));
+        self.elements.push(Element { shape: ElementShape::Cubic(piece), indices });
         Ok(())
     }
 
@@ -237,7 +253,7 @@ impl<const D: usize> StretchFit<D> {
         let next = self.vertices.partition_point(|v| v.at <= self.at);
         let vertex = self.vertices[next.min(self.vertices.len() - 1)];
         let (to, at) = match end {
-            End::Line(point, _) if vertex.at > limit => (point, limit),
+            End::Jet([point, ..]) if vertex.at > limit => (point, limit),
             _ => (vertex.point, vertex.at),
         };
         if from != to {
@@ -248,44 +264,28 @@ impl<const D: usize> StretchFit<D> {
             out.push_back(FittedStretch::straight(StretchShape::Polyline, curve, range, deviation));
         }
         (self.at, self.start, self.from, self.continues) = (at, Start::Point(to), to, false);
-        self.first = self.index_up_to(at);
+        (self.first, self.cubics.0) = (self.index_up_to(at), at);
         self.march.restart();
         Ok(())
     }
 
     /// Hands out the curve so far, which ends in `to`. The next one starts there.
     fn emit(&mut self, to: SVector<f64, D>, last: usize, out: &mut Output<D>) -> Result<(), GeometryError> {
-        if !self.pieces.is_empty() {
-            let curve = joined(&self.pieces, (self.from, to))?;
-            let origin = self.pieces[0].start;
-            let mut lines: Vec<(f64, f64)> = Vec::new();
-            for piece in self.pieces.iter().filter(|p| p.straight) {
-                lines.push((piece.start - origin, piece.end - origin));
-            }
-            let largest = self.pieces.iter().fold(0.0f64, |m, p| m.max(p.deviation));
-            out.push_back(FittedStretch {
-                curve,
-                shape: StretchShape::Curve,
-                first: self.first,
-                last,
-                max_deviation: largest + self.rounding,
-                lines,
-                continues: self.continues,
-            });
-            self.pieces.clear();
-        }
-        (self.from, self.first) = (to, self.index_up_to(self.at));
-        (self.continues, self.narrowest) = (false, f64::INFINITY);
+        let elements = std::mem::take(&mut self.elements);
+        self.partial = true;
+        out.extend(curves(&elements, (self.from, to), (self.first, last), self.continues, self.rounding)?);
+        (self.from, self.first, self.continues) = (to, self.index_up_to(self.at), false);
+        (self.cubics, self.checkpoint) = ((self.at, f64::INFINITY), None);
         Ok(())
     }
 
     /// Index of the last vertex that is not behind `at`.
-    fn index_up_to(&self, at: f64) -> usize {
+    pub(super) fn index_up_to(&self, at: f64) -> usize {
         self.vertices[self.vertices.partition_point(|v| v.at <= at).saturating_sub(1)].index
     }
 
     /// Index of the first vertex that is not before `at`.
-    fn index_from(&self, at: f64) -> usize {
+    pub(super) fn index_from(&self, at: f64) -> usize {
         self.vertices[self.vertices.partition_point(|v| v.at < at).min(self.vertices.len() - 1)].index
     }
 }
@@ -305,7 +305,7 @@ mod tests {
         points.push(points[2499] + vector![300.0, 0.0]);
         points.push(points[2500] + vector![0.1, 0.01]);
         let mut out = Output::new();
-        let mut fit = StretchFit::new(0.005, points[0], 0);
+        let mut fit = StretchFit::new(0.005, false, points[0], 0);
         for (index, &point) in points.iter().enumerate().skip(1) {
             if index == 2400 {
                 fit.march = March::new(1e-18);
@@ -327,7 +327,8 @@ mod tests {
         for line in kept.iter().skip(1).filter(|s| s.last < 2499) {
             assert_eq!(line.curve.control_points(), [points[line.first], points[line.last]]);
         }
-        let long: Vec<_> = out.iter().filter(|s| s.first == 2499 && s.shape == StretchShape::Curve).collect();
-        assert!(long.len() == 1 && long[0].lines.len() == 1);
+        let long = &out[out.len() - 1];
+        let line = long.lines.last().map_or(0.0, |(from, to)| to - from);
+        assert!(long.shape == StretchShape::Curve && long.last == 2501 && line > 299.0);
     }
 }

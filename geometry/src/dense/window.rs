@@ -41,8 +41,8 @@ pub(super) enum End<const D: usize> {
     Open,
     /// The curve ends in a point.
     Point(SVector<f64, D>),
-    /// The curve runs into a line through the point, with the unit vector along it.
-    Line(SVector<f64, D>, SVector<f64, D>),
+    /// The curve runs into another one: point, first and half the second derivative, and 0.
+    Jet([SVector<f64, D>; ORDER]),
 }
 
 /// A part of the polyline that is fitted at once.
@@ -61,7 +61,7 @@ impl<const D: usize> Window<'_, D> {
     /// Least number of spans of a curve that keeps the conditions at both ends.
     pub fn least_spans(&self) -> usize {
         match (&self.start, &self.end) {
-            (Start::Jet(_), End::Line(..)) => DEGREE,
+            (Start::Jet(_), End::Jet(_)) => DEGREE,
             _ => 1,
         }
     }
@@ -169,9 +169,8 @@ impl<const D: usize> Window<'_, D> {
                 control[n - 1] = point - origin;
                 n - 1
             }
-            End::Line(point, direction) => {
-                let jet = [*point, *direction, SVector::zeros(), SVector::zeros()];
-                (n - DEGREE..n).for_each(|i| control[i] = of(&jet, t[n], i));
+            End::Jet(jet) => {
+                (n - DEGREE..n).for_each(|i| control[i] = of(jet, t[n], i));
                 n - DEGREE
             }
         };

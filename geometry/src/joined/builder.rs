@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use super::arcs::{ArcTo, Turning, rounding};
 use super::path::{JoinedPath, PathPiece, PieceKind, SAME_DIRECTION, angle_between};
 use super::spans::{Spans, homogeneous, jet, length, standardise};
-use super::standing::{RegularSpan, regular_spans};
+use super::standing::{RegularSpan, cusps, part, regular_spans};
 use crate::bezier::{Homogeneous, restrict};
 use crate::chord::check_positive;
 use crate::error::GeometryError;
@@ -122,8 +122,8 @@ impl JoinedPathBuilder {
     /// Appends a NURBS curve. It is moved as a whole onto the end of the path where it starts beside it within the
     /// tolerance of the builder. Where its tangent or its curvature jumps inside, it becomes several pieces.
     ///
-    /// A curve whose control points coincide at an end or at a knot stands still there, and its curvature has no
-    /// bound. A short stretch beside such a place is replaced by a polynomial of degree 5. No point of it is
+    /// A curve whose control points coincide at an end or at a knot stands still there, or one with a cusp, and its
+    /// curvature has no bound. A short stretch beside such a place is replaced by a polynomial of degree 5. No point of it is
     /// farther than `tolerance` from the curve, in the unit of the path, and no point of the curve farther from it.
     /// [`PathPiece::deviation`] states the bound.
     ///
@@ -233,9 +233,25 @@ fn check_arc(to: &ArcTo, source: usize) -> Result<(), GeometryError> {
     if (norm - 1.0).abs() <= 1e-9 { Ok(()) } else { Err(GeometryError::ArcNormal { line: source, norm }) }
 }
 
-/// Appends a span of a curve to parts without jumps, each with its largest deviation. The span covers the parameters
+/// Appends a span of a curve to parts without jumps, in several where it stands still inside. It covers the parameters
 /// `interval` of the curve.
 fn append_span(
+    parts: &mut Vec<(Spans, f64)>,
+    span: Vec<Homogeneous>,
+    interval: (f64, f64),
+    tolerance: f64,
+) -> Result<(), GeometryError> {
+    let mut from = 0.0;
+    for to in cusps(&span, STANDING * length(&span, 0.0, 1.0)).into_iter().chain([1.0]) {
+        let at = |t: f64| interval.0 + t * (interval.1 - interval.0);
+        append_regular(parts, part(&span, from, to), (at(from), at(to)), tolerance)?;
+        from = to;
+    }
+    Ok(())
+}
+
+/// Appends a span that stands still at its ends alone to parts without jumps, each with its largest deviation.
+fn append_regular(
     parts: &mut Vec<(Spans, f64)>,
     span: Vec<Homogeneous>,
     interval: (f64, f64),

@@ -22,6 +22,9 @@ const MOST_REPLACED: f64 = 0.5;
 const MOST_TRIES: usize = 40;
 /// Part of the tolerance that a try aims at.
 const AIM: f64 = 0.9;
+/// Places of a span between which a cusp is looked for, and steps of the search, each to two thirds.
+const PLACES: usize = 48;
+const THIRDS: usize = 90;
 
 /// A span that stands still at neither end.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,6 +74,35 @@ pub(super) fn regular_spans(span: Vec<Homogeneous>, tolerance: f64) -> Option<Ve
         *end = *last;
     }
     Some(spans)
+}
+
+/// Parameters inside a span at which it stands still, in order: its cusps. The speed is at most `still` there.
+///
+/// The speed grows from a cusp in proportion to the distance on both sides, so that a search for the least speed between
+/// three places finds it to rounding.
+pub(super) fn cusps(span: &[Homogeneous], still: f64) -> Vec<f64> {
+    let mut found = Vec::new();
+    // A polynomial of degree 2 that stands still is straight.
+    if span.len() < 4 {
+        return found;
+    }
+    let speed = |t: f64| jet(span, t).d1.norm();
+    let speeds: Vec<f64> = (0..=PLACES).map(|i| speed(i as f64 / PLACES as f64)).collect();
+    for i in 1..PLACES {
+        if !(speeds[i] <= speeds[i - 1] && speeds[i] < speeds[i + 1]) {
+            continue;
+        }
+        let (mut low, mut high) = ((i - 1) as f64 / PLACES as f64, (i + 1) as f64 / PLACES as f64);
+        for _ in 0..THIRDS {
+            let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
+            if speed(a) < speed(b) { high = b } else { low = a }
+        }
+        let t = 0.5 * (low + high);
+        if speed(t) <= still {
+            found.push(t);
+        }
+    }
+    found
 }
 
 /// True where the control points go along a line, to rounding, and not back. So does the span, because it crosses
@@ -123,7 +155,8 @@ fn halves(span: &[Homogeneous]) -> [Rail; 2] {
     })
 }
 
-fn part(span: &[Homogeneous], from: f64, to: f64) -> Vec<Homogeneous> {
+/// The span between two of its parameters.
+pub(super) fn part(span: &[Homogeneous], from: f64, to: f64) -> Vec<Homogeneous> {
     let mut points = span.to_vec();
     if (from, to) != (0.0, 1.0) {
         restrict(&mut points, from, to);

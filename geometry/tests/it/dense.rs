@@ -40,14 +40,17 @@ fn circles_keep_their_curvature() {
         let points = sampled(n, |x| vector![20.0 * (TAU * x).cos(), 20.0 * (TAU * x).sin()]);
         let fit = fitted(&points, tolerance);
         assert_eq!(corners(&fit), [0, n]);
-        let (error, third) = roughness(&fit[0].curve, 20.0);
+        let pieces: usize = fit.iter().map(FittedStretch::pieces).sum();
+        let all = fit.iter().map(|s| roughness(&s.curve, 20.0));
+        let (error, third) = all.fold((0.0f64, 0.0f64), |a, b| (a.0.max(b.0), a.1.max(b.1)));
         let through = NurbsCurve::interpolate(&points, 3, Spacing::Chord).unwrap().curve;
         let (error_through, third_through) = roughness(&through, 20.0);
         println!(
             "{step} {tolerance}: {} pieces, curvature {error:.4} ({error_through:.3}), d3 {third:.5} ({third_through:.2})",
-            fit[0].pieces()
+            pieces
         );
-        assert!(fit[0].pieces() <= 16);
+        // No more than the arc in four spans, with cubics from and to the point where the circle starts.
+        assert!(pieces <= 12);
         assert!(error < 0.05 && third < 0.004);
         // Interpolation has the same points and a curvature without use.
         assert!(error_through > 4.0 * error && third_through > 10.0 * third);
@@ -145,14 +148,16 @@ fn long_chords_are_lines_that_the_curve_continues() {
     }
     let points: Vec<_> = points.into_iter().map(rounded).collect();
     let fit = fitted(&points, 0.005);
-    let [pocket] = &fit[..] else { panic!("{} stretches", fit.len()) };
-    println!("pocket: {} pieces, lines {:?}", pocket.pieces(), pocket.lines);
-    assert_eq!(pocket.lines.len(), 4);
-    assert!(pocket.pieces() < 60);
-    for &(from, to) in &pocket.lines {
+    let pieces: usize = fit.iter().map(FittedStretch::pieces).sum();
+    let lines: Vec<_> = fit.iter().flat_map(|s| s.lines.iter().map(|line| (&s.curve, *line))).collect();
+    let arcs = fit.iter().filter(|s| s.shape == StretchShape::Arc);
+    println!("pocket: {} stretches, {pieces} pieces, {} lines", fit.len(), lines.len());
+    assert_eq!((lines.len(), arcs.count()), (4, 4));
+    assert!(fit[1..].iter().all(|s| s.continues) && pieces <= 34);
+    for (curve, (from, to)) in lines {
         assert!(to - from > 37.0);
         for i in 0..=10 {
-            let jet = pocket.curve.jet(from + (to - from) * f64::from(i) / 10.0);
+            let jet = curve.jet(from + (to - from) * f64::from(i) / 10.0);
             assert!(jet.d2.norm() < 1e-9 && (jet.speed() - 1.0).abs() < 1e-9);
         }
     }
@@ -160,17 +165,84 @@ fn long_chords_are_lines_that_the_curve_continues() {
 
 #[test]
 fn random_programs_are_fitted() {
-    let (mut points, mut pieces) = (0, 0);
+    let (mut points, mut pieces, mut arcs) = (0, [0, 0], 0);
     for seed in 1..=400 {
         let program = program(seed);
-        let fit = NurbsCurve::fit_dense(program.points.iter().copied(), program.tolerance).unwrap();
-        check(&program.points, &fit, program.tolerance).unwrap_or_else(|e| panic!("seed {seed}: {e}"));
-        assert_eq!(corners(&fit), program.corners, "seed {seed}");
+        let mut of_one = [0, 0];
+        for (fit, count) in [true, false].into_iter().zip(&mut of_one) {
+            let start = DenseFit::new(program.tolerance).unwrap();
+            let mut fit = if fit { start } else { start.with_cubics_only() };
+            program.points.iter().for_each(|p| fit.push(*p).unwrap());
+            fit.finish().unwrap();
+            let fit: Vec<_> = std::iter::from_fn(|| fit.next_stretch()).collect();
+            check(&program.points, &fit, program.tolerance).unwrap_or_else(|e| panic!("seed {seed}: {e}"));
+            assert_eq!(corners(&fit), program.corners, "seed {seed}");
+            *count = fit.iter().map(FittedStretch::pieces).sum::<usize>();
+            arcs += fit.iter().filter(|s| s.shape == StretchShape::Arc).count();
+        }
+        assert!(of_one[0] <= of_one[1], "seed {seed}: {of_one:?} pieces");
         points += program.points.len();
-        pieces += fit.iter().map(FittedStretch::pieces).sum::<usize>();
+        pieces = [pieces[0] + of_one[0], pieces[1] + of_one[1]];
     }
-    println!("{points} points, {pieces} pieces");
-    assert!(pieces * 15 < points);
+    println!("{points} points, {pieces:?} pieces, {arcs} arcs");
+    assert!(pieces[0] * 15 < points && pieces[0] * 100 < pieces[1] * 97 && arcs > 40);
+}
+
+/// Points every 0.1 mm along a square with rounded corners, turned and rounded to 1 um.
+fn rounded_square(radius: f64) -> Vec<Vector2<f64>> {
+    let (s, c) = 0.3f64.sin_cos();
+    let half = 30.0;
+    let mut points: Vec<Vector2<f64>> = vec![vector![0.0, -half]];
+    let line = |points: &mut Vec<Vector2<f64>>, to: Vector2<f64>| {
+        let from = points[points.len() - 1];
+        let n = ((to - from).norm() / 0.1).ceil() as i32;
+        points.extend((1..=n).map(|i| from.lerp(&to, f64::from(i) / f64::from(n))));
+    };
+    for i in 0..4 {
+        let (sine, cosine) = (PI / 2.0 * f64::from(i)).sin_cos();
+        let turned = |x: f64, y: f64| vector![x * cosine - y * sine, x * sine + y * cosine];
+        let (from, centre) = (turned(half - radius, -half), turned(half - radius, -half + radius));
+        let to = turned(half, -half + radius);
+        line(&mut points, from);
+        let n = (PI / 2.0 * radius / 0.1).ceil();
+        let on_arc = |i: i32| {
+            let (sine, cosine) = (PI / 2.0 * f64::from(i) / n).sin_cos();
+            centre + (from - centre) * cosine + (to - centre) * sine
+        };
+        points.extend((1..=n as i32).map(on_arc));
+    }
+    line(&mut points, vector![0.0, -half]);
+    points.iter().map(|p| rounded(vector![c * p.x - s * p.y, s * p.x + c * p.y])).collect()
+}
+
+/// Five lines, four arcs, and three cubics for each joint between them.
+#[test]
+fn lines_and_arcs_are_recognised() {
+    for (radius, tolerance) in [(1.0, 0.005), (5.0, 0.002), (5.0, 0.005), (5.0, 0.02), (20.0, 0.002), (20.0, 0.005)] {
+        let points = rounded_square(radius);
+        let fit = fitted(&points, tolerance);
+        let arcs: Vec<_> = fit.iter().filter(|s| s.shape == StretchShape::Arc).collect();
+        let pieces: usize = fit.iter().map(FittedStretch::pieces).sum();
+        println!("radius {radius}, tolerance {tolerance}: {} arcs, {pieces} pieces", arcs.len());
+        assert_eq!((arcs.len(), corners(&fit).len()), (4, 2));
+        assert!(pieces <= 33);
+        for arc in arcs {
+            let curvature = arc.curve.jet(arc.curve.domain().0).curvature();
+            assert!((curvature * radius - 1.0).abs() < 0.01, "{curvature}");
+        }
+        assert_eq!(fit.iter().map(|s| s.lines.len()).sum::<usize>(), 5);
+    }
+    // In space: a ring in a tilted plane, and a line from its end.
+    let (u, v) = (Vector3::new(0.6, 0.0, 0.8), Vector3::new(0.0, 1.0, 0.0));
+    let mut points: Vec<_> =
+        (0..=900).map(|i| u * 10.0 * (0.005 * f64::from(i)).cos() + v * 10.0 * (0.005 * f64::from(i)).sin()).collect();
+    let along = (points[900] - points[899]).normalize();
+    points.extend((1..=400).map(|i| points[900] + along * (0.05 * f64::from(i))).collect::<Vec<_>>());
+    let points: Vec<_> = points.into_iter().map(rounded).collect();
+    let fit = fitted(&points, 0.002);
+    println!("{:?}", fit.iter().map(|s| (s.shape, s.pieces())).collect::<Vec<_>>());
+    assert_eq!(fit.iter().filter(|s| s.shape == StretchShape::Arc).count(), 1);
+    assert!(fit.iter().map(FittedStretch::pieces).sum::<usize>() <= 10);
 }
 
 /// A path on a wavy torus, every 0.1 mm.
@@ -188,7 +260,7 @@ fn the_work_grows_in_proportion_to_the_points() {
         fit.finish().unwrap();
         let pieces: usize = std::iter::from_fn(|| fit.next_stretch()).map(|s| s.pieces()).sum();
         println!("{n} points: {} parts read, {pieces} pieces", fit.parts_read());
-        assert!(fit.parts_read() < 20 * n as u64);
+        assert!(fit.parts_read() < 30 * n as u64);
         assert!(pieces < n / 50);
     }
 }

@@ -172,3 +172,27 @@ fn a_tip_beside_the_end_is_not_cut_off() {
     let off = farthest(&curve, &path.to_curve().unwrap());
     assert!(off <= path.pieces()[0].deviation && path.pieces()[0].deviation <= 0.07, "{off}");
 }
+
+/// A cubic that turns back in a cusp is two pieces that meet there at an angle of half a turn, or of the cusp.
+#[test]
+fn a_curve_is_divided_at_its_cusps() {
+    let mut random = Random::new(11);
+    for _ in 0..40 {
+        let mut number = || 20.0 * random.signed();
+        // C'(t) = (t - c) (A (1 - t) + B t), integrated.
+        let (a, b) = (vector![number(), number(), number()], vector![number(), number(), number()]);
+        let c = 0.5 + 0.02 * number();
+        // Bernstein coefficients of the derivative, of degree 2.
+        let d = [-c * a, 0.5 * ((1.0 - c) * a - c * b), (1.0 - c) * b];
+        let mut points = vec![Point::zeros()];
+        d.iter().for_each(|d| points.push(points[points.len() - 1] + d / 3.0));
+        let curve = bezier(&points, vec![1.0; 4]);
+        let path = joined(&curve, 0.01).unwrap();
+        let joints = path.joints();
+        let sharpest = joints.iter().map(|joint| joint.angle).fold(0.0, f64::max);
+        assert!((sharpest - std::f64::consts::PI).abs() < 1e-6, "{c} {sharpest} {curve:?}");
+        let whole = path.to_curve().unwrap();
+        ArcLengthCurve::new(whole.clone(), 1e-9).unwrap();
+        assert!(farthest(&curve, &whole) < 0.0101 && farthest(&whole, &curve) < 0.0101);
+    }
+}

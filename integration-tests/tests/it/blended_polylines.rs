@@ -15,3 +15,9 @@ fn random_polylines_are_within_tolerance_smooth_and_no_slower_than_with_stops() 
     }
     assert!(faster >= 12, "{faster} of 20 gain by their blends");
 }
+
+/// The jerk between two grid points exceeded its limit by half a percent, and a lower limit at the grid points did not mend it.
+#[test]
+fn a_peak_between_grid_points_is_found_by_a_finer_grid() {
+    assert!(matches!(BlendedPolyline::random(9956).play(), Ok(Outcome::Planned(_))));
+}

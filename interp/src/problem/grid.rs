@@ -16,6 +16,8 @@ const STEEPEST: f64 = 3.0;
 const LEAST: usize = 100;
 /// Borders this close to a knot or to each other are one, as a part of the length.
 const CLOSE: f64 = 1e-9;
+/// On a grid of more intervals than this none is divided that takes less than a control period.
+const LARGE: usize = 6000;
 /// Places this close together are the same knot, as a part of the length.
 const SAME: f64 = 2e-12;
 
@@ -28,6 +30,16 @@ pub(crate) struct Measure {
     pub normal_acceleration: f64,
     /// Jerk of the tool, m/s^3.
     pub jerk: f64,
+    /// No interval that takes less time than this is divided, s.
+    pub shortest: f64,
+}
+
+/// The time below which no interval is divided, s, on a grid of about so many intervals.
+///
+/// Thousands of blends of short lines are passed in a few control periods each. Finer intervals cost much time of planning and make
+/// the motion less than a thousandth shorter.
+pub(crate) fn shortest(intervals: usize, period: f64) -> f64 {
+    if intervals > LARGE { period } else { 0.0 }
 }
 
 /// Values from 0 to `length` in equal steps between the knots, about `intervals` in all.
@@ -198,7 +210,8 @@ impl Refinement<'_> {
         });
         let jerk = self.measure.jerk.max(self.measure.normal_acceleration.powi(2) / self.measure.feed);
         let coarse = (fastest / slowest).ln() > RATIO || wrong > WRONG * jerk;
-        if coarse && halvings > 0 && a.s < m.s && m.s < b.s {
+        let long = b.s - a.s > self.measure.shortest * fastest;
+        if coarse && long && halvings > 0 && a.s < m.s && m.s < b.s {
             self.refine(a, &m, halvings - 1);
             self.refine(&m, b, halvings - 1);
         } else {

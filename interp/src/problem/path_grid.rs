@@ -54,7 +54,11 @@ impl PathGrid {
         let mut places = if on_breaks { breaks.clone() } else { Vec::new() };
         places.extend(sections.iter().flat_map(|section| [section.from, section.to]));
         let measure = measure(settings, curve, &sections)?;
-        let grid = grid::along_curve(curve, &curve.knots(), &places, &measure);
+        let mut grid = grid::along_curve(curve, &curve.knots(), &places, &measure);
+        let shortest = grid::shortest(grid.len(), settings.period);
+        if shortest > 0.0 {
+            grid = grid::along_curve(curve, &curve.knots(), &places, &Measure { shortest, ..measure });
+        }
         limits::snap(&mut sections, &grid);
         Ok(Self { grid, segmentation: Some(segmentation), breaks, sections })
     }
@@ -72,5 +76,6 @@ fn measure<const N: usize>(
         feed: Feeds { elsewhere, sections }.highest().min(settings.reachable(curve.length())),
         normal_acceleration: tool.normal_acceleration().unwrap_or(REACH * joints.acceleration().min()),
         jerk: tool.tangential_jerk().unwrap_or(REACH * joints.jerk().min()),
+        shortest: 0.0,
     })
 }

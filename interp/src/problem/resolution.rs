@@ -57,6 +57,7 @@ pub(crate) fn resolved<const N: usize>(problem: PathProblem<'_, N>) -> Result<Pa
     let build_up = build_up.iter().copied().filter(|time| *time > 0.0).fold(f64::INFINITY, f64::min);
     let mut grid = grid::graded(with_changes(rows.grid(), &law, OF_BUILD_UP * build_up));
     let speeds: Vec<f64> = rows.grid().iter().map(|&s| law.v_at_s(s)).collect();
+    let shortest = grid::shortest(grid.len(), problem.settings.period);
     let mut k = 0;
     let parts: Vec<usize> = grid
         .windows(2)
@@ -67,7 +68,8 @@ pub(crate) fn resolved<const N: usize>(problem: PathProblem<'_, N>) -> Result<Pa
             let fastest = FASTER * speeds[k].max(speeds[k + 1]);
             let of = (pair[1] - pair[0]) / rows.h(k);
             let by_bend = of * (problem.third_misfit(k) * fastest.powi(3) / MISFIT).sqrt();
-            by_bend.ceil().max(1.0).min(MOST_PARTS) as usize
+            let by_time = (pair[1] - pair[0]) / (shortest * fastest);
+            by_bend.min(by_time).ceil().max(1.0).min(MOST_PARTS) as usize
         })
         .collect();
     // Where bends ask for more than can be planned at once, verification will ask for less of the limits.

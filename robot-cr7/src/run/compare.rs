@@ -79,6 +79,8 @@ pub struct Comparison {
     pub jerk_limited_bound: Option<BoundReport>,
     /// The planners.
     pub entries: Vec<Entry>,
+    /// What a person should know.
+    pub warnings: Vec<String>,
     /// Files written.
     pub files: Vec<PathBuf>,
     /// Greatest speed (m/s) at constant speed over the path (m), for a picture.
@@ -150,6 +152,7 @@ pub fn compare<A: PathArm<N>, const N: usize>(
         lower_bound_s,
         jerk_limited_bound,
         entries,
+        warnings: task.warnings().to_vec(),
         files: Vec::new(),
         limit_curve: limit_curve.iter().map(|point| (point.s, point.speed)).collect(),
     })
@@ -283,6 +286,9 @@ impl Display for Comparison {
                 }
             });
             writeln!(f, "{duration:>13.6}{ratio:>10}{:>12.3}   {worst}", entry.planning_time_s * 1e3)?;
+        }
+        for warning in &self.warnings {
+            writeln!(f, "  warning    {}", clip(warning, 200))?;
         }
         writeln!(
             f,

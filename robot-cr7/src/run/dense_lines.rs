@@ -72,7 +72,7 @@ fn append_stretch(
 ) -> Result<(), GeometryError> {
     let source = moves.get(stretch.first).map_or(usize::MAX, |step| usize::try_from(step.line).unwrap_or(usize::MAX));
     match stretch.shape {
-        StretchShape::Curve => path.curve(&stretch.curve, source)?,
+        StretchShape::Curve | StretchShape::Arc => path.curve(&stretch.curve, source)?,
         StretchShape::Line | StretchShape::Polyline => path.line_to(end_of(stretch), source)?,
     };
     Ok(())

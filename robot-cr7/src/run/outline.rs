@@ -12,6 +12,8 @@ pub struct Outline {
     /// N words by line.
     pub(crate) numbers: Vec<(usize, u32)>,
     pub(crate) smoothed: Smoothed,
+    /// Ends of the lines that curves stand for, m, with each line.
+    pub(crate) inside: Vec<(f64, usize)>,
 }
 
 /// Runs of short lines that became smooth curves.
@@ -71,8 +73,26 @@ pub struct MarkerLine {
 
 impl Outline {
     /// The first and last line of the file that belong to the arc length `s` (m): mostly the same one; on a blend the lines that it joins.
+    /// In a curve that stands for many lines it is the one that is nearest by its length.
     pub fn lines_at(&self, s: f64) -> [usize; 2] {
-        self.piece_at(s).map_or([0; 2], |piece| piece.lines)
+        let Some(piece) = self.piece_at(s) else { return [0; 2] };
+        if let Some(line) = self.line_inside(piece, s) {
+            return [line; 2];
+        }
+        let [from, to] = piece.lines;
+        // The last line of a curve before a blend.
+        let before = self.inside.partition_point(|&(_, line)| line < to).checked_sub(1).map(|i| self.inside[i].1);
+        [before.filter(|&line| piece.blend && line > from).unwrap_or(from), to]
+    }
+
+    /// The line at a place of a curve that stands for several.
+    fn line_inside(&self, piece: &OutlinePiece, s: f64) -> Option<usize> {
+        let [from, to] = piece.lines;
+        if piece.blend || from == to {
+            return None;
+        }
+        let i = self.inside.partition_point(|&(end, _)| end < s);
+        self.inside.get(i).or(self.inside.last()).map(|&(_, line)| line.clamp(from, to))
     }
 
     /// The first and the last line.
@@ -93,14 +113,18 @@ impl Outline {
 
     /// The same in words, to follow a message: with the N word where there is one.
     pub(crate) fn words_at(&self, s: f64) -> String {
-        let Some(OutlinePiece { lines: [from, to], blend, .. }) = self.piece_at(s).copied() else {
+        let Some(piece) = self.piece_at(s) else {
             return String::new();
         };
+        let (OutlinePiece { lines: [from, to], blend, .. }, inside) = (*piece, self.line_inside(piece, s));
         let number = self.number_of(to).map(|n| format!(" (N{n})")).unwrap_or_default();
         match (from == to, blend) {
             (true, _) => format!("; that is at line {to}{number}"),
             (false, true) => format!("; that is in the blend between lines {from} and {to}{number}"),
-            (false, false) => format!("; that is in the curve through lines {from} to {to}{number}"),
+            (false, false) => {
+                let line = inside.map_or(String::new(), |line| format!("near line {line}, "));
+                format!("; that is {line}in the curve through lines {from} to {to}{number}")
+            }
         }
     }
 }

@@ -1,6 +1,8 @@
 //! A path file where its job places it: curve, orientation and feeds, ready for an arm.
 
-use arcfeed_geometry::{ArcLengthCurve, Curve, Fit, GeometryError, NurbsCurve, OrientationPath, PosePath, Spacing};
+use arcfeed_geometry::{
+    ArcLengthCurve, Curve, Fit, GeometryError, JoinedPathBuilder, NurbsCurve, OrientationPath, PosePath, Spacing,
+};
 use arcfeed_interp::{FeedSection, LimitError, ToolLimits};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use serde::Serialize;
@@ -18,6 +20,8 @@ use crate::text::number;
 
 /// Positions along the path are good to this, m: far below what any encoder resolves.
 pub(crate) const ARC_LENGTH_TOLERANCE: f64 = 1e-15;
+/// Stretches of a curve that stands still are replaced within this, m.
+const STANDING_TOLERANCE: f64 = 1e-6;
 /// Largest angle between the tangent and a tool that follows it, rad.
 const HEADING_TOLERANCE: f64 = 1e-3;
 /// Degree of curves laid through points.
@@ -88,7 +92,16 @@ impl PlacedPath {
             None => smooth_curve(file, job)?,
         };
         let curve = small_enough(file, curve.transformed(&job.workpiece).map_err(error)?)?;
-        let curve = ArcLengthCurve::new(curve, ARC_LENGTH_TOLERANCE).map_err(error)?;
+        let mut warnings = Vec::new();
+        let curve = match ArcLengthCurve::new(curve.clone(), ARC_LENGTH_TOLERANCE) {
+            // Sections and points of the tool may be given by the parameter of the curve.
+            Err(GeometryError::StandsStill { .. }) if job.sections.is_empty() && tools.is_none() => {
+                let (curve, words) = moving(&curve).map_err(error)?;
+                warnings.push(words);
+                ArcLengthCurve::new(curve, ARC_LENGTH_TOLERANCE).map_err(error)?
+            }
+            other => other.map_err(error)?,
+        };
         let Some(programmed) = programmed else {
             let orientation = match (&tools, &fit, &file.geometry) {
                 (Some(tools), Some((_, parameters)), PathGeometry::Points { lines, .. }) => {
@@ -111,7 +124,7 @@ impl PlacedPath {
                 fit: fit.map(|(fit, _)| fit),
                 fastest: job.feed.feed,
                 notes: FeedNotes::default(),
-                warnings: Vec::new(),
+                warnings,
             });
         };
         let turned = match (&programmed.turns, job.orientation) {
@@ -139,6 +152,19 @@ impl PlacedPath {
             warnings: programmed.warnings,
         })
     }
+}
+
+/// A curve that stands still somewhere with short stretches replaced there, and what is said of them.
+fn moving(curve: &NurbsCurve<3>) -> Result<(NurbsCurve<3>, String), GeometryError> {
+    let mut path = JoinedPathBuilder::new(curve.clamped()?.control_points()[0], STANDING_TOLERANCE)?;
+    path.curve(curve, 1)?;
+    let path = path.build()?;
+    let most = path.pieces().iter().map(|piece| piece.deviation).fold(0.0, f64::max);
+    let most = number(most * 1e6);
+    let words = format!(
+        "control points of the curve coincide, or it has a cusp, where the curvature has no bound: short stretches there are replaced within {most} um"
+    );
+    Ok((path.to_curve()?, words))
 }
 
 fn curve_error(file: &PathFile, source: GeometryError) -> Cr7Error {

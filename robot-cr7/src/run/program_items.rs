@@ -40,8 +40,7 @@ pub(crate) fn items(program: &GcodeProgram, rapid: RapidKind) -> Vec<ProgramItem
     let mut markers = program.markers.iter().peekable();
     for index in first..=program.moves.len() {
         while let Some(marker) = markers.next_if(|marker| marker.after <= index) {
-            // What stands before the first working move belongs to the way there, and the motion does not wait for it.
-            parts.mark(marker, index, marker.after >= first);
+            parts.mark(marker, index);
         }
         if let Some(step) = program.moves.get(index) {
             parts.step(index, joints && step.kind == MoveKind::Rapid);
@@ -53,9 +52,8 @@ pub(crate) fn items(program: &GcodeProgram, rapid: RapidKind) -> Vec<ProgramItem
 
 /// Refuses a program that waits for too long.
 pub(crate) fn check_waits(program: &GcodeProgram) -> Result<(), InputError> {
-    let first = program.first_working_move();
     let mut waited = 0.0;
-    for marker in program.markers.iter().filter(|marker| marker.after >= first) {
+    for marker in &program.markers {
         let MarkerKind::Dwell { seconds } = marker.kind else { continue };
         waited += seconds;
         // Not `>`: a NaN has to show.
@@ -81,8 +79,8 @@ struct Parts<'p> {
 
 impl Parts<'_> {
     /// A code before the move `index`.
-    fn mark(&mut self, marker: &GcodeMarker, index: usize, waits: bool) {
-        if let (true, MarkerKind::Dwell { seconds }) = (waits, &marker.kind) {
+    fn mark(&mut self, marker: &GcodeMarker, index: usize) {
+        if let MarkerKind::Dwell { seconds } = &marker.kind {
             self.close(index);
             let before = std::mem::take(&mut self.early);
             let wait = Wait { line: marker.line, seconds: *seconds, before, after: Vec::new() };

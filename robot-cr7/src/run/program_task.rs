@@ -170,7 +170,8 @@ impl<A: PathArm<N> + Clone, const N: usize> ProgramTask<A, N> {
             steps.push(step);
         }
         let warnings = file.warnings.iter().chain(&job.warnings).cloned();
-        let warnings = warnings.chain(notes.words(job)).chain(of_paths).chain(skipped_words(program)).collect();
+        let warnings = warnings.chain(notes.words(job)).chain(of_paths).chain(skipped_words(program));
+        let warnings = warnings.chain(unused_rotary(job, &items)).collect();
         Ok(Self { name: file.name.clone(), file: file.file.display().to_string(), steps, period: job.period, warnings })
     }
 
@@ -220,6 +221,23 @@ impl<A: PathArm<N> + Clone, const N: usize> ProgramTask<A, N> {
         };
         self.steps.iter().map(least).sum()
     }
+}
+
+/// That rotary words of rapid moves are not used, because the job turns the tool along the paths.
+fn unused_rotary(job: &Job, items: &[ProgramItem<'_>]) -> Option<String> {
+    if matches!(job.orientation, ToolOrientation::Constant(_)) {
+        return None;
+    }
+    let rapids = items.iter().filter_map(|item| match item {
+        ProgramItem::Rapids(stretch) => Some(stretch.moves()),
+        _ => None,
+    });
+    let turned = |pair: &&[crate::input::gcode::GcodeMove]| pair[0].rotary != pair[1].rotary;
+    let line = rapids.flat_map(|moves| moves.windows(2)).find(turned)?[1].line;
+    Some(format!(
+        "rotary words (A, B, C) of rapid moves are not used, first at line {line}: orientation.mode of the job turns the tool; \
+         set it to \"constant\" to use them"
+    ))
 }
 
 fn program_of(file: &PathFile) -> Result<&GcodeProgram, Cr7Error> {

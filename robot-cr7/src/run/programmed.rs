@@ -14,7 +14,7 @@ use super::feed_notes::FeedNotes;
 use super::outline::{CornerLine, MarkerLine, Outline, OutlinePiece, Smoothed, Stop};
 use super::stretch::Stretch;
 use crate::input::error::InputError;
-use crate::input::gcode::{GcodeMarker, GcodeMove, GcodeProgram, MarkerKind, MoveKind, PathControl};
+use crate::input::gcode::{GcodeMove, GcodeProgram, MarkerKind, MoveKind, PathControl};
 use crate::input::job::Job;
 use crate::input::path_file::PathFile;
 use crate::input::rapid_moves::RapidKind;
@@ -59,6 +59,8 @@ pub(crate) struct Programmed {
     pub turns: Option<Vec<UnitQuaternion<f64>>>,
     marks: Vec<Mark>,
     smoothed: Smoothed,
+    /// Lines that curves stand for: the first line of the curve, the part of it up to the end of the line, and the line.
+    inside: Vec<(usize, f64, usize)>,
     pub notes: FeedNotes,
     pub warnings: Vec<String>,
 }
@@ -106,6 +108,7 @@ impl Programmed {
             turns: turns(stretch, &units),
             marks,
             smoothed: smoothed(&units),
+            inside: inside(&units, moves, programmed.start()),
             notes,
             warnings,
         })
@@ -126,7 +129,8 @@ impl Programmed {
         let blended = blend(&path.build().map_err(error)?, &steps).map_err(error)?;
         let (path, joints) = (blended.path, blended.joints);
         let (marks, warnings, smoothed) = (Vec::new(), Vec::new(), Smoothed::default());
-        Ok(Self { steps, path, joints, turns: None, marks, smoothed, notes: FeedNotes::default(), warnings })
+        let (notes, inside) = (FeedNotes::default(), Vec::new());
+        Ok(Self { steps, path, joints, turns: None, marks, smoothed, inside, notes, warnings })
     }
 
     /// The feeds along the path: those of the program, else those of the job.
@@ -175,7 +179,12 @@ impl Programmed {
         };
         let corners = self.joints.iter().filter_map(corner).collect();
         let numbers = self.steps.iter().filter_map(|step| step.number.map(|n| (step.line, n))).collect();
-        Outline { markers: markers.collect(), pieces, corners, numbers, smoothed: self.smoothed }
+        let mut inside = Vec::with_capacity(self.inside.len());
+        for curve in self.inside.chunk_by(|a, b| a.0 == b.0) {
+            let (from, to) = range_of(&pieces, curve[0].0);
+            inside.extend(curve.iter().map(|&(_, share, line)| (from + share * (to - from), line)));
+        }
+        Outline { markers: markers.collect(), pieces, corners, numbers, smoothed: self.smoothed, inside }
     }
 
     /// Where the tool stops because the file says so, by arc length.
@@ -228,16 +237,7 @@ fn curve_error(file: &Path, source: GeometryError) -> Cr7Error {
 pub(crate) fn skipped_words(program: &GcodeProgram) -> Option<String> {
     let skipped = program.first_working_move();
     let first = program.moves.get(skipped).filter(|_| skipped > 0)?;
-    let rests = |m: &&GcodeMarker| matches!(m.kind, MarkerKind::Dwell { .. }) && m.after < skipped;
-    let dwells = match program.markers.iter().filter(rests).count() {
-        0 => "",
-        1 => " and a dwell",
-        _ => " and dwells",
-    };
-    Some(format!(
-        "the motion begins at line {}: the {skipped} rapid moves{dwells} before it lead to its start",
-        first.line
-    ))
+    Some(format!("the motion begins at line {}: the {skipped} rapid moves before it lead to its start", first.line))
 }
 
 /// The moves as one path, runs of short lines as smooth curves where the program permits. What each piece that was appended stands
@@ -280,6 +280,23 @@ fn place_of(before: usize, units: &[MoveRange], moves: &[GcodeMove], start: Vect
     let from = |k: usize| k.checked_sub(1).map_or(start, |k| moves[k].end());
     let length = |to: usize| (first..=to).map(|k| (moves[k].end() - from(k)).norm()).sum::<f64>();
     (i, length(before.min(last)) / length(last))
+}
+
+/// The lines that curves stand for, by the part of the way along them.
+fn inside(units: &[MoveRange], moves: &[GcodeMove], start: Vector3<f64>) -> Vec<(usize, f64, usize)> {
+    let line_of = |i: usize| usize::try_from(moves[i].line).unwrap_or(usize::MAX);
+    let mut lines = Vec::new();
+    for &MoveRange { first, last, .. } in units.iter().filter(|unit| unit.last > unit.first) {
+        let (begin, mut way) = (lines.len(), 0.0);
+        let mut from = first.checked_sub(1).map_or(start, |before| moves[before].end());
+        for (i, step) in moves.iter().enumerate().take(last + 1).skip(first) {
+            way += (step.end() - from).norm();
+            from = step.end();
+            lines.push((line_of(first), way, line_of(i)));
+        }
+        lines[begin..].iter_mut().for_each(|line| line.1 /= way);
+    }
+    lines
 }
 
 /// Start and end of a line on the path, m. Lines only go up along it.

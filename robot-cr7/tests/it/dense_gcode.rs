@@ -80,6 +80,24 @@ fn three_thousand_lines_become_curves_and_true_corners_stay() {
     let smooth = report["duration_s"].as_f64().expect("a number");
     let length = report["length_m"].as_f64().expect("a number");
     assert!(length / smooth > 0.08, "{} mm/s of 100", 1e3 * length / smooth);
+    // A limit names the line that is nearest, and not all lines of the curve.
+    for limit in report["limits"].as_array().expect("a list") {
+        let lines: Vec<u64> = limit["lines"].as_array().expect("lines").iter().filter_map(|l| l.as_u64()).collect();
+        let s = limit["at_s_m"].as_f64().expect("a place") * 1e3;
+        let (mut way, mut nearest) = (0.0, 4);
+        for (i, pair) in points.windows(2).enumerate() {
+            if way <= s {
+                nearest = i as u64 + 4;
+            }
+            way += (pair[1] - pair[0]).norm();
+        }
+        let near = |line: u64| line.abs_diff(nearest) <= 2;
+        assert!(
+            lines[0] == lines[1] && near(lines[0]) || lines[0] <= nearest && nearest <= lines[1] + 2,
+            "{limit} {nearest}"
+        );
+        assert!(lines[1] - lines[0] < 3000, "{limit}");
+    }
     let table = std::fs::read_to_string(desk.folder.join("out/lines.csv")).expect("written");
     assert!(table.lines().any(|row| row.starts_with("4-3003,")), "{table}");
 

@@ -77,16 +77,17 @@ fn ends_within_a_micrometre_touch_and_are_moved_together() {
     assert!(matches!(program.moves[1].shape, MoveShape::Arc { .. }));
 }
 
+/// The knot in the middle stands twice, and the two points there are moved together.
 #[test]
-fn a_curve_that_cannot_be_closed_is_named_by_its_own_line() {
-    // The knot in the middle stands twice, and the two points there may not be moved apart.
+fn a_curve_with_a_full_knot_is_moved_to_close_its_contour() {
     let text = "0 LINE 8 0 10 0 20 0 11 10 21 0\n\
                 0 SPLINE 8 0 71 1 40 0 40 0 40 1 40 1 40 2 40 2 10 10 20 0 10 10 20 10 10 10 20 10 10 0 20 5e-4";
     for more in ["", "\n0 LINE 8 0 10 50 20 0 11 60 21 0"] {
-        let text = dxf(&format!("{text}{more}"));
-        let (line, _) = (1..).zip(text.lines()).find(|(_, line)| *line == "SPLINE").expect("a spline");
-        let message = refusal(&text, "a.dxf", &layers(&[]));
-        assert!(message.contains(&format!("line {line}")) && message.contains("jump"), "{message}");
+        let program = read(&dxf(&format!("{text}{more}")), "a.dxf");
+        let MoveShape::Curve(curve) = &program.moves[1].shape else { panic!("{:?}", program.moves[1]) };
+        let points = curve.control_points();
+        assert_eq!((points[1], points[3]), (points[2], mm(0.0, 0.0, 0.0)));
+        assert!((points[1] - mm(10.0, 10.0, 0.0)).norm() < 3e-7);
     }
 }
 

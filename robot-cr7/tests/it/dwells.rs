@@ -95,10 +95,23 @@ fn a_program_that_waits_too_long_is_refused_by_line() {
         desk.write("p.ngc", program);
         desk.run(&["plan", "p.ngc"]).refused(2, parts);
     }
-    // Before the first working move the motion has not begun.
     desk.write("p.ngc", "G21 G4 P1000000000\nG0 X5 Y0\nG1 X20 F600\n");
-    let report = desk.run(&["plan", "p.ngc", "--json"]).done().json();
-    assert!(report["duration_s"].as_f64().is_some_and(|t| t < 5.0));
+    desk.run(&["plan", "p.ngc"]).refused(2, &["p.ngc:1", "G4", "3600 s"]);
+}
+
+/// A dwell among the rapid moves that lead to the start is a rest there.
+#[test]
+fn a_dwell_before_the_first_working_move_is_waited_for() {
+    let desk = Desk::new("dwell_first");
+    let duration = |dwells: &str| {
+        desk.write("p.ngc", &format!("G21 G90 G61\n{dwells}G0 X5 Y0\nG1 X40 F1200\nM2\n"));
+        let report = desk.run(&["plan", "p.ngc", "--json"]).done().json();
+        report["duration_s"].as_f64().expect("a number")
+    };
+    let without = duration("");
+    for (dwells, seconds) in [("G4 P0.7\n", 0.7), ("G0 X9\nM3 S100\nG4 P0.5\nG0 X7\nG4 P0.25\n", 0.75)] {
+        assert!((duration(dwells) - without - seconds).abs() < 1e-3, "{} s", duration(dwells) - without);
+    }
 }
 
 /// Where the path behind a dwell asks for other joints than those in which the arm waits, the tool would have to leave its place.

@@ -140,8 +140,10 @@ pub fn check<const D: usize>(
             require(end.point == start.point, format!("stretch {i} does not end where the next one starts"))?;
             if next.continues {
                 let (width, rounding) = (s.last_width().min(next.first_width()), 100.0 * f64::EPSILON * size);
-                let gaps = ((end.d1 - start.d1).norm(), (end.d2 - start.d2).norm());
-                let bounds = (1e-9 + rounding / width, 1e-9 * end.d2.norm() + rounding / (width * width));
+                let arc = [s.shape, next.shape].contains(&StretchShape::Arc);
+                let [a, b] = [end, start].map(|jet| if arc { jet.by_arc_length() } else { jet });
+                let gaps = ((a.d1 - b.d1).norm(), (a.d2 - b.d2).norm());
+                let bounds = (1e-9 + rounding / width, 1e-9 * a.d2.norm() + rounding / (width * width));
                 require(gaps.0 <= bounds.0 && gaps.1 <= bounds.1, format!("stretch {i}: jumps {gaps:?} at its end"))?;
             }
         }
@@ -168,21 +170,23 @@ fn check_deviation<const D: usize>(points: &[SVector<f64, D>], s: &FittedStretch
                 continue;
             }
             let point = s.curve.point(u);
-            if offset == 0.0 {
+            if offset == 0.0 && s.shape != StretchShape::Arc {
                 // The bound holds at the same parameter.
                 let place = chord[0] + (chord[1] - chord[0]) * (f64::from(k) / f64::from(samples));
                 worst.0 = worst.0.max((point - place).norm());
             }
-            let near = part[j.saturating_sub(4)..(j + 6).min(part.len())].windows(2);
+            // An arc has another parameter inside.
+            let wide = if s.shape == StretchShape::Arc { 4 + part.len() / 20 } else { 4 };
+            let near = part[j.saturating_sub(wide)..(j + 2 + wide).min(part.len())].windows(2);
             let distance = near.map(|c| distance_to_chord(&point, &c[0], &c[1])).fold(f64::INFINITY, f64::min);
             worst.0 = worst.0.max(distance);
         }
-        if j > 0 && before >= begin {
-            // The nearest of some places near the parameter of the vertex.
-            let reach = 0.5 * length;
-            let near = (-32..=32).map(|k| before + reach * f64::from(k) / 32.0).filter(|u| (begin..=end).contains(u));
-            let distance = near.map(|u| (s.curve.point(u) - part[j]).norm()).fold(f64::INFINITY, f64::min);
-            worst.1 = worst.1.max(distance);
+        if j > 0 && before >= begin && s.shape == StretchShape::Arc {
+            if before <= end {
+                worst.1 = worst.1.max(distance_to_circle(&part[j], s));
+            }
+        } else if j > 0 && before >= begin {
+            worst.1 = worst.1.max(distance_to_curve(&part[j], s, (before, 0.5 * length)));
         }
         before += length;
     }
@@ -195,6 +199,9 @@ fn check_deviation<const D: usize>(points: &[SVector<f64, D>], s: &FittedStretch
 /// Point and two derivatives from both sides of each knot.
 fn check_knots<const D: usize>(s: &FittedStretch<D>, size: f64) -> Result<(), String> {
     let (knots, degree) = (s.curve.knots(), s.curve.degree());
+    if s.shape == StretchShape::Arc {
+        return check_arc(s, size);
+    }
     if s.shape != StretchShape::Curve {
         return if degree == 1 && knots.spans().count() == 1 { Ok(()) } else { Err("no line".into()) };
     }
@@ -217,6 +224,50 @@ fn check_knots<const D: usize>(s: &FittedStretch<D>, size: f64) -> Result<(), St
         ];
         if let Some((gap, bound)) = gaps.iter().find(|(gap, bound)| gap > bound) {
             return Err(format!("jump {gap} above {bound} at knot {u}"));
+        }
+    }
+    Ok(())
+}
+
+/// Distance from the curve near a parameter: the nearest of some places, more closely around the best one.
+fn distance_to_curve<const D: usize>(p: &SVector<f64, D>, s: &FittedStretch<D>, (near, mut reach): (f64, f64)) -> f64 {
+    let (begin, end) = s.curve.domain();
+    let mut best = (f64::INFINITY, near);
+    for _ in 0..3 {
+        let middle = best.1;
+        for u in (-16..=16).map(|k| middle + reach * f64::from(k) / 16.0).filter(|u| (begin..=end).contains(u)) {
+            let distance = (s.curve.point(u) - p).norm();
+            if distance < best.0 {
+                best = (distance, u);
+            }
+        }
+        reach /= 16.0;
+    }
+    best.0
+}
+
+/// Distance from the circle of an arc.
+fn distance_to_circle<const D: usize>(p: &SVector<f64, D>, s: &FittedStretch<D>) -> f64 {
+    let jet = s.curve.jet(s.curve.domain().0).by_arc_length();
+    let radius = 1.0 / jet.d2.norm();
+    let centre = jet.point + jet.d2 * (radius * radius);
+    let off = p - centre;
+    let in_plane = jet.d1 * off.dot(&jet.d1) + jet.d2 * (off.dot(&jet.d2) * radius * radius);
+    (off - in_plane * (radius / in_plane.norm())).norm()
+}
+
+/// One curvature everywhere, in one plane.
+fn check_arc<const D: usize>(s: &FittedStretch<D>, size: f64) -> Result<(), String> {
+    let (begin, end) = s.curve.domain();
+    let at = |i: i32| s.curve.jet(begin + (end - begin) * f64::from(i) / 200.0).by_arc_length();
+    let first = at(0);
+    let curvature = first.d2.norm();
+    let centre = |i: i32| at(i).point + at(i).d2 / at(i).d2.norm_squared();
+    for i in 0..=200 {
+        let jet = at(i);
+        let off = (centre(i) - centre(0)).norm();
+        if (jet.d2.norm() / curvature - 1.0).abs() > 1e-7 || off > 1e-7 / curvature + 1e-11 * size {
+            return Err(format!("no arc: curvature {} and {curvature}, centre off by {off}", jet.d2.norm()));
         }
     }
     Ok(())

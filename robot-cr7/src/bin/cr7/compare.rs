@@ -46,7 +46,7 @@ impl OnToolPath for Compare<'_> {
     type Output = ();
     type Error = Failure;
 
-    fn run<A: PathArm<N>, const N: usize>(self, task: Task<A, N>, _: Vec<String>) -> Result<(), Failure> {
+    fn run<A: PathArm<N>, const N: usize>(self, task: Task<A, N>, warnings: Vec<String>) -> Result<(), Failure> {
         let args = self.args;
         let progress = Progress::new("joint path");
         let mut comparison = compare(&task, |planner| progress.step(planner))?;
@@ -55,6 +55,7 @@ impl OnToolPath for Compare<'_> {
         let svg = compare_picture(&comparison).map_err(|source| InputError::Write { file: picture.clone(), source })?;
         save_picture(&picture, &svg)?;
         comparison.files.push(picture);
+        comparison.warnings.extend(warnings);
         drop(progress);
         show(&comparison, args.json.then(|| comparison.to_json()));
         Ok(())

@@ -107,8 +107,11 @@ fn moved(piece: &Piece, start: Vector3<f64>, end: Vector3<f64>) -> Result<Piece,
         }
         MoveShape::Curve(curve) => curve.as_ref().clone(),
     };
-    let last = curve.control_points().len() - 1;
-    let share = |i: usize| i as f64 / last as f64;
+    // The mean of the knots of a control point: points that coincide because of a full knot move alike.
+    let knots = curve.knots().as_slice();
+    let at = |i: usize| knots[i + 1..=i + curve.degree()].iter().sum::<f64>() / curve.degree() as f64;
+    let ends = (at(0), at(curve.control_points().len() - 1));
+    let share = |i: usize| ((at(i) - ends.0) / (ends.1 - ends.0)).clamp(0.0, 1.0);
     let moved = |(i, p): (usize, &Vector3<f64>)| p + shifts[0] * (1.0 - share(i)) + shifts[1] * share(i);
     let points = curve.control_points().iter().enumerate().map(moved).collect();
     let (weights, knots) = (curve.weights().to_vec(), curve.knots().as_slice().to_vec());
