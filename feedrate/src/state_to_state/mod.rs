@@ -25,9 +25,9 @@
 //!   undershooting that, or braked as hard as possible until it is at the bound and continued in
 //!   the shortest way from there; the shorter of the two is taken. With way enough to settle at the
 //!   bound itself that is always done: to brake on would only dip below and come back. A
-//!   third way can be shorter where the start has an acceleration or the target moves: braking hard
-//!   for a while, then less. Of random starts above the limit it is in about 1 of 1000, at most by the
-//!   factors that a long wait for the next possible duration makes.
+//!   third way can be shorter and inside sooner where the start has an acceleration or the target
+//!   moves: braking hard for a while, then less. Of 40000 random starts above the limit 34 had one,
+//!   the worst with 0.23 s instead of 111 s. From no acceleration to rest 300000 had none.
 //! * A target outside them, or one that cannot be entered without leaving them, is an error.
 //! * Positions are not limited while planning; [`StateToState::check_within`] says where a motion
 //!   leaves a range.

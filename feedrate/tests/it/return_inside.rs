@@ -1,5 +1,5 @@
 //! Starts above the velocity limit, without acceleration and on the way to rest, come back inside as soon as that does not lengthen the
-//! motion. With an acceleration at the start, or a moving target, this holds but for some motions in 10000.
+//! motion. With an acceleration at the start, or a moving target, some of 10000 do not.
 use arcfeed_feedrate::{AxisState, MotionLaw, StateToState};
 use arcfeed_testing::Random;
 
