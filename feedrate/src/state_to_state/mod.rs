@@ -24,8 +24,11 @@
 //!   bound (or bound to get there) is then either settled at a velocity inside without
 //!   undershooting that, or braked as hard as possible until it is at the bound and continued in
 //!   the shortest way from there; the shorter of the two is taken. With way enough to settle at the
-//!   bound itself that is always done: to brake on would only dip below and come back. That no
-//!   third way is shorter is not proven.
+//!   bound itself that is always done: to brake on would only dip below and come back. A
+//!   third way can be shorter and inside sooner where the start has an acceleration or the target
+//!   moves: braking hard for a while, then less. A search at 16 places of the hardest braking found
+//!   one in 34 of 40000 random starts above the limit, the worst with 0.23 s instead of 111 s. From no
+//!   acceleration to rest it found none in 300000.
 //! * A target outside them, or one that cannot be entered without leaving them, is an error.
 //! * Positions are not limited while planning; [`StateToState::check_within`] says where a motion
 //!   leaves a range, and [`BoundedProblem`] finds the shortest motion that does not.

@@ -24,7 +24,7 @@ pub(super) const PHASES: usize = 16;
 ///   is taken back with the largest jerk first. A velocity beyond its limit, or bound to get there,
 ///   is either settled at a velocity inside without undershooting it, or braked as hard as possible
 ///   until it is at the limit and continued in the shortest way from there; the shorter of the two
-///   is taken. That no third way is shorter is not proven.
+///   is taken. A third way can be shorter where the start has an acceleration or the target moves.
 /// * A target outside the limits, or one that cannot be entered without leaving them, is an error.
 /// * Positions are not limited while planning; [`StateToState::check_within`] says where a motion
 ///   leaves a range.
