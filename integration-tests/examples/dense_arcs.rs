@@ -3,19 +3,15 @@
 //!
 //! The jumps of curvature of the exact path are blended within the tolerance of the fit.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::FRAC_PI_2;
 
-use arcfeed_geometry::{
-    ArcLengthCurve, ArcTo, Blending, Curve, DenseFit, JoinedPathBuilder, NurbsCurve, OrientationPath, PosePath,
-};
-use arcfeed_interp::{Limits, Planner, ToolLimits, ToolPath};
-use arcfeed_kinematics::{Joints, models};
-use nalgebra::{UnitQuaternion, Vector3};
+use arcfeed_geometry::{ArcTo, Blending, Curve, DenseFit, JoinedPathBuilder, NurbsCurve};
+use arcfeed_kinematics::models;
+use integration_tests::on_cr7::{Failure, TOOL, planned};
+use nalgebra::Vector3;
 
 /// Side of the squares, m.
 const SIDE: f64 = 0.06;
-
-type Failure = Box<dyn std::error::Error>;
 
 fn main() -> Result<(), Failure> {
     let all = std::env::args().any(|argument| argument == "all");
@@ -112,17 +108,7 @@ fn measure(curve: &NurbsCurve<3>) -> Result<Measured, Failure> {
     let (start, end) = curve.domain();
     let curvature = |i: u32| curve.jet(start + (end - start) * f64::from(i) / 20_000.0).curvature();
     let arm = models::cr7();
-    let rates = [PI, 10.0, 100.0].map(Joints::repeat);
-    let range = arm.range().with_rates(rates[0], rates[1], rates[2])?;
-    let down = UnitQuaternion::from_euler_angles(PI, 0.0, 0.0);
-    let path = PosePath::new(ArcLengthCurve::new(curve.clone(), 1e-15)?, OrientationPath::Constant(down));
-    let path = ToolPath::new(&arm, path, range.range())?;
-    let tool = ToolLimits::new()
-        .with_feed(0.1)?
-        .with_tangential_acceleration(1.0)?
-        .with_tangential_jerk(20.0)?
-        .with_normal_acceleration(1.0)?;
-    let plan = Planner::new(&arm, Limits::new(range).with_tool(tool)).plan(&path)?;
+    let plan = planned(&arm, curve.clone(), TOOL)?;
     Ok(Measured {
         pieces: curve.knots().spans().count(),
         intervals: plan.info().intervals,

@@ -2,15 +2,13 @@
 //!
 //! The blends of a program that does not let its lines be merged (`G64 P0.05 Q0`) make tens of intervals of each line.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 use std::time::Instant;
 
-use arcfeed_geometry::{ArcLengthCurve, Blending, JoinedPathBuilder, OrientationPath, PosePath};
-use arcfeed_interp::{Limits, Planner, ToolLimits, ToolPath};
-use arcfeed_kinematics::{Joints, models};
-use nalgebra::{UnitQuaternion, Vector3};
-
-type Failure = Box<dyn std::error::Error>;
+use arcfeed_geometry::{Blending, JoinedPathBuilder};
+use arcfeed_kinematics::models;
+use integration_tests::on_cr7::{Failure, TOOL, planned};
+use nalgebra::Vector3;
 
 fn main() -> Result<(), Failure> {
     let mut arguments = std::env::args().skip(1);
@@ -28,18 +26,8 @@ fn main() -> Result<(), Failure> {
     }
     let curve = path.build()?.blended(&Blending::within(1e-6 * tolerance))?.path.to_curve()?;
     let arm = models::cr7();
-    let rates = [PI, 10.0, 100.0].map(Joints::repeat);
-    let range = arm.range().with_rates(rates[0], rates[1], rates[2])?;
-    let down = UnitQuaternion::from_euler_angles(PI, 0.0, 0.0);
-    let path = PosePath::new(ArcLengthCurve::new(curve, 1e-15)?, OrientationPath::Constant(down));
-    let path = ToolPath::new(&arm, path, range.range())?;
-    let tool = ToolLimits::new()
-        .with_feed(0.1)?
-        .with_tangential_acceleration(1.0)?
-        .with_tangential_jerk(20.0)?
-        .with_normal_acceleration(1.0)?;
     let begin = Instant::now();
-    let plan = Planner::new(&arm, Limits::new(range).with_tool(tool)).plan(&path)?;
+    let plan = planned(&arm, curve, TOOL)?;
     println!(
         "{count} lines: {:.4} s of motion, {} intervals, {} rounds, planned and verified in {:.2} s",
         plan.duration(),

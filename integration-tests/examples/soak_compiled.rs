@@ -7,12 +7,13 @@
 use arcfeed_testing::Random;
 use std::sync::Arc;
 
-use arcfeed_geometry::{ArcLengthCurve, NurbsCurve, OrientationPath, PosePath};
+use arcfeed_geometry::{OrientationPath, PosePath};
 use arcfeed_interp::{
     CompileError, JointRates, JointSpline, Limits, Method, Planner, ToolLimits, ToolPath, Trajectory,
 };
 use arcfeed_kinematics::{Joints, ParallelAxisArm, models};
-use nalgebra::{UnitQuaternion, Vector3};
+use integration_tests::random_jobs::random_curve;
+use nalgebra::UnitQuaternion;
 
 /// A random motion; `None` where the arm cannot follow or no plan is found.
 fn motion<'a>(random: &mut Random, arm: &'a ParallelAxisArm) -> Option<Trajectory<'a>> {
@@ -27,23 +28,7 @@ fn motion<'a>(random: &mut Random, arm: &'a ParallelAxisArm) -> Option<Trajector
         let planner = Planner::new(arm, Limits::new(limits)).with_method(method).with_period(period).ok()?;
         return planner.plan_shared(Arc::new(JointSpline::through(&points).ok()?)).ok();
     }
-    let (degree, spans, rough) = (3 + random.below(3), 1 + random.below(6), random.below(3) == 0);
-    let repeated = if rough { degree - 1 } else { 1 };
-    let size = random.log(0.01, 0.12);
-    let centre = Vector3::new(0.4, random.between(-0.2, 0.2), random.between(0.15, 0.35));
-    let mut points: Vec<Vector3<f64>> = (0..degree + 1 + repeated * (spans - 1))
-        .map(|_| centre + Vector3::from_fn(|_, _| random.between(-size, size)))
-        .collect();
-    let mut knots = vec![0.0; degree + 1];
-    (1..spans).for_each(|i| knots.extend(std::iter::repeat_n(i as f64, repeated)));
-    knots.extend(std::iter::repeat_n(spans as f64, degree + 1));
-    if rough {
-        // The tangent is continuous where the point at a knot is between its neighbours.
-        for i in (repeated..points.len() - repeated).step_by(repeated) {
-            points[i] = 0.5 * (points[i - 1] + points[i + 1]);
-        }
-    }
-    let curve = ArcLengthCurve::new(NurbsCurve::bspline(degree, points, knots).ok()?, 1e-15).ok()?;
+    let curve = random_curve(random)?;
     let down = UnitQuaternion::from_euler_angles(std::f64::consts::PI, 0.0, 0.0);
     let path = ToolPath::new(arm, PosePath::new(curve, OrientationPath::Constant(down)), limits.range()).ok()?;
     let tool = ToolLimits::new().with_feed(random.log(0.05, 0.5)).ok()?;

@@ -1,16 +1,11 @@
 //! The time over one corner between two lines on the CR7, with the blend of the library or with another of its family.
 
-use std::f64::consts::PI;
+use arcfeed_geometry::{Blending, GeometryError, JoinedPathBuilder, JointOutcome, NurbsCurve};
+use arcfeed_kinematics::models;
+use nalgebra::Vector3;
 
-use arcfeed_geometry::{
-    ArcLengthCurve, Blending, GeometryError, JoinedPathBuilder, JointOutcome, NurbsCurve, OrientationPath, PosePath,
-};
-use arcfeed_interp::{Limits, Planner, ToolLimits, ToolPath};
-use arcfeed_kinematics::{Joints, models};
-use nalgebra::{UnitQuaternion, Vector3};
-
-/// Whatever prevents a plan.
-pub type Failure = Box<dyn std::error::Error>;
+pub use crate::on_cr7::Failure;
+use crate::on_cr7::planned;
 
 /// Length of a leg, m.
 const LEG: f64 = 0.05;
@@ -151,18 +146,6 @@ impl Corner {
     }
 
     fn time_along(&self, curve: NurbsCurve<3>) -> Result<f64, Failure> {
-        let arm = models::cr7();
-        let rates = [PI, 10.0, 100.0].map(Joints::repeat);
-        let range = arm.range().with_rates(rates[0], rates[1], rates[2])?;
-        let down = UnitQuaternion::from_euler_angles(PI, 0.0, 0.0);
-        let path = PosePath::new(ArcLengthCurve::new(curve, 1e-15)?, OrientationPath::Constant(down));
-        let path = ToolPath::new(&arm, path, range.range())?;
-        let [feed, tangential, jerk, normal] = self.tool;
-        let tool = ToolLimits::new()
-            .with_feed(feed)?
-            .with_tangential_acceleration(tangential)?
-            .with_tangential_jerk(jerk)?
-            .with_normal_acceleration(normal)?;
-        Ok(Planner::new(&arm, Limits::new(range).with_tool(tool)).plan(&path)?.duration())
+        Ok(planned(&models::cr7(), curve, self.tool)?.duration())
     }
 }

@@ -8,6 +8,7 @@ pub mod blend_corner;
 pub mod blended_polylines;
 pub mod cnc_curves;
 pub mod hybrid_scenario;
+pub mod on_cr7;
 pub mod raised_limits;
 pub mod random_jobs;
 pub mod tight_bends;

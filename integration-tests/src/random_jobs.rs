@@ -75,7 +75,7 @@ fn job<A: PathArm<6> + AnalyticInverse<6>>(
         };
         Planner::new(arm, limits).plan_shared(Arc::new(spline))
     } else {
-        let Some(curve) = curve(random) else { return Outcome::NoPath("no curve".to_owned()) };
+        let Some(curve) = random_curve(random) else { return Outcome::NoPath("no curve".to_owned()) };
         let down = UnitQuaternion::from_euler_angles(PI, 0.0, 0.0);
         let path = match ToolPath::new(arm, PosePath::new(curve, OrientationPath::Constant(down)), range) {
             Ok(path) => path,
@@ -103,7 +103,7 @@ fn tool_limits(random: &mut Random) -> Result<ToolLimits, arcfeed_interp::LimitE
 }
 
 /// A B-spline of some mm to 0.3 m in front of the arm; one of three has curvature jumps at its knots.
-fn curve(random: &mut Random) -> Option<ArcLengthCurve<3>> {
+pub fn random_curve(random: &mut Random) -> Option<ArcLengthCurve<3>> {
     let (degree, spans, rough) = (2 + random.below(4), 1 + random.below(8), random.below(3) == 0);
     let repeated = if rough && degree > 2 { degree - 1 } else { 1 };
     let size = random.log(0.002, 0.15);

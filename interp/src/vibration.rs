@@ -20,10 +20,6 @@ use crate::trajectory::Trajectory;
 /// Terms of the series, and the greatest step in units of 1 / omega: the first term left out is below 1e-20.
 const TERMS: usize = 20;
 const STEP: f64 = 0.5;
-/// Halvings in which a turning point is found.
-const HALVINGS: usize = 60;
-/// The highest frequency, Hz: far above what a drive excites, and each period takes some steps.
-const HIGHEST: f64 = 1e4;
 
 /// A mass on a spring and a damper.
 ///
@@ -75,6 +71,8 @@ impl Oscillator {
     /// # Errors
     /// [`LimitError::Oscillator`] for a frequency that is not above 0 and at most 10 kHz, or a damping that is not from 0 to below 1.
     pub fn new(frequency: f64, damping: f64) -> Result<Self, LimitError> {
+        // The highest frequency, Hz: far above what a drive excites, and each period takes some steps.
+        const HIGHEST: f64 = 1e4;
         if !(frequency > 0.0 && frequency <= HIGHEST) {
             let rule = "a natural frequency is above 0 and at most 10000 Hz";
             return Err(LimitError::Oscillator { value: frequency, rule });
@@ -116,6 +114,8 @@ impl Oscillator {
         piece: &AccelerationPiece<D>,
         mut most: f64,
     ) -> (State<D>, f64) {
+        // Halvings in which a turning point is found.
+        const HALVINGS: usize = 60;
         let omega = std::f64::consts::TAU * self.frequency;
         let steps = (piece.duration * omega / STEP).ceil().max(1.0);
         let h = piece.duration / steps;

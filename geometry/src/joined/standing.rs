@@ -22,9 +22,6 @@ const MOST_REPLACED: f64 = 0.5;
 const MOST_TRIES: usize = 40;
 /// Part of the tolerance that a try aims at.
 const AIM: f64 = 0.9;
-/// Places of a span between which a cusp is looked for, and steps of the search, each to two thirds.
-const PLACES: usize = 48;
-const THIRDS: usize = 90;
 
 /// A span that stands still at neither end.
 #[derive(Debug, Clone, PartialEq)]
@@ -81,6 +78,9 @@ pub(super) fn regular_spans(span: Vec<Homogeneous>, tolerance: f64) -> Option<Ve
 /// The speed grows from a cusp in proportion to the distance on both sides, so that a search for the least speed between
 /// three places finds it to rounding.
 pub(super) fn cusps(span: &[Homogeneous], still: f64) -> Vec<f64> {
+    // Places of a span between which a cusp is looked for, and steps of the search, each to two thirds.
+    const PLACES: usize = 48;
+    const THIRDS: usize = 90;
     let mut found = Vec::new();
     // A polynomial of degree 2 that stands still is straight.
     if span.len() < 4 {

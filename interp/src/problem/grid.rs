@@ -10,16 +10,8 @@ const RATIO: f64 = 0.2;
 const WRONG: f64 = 0.014;
 /// An interval is halved at most this often for the sake of both: down to 1e-11 of the path.
 const HALVINGS: u32 = 30;
-/// Ratio of the lengths of neighbouring intervals.
-const STEEPEST: f64 = 3.0;
-/// At least so many intervals, so that the arm's own nonlinearity is seen on straight paths.
-const LEAST: usize = 100;
 /// Borders this close to a knot or to each other are one, as a part of the length.
 const CLOSE: f64 = 1e-9;
-/// On a grid of more intervals than this none is divided that takes less than a control period.
-const LARGE: usize = 6000;
-/// Places this close together are the same knot, as a part of the length.
-const SAME: f64 = 2e-12;
 
 /// The measure of the density of a grid.
 #[derive(Debug, Clone, Copy)]
@@ -39,6 +31,8 @@ pub(crate) struct Measure {
 /// Thousands of blends of short lines are passed in a few control periods each. Finer intervals cost much time of planning and make
 /// the motion less than a thousandth shorter.
 pub(crate) fn shortest(intervals: usize, period: f64) -> f64 {
+    // On a grid of more intervals than this none is divided that takes less than a control period.
+    const LARGE: usize = 6000;
     if intervals > LARGE { period } else { 0.0 }
 }
 
@@ -68,6 +62,8 @@ pub(crate) fn refined(grid: &[f64], parts: impl Fn(usize) -> usize) -> Vec<f64> 
 
 /// The grid with intervals halved until none is more than [`STEEPEST`] times as long as one next to it.
 pub(crate) fn graded(mut grid: Vec<f64>) -> Vec<f64> {
+    // Ratio of the lengths of neighbouring intervals.
+    const STEEPEST: f64 = 3.0;
     for _ in 0..HALVINGS {
         let h = |k: usize| grid[k + 1] - grid[k];
         let intervals = grid.len() - 1;
@@ -91,6 +87,8 @@ pub(crate) fn graded(mut grid: Vec<f64>) -> Vec<f64> {
 /// anyway no points are spent. It is looked at wherever the arc length of the curve needed a piece of its own, so that no
 /// bend hides between two points.
 pub(crate) fn along_curve(path: &PosePath, knots: &[f64], breaks: &[f64], measure: &Measure) -> Vec<f64> {
+    // At least so many intervals, so that the arm's own nonlinearity is seen on straight paths.
+    const LEAST: usize = 100;
     let length = path.length();
     let merged = borders(knots, breaks, length);
     let mut probes = Vec::new();
@@ -193,6 +191,8 @@ impl Refinement<'_> {
 
     /// Appends the points after `a` up to `b`.
     fn refine(&mut self, a: &Place, b: &Place, halvings: u32) {
+        // Places this close together are the same knot, as a part of the length.
+        const SAME: f64 = 2e-12;
         let m = self.look(0.5 * (a.s + b.s));
         // Not at the ends, where the derivatives may jump.
         let close = (SAME * self.path.length()).min(0.25 * (b.s - a.s));

@@ -1,16 +1,16 @@
 //! Limits that depend on the state of a joint, and limits on the vectors of the tool: planned, checked, and checked by differences.
 
+use crate::common::bent::{half_circle, paths_of_every_kind, way_points};
 use crate::common::{line_and_arc, tool_down};
 use crate::qb;
 
-use arcfeed_geometry::{ArcLengthCurve, NurbsCurve, OrientationPath, PosePath};
 use arcfeed_interp::{
-    JointSpline, JointTables, LimitError, LimitTable, Limits, Method, MotionPath, PlanError, Planner, PoseMove,
-    Quantity, RowsNeeded, TableKind, ToolLimits, ToolPath, Trajectory, Verification,
+    JointSpline, JointTables, LimitError, LimitTable, Limits, Method, MotionPath, PlanError, Planner, Quantity,
+    RowsNeeded, TableKind, ToolLimits, ToolPath, Trajectory, Verification,
 };
 use arcfeed_kinematics::{Arm, ForwardKinematics, Joints};
 use arcfeed_testing::Random;
-use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use nalgebra::Vector3;
 
 const TOLERANCE: f64 = 1e-6;
 /// How much higher than the true one a mutated limit is.
@@ -116,26 +116,6 @@ impl Kind {
     }
 }
 
-/// A half circle of the tool, pointing down.
-fn half_circle(arm: &Arm<6>) -> ToolPath<'_> {
-    let frame = Isometry3::translation(0.36, 0.0, 0.25);
-    let arc = NurbsCurve::<3>::arc(&frame, 0.1, -0.5 * std::f64::consts::PI, std::f64::consts::PI);
-    let curve = ArcLengthCurve::new(arc.expect("an arc"), 1e-15).expect("of some length");
-    let down = UnitQuaternion::from_euler_angles(std::f64::consts::PI, 0.0, 0.0);
-    ToolPath::new(arm, PosePath::new(curve, OrientationPath::Constant(down)), arm.range()).expect("in reach")
-}
-
-fn way_points() -> JointSpline<6> {
-    let centre = Joints::from([0.0, -1.1, 1.5, 0.0, 0.9, 0.0]);
-    let offsets = [
-        [-0.4, 0.2, -0.1, 0.3, 0.2, -0.5],
-        [0.1, -0.2, 0.2, -0.2, -0.3, 0.2],
-        [0.4, 0.1, -0.3, 0.4, 0.1, 0.5],
-        [0.0, 0.3, 0.1, -0.1, 0.4, -0.2],
-    ];
-    JointSpline::through(&offsets.map(|offset| centre + Joints::from(offset))).expect("four points")
-}
-
 /// Refused for `quantity`, and for nothing but what follows from it.
 fn named(row: &str, verification: &Verification, quantity: Quantity, least: f64) {
     let check = verification.worst_of(quantity).expect("looked at");
@@ -166,12 +146,8 @@ fn mutated(row: &str, arm: &Arm<6>, path: &dyn MotionPath<6>, kind: Kind) {
 #[test]
 fn the_checker_names_what_a_planner_without_or_with_higher_limits_breaks() {
     let arm = qb::arm();
-    let tool_path = half_circle(&arm);
-    let pose_move = PoseMove::starting_near(&arm, qb::to(), &Joints::from(qb::TO_NEAR)).expect("in reach");
-    let spline = way_points();
-    let paths: [(&str, &dyn MotionPath<6>); 3] =
-        [("tool path", &tool_path), ("pose move", &pose_move), ("joint spline", &spline)];
-    for (name, path) in paths {
+    for (name, path) in &paths_of_every_kind(&arm) {
+        let path = &**path;
         for kind in Kind::ALL {
             mutated(&format!("{kind:?} on a {name}"), &arm, path, kind);
         }

@@ -3,15 +3,15 @@
 //! A mutation is a planner that is told a limit a little higher than the true one, where that limit binds. Its law, held against
 //! the true limits, has to be refused by the name of that very limit, and the plan under the true limits has to hold.
 
+use crate::common::bent::paths_of_every_kind;
 use crate::qb;
 
-use arcfeed_geometry::{ArcLengthCurve, NurbsCurve, OrientationPath, PosePath};
 use arcfeed_interp::{
-    Extent, FeedSection, JointSpline, LimitError, Limits, MotionPath, PlanError, Planner, PoseMove, Quantity,
-    Requirement, RowsNeeded, Setpoint, ToolLimits, ToolPath, Verification, verify,
+    Extent, FeedSection, LimitError, Limits, MotionPath, PlanError, Planner, Quantity, Requirement, RowsNeeded,
+    Setpoint, ToolLimits, Verification, verify,
 };
 use arcfeed_kinematics::{Arm, InverseKinematics, Joints};
-use nalgebra::{Isometry3, Translation3, UnitQuaternion};
+use nalgebra::Translation3;
 
 const TOLERANCE: f64 = 1e-6;
 /// How much higher than the true one a mutated limit is; jerk, which a plan uses less evenly, is raised by more.
@@ -150,26 +150,6 @@ impl Setup {
     }
 }
 
-/// A half circle of the tool, pointing down: its curvature is the same everywhere.
-fn half_circle(arm: &Arm<6>) -> ToolPath<'_> {
-    let frame = Isometry3::translation(0.36, 0.0, 0.25);
-    let arc = NurbsCurve::<3>::arc(&frame, 0.1, -0.5 * std::f64::consts::PI, std::f64::consts::PI);
-    let curve = ArcLengthCurve::new(arc.expect("an arc"), 1e-15).expect("of some length");
-    let down = UnitQuaternion::from_euler_angles(std::f64::consts::PI, 0.0, 0.0);
-    ToolPath::new(arm, PosePath::new(curve, OrientationPath::Constant(down)), arm.range()).expect("in reach")
-}
-
-fn way_points() -> JointSpline<6> {
-    let centre = Joints::from([0.0, -1.1, 1.5, 0.0, 0.9, 0.0]);
-    let offsets = [
-        [-0.4, 0.2, -0.1, 0.3, 0.2, -0.5],
-        [0.1, -0.2, 0.2, -0.2, -0.3, 0.2],
-        [0.4, 0.1, -0.3, 0.4, 0.1, 0.5],
-        [0.0, 0.3, 0.1, -0.1, 0.4, -0.2],
-    ];
-    JointSpline::through(&offsets.map(|offset| centre + Joints::from(offset))).expect("four points")
-}
-
 /// Refused for `quantity`, and for nothing that does not follow from it.
 fn named(row: &str, verification: &Verification, quantity: Quantity, least: f64) {
     assert!(!verification.holds(TOLERANCE), "{row} was let through");
@@ -238,13 +218,9 @@ fn mutated(row: &str, arm: &Arm<6>, path: &dyn MotionPath<6>, kind: Kind) {
 #[test]
 fn the_checker_names_what_a_mutated_planner_breaks() {
     let arm = qb::arm();
-    let tool_path = half_circle(&arm);
-    let pose_move = PoseMove::starting_near(&arm, qb::to(), &Joints::from(qb::TO_NEAR)).expect("in reach");
-    let spline = way_points();
-    let paths: [(&str, &dyn MotionPath<6>); 3] =
-        [("tool path", &tool_path), ("pose move", &pose_move), ("joint spline", &spline)];
     let mut rows = 0;
-    for (name, path) in paths {
+    for (name, path) in &paths_of_every_kind(&arm) {
+        let path = &**path;
         for kind in Kind::ALL {
             let row = format!("{kind:?} on a {name}");
             let prescribed = path.tool(0.0).is_some();

@@ -52,9 +52,7 @@ impl OnToolPath for Plan<'_> {
     type Error = Failure;
 
     fn run<A: PathArm<N>, const N: usize>(self, task: Task<A, N>, warnings: Vec<String>) -> Result<PlanData, Failure> {
-        let fastest = task.tool_limits().feed().unwrap_or(self.job.feed.feed);
-        let fastest = self.job.sections.iter().fold(fastest, |feed, section| feed.max(section.feed));
-        few_enough(task.path().length() / fastest, self.job.period, LEVERS).map_err(other)?;
+        few_enough(task.least_duration(), task.period(), LEVERS).map_err(other)?;
         let (mut motion, compiled) = match self.compile {
             Some(tolerance) => {
                 let (motion, compiled, tool) = task.plan_compiled(tolerance)?;

@@ -207,9 +207,7 @@ impl OnToolPath for Work<'_> {
 
     fn run<A: PathArm<N>, const N: usize>(self, task: Task<A, N>, warnings: Vec<String>) -> Result<Report, Cr7Error> {
         let long = |source| Cr7Error::TooManySamples { file: task.name().to_owned(), source };
-        let fastest = task.tool_limits().feed().unwrap_or(self.job.feed.feed);
-        let fastest = self.job.sections.iter().fold(fastest, |feed, section| feed.max(section.feed));
-        few_enough(task.path().length() / fastest, self.job.period, LEVERS).map_err(long)?;
+        few_enough(task.least_duration(), task.period(), LEVERS).map_err(long)?;
         let mut motion = task.plan()?;
         motion.warn(warnings);
         few_enough(motion.trajectory().duration(), motion.trajectory().period(), LEVERS).map_err(long)?;

@@ -215,7 +215,7 @@ impl<A: PathArm<N> + Clone, const N: usize> ProgramTask<A, N> {
     /// A time that the motion certainly takes, s: for its paths at their highest feeds, and for its dwells.
     pub fn least_duration(&self) -> f64 {
         let least = |step: &ProgramStep<A, N>| match step {
-            ProgramStep::Path(task) => task.path().length() / task.tool_limits().feed().unwrap_or(f64::INFINITY),
+            ProgramStep::Path(task) => task.least_duration(),
             ProgramStep::Dwell(_, seconds, _) => *seconds,
             ProgramStep::Rapids(..) => 0.0,
         };

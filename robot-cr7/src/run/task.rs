@@ -240,6 +240,17 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
         self.drives.as_ref()
     }
 
+    /// A time that the motion certainly takes, s: along the whole path at its highest feed.
+    pub fn least_duration(&self) -> f64 {
+        let feed = self.limits.tool.feed().unwrap_or(f64::INFINITY);
+        self.path.length() / self.limits.sections.iter().fold(feed, |feed, section| feed.max(section.feed))
+    }
+
+    /// Control period, s.
+    pub fn period(&self) -> f64 {
+        self.period
+    }
+
     /// The planner of the speed.
     pub fn method(&self) -> Method {
         self.method

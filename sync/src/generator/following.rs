@@ -47,10 +47,15 @@ impl<const N: usize> Following<N> {
         limits: &[AxisLimits; N],
         ranges: &[PositionLimits; N],
     ) -> Result<Self, SyncError> {
+        Self::each(|k| coast(k, "present state", &start[k], &limits[k], &ranges[k]))
+    }
+
+    /// Every axis by itself.
+    fn each(mut motion: impl FnMut(usize) -> Result<Coast, SyncError>) -> Result<Self, SyncError> {
         let mut motions = [StateToState::default(); N];
         let mut axes = [Axis::new(0.0, false, Coast::default()); N];
         for k in 0..N {
-            axes[k].after = coast(k, "present state", &start[k], &limits[k], &ranges[k])?;
+            axes[k].after = motion(k)?;
             motions[k] = axes[k].after.motion;
         }
         Ok(Self { plan: Trajectory::of(motions), axes })
@@ -63,16 +68,13 @@ impl<const N: usize> Following<N> {
         limits: &[AxisLimits; N],
         ranges: &[PositionLimits; N],
     ) -> Result<Self, SyncError> {
-        let mut motions = [StateToState::default(); N];
-        let mut axes = [Axis::new(0.0, false, Coast::default()); N];
-        for k in 0..N {
+        Self::each(|k| {
             let after = StateToState::to_velocity(&start[k], velocity[k], 0.0, &limits[k])
                 .and_then(|_| Coast::to_velocity(&start[k], velocity[k], &limits[k], &ranges[k]))
                 .map_err(|source| SyncError::State { axis: k, source })?;
             check_stop(k, "present state", &after, &ranges[k])?;
-            (axes[k].after, motions[k]) = (after, after.motion);
-        }
-        Ok(Self { plan: Trajectory::of(motions), axes })
+            Ok(after)
+        })
     }
 
     /// Motions that end at rest, each in a whole number of cycles or a little earlier.

@@ -1,6 +1,8 @@
 //! An arm, limits and paths that the tests share.
 #![allow(dead_code, reason = "every test uses some of it")]
 
+pub mod bent;
+
 use std::f64::consts::PI;
 use std::sync::Arc;
 

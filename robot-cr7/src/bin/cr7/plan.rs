@@ -122,9 +122,7 @@ impl OnToolPath for Plan<'_> {
     fn run<A: PathArm<N>, const N: usize>(self, task: Task<A, N>, warnings: Vec<String>) -> Result<(), Failure> {
         let Self { args, job, mut staging, progress } = self;
         // A lower bound of the duration, before the work.
-        let fastest = task.tool_limits().feed().unwrap_or(job.feed.feed);
-        let fastest = job.sections.iter().fold(fastest, |feed, section| feed.max(section.feed));
-        few_enough(task.path().length() / fastest, job.period, LEVERS)?;
+        few_enough(task.least_duration(), task.period(), LEVERS)?;
         let path;
         let (mut motion, compiled) = match (args.stream, args.tolerance()) {
             (Some(ahead), _) => {
