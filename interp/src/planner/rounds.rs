@@ -53,7 +53,7 @@ impl<'a, const N: usize> Planner<'a, N> {
         }
         let mut chosen = self.choose_over_grids(&mut problem)?;
         self.choose_on_finer_grid(&mut problem, &mut chosen);
-        let (mut verifying, mut refined) = (Duration::ZERO, 1);
+        let (mut verifying, mut refined, mut finer_for_stuck) = (Duration::ZERO, 1, 0);
         let (mut rounds, mut margin, mut last_excess) = (0, 1.2 * SLIGHT, f64::INFINITY);
         let verification = loop {
             rounds += 1;
@@ -90,10 +90,11 @@ impl<'a, const N: usize> Planner<'a, N> {
                 continue;
             }
             let local = rounds <= LOCAL_ROUNDS && self.method == Method::JerkLimited;
-            // What a lower limit does not mend is seen by a finer grid.
-            let stuck = excess > STUCK * last_excess;
+            // What a lower limit does not mend may be seen by a finer grid; what that does not mend either, less of all limits does.
+            let stuck = excess > STUCK * last_excess && finer_for_stuck < FINER_ROUNDS;
             last_excess = excess;
             let parts = if (excess > COARSE && rounds <= FINER_ROUNDS) || stuck {
+                finer_for_stuck += usize::from(stuck);
                 self.parts_where_exceeded(&problem, &verification, &chosen.law)
             } else {
                 None
