@@ -69,12 +69,14 @@ impl Oscillator {
     /// With a natural frequency (Hz) and the part of the critical damping, 0 for none.
     ///
     /// # Errors
-    /// [`LimitError::Oscillator`] for a frequency that is not above 0 and at most 10 kHz, or a damping that is not from 0 to below 1.
+    /// [`LimitError::Oscillator`] for a frequency that is not from 1 mHz to 10 kHz, or a damping that is not from 0 to below 1.
     pub fn new(frequency: f64, damping: f64) -> Result<Self, LimitError> {
         // The highest frequency, Hz: far above what a drive excites, and each period takes some steps.
         const HIGHEST: f64 = 1e4;
-        if !(frequency > 0.0 && frequency <= HIGHEST) {
-            let rule = "a natural frequency is above 0 and at most 10000 Hz";
+        // The lowest one, Hz: a structure that takes a quarter of an hour to swing once is none.
+        const LOWEST: f64 = 1e-3;
+        if !(LOWEST..=HIGHEST).contains(&frequency) {
+            let rule = "a natural frequency is from 0.001 to 10000 Hz";
             return Err(LimitError::Oscillator { value: frequency, rule });
         }
         if !(0.0..1.0).contains(&damping) {

@@ -219,7 +219,7 @@ impl<const N: usize> JointTables<N> {
         Self { tables: std::array::from_fn(|_| std::array::from_fn(|_| None)) }
     }
 
-    /// With a table of one joint, counted from 0. A limit by speed counts as falling: where its table rises with the speed, the least
+    /// With a table of one joint, counted from 0, in place of one of this kind that it had. A limit by speed counts as falling: where its table rises with the speed, the least
     /// limit at lower speeds goes on.
     ///
     /// # Errors

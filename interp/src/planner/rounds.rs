@@ -40,9 +40,6 @@ impl<'a, const N: usize> Planner<'a, N> {
         const FINER_ROUNDS: usize = 2;
         // Rounds in which a limit is lowered only where it is exceeded; later ones lower it everywhere.
         const LOCAL_ROUNDS: usize = 6;
-        // By how much more all limits are lowered than the worst was exceeded, and by what at the most in one round.
-        const SLOWER: f64 = 0.999;
-        const MOST_SLOWER: f64 = 1.5;
         let begin = Instant::now();
         let needs = self.method.needs();
         let on_breaks = self.method.is_by_interval();
@@ -80,12 +77,7 @@ impl<'a, const N: usize> Planner<'a, N> {
                 break verification;
             }
             let excess = verification.worst().ratio - 1.0;
-            let rests = self.settings.ends == [0.0; 2];
-            if excess <= SLIGHT && problem.intervals() > LARGE && rests && self.method == Method::JerkLimited {
-                // Accelerations and jerks fall by more. The margin is for the setpoints of the slower motion, which lie elsewhere.
-                let slower = chosen.law.scaled(1.0 - excess - margin);
-                margin *= 2.0;
-                let slower = slower.map_err(|error| PlanError::from(problem.explained(error)))?;
+            if let Some(slower) = self.slower_as_a_whole(&problem, &chosen.law, excess, &mut margin)? {
                 chosen.law = slower;
                 continue;
             }
@@ -104,7 +96,7 @@ impl<'a, const N: usize> Planner<'a, N> {
                 refined *= FINER;
             } else if excess > COARSE && !local {
                 // Far too much of one limit is a place that the grid does not see: a slower motion is slower there as well.
-                used.lower_all(SLOWER / (1.0 + excess).min(MOST_SLOWER));
+                used.lower_all(less_of_all(excess));
             } else if local {
                 lower_where_exceeded(&mut used, &verification, &chosen.law, self.settings.period);
             } else {
@@ -115,6 +107,26 @@ impl<'a, const N: usize> Planner<'a, N> {
             chosen = again;
         };
         Err(unverified(&problem, &verification, needs > RowsNeeded::Points).into())
+    }
+
+    /// On a large grid a motion that exceeds limits slightly, slower as a whole; `margin` doubles from round to round.
+    fn slower_as_a_whole(
+        &self,
+        problem: &PathProblem<'_, N>,
+        law: &SpeedLaw,
+        excess: f64,
+        margin: &mut f64,
+    ) -> Result<Option<SpeedLaw>, PlanError> {
+        // A motion is not slowed as a whole by more than that; then limits are lowered where they are exceeded.
+        const MOST_MARGIN: f64 = 8.0 * SLIGHT;
+        let slight = excess <= SLIGHT && problem.intervals() > LARGE && *margin < MOST_MARGIN;
+        if !slight || self.settings.ends != [0.0; 2] || self.method != Method::JerkLimited {
+            return Ok(None);
+        }
+        // Accelerations and jerks fall by more. The margin is for the setpoints of the slower motion, which lie elsewhere.
+        let slower = law.scaled(1.0 - excess - *margin);
+        *margin *= 2.0;
+        Ok(Some(slower.map_err(|error| problem.explained(error))?))
     }
 
     fn choose(&self, problem: &PathProblem<'_, N>, used: &LimitFractions) -> Result<ChosenLaw, PlanError> {
@@ -213,4 +225,12 @@ impl<'a, const N: usize> Planner<'a, N> {
             slowed: used.everywhere(),
         }
     }
+}
+
+/// The part of all limits that is used where one is exceeded by far.
+fn less_of_all(excess: f64) -> f64 {
+    // By how much more all limits are lowered than the worst was exceeded, and by what at the most in one round.
+    const SLOWER: f64 = 0.999;
+    const MOST_SLOWER: f64 = 1.5;
+    SLOWER / (1.0 + excess).min(MOST_SLOWER)
 }

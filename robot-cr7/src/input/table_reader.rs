@@ -13,8 +13,40 @@ const PER_RADIAN: f64 = 180.0 / std::f64::consts::PI;
 impl JobCheck<'_> {
     /// The limits as tables, for the payload of the job.
     pub(crate) fn tables(&self, raw: &RawJob) -> Result<Vec<TableJob>, InputError> {
+        if let (None, Some(i)) = (raw.torque.payload_kg, raw.tables.iter().position(|table| table.payload_kg.is_some()))
+        {
+            let rule = "a table with payloads is for the payload of the job";
+            return Err(self.0.wrong(
+                &format!("tables[{i}].payload_kg"),
+                "given",
+                rule,
+                "give torque.payload_kg, 0 for none",
+            ));
+        }
         let payload = raw.torque.payload_kg.unwrap_or(0.0);
-        raw.tables.iter().enumerate().map(|(i, table)| self.table(i, table, payload, raw)).collect()
+        let tables: Vec<TableJob> = raw
+            .tables
+            .iter()
+            .enumerate()
+            .map(|(i, table)| self.table(i, table, payload, raw))
+            .collect::<Result<_, _>>()?;
+        for (i, table) in tables.iter().enumerate() {
+            let same = |other: &TableJob| {
+                other.kind == table.kind
+                    && (other.joint == table.joint || other.joint.is_none() || table.joint.is_none())
+            };
+            if let Some(before) = tables[..i].iter().position(same) {
+                let rule = "a joint has one table of a kind";
+                let value = format!("for a joint and a limit that tables[{before}] has too");
+                return Err(self.0.wrong(
+                    &format!("tables[{i}]"),
+                    value,
+                    rule,
+                    "make one table of both, with the least limits",
+                ));
+            }
+        }
+        Ok(tables)
     }
 
     fn table(&self, index: usize, raw: &RawTable, payload: f64, job: &RawJob) -> Result<TableJob, InputError> {
@@ -202,7 +234,7 @@ impl JobCheck<'_> {
         };
         let damping = raw.damping.unwrap_or(0.0);
         if Oscillator::new(frequency, 0.0).is_err() {
-            let rule = "a natural frequency is above 0 and at most 10000";
+            let rule = "a natural frequency is from 0.001 to 10000";
             return Err(self.0.wrong(&key("frequency_hz"), frequency, rule, "give the frequency in Hz"));
         }
         let oscillator = Oscillator::new(frequency, damping).map_err(|_| {

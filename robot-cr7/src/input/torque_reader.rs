@@ -11,7 +11,8 @@ impl JobCheck<'_> {
         let raw = &job.torque;
         let limit = raw.limit_nm.as_ref().map(|values| self.0.limits("torque.limit_nm", values, 1.0)).transpose()?;
         let rated = raw.rated_nm.as_ref().map(|values| self.0.limits("torque.rated_nm", values, 1.0)).transpose()?;
-        let mass = self.0.limit("torque.payload_kg", raw.payload_kg, 1.0)?;
+        // No load is a load of 0 kg, which tables by payload ask for.
+        let mass = self.0.limit("torque.payload_kg", raw.payload_kg.filter(|mass| *mass != 0.0), 1.0)?;
         let centre = raw.payload_centre_mm.map(|mm| self.0.finite("torque.payload_centre_mm", mm)).transpose()?;
         let without = |key: &str, rule, remedy| Err(self.0.wrong(key, "given", rule, remedy));
         if centre.is_some() && mass.is_none() {

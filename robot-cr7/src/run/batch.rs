@@ -100,7 +100,13 @@ impl BatchItem {
             return Self { id, robot, job: Ok(Box::default()) };
         }
         let job = toml::to_string(&tables).map_err(|error| format!("{place}: {error}")).and_then(|text| {
-            Job::from_bytes(text.as_bytes(), file).map_err(|error| format!("line {number} of {error}"))
+            Job::from_bytes(text.as_bytes(), file).map_err(|error| {
+                // The lines that it names are those of another form of the job.
+                let text = error.to_string();
+                let own = text.strip_prefix(&file.display().to_string()).unwrap_or(&text);
+                let own = own.trim_start_matches(|c: char| c == ':' || c.is_ascii_digit()).trim_start();
+                format!("{place}: {own}")
+            })
         });
         Self { id, robot, job: job.map(Box::new) }
     }
@@ -173,16 +179,16 @@ impl BatchItem {
             None => butterfly(),
         };
         let file = file.map_err(|error| error.to_string())?;
-        let work = Work { job, to };
+        let work = Work { job, to: to.as_deref() };
         let done = match ProgramTask::is_needed(job, &file) {
             true => robot.on_program(job, &file, work),
             false => robot.on_tool_path(job, &file, work),
         };
-        let report = done.map_err(|error| error.to_string())?;
-        match report.limits.iter().find(|line| !line.holds()) {
-            Some(line) => Err(format!("{} reaches {:.4} % of its limit", line.name, 100.0 * line.ratio)),
-            None => Ok(report),
-        }
+        done.map_err(|Failure(what)| {
+            // What an earlier run of another job of this name has left there is not its trajectory.
+            let _ = to.as_ref().map(std::fs::remove_file);
+            what
+        })
     }
 
     /// The file of the trajectory. A name that would lead elsewhere is refused.
@@ -195,17 +201,34 @@ impl BatchItem {
     }
 }
 
+/// Why a job has no motion.
+struct Failure(String);
+
+impl From<Cr7Error> for Failure {
+    fn from(error: Cr7Error) -> Self {
+        Self(error.to_string())
+    }
+}
+
+/// Refuses a motion that exceeds a limit, before anything is written.
+fn held(report: Report) -> Result<Report, Failure> {
+    match report.limits.iter().find(|line| !line.holds()) {
+        Some(line) => Err(Failure(format!("{} reaches {:.4} % of its limit", line.name, 100.0 * line.ratio))),
+        None => Ok(report),
+    }
+}
+
 /// What is done with each job.
 struct Work<'a> {
     job: &'a Job,
-    to: Option<PathBuf>,
+    to: Option<&'a Path>,
 }
 
 impl OnToolPath for Work<'_> {
     type Output = Report;
-    type Error = Cr7Error;
+    type Error = Failure;
 
-    fn run<A: PathArm<N>, const N: usize>(self, task: Task<A, N>, warnings: Vec<String>) -> Result<Report, Cr7Error> {
+    fn run<A: PathArm<N>, const N: usize>(self, task: Task<A, N>, warnings: Vec<String>) -> Result<Report, Failure> {
         let long = |source| Cr7Error::TooManySamples { file: task.name().to_owned(), source };
         few_enough(task.least_duration(), task.period(), LEVERS).map_err(long)?;
         let mut motion = task.plan()?;
@@ -213,24 +236,24 @@ impl OnToolPath for Work<'_> {
         few_enough(motion.trajectory().duration(), motion.trajectory().period(), LEVERS).map_err(long)?;
         let begin = Instant::now();
         let setpoints = motion.setpoints().map_err(|error| task.error(error.into()))?;
-        let samples = setpoints.samples();
-        if let Some(file) = &self.to {
+        let report = held(motion.report(setpoints.samples(), begin.elapsed()))?;
+        if let Some(file) = self.to {
             let rows = setpoints.collect::<Result<Vec<_>, _>>().map_err(|error| task.error(error))?;
-            write_trajectory(file, rows.iter().map(TrajectoryRow::from))?;
+            write_trajectory(file, rows.iter().map(TrajectoryRow::from)).map_err(Cr7Error::from)?;
         }
-        Ok(motion.report(samples, begin.elapsed()))
+        Ok(report)
     }
 }
 
 impl OnProgram for Work<'_> {
     type Output = Report;
-    type Error = Cr7Error;
+    type Error = Failure;
 
     fn run<A: PathArm<N> + Clone, const N: usize>(
         self,
         task: ProgramTask<A, N>,
         warnings: Vec<String>,
-    ) -> Result<Report, Cr7Error> {
+    ) -> Result<Report, Failure> {
         let long = |source| Cr7Error::TooManySamples { file: task.name().to_owned(), source };
         few_enough(task.least_duration(), task.period(), LEVERS).map_err(long)?;
         let mut motion = task.plan()?;
@@ -250,9 +273,10 @@ impl OnProgram for Work<'_> {
             }
         }
         let check = check.finish(self.job.feed.end_speeds[1] == 0.0);
-        if let Some(file) = &self.to {
-            write_trajectory(file, rows)?;
+        let report = held(motion.report(&check, count, begin.elapsed()))?;
+        if let Some(file) = self.to {
+            write_trajectory(file, rows).map_err(Cr7Error::from)?;
         }
-        Ok(motion.report(&check, count, begin.elapsed()))
+        Ok(report)
     }
 }

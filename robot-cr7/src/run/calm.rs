@@ -13,6 +13,7 @@ use super::error::Cr7Error;
 use super::side_effects::VibrationLine;
 use super::task::Task;
 use super::task_limits::TaskLimits;
+use crate::text::number;
 
 /// The jerk is halved so often at the most.
 const HALVINGS: usize = 14;
@@ -45,6 +46,11 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
         };
         let holds =
             |trajectory: &Trajectory<'p, N>| Ok::<_, Cr7Error>(worst(trajectory)?.is_none_or(|line| line.holds()));
+        if !self.method().limits_jerk() {
+            return Err(self.residual(
+                "the planner of the job limits no jerk: choose plan.planner = \"jerk-limited\", or remove the limit",
+            ));
+        }
         let mut trajectory = plan(1.0)?;
         if holds(&trajectory)? {
             return Ok((trajectory, 1.0));
@@ -72,6 +78,11 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
         Ok((trajectory, low))
     }
 
+    /// A limit on residual vibration that cannot be kept here.
+    pub(crate) fn residual(&self, why: &'static str) -> Cr7Error {
+        Cr7Error::Residual { file: self.file().to_owned(), why }
+    }
+
     fn shaking(&self, worst: Option<VibrationLine>, factor: f64) -> Cr7Error {
         let words = |line: &VibrationLine| {
             let limit = line.residual_limit.map(|limit| line.shown(limit)).unwrap_or_default();
@@ -79,6 +90,6 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
             (format!("{}: {} after the end, above {limit}", line.place(), line.shown(line.residual)), key)
         };
         let (what, key) = worst.as_ref().map(words).unwrap_or_default();
-        Cr7Error::Shaking { file: self.file().to_owned(), what, factor, key }
+        Cr7Error::Shaking { file: self.file().to_owned(), what, factor: number(factor), key }
     }
 }

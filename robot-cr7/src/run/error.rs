@@ -120,9 +120,17 @@ pub enum Cr7Error {
         /// Which structure, its deflection and its limit.
         what: String,
         /// The lowest part of the jerk that was tried.
-        factor: f64,
+        factor: String,
         /// The key of the limit.
         key: &'static str,
+    },
+    /// A limit on residual vibration where none can be kept: exit code 2.
+    #[error("{file}: the job limits a residual vibration (residual_limit_mm, residual_limit_deg), and {why}")]
+    Residual {
+        /// The file, or the name of an embedded path.
+        file: String,
+        /// Why not, and the way out.
+        why: &'static str,
     },
     /// The motion cannot be made of polynomials that keep the limits: exit code 1.
     #[error("{file}, compiled: {source}")]

@@ -136,6 +136,10 @@ impl<A: PathArm<N> + Clone, const N: usize> ProgramTask<A, N> {
         check_waits(program)?;
         let items = items(program, job.rapid.kind);
         check_end_speeds(job, program, &items)?;
+        if job.vibrations.iter().any(|vibration| vibration.limit.is_some()) {
+            let why = "a program with dwells or joint moves is not made calmer as a whole: remove the limit, or these";
+            return Err(Cr7Error::Residual { file: file.file.display().to_string(), why });
+        }
         let placed = place(job, file, &items)?;
         let mut notes = FeedNotes::default();
         placed.iter().for_each(|path| notes.and(&path.notes));
@@ -171,7 +175,7 @@ impl<A: PathArm<N> + Clone, const N: usize> ProgramTask<A, N> {
         }
         let warnings = file.warnings.iter().chain(&job.warnings).cloned();
         let warnings = warnings.chain(notes.words(job)).chain(of_paths).chain(skipped_words(program));
-        let warnings = warnings.chain(unused_rotary(job, &items)).collect();
+        let warnings = warnings.chain(unused_rotary(job, &items)).chain(unused_rated(job)).collect();
         Ok(Self { name: file.name.clone(), file: file.file.display().to_string(), steps, period: job.period, warnings })
     }
 
@@ -221,6 +225,12 @@ impl<A: PathArm<N> + Clone, const N: usize> ProgramTask<A, N> {
         };
         self.steps.iter().map(least).sum()
     }
+}
+
+/// That rated torques are not looked at.
+fn unused_rated(job: &Job) -> Option<String> {
+    let rated = job.torque.as_ref()?.rated.as_ref();
+    rated.map(|_| "torque.rated_nm is not looked at: the program has dwells or joint moves".to_owned())
 }
 
 /// That rotary words of rapid moves are not used, because the job turns the tool along the paths.

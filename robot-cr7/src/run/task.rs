@@ -357,6 +357,9 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
         })?;
         let CompiledPlan { trajectory, compiled, tool } = plan;
         let mut motion = self.motion(trajectory, None)?;
+        if motion.vibration().iter().any(|line| !line.holds()) {
+            return Err(self.residual("the motion was made slower for its polynomials, which shakes more: raise the limit, or leave out --compile-rad"));
+        }
         let by_vectors = self.limits.tool.acceleration().is_some() || self.limits.tool.jerk().is_some();
         if by_vectors || !self.limits.tables.is_empty() {
             motion.warnings.push(UNCERTIFIED.to_owned());
@@ -397,6 +400,9 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
         look_ahead: usize,
         gap: f64,
     ) -> Result<Motion<'t, N>, Cr7Error> {
+        if self.vibrations.iter().any(|vibration| vibration.limit.is_some()) {
+            return Err(self.residual("a stream is not made calmer: leave out --stream, or the limit"));
+        }
         let fail = |source| self.error(source);
         let speed = |error: FeedError| fail(PlanError::Speed(error.into()));
         let scan = Method::PerSegment { window: None };

@@ -60,8 +60,9 @@ fn every_job_has_its_result_and_none_is_done_twice() {
 
     // Nothing is done again; a job that is new is done.
     desk.write("jobs.jsonl", &(JOBS.to_owned() + "{\"id\": \"g\", \"path\": {\"file\": \"six.json\"}}\n"));
-    let run = desk.run(&["batch", "jobs.jsonl"]).done();
-    assert!(run.stdout.starts_with("1 motions,") && run.stdout.contains("7 jobs had a result before"), "{run:?}");
+    let run = desk.run(&["batch", "jobs.jsonl", "--trajectories"]);
+    assert!(run.code == 1 && run.stdout.starts_with("1 motions,"), "{run:?}");
+    assert!(run.stdout.contains("7 jobs had a result before, 5 of them a failure"), "{run:?}");
     let second = results(&desk);
     assert_eq!(&second[..7], &first[..]);
 
@@ -70,6 +71,10 @@ fn every_job_has_its_result_and_none_is_done_twice() {
     let tally: serde_json::Value = serde_json::from_str(&run.stdout).expect("JSON");
     assert_eq!((&tally["done"], &tally["failed"], &tally["skipped"]), (&0.into(), &5.into(), &3.into()), "{run:?}");
     assert_eq!(results(&desk).len(), 8);
+    // A trajectory that is missing is made.
+    std::fs::remove_file(desk.folder.join("batch/trajectories/b.csv")).expect("written before");
+    let run = desk.run(&["batch", "jobs.jsonl", "--trajectories"]);
+    assert!(run.stdout.starts_with("1 motions,") && desk.folder.join("batch/trajectories/b.csv").exists(), "{run:?}");
 }
 
 #[test]
@@ -104,6 +109,9 @@ fn a_folder_of_job_files_is_a_batch_and_names_that_lead_elsewhere_are_refused() 
     desk.write("twice.jsonl", "{\"id\": \"x\"}\n{\"id\": \"x\"}\n");
     let run = desk.run(&["batch", "twice.jsonl", "--out", "third"]);
     assert!(run.code == 2 && run.stderr.contains("twice.jsonl:2: id \"x\" is that of line 1"), "{run:?}");
+    desk.write("number.jsonl", "{\"id\": \"2\"}\n{\"feed\": {\"feed_mm_s\": 20}}\n");
+    let run = desk.run(&["batch", "number.jsonl", "--out", "fourth"]);
+    assert!(run.code == 2 && run.stderr.contains("number.jsonl:2: id \"2\" is that of line 1"), "{run:?}");
     desk.write("empty.jsonl", "\n");
     assert_eq!(desk.run(&["batch", "empty.jsonl"]).code, 2);
 }

@@ -32,7 +32,7 @@ A line holds the tables of a job file as JSON, and beside them a name and a robo
   {\"id\": \"a1\", \"robot\": \"ur5e\", \"path\": {\"file\": \"part.json\"}, \"feed\": {\"feed_mm_s\": 50}}
 
 Each result is a line of OUT/results.jsonl. A batch that was interrupted goes on where it was: what has a result is not done again.
-Exit code 1 if any job has no motion.")]
+A result belongs to a name: a job that has changed under its old name is not done again. Exit code 1 if any job has no motion.")]
 pub struct Args {
     /// A folder of job files (.toml), or a file with a job on each line (.jsonl)
     jobs: PathBuf,
@@ -78,8 +78,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let folder = trajectories.as_deref().unwrap_or(&args.out);
     fs::create_dir_all(folder).map_err(|source| unwritable(folder, source))?;
     let results = args.out.join(RESULTS);
-    let earlier = read_results(&results, args.retry)?;
-    let done: HashSet<&str> = earlier.iter().map(|result| result.id.as_str()).collect();
+    let mut earlier = read_results(&results, args.retry)?;
+    if let Some(folder) = &trajectories {
+        // A motion without its trajectory is made again.
+        earlier.retain(|result| result.error.is_some() || folder.join(format!("{}.csv", result.id)).exists());
+    }
+    let done: HashMap<&str, bool> = earlier.iter().map(|result| (result.id.as_str(), result.error.is_some())).collect();
     let mut file = begin(&results, &earlier).map_err(|source| unwritable(&results, source))?;
 
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
@@ -89,14 +93,17 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let next = AtomicUsize::new(0);
     let mut tally = Tally::default();
     std::thread::scope(|scope| -> Result<(), InputError> {
-        let (sender, receiver) = channel::<Option<BatchResult>>();
+        let (sender, receiver) = channel::<Result<BatchResult, bool>>();
         for _ in 0..workers {
             let (sender, sources, next, done, trajectories) = (sender.clone(), &sources, &next, &done, &trajectories);
             scope.spawn(move || {
                 while let Some(source) = sources.get(next.fetch_add(1, Ordering::Relaxed)) {
                     let item = source.item(args);
-                    let new = !done.contains(item.id.as_str());
-                    if sender.send(new.then(|| item.run(trajectories.as_deref()))).is_err() {
+                    let result = match done.get(item.id.as_str()) {
+                        Some(failed) => Err(*failed),
+                        None => Ok(item.run(trajectories.as_deref())),
+                    };
+                    if sender.send(result).is_err() {
                         return;
                     }
                 }
@@ -104,9 +111,13 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         }
         drop(sender);
         for result in receiver {
-            let Some(result) = result else {
-                tally.skipped += 1;
-                continue;
+            let result = match result {
+                Ok(result) => result,
+                Err(failed) => {
+                    tally.skipped += 1;
+                    tally.failed_before += usize::from(failed);
+                    continue;
+                }
             };
             let line = serde_json::to_string(&result).unwrap_or_default() + "\n";
             file.write_all(line.as_bytes()).map_err(|source| {
@@ -136,6 +147,8 @@ struct Tally {
     done: usize,
     failed: usize,
     skipped: usize,
+    /// Those of them that had failed.
+    failed_before: usize,
     /// Sum of the durations of the motions, s.
     motion_s: f64,
     /// Time of the whole batch, s.
@@ -171,7 +184,11 @@ fn conclude(args: &Args, tally: &Tally, results: &Path) -> Result<(), Failure> {
             tally.seconds
         );
         if tally.skipped > 0 {
-            say!("{} jobs had a result before", tally.skipped);
+            let failed = match tally.failed_before {
+                0 => String::new(),
+                failed => format!(", {failed} of them a failure: --retry does these again"),
+            };
+            say!("{} jobs had a result before{failed}", tally.skipped);
         }
         for (id, error) in &tally.failures {
             say!("! {id}: {error}");
@@ -181,7 +198,7 @@ fn conclude(args: &Args, tally: &Tally, results: &Path) -> Result<(), Failure> {
         }
         say!("  wrote {}", results.display());
     }
-    match tally.failed {
+    match tally.failed + tally.failed_before {
         0 => Ok(()),
         failed => Err(Failure::Undoable(format!("{failed} jobs have no motion; {} says why", results.display()))),
     }
@@ -199,6 +216,13 @@ fn sources(jobs: &Path) -> Result<Vec<Source>, Failure> {
             }
         }
         sources.sort();
+        let mut names = HashSet::new();
+        for file in &sources {
+            let stem = file.file_stem().unwrap_or_default().to_string_lossy().to_lowercase();
+            if !names.insert(stem) {
+                return Err(Failure::BadInput(format!("{}: another job file has this name", file.display())));
+            }
+        }
         if sources.is_empty() {
             return Err(Failure::BadInput(format!("{}: no job file (.toml) in this folder", jobs.display())));
         }
@@ -212,9 +236,8 @@ fn sources(jobs: &Path) -> Result<Vec<Source>, Failure> {
         if line.trim().is_empty() {
             continue;
         }
-        if let Some(id) = BatchItem::id_of(&line)
-            && let Some(before) = names.insert(id.clone(), i + 1)
-        {
+        let id = BatchItem::id_of(&line).unwrap_or_else(|| (i + 1).to_string());
+        if let Some(before) = names.insert(id.to_lowercase(), i + 1) {
             let what =
                 format!("{}:{}: id \"{id}\" is that of line {before}: give each job its own", jobs.display(), i + 1);
             return Err(Failure::BadInput(what));
