@@ -85,12 +85,10 @@ impl<'a, const N: usize> Planner<'a, N> {
             // What a lower limit does not mend may be seen by a finer grid; what that does not mend either, less of all limits does.
             let stuck = excess > STUCK * last_excess && finer_for_stuck < FINER_ROUNDS;
             last_excess = excess;
-            let parts = if (excess > COARSE && rounds <= FINER_ROUNDS) || stuck {
-                finer_for_stuck += usize::from(stuck);
-                self.parts_where_exceeded(&problem, &verification, &chosen.law)
-            } else {
-                None
-            };
+            finer_for_stuck += usize::from(stuck);
+            let finer = (excess > COARSE && rounds <= FINER_ROUNDS) || stuck;
+            let parts = || self.parts_where_exceeded(&problem, &verification, &chosen.law);
+            let parts = finer.then(parts).flatten();
             if let Some(parts) = parts {
                 problem = problem.refined(|k| parts[k])?;
                 refined *= FINER;
