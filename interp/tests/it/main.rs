@@ -19,6 +19,7 @@ mod recorded;
 mod refusals;
 mod sampling;
 mod singular;
+mod singular_passages;
 mod six_joints;
 mod verify;
 
