@@ -30,7 +30,8 @@ const OFF_PATH: f64 = 1e-7;
 const TURNED: f64 = 2e-7;
 /// Largest difference of the first derivative of the tool point from that of the path, per unit of the parameter, m.
 const FIRST: f64 = 2e-7;
-/// Largest difference of its second derivative, per unit of the parameter squared, m.
+/// Largest difference of its second derivative, per unit of the parameter squared, m; relative to that of the path where it is above 1,
+/// as a bend of the path bounds the speed.
 const SECOND: f64 = 1e-4;
 
 /// An interval of a path with a singular pose inside, and the joints there.
@@ -165,9 +166,10 @@ impl<const N: usize> Passage<N> {
             let (pose, jacobian) = (at.pose(), at.jacobian());
             let [linear, angular] = norms(jacobian * jet.d1 - tool.d1);
             let [second, _] = norms(jacobian * jet.d2 + at.acceleration_bias(&jet.d1) - tool.d2);
+            let bend = norms(tool.d2)[0].max(1.0);
             let off = (pose.translation.vector - tool.pose.translation.vector).norm() + half * linear;
             let turned = pose.rotation.angle_to(&tool.pose.rotation) + half * angular;
-            [off / OFF_PATH, turned / TURNED, linear / FIRST, second / SECOND].into_iter().fold(0.0, larger)
+            [off / OFF_PATH, turned / TURNED, linear / FIRST, second / (SECOND * bend)].into_iter().fold(0.0, larger)
         };
         (0..=INTERVALS).map(at).fold(0.0, larger)
     }
