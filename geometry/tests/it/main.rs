@@ -3,6 +3,7 @@
 mod arc_length;
 mod blend_shape;
 mod blending;
+mod clamped_ends;
 mod close_knots;
 mod common;
 #[cfg(feature = "fit")]

@@ -49,7 +49,7 @@ pub(crate) fn rounding<const N: usize>(arm: &dyn PathArm<N>, q: &Joints<N>) -> J
         let mut first = Twist::zeros();
         first[row] = if row < 3 { position } else { orientation };
         let tool = ToolDerivatives { first, second: Twist::zeros(), third: Twist::zeros() };
-        // At a singular pose nothing is allowed: no plan leads there.
+        // Through a singular pose the joints are a polynomial, which has no such rounding.
         let Ok(step) = arm.derivatives(q, &tool) else { return moved };
         moved += step.first.abs();
     }

@@ -8,6 +8,7 @@ mod joint_lines;
 mod joint_spline;
 mod locked;
 mod motion_path;
+mod passage;
 mod pose_move;
 mod tool_path;
 mod way_points;

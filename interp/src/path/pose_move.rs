@@ -3,10 +3,11 @@
 use arcfeed_geometry::{PoseJet, PoseMotion};
 use arcfeed_kinematics::{AnalyticInverse, JointRange, Joints};
 
-use super::configuration::select_configuration;
+use super::configuration::{Walked, find_passages, select_configuration};
 use super::inverse;
 use super::jet::JointJet;
 use super::motion_path::MotionPath;
+use super::passage::{Passage, passage_at};
 use crate::arm::PathArm;
 use crate::error::PathError;
 use crate::place::PathParameter;
@@ -17,11 +18,14 @@ const STANDSTILL: f64 = 1e-12;
 
 /// A [`PoseMotion`] that an arm follows on one branch of its inverse: pure translation, pure orientation or both in step
 /// (Quaternion-Based Velocity Scheduling for Robotic Systems, Electronics 2025, 14, 3869, section 2.4).
-#[derive(Clone, Copy)]
+///
+/// Smooth passages through singular poses are as those of a [`ToolPath`](crate::ToolPath).
+#[derive(Clone)]
 pub struct PoseMove<'a, const N: usize = 6> {
     arm: &'a dyn PathArm<N>,
     motion: PoseMotion,
     start: Joints<N>,
+    passages: Vec<Passage<N>>,
 }
 
 impl<const N: usize> std::fmt::Debug for PoseMove<'_, N> {
@@ -40,11 +44,11 @@ impl<'a, const N: usize> PoseMove<'a, N> {
     where
         A: PathArm<N> + AnalyticInverse<N>,
     {
-        let bare = Self { arm, motion, start: Joints::zeros() };
+        let bare = Self { arm, motion, start: Joints::zeros(), passages: Vec::new() };
         let refused = |source| PathError::Arm { place: bare.place(0.0), source };
         let candidates = arm.inverse_all(motion.start()).map_err(refused)?;
-        let (_, start) = select_configuration(&bare, arm, candidates.iter(), range)?;
-        Ok(Self { start, ..bare })
+        let Walked { start, passages, .. } = select_configuration(&bare, arm, candidates.iter(), range)?;
+        Ok(Self { start, passages, ..bare })
     }
 
     /// The motion from that configuration at its start pose which is nearest to `near` (rad).
@@ -52,10 +56,11 @@ impl<'a, const N: usize> PoseMove<'a, N> {
     /// # Errors
     /// [`PathError::Arm`] when the arm cannot stand there.
     pub fn starting_near<A: PathArm<N>>(arm: &'a A, motion: PoseMotion, near: &Joints<N>) -> Result<Self, PathError> {
-        let bare = Self { arm, motion, start: Joints::zeros() };
+        let bare = Self { arm, motion, start: Joints::zeros(), passages: Vec::new() };
         let refused = |source| PathError::Arm { place: bare.place(0.0), source };
         let start = arm.inverse(motion.start(), near).map_err(refused)?;
-        Ok(Self { start, ..bare })
+        let passages = find_passages(&bare, arm, &start);
+        Ok(Self { start, passages, ..bare })
     }
 
     /// The motion between poses.
@@ -78,8 +83,11 @@ impl<const N: usize> MotionPath<N> for PoseMove<'_, N> {
     }
 
     fn jet(&self, s: f64, near: &Joints<N>) -> Result<JointJet<N>, PathError> {
-        let jet = inverse::jet_near(self.arm, s, &self.motion.jet(s), near)
-            .map_err(|source| PathError::Arm { place: self.place(s), source })?;
+        let jet = match passage_at(&self.passages, s) {
+            Some(passage) => passage.jet(s),
+            None => inverse::jet_near(self.arm, s, &self.motion.jet(s), near)
+                .map_err(|source| PathError::Arm { place: self.place(s), source })?,
+        };
         Ok(JointJet { d1: settled(jet.d1), d2: settled(jet.d2), d3: settled(jet.d3), ..jet })
     }
 

@@ -20,6 +20,7 @@ mod recorded;
 mod refusals;
 mod sampling;
 mod singular;
+mod singular_passages;
 mod six_joints;
 mod verify;
 mod vibration;

@@ -20,7 +20,7 @@ pub(crate) fn live_error(file: &str, error: LiveError) -> Cr7Error {
 }
 
 pub(crate) fn plan_error(file: &str, source: PlanError) -> Cr7Error {
-    let hint = unit_hint(&source);
+    let hint = unit_hint(&source) + branch_hint(&source);
     Cr7Error::Plan { file: file.to_owned(), source: Box::new(source), hint }
 }
 
@@ -52,6 +52,24 @@ pub(crate) fn reach_hint(path: &PosePath, error: &PlanError) -> String {
 /// The line of the file at which a plan fails, to follow its message.
 pub(crate) fn line_words(outline: &Outline, error: &PlanError) -> String {
     error.place().map(|place| outline.words_at(place.s)).unwrap_or_default()
+}
+
+/// The keys that choose another branch, where the arm is singular on this one.
+fn branch_hint(error: &PlanError) -> &'static str {
+    fn is_singular(error: &PathError) -> bool {
+        match error {
+            PathError::Arm { source: KinematicsError::Singular { .. }, .. } | PathError::Singular { .. } => true,
+            PathError::NoConfiguration { best, .. } => is_singular(best),
+            _ => false,
+        }
+    }
+    match error {
+        PlanError::Path(error) if is_singular(error) => {
+            "; the joints would have to turn fast there: another branch is chosen by start.configuration or start.near_deg (arms of \
+             six joints)"
+        }
+        _ => "",
+    }
 }
 
 /// A mix-up of millimetres and metres shows as a path that is metres out of reach.
