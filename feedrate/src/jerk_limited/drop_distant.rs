@@ -9,7 +9,7 @@ const DISTANT_FROM_BOUND: f64 = 0.6;
 
 /// But not a jerk row of a limit that is near its bound so many places before or after, on a grid of up to so many intervals. On a
 /// finer one the same way has more places.
-const BESIDE_NEAR: usize = 16;
+const BESIDE_NEAR: usize = 8;
 const BESIDE_NEAR_UP_TO: usize = 3000;
 
 impl BarrierProblem {

@@ -42,12 +42,9 @@ const NEAR_GAPS: [f64; 2] = [0.05, 0.004];
 
 /// Grids of more intervals than this are planned on one point of so many first, to so much of the duration, and these likewise: then
 /// the number of iterations hardly grows with the number of intervals.
-const COARSE_FROM: usize = 800;
-const COARSER: usize = 5;
+const COARSE_FROM: usize = 3000;
+const COARSER: usize = 8;
 const COARSE_TOLERANCE: f64 = 1e-2;
-
-/// The part of the tolerance that is aimed at from there: an iteration more does not cost much then.
-const NEAR_PART: f64 = 0.25;
 
 /// Largest excess over a limit between the grid points of a motion that cannot be slowed down.
 const LARGEST_EXCESS: f64 = 1e-7;
@@ -101,23 +98,16 @@ impl Passes<'_> {
         } else {
             None
         };
-        let is_near = near.is_some() || again.is_some();
-        let mut to_drop = attempt.drop_distant;
-        if let Some((_, law)) = near.as_ref().filter(|_| to_drop) {
-            // The shape is known.
-            barrier_problem.knots.evaluate(law, &mut solver.values);
-            barrier_problem.drop_distant(&solver.values, |_| ());
-            to_drop = false;
-        }
-        let near = near.map(|(start, _)| start);
+        let is_near = near.is_some();
         let start = again.or(near).unwrap_or_else(|| start::start(prepared, &mut barrier_problem));
         let [start_gap, drop_below] = if is_near { NEAR_GAPS } else { GAPS };
         // A law to start from is a part of the duration off, however little there is to gain.
         let shortest = if self.rough { 0.0 } else { part.shortest(problem, fastest) };
         let goal = Goal { tolerance: self.tolerance, shortest, start_gap, drop_below };
-        if let Some(before) = attempt.before.filter(|_| to_drop) {
-            // Not that of the start, which may be much slower.
-            barrier_problem.knots.evaluate(&before.c, &mut solver.values);
+        let mut to_drop = attempt.drop_distant;
+        if to_drop && attempt.before.is_some() {
+            // The shape is known.
+            barrier_problem.knots.evaluate(&start, &mut solver.values);
             barrier_problem.drop_distant(&solver.values, |_| ());
             to_drop = false;
         }
@@ -155,8 +145,7 @@ impl Passes<'_> {
             if 2 * thin.intervals() <= problem.intervals()
                 && let Ok(plan) = coarse.plan(&thin)
             {
-                return Passes { tolerance: NEAR_PART * self.tolerance, near: Some(&plan.law), ..*self }
-                    .plan_on_all(problem);
+                return Passes { near: Some(&plan.law), ..*self }.plan_on_all(problem);
             }
         }
         self.plan_on_all(problem)

@@ -21,7 +21,7 @@ const NEAR_PART: f64 = 0.25;
 /// ([`PathDerivatives::with_steps`](crate::constraint::PathDerivatives::with_steps)), the speed dips as
 /// far as the limits on jerk ask for.
 ///
-/// Time and memory grow with the number of rows. A grid of more than 800 intervals is planned on a part
+/// Time and memory grow with the number of rows. A grid of more than 3000 intervals is planned on a part
 /// of its points first, so that the iterations on all of them are 12 to 17, however many there are. More than 200 000 intervals or five
 /// million rows (some 160 000 intervals of a six-axis arm) are refused: such a path is better
 /// planned on a coarser grid, which keeps the limits between its points as well.

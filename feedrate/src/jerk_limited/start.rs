@@ -17,7 +17,7 @@ const POOR: f64 = 0.1;
 
 /// The same for a start along a law that the solution is close to, and what is not close any more.
 const NEAR_FRACTION: f64 = 0.95;
-const NEAR: f64 = 0.5;
+const NEAR: f64 = 0.7;
 
 /// The part of the way to the nearest limit that the start takes.
 const START_FRACTION: f64 = 0.9;
@@ -155,13 +155,8 @@ pub(super) fn along_law(prepared: &Prepared<'_>, barrier_problem: &mut BarrierPr
     start(prepared, barrier_problem)
 }
 
-/// Coefficients along a law that the solution is close to, slowed down as a whole to be strictly inside, and those of the law itself;
-/// none where that takes much.
-pub(super) fn near(
-    problem: &FeedProblem,
-    barrier_problem: &BarrierProblem,
-    law: &SpeedLaw,
-) -> Option<(Vec<f64>, Vec<f64>)> {
+/// Coefficients along a law that the solution is close to, slowed down as a whole to be strictly inside; none where that takes much.
+pub(super) fn near(problem: &FeedProblem, barrier_problem: &BarrierProblem, law: &SpeedLaw) -> Option<Vec<f64>> {
     let rests = barrier_problem.ends.iter().all(|end| matches!(end, End::Rest { .. }));
     if !rests || !at_rest_inside(barrier_problem) {
         return None;
@@ -182,9 +177,9 @@ pub(super) fn near(
     barrier_problem.knots.evaluate(&c, &mut values);
     let [scale, jerk_scale] = barrier_problem.largest_scales(&values);
     let factor = NEAR_FRACTION * scale.min(jerk_scale).min(1.0);
-    let slower: Vec<f64> = c.iter().map(|c| c * factor).collect();
-    barrier_problem.knots.evaluate(&slower, &mut values);
-    (factor > NEAR && barrier_problem.is_inside(&values)).then_some((slower, c))
+    c.iter_mut().for_each(|c| *c *= factor);
+    barrier_problem.knots.evaluate(&c, &mut values);
+    (factor > NEAR && barrier_problem.is_inside(&values)).then_some(c)
 }
 
 /// Coefficients along another law from rest to rest, slowed down as a whole to be strictly inside.

@@ -131,7 +131,7 @@ impl<'a, const N: usize> Planner<'a, N> {
             joints.check_range(&*path, limits.range())?;
             let layout = PathGrid { grid: grid.clone(), ..whole.clone() };
             let held = Held::Shared(Arc::clone(&path) as Arc<dyn MotionPath<N> + 'p>);
-            let problem = PathProblem::of(settings, held, layout, joints, RowsNeeded::Jerk, None);
+            let problem = PathProblem::of(settings, held, layout, joints, RowsNeeded::Jerk);
             let rows = problem.rows_within(&used, RowsNeeded::Jerk)?;
             let explained = |error| LiveError::from(problem.explained(error));
             let tangential = match chosen {

@@ -37,21 +37,6 @@ impl<const N: usize> JointPath<N> {
 
     /// The same from the joint values nearest to `start` at the first grid point, which may lie inside the path.
     pub(crate) fn follow_from(path: &dyn MotionPath<N>, start: &Joints<N>, grid: &[f64]) -> Result<Self, PathError> {
-        Self::follow_knowing(path, start, grid, None)
-    }
-
-    /// The same where the joints at some of the grid points are known: those of `known`, on another grid over the same path.
-    pub(crate) fn follow_knowing(
-        path: &dyn MotionPath<N>,
-        start: &Joints<N>,
-        grid: &[f64],
-        known: Option<&Self>,
-    ) -> Result<Self, PathError> {
-        let mut known = known
-            .map_or(&[][..], |known| &known.after)
-            .iter()
-            .zip(known.map_or(&[][..], |known| &known.before))
-            .peekable();
         let (mut after, mut before) = (Vec::with_capacity(grid.len()), Vec::with_capacity(grid.len()));
         let mut last: Option<JointJet<N>> = None;
         let (knots, end) = (path.knots(), path.length());
@@ -59,9 +44,7 @@ impl<const N: usize> JointPath<N> {
         for &s in grid {
             // The Taylor series from the grid point before tells where to look, and how far off a jump would be.
             let near = last.map_or(*start, |jet: JointJet<N>| jet.ahead(s - jet.s));
-            while known.next_if(|(after, _)| after.s < s).is_some() {}
-            let there = known.next_if(|(after, _)| after.s == s);
-            let jet = there.map_or_else(|| path.jet(s, &near), |(after, _)| Ok(*after))?;
+            let jet = path.jet(s, &near)?;
             if let Some(last) = last {
                 check_step(path, &jet, &near, SAME_BRANCH + (near - last.q).amax())?;
             }
@@ -69,11 +52,7 @@ impl<const N: usize> JointPath<N> {
                 knot += 1;
             }
             let jumps = knots.get(knot) == Some(&s) || s == end;
-            before.push(match there {
-                Some((_, before)) => *before,
-                None if jumps => path.jet_before(&jet)?,
-                None => jet,
-            });
+            before.push(if jumps { path.jet_before(&jet)? } else { jet });
             after.push(jet);
             last = Some(jet);
         }

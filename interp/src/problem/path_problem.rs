@@ -59,8 +59,6 @@ pub struct PathProblem<'p, const N: usize = 6> {
     pub(super) after: [Vec<f64>; 3],
     pub(super) before: [Vec<f64>; 3],
     pub(super) middle: [Vec<f64>; 3],
-    /// Joints in the middle of every interval, where they were asked for.
-    middles: Vec<JointJet<N>>,
     pub(super) bounds: DerivativeBounds<N>,
     pub(super) tool_rates: Option<ToolRates>,
     pub(super) tool_vectors: Option<ToolVectors>,
@@ -81,7 +79,7 @@ impl<'p, const N: usize> PathProblem<'p, N> {
         let begin = Instant::now();
         let layout = PathGrid::lay(settings, path.get(), on_breaks)?;
         let laid = begin.elapsed();
-        let mut problem = Self::on(settings, path, layout, needs, None)?;
+        let mut problem = Self::on(settings, path, layout, needs)?;
         problem.times[0] = laid;
         Ok(problem)
     }
@@ -94,9 +92,7 @@ impl<'p, const N: usize> PathProblem<'p, N> {
     /// The same on another grid, which keeps the knots of the path.
     pub(crate) fn on_grid(&self, grid: Vec<f64>) -> Result<Self, PlanError> {
         let layout = PathGrid { grid, ..self.layout.clone() };
-        // Along a curve of the tool the inverse kinematics take their time: not where the joints are known.
-        let known = self.path().tool_curve().map(|_| self);
-        let mut problem = Self::on(&self.settings, self.path.clone(), layout, self.needs, known)?;
+        let mut problem = Self::on(&self.settings, self.path.clone(), layout, self.needs)?;
         problem.times = [self.times[0], self.times[1] + problem.times[1]];
         Ok(problem)
     }
@@ -106,14 +102,12 @@ impl<'p, const N: usize> PathProblem<'p, N> {
         path: Held<'p, N>,
         layout: PathGrid,
         needs: RowsNeeded,
-        known: Option<&Self>,
     ) -> Result<Self, PlanError> {
         suits(settings, path.get())?;
         let begin = Instant::now();
         let limits = settings.limits.joints();
         let mut joints =
-            JointPath::follow_knowing(path.get(), &path.get().start(), &layout.grid, known.map(|known| &known.joints))
-                .map_err(|e| e.within(limits.lower(), limits.upper()))?;
+            JointPath::follow(path.get(), &layout.grid).map_err(|e| e.within(limits.lower(), limits.upper()))?;
         joints.check_range(path.get(), limits.range())?;
         // Along a curve of the tool the grid is fine, and points beside its knots would make intervals of no length.
         if settings.limits.torque().is_some() && path.get().tool_curve().is_none() {
@@ -122,7 +116,7 @@ impl<'p, const N: usize> PathProblem<'p, N> {
         let found = jumps_of(settings, path.get(), &layout, &joints);
         let beside: Vec<(usize, f64)> = found.iter().map(|jump| (jump.at, jump.reach)).collect();
         joints.insert_beside(path.get(), &beside)?;
-        let mut problem = Self::of(settings, path, layout, joints, needs, known);
+        let mut problem = Self::of(settings, path, layout, joints, needs);
         problem.times[1] = begin.elapsed();
         Ok(problem)
     }
@@ -134,12 +128,11 @@ impl<'p, const N: usize> PathProblem<'p, N> {
         mut layout: PathGrid,
         joints: JointPath<N>,
         needs: RowsNeeded,
-        known: Option<&Self>,
     ) -> Self {
         layout.grid = joints.grid().collect();
         let stops = grid::stops(&layout.grid, path.get().corners().iter().copied());
         let feeds = feeds(settings, path.get(), &layout);
-        let middles = if needs > RowsNeeded::Points { middles(path.get(), &joints, known) } else { Vec::new() };
+        let middles = if needs > RowsNeeded::Points { middles(path.get(), &joints) } else { Vec::new() };
         let [after, before] = sides(&joints, &stops);
         let flat = |of: fn(&JointJet<N>) -> &Joints<N>| -> Vec<f64> {
             middles.iter().flat_map(|jet| of(jet).iter().copied()).collect()
@@ -166,7 +159,6 @@ impl<'p, const N: usize> PathProblem<'p, N> {
             tool_vectors,
             tables,
             middle: [flat(|jet| &jet.d1), flat(|jet| &jet.d2), flat(|jet| &jet.d3)],
-            middles,
             settings: settings.clone(),
             path,
             layout,
@@ -403,27 +395,10 @@ fn sides<const N: usize>(joints: &JointPath<N>, stops: &[usize]) -> [[Vec<f64>; 
     [after, before]
 }
 
-/// Joint values and derivatives in the middle of every interval; `known` are those of some of the intervals.
-fn middles<const N: usize>(
-    path: &dyn MotionPath<N>,
-    joints: &JointPath<N>,
-    known: Option<&PathProblem<'_, N>>,
-) -> Vec<JointJet<N>> {
-    let mut next = 0;
-    let mut known = |from: f64, to: f64| {
-        let known = known?;
-        let nodes = known.joints.nodes();
-        while next + 1 < nodes.len() && nodes[next].s < from {
-            next += 1;
-        }
-        let same = nodes.get(next)?.s == from && nodes.get(next + 1)?.s == to;
-        if same { known.middles.get(next).copied() } else { None }
-    };
+/// Joint values and derivatives in the middle of every interval.
+fn middles<const N: usize>(path: &dyn MotionPath<N>, joints: &JointPath<N>) -> Vec<JointJet<N>> {
     let one = |k: usize| {
         let (a, b) = joints.interval(k);
-        if let Some(jet) = known(a.s, b.s) {
-            return jet;
-        }
         let h = 0.5 * (b.s - a.s);
         let q = (a.ahead(h) + b.ahead(-h)) / 2.0;
         path.jet(a.s + h, &q).unwrap_or_else(|_| {
