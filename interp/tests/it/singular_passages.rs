@@ -109,7 +109,7 @@ fn a_circle_with_the_fourth_joint_constant_passes_the_straight_wrist() {
 fn random_motions_with_smooth_joints_pass_the_straight_wrist() {
     let (kr6, ur5e, cr7) = (models::kr6_r700(), models::ur5e(), models::cr7());
     let (mut planned, mut passed) = (0, 0);
-    for seed in 0..36 {
+    for seed in 0..18 {
         let mut random = Random::new(seed);
         let mut vector = |size: f64| Joints::<6>::from_fn(|_, _| random.between(-size, size));
         let (first, second, third) = (vector(0.5), vector(0.3), vector(0.2));
@@ -144,13 +144,13 @@ fn random_motions_with_smooth_joints_pass_the_straight_wrist() {
         };
         passed += usize::from(!singular.is_empty());
     }
-    assert!(planned >= 20 && passed >= planned - 1, "{planned} planned, {passed} with setpoints inside");
+    assert!(planned >= 9 && passed >= planned - 1, "{planned} planned, {passed} with setpoints inside");
 }
 
 #[test]
 fn random_turns_of_the_fifth_joint_alone_pass_the_straight_wrist() {
     let (kr6, ur5e, cr7) = (models::kr6_r700(), models::ur5e(), models::cr7());
-    for seed in 0..24 {
+    for seed in 0..12 {
         let mut random = Random::new(seed);
         let mut start = Joints::from([0.2, -1.1, 1.4, 0.4, 0.0, 0.3]).map(|q| q + random.between(-0.3, 0.3));
         start[4] = random.sign() * random.between(0.05, 0.8);

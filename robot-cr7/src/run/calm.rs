@@ -46,7 +46,8 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
         };
         let holds =
             |trajectory: &Trajectory<'p, N>| Ok::<_, Cr7Error>(worst(trajectory)?.is_none_or(|line| line.holds()));
-        if !self.method().limits_jerk() {
+        let limited = self.vibrations().iter().any(|vibration| vibration.limit.is_some());
+        if limited && !self.method().limits_jerk() {
             return Err(self.residual(
                 "the planner of the job limits no jerk: choose plan.planner = \"jerk-limited\", or remove the limit",
             ));

@@ -91,3 +91,25 @@ fn unit_hint(error: &PlanError) -> String {
         _ => String::new(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use arcfeed_interp::{PathParameter, PathPlace};
+
+    use super::*;
+
+    #[test]
+    fn a_singular_branch_is_told_with_the_keys_that_choose_another() {
+        let place = PathPlace { s: 0.1, parameter: PathParameter::ArcLength, tool: None };
+        let singular = KinematicsError::Singular { kind: None, sigma_min: 1e-5, required: 1e-3, condition: 1e6 };
+        let error = PathError::Arm { place, source: singular };
+        let keys = |error: PathError| {
+            let text = plan_error("job.toml", error.into()).to_string();
+            text.contains("start.configuration") && text.contains("start.near_deg")
+        };
+        assert!(keys(error.clone()));
+        assert!(keys(PathError::NoConfiguration { candidates: 8, best: Box::new(error) }));
+        let far = KinematicsError::NotFinite { what: "a pose" };
+        assert!(!keys(PathError::Arm { place, source: far }));
+    }
+}

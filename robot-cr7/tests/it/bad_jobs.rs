@@ -144,7 +144,6 @@ fn limits_of_zero_or_below() {
         "feed.normal_jerk_mm_s3",
         "feed.angular_speed_deg_s",
         "torque.limit_nm",
-        "torque.payload_kg",
         "joints.velocity_deg_s",
         "joints.acceleration_deg_s2",
         "joints.jerk_deg_s3",

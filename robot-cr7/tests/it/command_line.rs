@@ -447,9 +447,8 @@ fn places_where_the_arm_cannot_follow_are_named() {
     // The tool lies level along y; its last two axes line up where the wrist is beside the first axis by the arm's
     // offset of 141 mm, so at y = -141 - 105 mm.
     desk.write("wrist.json", &line([400.0, -300.0, 300.0], [400.0, 100.0, 300.0]));
-    let run =
-        plan("wrist.json", "side.toml").refused(1, &["wrist.json", "wrist singularity", "x 0.4000", "move the path"]);
-    assert!((place(&run) - 0.054).abs() < 0.002 || (place(&run) - 0.336).abs() < 0.002, "{run:?}");
+    // The joints pass that smoothly.
+    plan("wrist.json", "side.toml").done();
 
     // The wrist passes the first axis at just the arm's offset.
     desk.write("shoulder.json", &line([300.0, 141.0, 200.0], [-300.0, 141.0, 200.0]));

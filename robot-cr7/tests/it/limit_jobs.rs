@@ -44,7 +44,7 @@ fn tables_are_read_in_si_for_the_payload_of_the_job() {
 
 #[test]
 fn bad_tables_and_vibrations_name_key_line_value_rule_and_way_out() {
-    let cases: [(&str, &[&str]); 19] = [
+    let cases: [(&str, &[&str]); 21] = [
         ("[[tables]]\njerk_deg_s3 = [1]", &["tables[0]", "speed_deg_s or position_deg"]),
         (
             "[[tables]]\nspeed_deg_s = [1]\nposition_deg = [1]\njerk_deg_s3 = [1]",
@@ -69,8 +69,16 @@ fn bad_tables_and_vibrations_name_key_line_value_rule_and_way_out() {
             &["torque.payload_kg", "8 above 7", "take off load"],
         ),
         (
-            "[[tables]]\nspeed_deg_s = [5]\npayload_kg = [7, 0]\njerk_deg_s3 = [[1], [1]]",
+            "torque.payload_kg = 1\n[[tables]]\nspeed_deg_s = [5]\npayload_kg = [7, 0]\njerk_deg_s3 = [[1], [1]]",
             &["tables[0].payload_kg", "increase", "sort"],
+        ),
+        (
+            "[[tables]]\nspeed_deg_s = [5]\npayload_kg = [0, 7]\njerk_deg_s3 = [[1], [1]]",
+            &["tables[0].payload_kg", "payload of the job", "0 for none"],
+        ),
+        (
+            "[[tables]]\nspeed_deg_s = [5]\njerk_deg_s3 = [9]\n[[tables]]\njoint = 2\nspeed_deg_s = [7]\njerk_deg_s3 = [8]",
+            &["tables[1]", "tables[0] has too", "one table of a kind", "least limits"],
         ),
         ("[[vibration]]\njoint = 1", &["vibration[0].frequency_hz", "missing"]),
         ("[[vibration]]\nfrequency_hz = 5\ndamping = 1", &[":3", "damping", "1", "0.02 for 2 %"]),
