@@ -55,7 +55,8 @@ impl<const N: usize> OnlineGenerator<N> {
     ///
     /// [`Events::reached`]: crate::Events::reached
     pub fn stop_on_path(&mut self) {
-        if self.command == Command::Stop {
+        // A call in every cycle would begin the search for a way to slow down anew each time.
+        if matches!(self.command, Command::Stop | Command::PathStop) {
             return;
         }
         if let Some(plan) = self.stop_on_line() {

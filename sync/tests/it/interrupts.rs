@@ -118,6 +118,29 @@ fn stops_on_the_path_are_short() {
     assert!(ratios[150] < 2.0);
 }
 
+/// A stop button is held down: the stop is that of one call.
+#[test]
+fn a_stop_on_the_path_asked_for_in_every_cycle_is_the_same_stop() {
+    let mut rng = Random::new(73);
+    for i in 0..60 {
+        let p = moving_problem::<6>(&mut rng, 0.0);
+        let mut once = OnlineGenerator::new(p.start, p.limits, CYCLE, Synchronisation::Time).unwrap();
+        once.set_target(p.target).unwrap();
+        let count = (rng.between(0.1, 0.9) * once.time_left() / CYCLE) as usize;
+        steps(&mut once, count);
+        let mut held = once.clone();
+        once.stop_on_path();
+        for cycle in 0..20_000 {
+            held.stop_on_path();
+            let (a, b) = (once.step(), held.step());
+            assert_eq!(a.state, b.state, "case {i}, cycle {cycle}");
+            if a.events.reached {
+                break;
+            }
+        }
+    }
+}
+
 #[test]
 fn half_the_scale_takes_twice_the_time() {
     let run = |scale: f64| {
