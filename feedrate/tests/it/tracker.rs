@@ -157,6 +157,27 @@ fn a_target_beyond_the_limits_saturates_smoothly() {
     }
 }
 
+/// The acceleration alone is more than the limits allow: no chatter, and the error stays small.
+#[test]
+fn a_target_that_accelerates_too_hard_is_kept_near_without_chatter() {
+    let mut rng = Random::new(106);
+    for _ in 0..40 {
+        let l = limits(&mut rng);
+        // A wrong acceleration of a target that stands: the axis comes to rest in its place.
+        let wrong = AxisState::new(0.0, 0.0, 1.1 * l.a_max());
+        let mut watch = Watch::new(AxisState::rest(-1.0), l);
+        let rest = StateToState::new(&AxisState::rest(-1.0), &AxisState::rest(0.0), &l).unwrap().duration();
+        while watch.time < 1.1 * rest + 0.1 {
+            watch.step(|_| wrong);
+        }
+        for _ in 0..1000 {
+            let step = watch.step(|_| wrong);
+            assert_eq!(step.status, TrackStatus::Saturated);
+            assert!(step.state.p.abs() < 1e-9 && step.state.v.abs() < 1e-6, "{step:?} within {l:?}");
+        }
+    }
+}
+
 /// Whatever the target does, the limits hold; and noise costs no more than its size.
 #[test]
 fn noise_and_jumps_break_no_limit() {

@@ -56,14 +56,14 @@ impl<const N: usize> OnlineGenerator<N> {
     /// [`Events::reached`]: crate::Events::reached
     pub fn stop_on_path(&mut self) {
         // A call in every cycle would begin the search for a way to slow down anew each time.
-        if matches!(self.command, Command::Stop | Command::PathStop) {
+        if matches!(self.command, Command::Stop | Command::PathStop { .. }) {
             return;
         }
         if let Some(plan) = self.stop_on_line() {
             self.begin_stop(plan, self.limits);
             return;
         }
-        self.command = Command::PathStop;
+        self.command = Command::PathStop { limits: self.limits };
         self.scale.retarget();
     }
 
@@ -187,15 +187,19 @@ impl<const N: usize> OnlineGenerator<N> {
         }
         let goal = match self.command {
             Command::Stop => 1.0,
-            Command::PathStop => 0.0,
+            Command::PathStop { .. } => 0.0,
             _ => self.scale.goal(),
         };
         if self.scale.steady() != Some(goal) {
             if self.planned.iter().all(|s| s.v == 0.0 && s.a == 0.0) {
                 self.scale.jump(goal.min(1.0));
             } else {
+                let limits = match self.command {
+                    Command::PathStop { limits } => limits,
+                    _ => self.limits,
+                };
                 let courses: [Course<'_>; N] =
-                    std::array::from_fn(|k| self.following.course(k, self.cycle, &self.limits[k]));
+                    std::array::from_fn(|k| self.following.course(k, self.cycle, &limits[k]));
                 self.scale.improve(goal, &courses);
             }
         }
@@ -210,7 +214,7 @@ impl<const N: usize> OnlineGenerator<N> {
         let rests = self.state.iter().all(|s| s.v == 0.0 && s.a == 0.0);
         match self.command {
             Command::Stop if !self.is_underway() => self.command = Command::Target,
-            Command::PathStop if rests && (self.scale.steady() == Some(0.0) || !self.is_underway()) => {
+            Command::PathStop { .. } if rests && (self.scale.steady() == Some(0.0) || !self.is_underway()) => {
                 let rest = self.state.map(|s| AxisState::rest(s.p));
                 let Ok(standing) = Following::coasting(&rest, &self.limits, &self.ranges) else { return false };
                 (self.following, self.target) = (standing, rest);
@@ -232,7 +236,7 @@ impl<const N: usize> OnlineGenerator<N> {
                 let velocity = std::array::from_fn(|k| velocity[k].clamp(limits[k].v_min(), limits[k].v_max()));
                 self.begin_jog(velocity, left, limits)
             }
-            Command::Target | Command::PathStop => {
+            Command::Target | Command::PathStop { .. } => {
                 self.limits = limits;
                 Ok(())
             }
@@ -282,7 +286,12 @@ impl<const N: usize> OnlineGenerator<N> {
         self.begin(Following::stopping(plan, self.cycle), limits, Command::Stop);
     }
 
-    fn begin_jog(&mut self, velocity: [f64; N], left: f64, limits: [AxisLimits; N]) -> Result<(), SyncError> {
+    pub(super) fn begin_jog(
+        &mut self,
+        velocity: [f64; N],
+        left: f64,
+        limits: [AxisLimits; N],
+    ) -> Result<(), SyncError> {
         let jogging = |from: &[AxisState; N]| Following::jogging(from, &velocity, &limits, &self.ranges);
         let mut next = jogging(self.planning_state())?;
         if !self.scale_fits(&next, &limits) {

@@ -163,6 +163,10 @@ impl<const N: usize> OnlineGenerator<N> {
         }
         self.check_inside("start", &self.planned)?;
         self.check_inside("target", &self.target)?;
+        if let Command::Jog { velocity, left } = self.command {
+            self.begin_jog(velocity, left, self.limits)?;
+            return Ok(self);
+        }
         for k in 0..N {
             let (limits, range, axis) = (&self.limits[k], &self.ranges[k], self.following.axes[k]);
             if axis.underway {

@@ -118,6 +118,46 @@ fn stops_on_the_path_are_short() {
     assert!(ratios[150] < 2.0);
 }
 
+/// Limits that are raised during a stop on the path change nothing of it.
+#[test]
+fn a_stop_on_the_path_keeps_the_limits_that_it_began_with() {
+    let mut rng = Random::new(74);
+    for i in 0..60 {
+        let p = moving_problem::<6>(&mut rng, 0.0);
+        let mut stopping = OnlineGenerator::new(p.start, p.limits, CYCLE, Synchronisation::Time).unwrap();
+        stopping.set_target(p.target).unwrap();
+        let count = (rng.between(0.1, 0.9) * stopping.time_left() / CYCLE) as usize;
+        steps(&mut stopping, count);
+        stopping.stop_on_path();
+        let mut raised = stopping.clone();
+        let twice = |l: &AxisLimits| {
+            let twice = |(low, high): (f64, f64)| (2.0 * low, 2.0 * high);
+            AxisLimits::new(twice((l.v_min(), l.v_max())), twice((l.a_min(), l.a_max())), twice((l.j_min(), l.j_max())))
+        };
+        raised.set_limits(p.limits.each_ref().map(|l| twice(l).unwrap())).unwrap();
+        for cycle in 0..20_000 {
+            let (a, b) = (stopping.step(), raised.step());
+            assert_eq!(a.state, b.state, "case {i}, cycle {cycle}");
+            if a.events.reached {
+                break;
+            }
+        }
+    }
+}
+
+#[test]
+fn ranges_that_are_set_during_a_jog_leave_it_its_velocity() {
+    let mut g = one_axis();
+    g.jog([0.5], 10.0).unwrap();
+    steps(&mut g, 20);
+    let mut g = g.with_ranges([(-9.0, 9.0)]).unwrap();
+    for _ in 0..2000 {
+        g.jog([0.5], 10.0).unwrap();
+        g.step();
+    }
+    assert_eq!(g.state()[0].v, 0.5);
+}
+
 /// A stop button is held down: the stop is that of one call.
 #[test]
 fn a_stop_on_the_path_asked_for_in_every_cycle_is_the_same_stop() {
