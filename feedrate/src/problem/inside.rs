@@ -97,7 +97,7 @@ impl FeedProblem {
 
 /// Rows by quadratic interpolation through an interval.
 impl FeedProblem {
-    /// A problem with the ends of this one and room for so many places.
+    /// A problem without grid points and with the end speeds of this one, with capacity for `places` points.
     pub(super) fn emptied(&self, places: usize) -> Self {
         Self {
             s: Vec::with_capacity(places),

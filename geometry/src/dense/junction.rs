@@ -75,7 +75,7 @@ impl<const D: usize> StretchFit<D> {
 
     /// The chord from vertex `i` on, if it is a line.
     ///
-    /// The line reaches to a corner. At a smooth joint it ends before, and the margin leaves room for a curve that turns by
+    /// The line of a run. At a corner it ends in the corner. At a smooth joint it ends earlier, by the length of a curve that turns by
     /// the angle at the joint, or whose curvature rises from 0 to that of the neighbour.
     fn line(&self, i: usize) -> Option<Primitive<D>> {
         let v = &self.vertices;

@@ -6,14 +6,18 @@ import numpy as np
 def plot(motion, file=None):
     """Draw path, feed and joint velocities of a motion; save the figure where a file is named. Returns the figure."""
     try:
-        import matplotlib
+        from matplotlib.figure import Figure
     except ImportError as error:
         raise ImportError("pictures need matplotlib: pip install 'arcfeed[plot]'") from error
+    size = {"figsize": (15, 4.5), "layout": "constrained"}
     if file is not None:
-        matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
+        # Not by pyplot, which would keep the figure and choose a backend.
+        figure = Figure(**size)
+    else:
+        import matplotlib.pyplot as plt
 
-    figure, (path, feed, joints) = plt.subplots(1, 3, figsize=(15, 4.5), layout="constrained")
+        figure = plt.figure(**size)
+    path, feed, joints = figure.subplots(1, 3)
     spread = np.argsort(np.ptp(motion.position, axis=0))[::-1]
     x, y = sorted(spread[:2])
     place = motion.position * 1e3

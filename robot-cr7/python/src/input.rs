@@ -10,7 +10,7 @@ use robot_cr7::{LengthUnit, PathFile, PathGeometry, butterfly};
 use crate::array::{Array1, Array2};
 use crate::error::input;
 
-/// What is to be done with a path: workpiece, tool, feed, limits, tolerance, period.
+/// Settings of a plan: workpiece, tool, feed, limits, tolerance, period.
 ///
 /// Made from a dict, from TOML text or from a file; the keys are those of job files, with their units in their names
 /// (`Job.example()` shows all of them). Keys that are left out have documented defaults; unknown ones are refused.
@@ -29,7 +29,7 @@ impl Job {
         match tables {
             None => Ok(Self { inner: robot_cr7::Job::default() }),
             Some(tables) => {
-                let text: String = py.import("json")?.call_method1("dumps", (tables,))?.extract()?;
+                let text: String = py.import("arcfeed.tables")?.call_method1("to_json", (tables,))?.extract()?;
                 let value: serde_json::Value = serde_json::from_str(&text).map_err(input)?;
                 Self::from_toml(&toml::to_string(&value).map_err(input)?)
             }

@@ -8,7 +8,8 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use robot_cr7::{
-    BoundReport, CompiledProgram, CompiledReport, PartMotion, ProgramMotion, ProgramReport, Report, TrajectoryRow,
+    BoundReport, CompiledProgram, CompiledReport, LimitsHold, PartMotion, ProgramMotion, ProgramReport, Report,
+    TrajectoryRow,
 };
 
 use crate::array::Table;
@@ -62,6 +63,11 @@ pub struct PlanData {
     compiled: Option<JointTrajectory>,
 }
 
+/// Refuses a motion that exceeds a limit.
+fn held(report: &Report) -> PyResult<()> {
+    LimitsHold::of(&report.limits).map(drop).map_err(|error| undone("unverified", error))
+}
+
 fn failed(error: impl std::fmt::Display) -> PyErr {
     undone("other", error)
 }
@@ -101,6 +107,7 @@ impl PlanData {
             samples.push(&TrajectoryRow::from(&at), at.s, at.feed);
         }
         let mut report = motion.report(samples.t.len(), begin.elapsed());
+        held(&report)?;
         let (mut law, mut limit_curve) = (Table::new(4, 0), Table::new(2, 0));
         knots(plan.law(), [0.0, 0.0], &mut law);
         curve(&plan.limit_curve().map_err(failed)?, 0.0, &mut limit_curve);
@@ -135,6 +142,7 @@ impl PlanData {
         }
         let check = check.finish(at_rest);
         let mut report = motion.report(&check, samples.t.len(), begin.elapsed());
+        held(&report)?;
         let (mut law, mut limit_curve) = (Table::new(4, 0), Table::new(2, 0));
         for part in motion.parts() {
             if let PartMotion::Path(path) = part.motion() {

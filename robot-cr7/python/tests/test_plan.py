@@ -7,6 +7,8 @@ import pytest
 
 import arcfeed
 
+LINE = arcfeed.Path.nurbs(1, [[0, 0], [0.1, 0]], [0, 0, 1, 1], name="line")
+
 
 @pytest.fixture(scope="module")
 def butterfly():
@@ -91,6 +93,16 @@ def test_every_kind_of_arm():
         assert motion.q.shape[1] == len(motion.joint_names), name
 
 
+def test_numbers_of_numpy_are_numbers():
+    jerk = np.full(6, 4000.0)
+    ours = arcfeed.Job(joints={"jerk_deg_s3": jerk, "velocity_deg_s": None}, feed={"feed_mm_s": np.float32(50)})
+    theirs = arcfeed.Job(joints={"jerk_deg_s3": [4000.0] * 6}, feed={"feed_mm_s": 50.0})
+    assert arcfeed.plan(LINE, job=ours).duration == arcfeed.plan(LINE, job=theirs).duration
+    for value, part in [(float("nan"), "feed.feed_mm_s is nan"), (object(), "feed.feed_mm_s is <object")]:
+        with pytest.raises(arcfeed.InputError, match=part):
+            arcfeed.Job(feed={"feed_mm_s": value})
+
+
 def test_errors_have_fields():
     with pytest.raises(arcfeed.InputError, match="feed_mm_sec"):
         arcfeed.Job(feed={"feed_mm_sec": 1})
@@ -127,7 +139,12 @@ def test_comparison():
 
 
 def test_pictures(butterfly, tmp_path):
-    pytest.importorskip("matplotlib")
+    matplotlib = pytest.importorskip("matplotlib")
+    pytest.importorskip("matplotlib.pyplot")
+    matplotlib.use("pdf")
     file = tmp_path / "motion.png"
     butterfly.plot(file)
+    # The caller's backend and figures stay what they were.
+    assert matplotlib.get_backend() == "pdf"
+    assert not matplotlib.pyplot.get_fignums()
     assert file.stat().st_size > 10_000

@@ -44,7 +44,7 @@ fn tables_are_read_in_si_for_the_payload_of_the_job() {
 
 #[test]
 fn bad_tables_and_vibrations_name_key_line_value_rule_and_way_out() {
-    let cases: [(&str, &[&str]); 21] = [
+    let cases: [(&str, &[&str]); 22] = [
         ("[[tables]]\njerk_deg_s3 = [1]", &["tables[0]", "speed_deg_s or position_deg"]),
         (
             "[[tables]]\nspeed_deg_s = [1]\nposition_deg = [1]\njerk_deg_s3 = [1]",
@@ -81,6 +81,7 @@ fn bad_tables_and_vibrations_name_key_line_value_rule_and_way_out() {
             &["tables[1]", "tables[0] has too", "one table of a kind", "least limits"],
         ),
         ("[[vibration]]\njoint = 1", &["vibration[0].frequency_hz", "missing"]),
+        ("[[vibration]]\nfrequency_hz = 1e-310", &["vibration[0].frequency_hz", "from 0.001 to 10000"]),
         ("[[vibration]]\nfrequency_hz = 5\ndamping = 1", &[":3", "damping", "1", "0.02 for 2 %"]),
         ("[[vibration]]\nfrequency_hz = 5\nresidual_limit_deg = 1", &["residual_limit_deg", "residual_limit_mm"]),
         ("torque.rated_nm = 5", &["torque.rated_nm", "torque.limited = true"]),
@@ -201,4 +202,19 @@ fn advice_names_the_keys_of_the_new_limits() {
     assert_eq!(found("joint acceleration"), Some("joints.acceleration_deg_s2, and [[tables]]"), "{advice}");
     let saved = advice.limits.iter().map(|limit| limit.raised_saves_s.unwrap_or(0.0)).fold(0.0, f64::max);
     assert!(saved > 0.0, "{advice}");
+}
+
+/// Where nothing makes a motion calmer, a limit on its vibration is refused and not ignored.
+#[test]
+#[cfg(feature = "cli")]
+fn a_residual_limit_that_nobody_keeps_is_refused() {
+    let desk = crate::common::Desk::new("residual");
+    let job = |more: &str| format!("{more}\n[[vibration]]\nfrequency_hz = 8\nresidual_limit_mm = 1e-4\n");
+    desk.write("job.toml", &job(""));
+    desk.write("no_jerk.toml", &job("[plan]\nplanner = \"interpolated-reachability\""));
+    desk.write("dwell.ngc", "G21 G90 F3000\nG1 X20\nG4 P0.1\nG1 Y20\n");
+    let parts = |why| ["residual_limit_mm", why];
+    desk.run(&["plan", "--job", "job.toml", "--stream", "20"]).refused(2, &parts("leave out --stream"));
+    desk.run(&["plan", "dwell.ngc", "--job", "job.toml"]).refused(2, &parts("dwells or joint moves"));
+    desk.run(&["plan", "--job", "no_jerk.toml"]).refused(2, &parts("jerk-limited"));
 }

@@ -32,7 +32,8 @@ A line holds the tables of a job file as JSON, and beside them a name and a robo
   {\"id\": \"a1\", \"robot\": \"ur5e\", \"path\": {\"file\": \"part.json\"}, \"feed\": {\"feed_mm_s\": 50}}
 
 Each result is a line of OUT/results.jsonl. A batch that was interrupted goes on where it was: what has a result is not done again.
-A result belongs to a name: a job that has changed under its old name is not done again. Exit code 1 if any job has no motion.")]
+A result belongs to a name: a job that has changed under its old name is not done again. The name of a job without id is
+the number of its line: give ids where lines may be added. Exit code 1 if any job has no motion.")]
 pub struct Args {
     /// A folder of job files (.toml), or a file with a job on each line (.jsonl)
     jobs: PathBuf,

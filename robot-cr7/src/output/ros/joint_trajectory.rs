@@ -100,7 +100,7 @@ impl RosTrajectory {
         crate::text::json(self)
     }
 
-    /// As YAML, as `ros2 topic pub` and `ros2 action send_goal` take it.
+    /// As YAML, as `ros2 topic pub` takes it; a goal of FollowJointTrajectory holds it under `trajectory`.
     pub fn to_yaml(&self) -> String {
         let mut text = String::with_capacity(64 + 64 * self.points.len() * (1 + 3 * self.joint_names.len()));
         // A JSON string is a YAML one.

@@ -44,8 +44,19 @@ pub struct RosRecording<W: io::Write + io::Seek, const N: usize = 6> {
     /// Of each joint the name and the link that it moves.
     joint_names: Vec<String>,
     links: Vec<String>,
+    /// Base, flange and tool.
+    own_frames: [String; 3],
     sequence: u32,
     next_frames: f64,
+}
+
+/// The name, or one with marks behind it, so that no link of the arm has it.
+fn free_name(name: &str, links: &[String]) -> String {
+    let mut free = name.to_owned();
+    while links.contains(&free) {
+        free.push('_');
+    }
+    free
 }
 
 /// A header with a time since the start, s.
@@ -127,9 +138,11 @@ impl<W: io::Write + io::Seek, const N: usize> RosRecording<W, N> {
         let frames = channel("/tf", "tf2_msgs/msg/TFMessage", FRAMES, &parts)?;
         let joints = &robot.description().joints;
         let joint_names = joints.iter().map(|joint| joint.name.clone()).collect();
-        let links = joints.iter().map(|joint| joint.link.clone()).collect();
+        let links: Vec<String> = joints.iter().map(|joint| joint.link.clone()).collect();
+        let own_frames = ["base", "flange", "tool"].map(|name| free_name(name, &links));
         let chain = *chain;
-        let mut recording = Self { writer, states, frames, chain, joint_names, links, sequence: 0, next_frames: 0.0 };
+        let mut recording =
+            Self { writer, states, frames, chain, joint_names, links, own_frames, sequence: 0, next_frames: 0.0 };
         recording.add(planned, 0.0, &trajectory.to_cdr())?;
         Ok(recording)
     }
@@ -159,15 +172,16 @@ impl<W: io::Write + io::Seek, const N: usize> RosRecording<W, N> {
 
     /// Parent, link and pose of all links at the joints `q`, flange and tool included.
     fn links(&self, q: &[f64; N]) -> Vec<(&str, &str, Isometry3<f64>)> {
-        let mut parent = "base";
+        let [base, flange, tool] = &self.own_frames;
+        let mut parent = base.as_str();
         let mut before = *self.chain.base();
         let mut links = Vec::with_capacity(N + 2);
         for ((joint, link), &value) in self.chain.joints().iter().zip(&self.links).zip(q) {
             links.push((parent, link.as_str(), before * joint.origin() * joint.motion(value)));
             (parent, before) = (link, Isometry3::identity());
         }
-        links.push((parent, "flange", *self.chain.flange()));
-        links.push(("flange", "tool", *self.chain.tool()));
+        links.push((parent, flange, *self.chain.flange()));
+        links.push((flange, tool, *self.chain.tool()));
         links
     }
 
