@@ -14,10 +14,10 @@ use super::part_report::{PartReport, parts_line, rapids_line};
 use super::program_report::ProgramReport;
 use crate::run::limit_line::{LimitLine, worst};
 use crate::run::limit_lines::limit_lines;
+use crate::run::motion::Motion;
 use crate::run::placed_path::PointFit;
 use crate::run::side_effects::{ThermalLine, VibrationLine, thermal_words, vibration_words};
 use crate::run::stream::StreamReport;
-use crate::run::task::Motion;
 use crate::text::{WIDTH, clip, duration, json, number};
 
 /// The number of segments that one method needs for the chord tolerance.

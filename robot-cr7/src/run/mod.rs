@@ -12,6 +12,7 @@ pub(crate) mod joint_move;
 pub(crate) mod limit_line;
 pub(crate) mod limit_lines;
 pub(crate) mod measure;
+pub(crate) mod motion;
 pub(crate) mod on_robot;
 pub(crate) mod online_events;
 pub(crate) mod online_run;

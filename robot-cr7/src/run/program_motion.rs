@@ -4,11 +4,12 @@ use arcfeed_interp::{Method, PathArm};
 use arcfeed_kinematics::{ForwardKinematics, JointLimits, Joints};
 
 use super::joint_move::JointMove;
+use super::motion::{Motion, corner_words};
 use super::outline::MarkerLine;
 use super::program_check::ProgramCheck;
 use super::program_part::{PartMotion, ProgramPart};
 use super::program_task::ProgramTask;
-use super::task::{Task, corner_words};
+use super::task::Task;
 use crate::text::number;
 
 /// A planned and verified motion of a program.
@@ -74,7 +75,7 @@ impl<'t, const N: usize> ProgramMotion<'t, N> {
     }
 
     /// The paths among them, each with its index.
-    pub(crate) fn paths(&self) -> impl Iterator<Item = (&ProgramPart<'t, N>, &super::task::Motion<'t, N>)> {
+    pub(crate) fn paths(&self) -> impl Iterator<Item = (&ProgramPart<'t, N>, &Motion<'t, N>)> {
         self.parts.iter().filter_map(|part| match part.motion() {
             PartMotion::Path(motion) => Some((part, &**motion)),
             _ => None,

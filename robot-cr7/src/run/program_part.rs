@@ -4,9 +4,9 @@ use arcfeed_interp::{Trajectory, Verification};
 use arcfeed_kinematics::Joints;
 
 use super::joint_move::JointMove;
+use super::motion::Motion;
 use super::outline::MarkerLine;
 use super::program_marks::Marks;
-use super::task::Motion;
 
 /// A part of the motion of a program, from rest to rest unless it is at an end of the whole.
 #[derive(Debug, Clone)]

@@ -7,13 +7,14 @@ use arcfeed_interp::{
 use arcfeed_kinematics::{Joints, KinematicsError};
 
 use super::error::Cr7Error;
+use super::motion::Motion;
 use super::plan_error::plan_error;
 use super::program_marks::Marks;
 use super::program_motion::ProgramMotion;
 use super::program_part::ProgramPart;
 use super::program_task::{ProgramStep, ProgramTask};
 use super::rapid_run::{RapidRun, SAME, WayPoints};
-use super::task::{Motion, Task};
+use super::task::Task;
 
 /// Joints that are no more apart are the same but for the inverse, rad: a joint move makes up for it.
 const ROUNDING: f64 = 1e-6;

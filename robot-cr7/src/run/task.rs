@@ -7,13 +7,13 @@ use arcfeed_feedrate::{FeedError, FeedPlanner, StreamedScan};
 use arcfeed_geometry::PosePath;
 use arcfeed_interp::{
     CompileError, CompiledPlan, JointTrajectory, LimitError, Method, MotionPath, PathArm, PathError, PlanError,
-    Setpoints, ToolCertificate, ToolLimits, ToolPath, Trajectory,
+    ToolCertificate, ToolLimits, ToolPath, Trajectory,
 };
 use arcfeed_kinematics::{AnalyticInverse, JointLimits, Joints, ParallelAxisArm};
-use nalgebra::Vector3;
 
 use super::cr7::Cr7;
 use super::error::Cr7Error;
+use super::motion::{Motion, corner_words};
 use super::outline::Outline;
 use super::placed_path::{PlacedPath, PointFit, tool_of};
 use super::plan_error::{line_words, plan_error, reach_hint};
@@ -23,20 +23,6 @@ use super::stream::StreamReport;
 use super::task_limits::{TaskLimits, tables_of};
 use crate::input::job::{Job, VibrationJob};
 use crate::input::path_file::PathFile;
-
-/// A planned and verified motion along the path of a [`Task`], with all that a report needs.
-#[derive(Debug, Clone)]
-pub struct Motion<'t, const N: usize = 6> {
-    name: &'t str,
-    trajectory: Trajectory<'t, N>,
-    preparation: Duration,
-    stream: Option<StreamReport>,
-    outline: Option<&'t Outline>,
-    fit: Option<PointFit>,
-    vibration: Vec<VibrationLine>,
-    thermal: Vec<ThermalLine>,
-    warnings: Vec<String>,
-}
 
 /// A job made ready: the path in the base frame, the arm with its limits and where it starts. Nothing is planned yet.
 ///
@@ -420,93 +406,6 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
     }
 }
 
-impl<'t, const N: usize> Motion<'t, N> {
-    /// Name of the path.
-    pub fn name(&self) -> &str {
-        self.name
-    }
-
-    /// The trajectory: path, speed, limits, verification.
-    pub fn trajectory(&self) -> &Trajectory<'t, N> {
-        &self.trajectory
-    }
-
-    /// What the look-ahead cost, if the motion was streamed.
-    pub fn stream(&self) -> Option<&StreamReport> {
-        self.stream.as_ref()
-    }
-
-    /// The lines of the file along the path, where it has such.
-    pub fn outline(&self) -> Option<&Outline> {
-        self.outline
-    }
-
-    /// How near the path is to the points of its file, where it is a smooth curve through such.
-    pub fn fit(&self) -> Option<PointFit> {
-        self.fit
-    }
-
-    /// The vibrations of the structures that the job names.
-    pub fn vibration(&self) -> &[VibrationLine] {
-        &self.vibration
-    }
-
-    /// The thermal load of the drives, where torque is limited.
-    pub fn thermal(&self) -> &[ThermalLine] {
-        &self.thermal
-    }
-
-    /// Warnings about the motion.
-    pub fn warnings(&self) -> &[String] {
-        &self.warnings
-    }
-
-    /// Adds what else a person should know, such as an assumption about the arm.
-    pub fn warn(&mut self, warnings: impl IntoIterator<Item = String>) {
-        self.warnings.extend(warnings);
-    }
-
-    /// Time from the path file to the finished plan without its verification.
-    pub fn planning_time(&self) -> Duration {
-        self.preparation + self.trajectory.timings().planning()
-    }
-
-    /// Setpoints at the job's control period, start and end included.
-    ///
-    /// # Errors
-    /// Never for a motion that was planned; the signature is that of [`Trajectory::setpoints`].
-    pub fn setpoints(&self) -> Result<Setpoints<'_, 't, N>, LimitError> {
-        self.trajectory.setpoints(self.trajectory.period())
-    }
-}
-
-/// What is said of corners in which the tool stops.
-pub(crate) fn corner_words(corners: usize) -> Option<String> {
-    (corners > 0).then(|| format!("the path has {corners} corners, where the tool stops"))
-}
-
 /// What is said where a certificate leaves limits out.
 const UNCERTIFIED: &str =
     "the plan keeps [[tables]], tool_acceleration and tool_jerk; the certificate of the polynomials leaves them out";
-
-/// Points of each chord segment, dense enough to be drawn as a curve, seen along the workpiece's z axis (m).
-pub fn drawn_segments<const N: usize>(
-    plan: &Trajectory<'_, N>,
-    workpiece: &nalgebra::Isometry3<f64>,
-) -> Vec<Vec<[f64; 2]>> {
-    let inverse = workpiece.inverse();
-    let Some(path) = plan.path().tool_curve() else { return Vec::new() };
-    let curve = path.curve();
-    plan.breaks()
-        .windows(2)
-        .map(|b| {
-            (0..=8)
-                .map(|i| {
-                    let s = b[0] + (b[1] - b[0]) * f64::from(i) / 8.0;
-                    let p: Vector3<f64> = inverse.transform_point(&curve.point(s).into()).coords;
-                    [p.x, p.y]
-                })
-                .collect()
-        })
-        .collect()
-}

@@ -12,7 +12,8 @@ use crate::reproduce::checker::{AxisBounds, SampledAxis, SampledMotion};
 use crate::reproduce::spline::Spline;
 use crate::reproduce::{Reproduction, cr7_dh};
 use crate::run::error::Cr7Error;
-use crate::run::task::{Motion, Task};
+use crate::run::motion::Motion;
+use crate::run::task::Task;
 
 const PLACE: &str = "Section 6.1, figure 10: the butterfly scanned, and interpolated every 1 ms";
 const JOINING: &str = "Section 4: what zero acceleration at every segment boundary costs, butterfly";
