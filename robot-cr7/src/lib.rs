@@ -27,9 +27,13 @@ pub use input::scenario::Scenario;
 pub use input::schedule_file::{ScheduleFile, SchedulePlace, ScheduleWay};
 pub use input::tool_scenario::ToolScenario;
 pub use input::unit::LengthUnit;
+pub use output::arm_poses::{ArmPoses, Pose};
+pub use output::binding_line::BindingLine;
 pub use output::bound_report::BoundReport;
 pub use output::compiled_report::{CertifiedRatio, CertifiedToolRatio, CompiledReport};
 pub use output::joint_report::JointReport;
+#[cfg(feature = "html")]
+pub use output::page::{MotionPage, PageFacts, SpeedCeiling};
 pub use output::part_report::{JointMoveReport, PartReport};
 #[cfg(feature = "plot")]
 pub use output::plot;
@@ -40,7 +44,7 @@ pub use output::ros::RosRecording;
 pub use output::ros::{RosError, RosTrajectory};
 pub use output::run_report::{Accuracy, DetourLine, EventLine, ExcursionLine, RunReport, StateSpan};
 pub use output::schedule_figure::{BindingBar, JointFigure, JointPanel, ShareFigure, SharePanel, SpeedFigure};
-pub use output::schedule_report::{BindingLine, ScheduleReport, ScheduleRun};
+pub use output::schedule_report::{ScheduleReport, ScheduleRun};
 pub use output::series::Series;
 pub use output::staging::Staging;
 pub use output::trajectory_csv::{TrajectoryWriter, read_trajectory, trajectory_columns, write_trajectory};

@@ -1,9 +1,13 @@
 //! Trajectories, reports and pictures.
 
+pub(crate) mod arm_poses;
+pub(crate) mod binding_line;
 pub(crate) mod bound_report;
 pub(crate) mod compiled_report;
 pub(crate) mod joint_report;
 pub(crate) mod limit_table;
+#[cfg(feature = "html")]
+pub(crate) mod page;
 pub(crate) mod paper_figure;
 pub(crate) mod part_report;
 pub(crate) mod parts_report;

@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use arcfeed_interp::{PathParameter, Trajectory, Verification};
 
+use super::binding_line::BindingLine;
 use super::compiled_report::CompiledReport;
 use super::part_report::PartReport;
 use super::program_report::{LineTime, ProgramReport, lines_from};
@@ -43,6 +44,7 @@ impl<const N: usize> ProgramMotion<'_, N> {
             sampling_time_s,
             motion_per_computing: self.duration() / (planning_time_s + verification_time_s + sampling_time_s),
             limits: self.limits(check),
+            binding: self.bindings(),
             vibration: VibrationLine::most_of(self.paths().map(|(_, path)| path.vibration())),
             thermal: Vec::new(),
             bound: None,
@@ -79,6 +81,18 @@ impl<const N: usize> ProgramMotion<'_, N> {
             Some((part.begin(), CompiledReport::new(tolerance, part.trajectory()?, pieces, tool)))
         });
         CompiledReport::of_parts(tolerance, &compiled.joints, self.joint_limits(), paths)
+    }
+
+    /// Where limits bind, by the way along the program.
+    fn bindings(&self) -> Vec<BindingLine> {
+        let mut all = Vec::new();
+        for (part, path) in self.parts().iter().filter_map(|part| Some((part, part.trajectory()?))) {
+            // The place on a path of the joints is no length.
+            if path.path().parameter() == PathParameter::ArcLength {
+                BindingLine::append(&mut all, BindingLine::of(path.verification().bindings(), part.from()));
+            }
+        }
+        all
     }
 
     /// Every limit with its worst place over all parts and over the samples.

@@ -7,6 +7,7 @@ use std::time::Duration;
 use arcfeed_geometry::{Segmentation, SegmentationMethod};
 use serde::Serialize;
 
+use super::binding_line::{BindingLine, limited_by};
 use super::bound_report::BoundReport;
 use super::compiled_report::{CompiledReport, LINES};
 use super::limit_table::{ending, limit_table};
@@ -66,6 +67,8 @@ pub struct Report {
     pub motion_per_computing: f64,
     /// Every limit with its worst place.
     pub limits: Vec<LimitLine>,
+    /// The intervals in which each limit binds (99.9 % of it and more is used), by the way along the path, m.
+    pub binding: Vec<BindingLine>,
     /// The vibration of each structure that the job names.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub vibration: Vec<VibrationLine>,
@@ -151,6 +154,7 @@ impl<const N: usize> Motion<'_, N> {
             sampling_time_s,
             motion_per_computing: plan.duration() / (planning_time_s + verification_time_s + sampling_time_s),
             limits: self.limits(),
+            binding: BindingLine::of(plan.verification().bindings(), 0.0),
             vibration: self.vibration().to_vec(),
             thermal: self.thermal().to_vec(),
             bound: None,
@@ -222,6 +226,8 @@ impl Display for Report {
     /// The report for a terminal: at most 40 lines of 100 columns, lengths in mm, angles in degrees.
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}", clip(&self.path, WIDTH))?;
+        let limited = limited_by(&self.binding, self.length_m).unwrap_or_else(|| "nothing for long".to_owned());
+        writeln!(f, "  {:<11}{}", "limited by", clip(&limited, WIDTH - 13))?;
         let pair = |f: &mut Formatter<'_>, a: (&str, String), b: (&str, String)| {
             writeln!(f, "  {:<11}{:<36} {:<11}{}", a.0, clip(&a.1, 36), b.0, clip(&b.1, 39))
         };
@@ -261,11 +267,6 @@ impl Display for Report {
         if let Some(stream) = &self.stream {
             writeln!(f, "  {:<11}{}", "stream", clip(&stream_words(stream), WIDTH - 13))?;
         }
-        let mut segments = String::new();
-        for (i, s) in self.segments.iter().enumerate() {
-            let comma = if i == 0 { "" } else { ", " };
-            segments += &format!("{comma}{} {}", s.segments, s.method);
-        }
         writeln!(
             f,
             "  {:<11}{} plan, {} verify, {} sample: {} s of motion per second of computing",
@@ -275,7 +276,6 @@ impl Display for Report {
             duration(self.sampling_time_s),
             number(self.motion_per_computing)
         )?;
-        writeln!(f, "  {:<11}{}", "segments", clip(&segments, WIDTH - 13))?;
         let of_program = self.program_lines(f)?;
         let compiled = self.compiled.as_ref().map(CompiledReport::lines);
         for (name, line) in ["compiled", "", ""].into_iter().zip(compiled.iter().flatten()) {
@@ -351,6 +351,7 @@ mod tests {
             sampling_time_s: 0.0045,
             motion_per_computing: 323.4,
             limits,
+            binding: vec![BindingLine { limit: "jerk of joint 3".to_owned(), intervals: vec![[0.0, 0.157]] }],
             vibration: Vec::new(),
             thermal: Vec::new(),
             bound: None,

@@ -7,6 +7,7 @@ use arcfeed_interp::Trajectory;
 use arcfeed_kinematics::Joints;
 use serde::Serialize;
 
+use super::binding_line::BindingLine;
 use super::limit_table::{ending, limit_table};
 use super::schedule_figure::{ShareFigure, SharePanel, SpeedFigure, speed_figure};
 use super::series::Series;
@@ -17,15 +18,6 @@ use crate::run::limit_lines::limit_lines;
 use crate::run::speed_task::SpeedTask;
 use crate::run::trajectory_row::TrajectoryRow;
 use crate::text::{WIDTH, clip, duration, json, number, percent};
-
-/// The intervals in which one limit binds.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct BindingLine {
-    /// Which limit, in words: "torque of joint 3".
-    pub limit: String,
-    /// From where to where, by the parameter of the motion (m or rad).
-    pub intervals: Vec<[f64; 2]>,
-}
 
 /// The result of a schedule. Its fields are the keys of the JSON form, SI units in their names.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -147,10 +139,6 @@ impl ScheduleReport {
     fn new<const N: usize>(task: &SpeedTask<'_, N>, trajectory: &Trajectory<'_, N>, samples: usize) -> Self {
         let (info, verification) = (trajectory.info(), trajectory.verification());
         let (parameter, times) = (trajectory.path().parameter(), trajectory.timings());
-        let bindings = verification.bindings().iter().map(|b| BindingLine {
-            limit: b.id.to_string(),
-            intervals: b.intervals.iter().map(|&(from, to)| [from, to]).collect(),
-        });
         Self {
             name: task.file.file.display().to_string(),
             robot: task.robot.clone(),
@@ -168,7 +156,7 @@ impl ScheduleReport {
             planning_time_s: times.speed.as_secs_f64(),
             limits: limit_lines(verification, parameter),
             checked_samples: verification.samples(),
-            binding: bindings.collect(),
+            binding: BindingLine::of(verification.bindings(), 0.0),
             warnings: task.warnings.iter().cloned().chain(notes(trajectory)).collect(),
             files: Vec::new(),
         }

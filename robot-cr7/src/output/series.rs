@@ -22,8 +22,13 @@ pub struct Series {
 impl Series {
     /// For `columns` numbers a sample, and about `samples` of them.
     pub fn new(columns: usize, samples: usize) -> Self {
-        let run = if samples <= MOST_ROWS { 1 } else { samples.div_ceil(MOST_ROWS / 2) };
-        let rows = samples.min(MOST_ROWS);
+        Self::with_rows(columns, samples, MOST_ROWS)
+    }
+
+    /// The same with at most about `most` rows, which are two or more.
+    pub(crate) fn with_rows(columns: usize, samples: usize, most: usize) -> Self {
+        let run = if samples <= most { 1 } else { samples.div_ceil(most / 2) };
+        let rows = samples.min(most);
         Self {
             columns: (0..columns).map(|_| Vec::with_capacity(rows)).collect(),
             run,

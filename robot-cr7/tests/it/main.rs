@@ -36,6 +36,7 @@ mod joint_space;
 #[cfg(feature = "cli")]
 mod limit_jobs;
 mod limits_and_files;
+mod page;
 mod papers;
 #[cfg(feature = "plot")]
 mod pictures;

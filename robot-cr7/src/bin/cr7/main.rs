@@ -3,11 +3,13 @@
 mod advise;
 mod batch;
 mod compare;
+mod formats;
 mod inspect;
 mod joint_move;
 mod joint_space;
 mod online;
 mod output;
+mod page_file;
 mod place;
 mod plan;
 mod plan_files;

@@ -6,19 +6,22 @@ use std::time::Instant;
 use arcfeed_interp::PathArm;
 use robot_cr7::plot::speed_picture;
 use robot_cr7::{
-    BoundReport, CompiledReport, Job, Motion, OnToolPath, ProgramReport, ProgramTask, Series, Staging, Task,
-    TrajectoryRow, TrajectoryWriter, drawn_segments, few_enough, line_times,
+    ArmPoses, BoundReport, CompiledReport, Cr7Error, Job, Motion, OnToolPath, ProgramReport, ProgramTask, Series,
+    Staging, Task, TrajectoryRow, TrajectoryWriter, drawn_segments, few_enough, line_times,
 };
 
 use crate::Failure;
+use crate::formats::{self, Format};
 use crate::output::conclude;
+use crate::page_file::PageFile;
 use crate::plan_files::{
-    COMPILED, Drawn, FILES, LEVERS, LINES, MOST_PLACES, Picture, limit_at, pictures, stream_figure, write_lines,
+    COMPILED, Drawn, FILES, LEVERS, LINES, MOST_PLACES, Picture, add_limited_by, limit_at, pictures, stream_figure,
+    write_lines,
 };
 use crate::plan_program;
 use crate::progress::Progress;
 use crate::robots::RobotArgs;
-use crate::ros::{self, Format, RosFiles};
+use crate::ros::{self, RosFiles};
 use crate::tool_path::{read_job, read_path};
 
 /// Arguments of `cr7 plan`.
@@ -33,6 +36,7 @@ use crate::tool_path::{read_job, read_path};
   cr7 plan --robot ur5e                    another robot: a name of `cr7 robots`, a .urdf or a .json file
   cr7 plan --compile-rad 1e-6              the joints as polynomials of the time, too, within 1 urad
   cr7 plan --format ros2                   for ROS 2's joint trajectory controller
+  cr7 plan --format html                   a page for a browser on which the arm moves
   cr7 plan --bound                         how much shorter any motion can be, too
   cr7 plan --stream 20                     segments arrive while the motion runs, 20 of them known ahead
   cr7 plan --stream 20 --stream-gap-ms 12  one every 12 ms: the motion waits where they come too late
@@ -54,7 +58,7 @@ pub struct Args {
     /// Also write joint_trajectory.json: polynomials of the time that stay within this tolerance of the planned joints, in rad
     #[arg(long, value_name = "TOLERANCE", conflicts_with = "stream")]
     pub compile_rad: Option<f64>,
-    /// Also write the motion for ROS 2: `ros2` for trajectory_msgs/JointTrajectory as YAML and JSON, `mcap` for a recording
+    /// Also write the motion for others: `ros2` for trajectory_msgs/JointTrajectory as YAML and JSON, `mcap` for a recording, `html` for a page on which the arm moves
     #[arg(long, value_enum, value_delimiter = ',', conflicts_with = "stream")]
     pub format: Vec<Format>,
     /// Also bound the duration of all motions within the limits from below; takes a few to forty times as long as the plan
@@ -83,7 +87,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if let Some(value) = args.compile_rad.filter(|value| !(value.is_finite() && *value > 0.0)) {
         return Err(Failure::BadInput(format!("--compile-rad {value}: give a number above 0, such as 1e-6")));
     }
-    ros::check(&args.format)?;
+    formats::check(&args.format)?;
     let inputs: Vec<&Path> = [&args.path, &args.job].into_iter().filter_map(|file| file.as_deref()).collect();
     let mut staging = Staging::new(&args.out, &FILES, &inputs)?;
     let job = read_job(args.job.as_deref())?;
@@ -103,7 +107,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 impl Args {
     /// The tolerance of the compiled motion, rad, where one is needed.
     pub fn tolerance(&self) -> Option<f64> {
-        self.compile_rad.or((!self.format.is_empty()).then_some(ros::TOLERANCE))
+        self.compile_rad.or(self.format.iter().any(Format::is_of_ros).then_some(ros::TOLERANCE))
     }
 }
 
@@ -157,12 +161,18 @@ impl OnToolPath for Plan<'_> {
         let name = FILES[0];
         let mut trajectory = TrajectoryWriter::new(staging.create(name)?).map_err(|e| staging.failed(name, e))?;
         let pieces = compiled.as_ref().map(|(_, pieces, _)| pieces);
-        let mut ros = RosFiles::new(args, job, &mut staging, pieces, motion.trajectory().limits().joints())?;
+        let limits = motion.trajectory().limits();
+        let mut ros = RosFiles::new(args, job, &mut staging, pieces, limits.joints())?;
+        let robot = args.robot.load()?;
+        let mut page = PageFile::new(args, &robot, limits.joints(), limits.torque(), samples);
+        let mut poses = ArmPoses::new(*robot.arm::<N>(job.tool).map_err(Cr7Error::from)?.chain(), samples);
         for setpoint in sampler {
             let p = setpoint.map_err(|e| Failure::Undoable(e.to_string()))?;
             let row = TrajectoryRow::from(&p);
             trajectory.write(&row).map_err(|e| staging.failed(name, e))?;
             ros.write(&row, &staging)?;
+            page.push(&row, p.s, p.feed);
+            poses.push(&row, p.feed);
             series.push([p.t, p.s, p.feed].into_iter().chain([p.qd, p.qdd, p.jerk].iter().flatten().copied()));
         }
         trajectory.finish().map_err(|e| staging.failed(name, e))?;
@@ -171,12 +181,12 @@ impl OnToolPath for Plan<'_> {
         let sampling = begin.elapsed();
 
         progress.step("drawing");
-        for (name, svg) in path_pictures(&motion, job, &series)? {
+        let drawn = drawn(&motion, job, &series, poses)?;
+        for (name, svg) in path_pictures(&motion, &drawn, &series) {
             staging.write(name, &svg.map_err(|source| staging.failed(name, source))?)?;
         }
         let compiled = match compiled {
             Some((tolerance, pieces, tool)) => {
-                let robot = args.robot.load()?;
                 let names = std::array::from_fn(|k| robot.any().joint_names().get(k).cloned().unwrap_or_default());
                 staging.write(COMPILED, &(pieces.to_json(&names) + "\n"))?;
                 Some(CompiledReport::new(tolerance, motion.trajectory(), &pieces, &tool))
@@ -195,17 +205,25 @@ impl OnToolPath for Plan<'_> {
         let remedy = "lower the feed, or give the limits of the job more distance";
         let mut report = motion.report(samples, sampling);
         (report.compiled, report.bound, report.program) = (compiled, bound, program.map(|(_, report)| report));
+        page.finish(&report, &drawn, &mut staging)?;
         conclude(report, staging, args.json, remedy)
     }
 }
 
-/// Pictures of a motion whose time, place, feed and joint rates are the columns of `series`.
-fn path_pictures<const N: usize>(motion: &Motion<'_, N>, job: &Job, series: &Series) -> Result<Vec<Picture>, Failure> {
+/// What the pictures show: path, limits and places.
+fn drawn<'m, const N: usize>(
+    motion: &'m Motion<'_, N>,
+    job: &Job,
+    series: &Series,
+    poses: ArmPoses<N>,
+) -> Result<Drawn<'m, N>, Failure> {
     let plan = motion.trajectory();
     let caps = plan.limit_curve().map_err(|e| Failure::Undoable(e.to_string()))?;
     let limit: Vec<(f64, f64)> = caps.iter().map(|point| (point.s, point.speed)).collect();
     let [t, s] = [0, 1].map(|column| series.column(column));
-    let drawn = Drawn {
+    let mut limited_by = Vec::new();
+    add_limited_by(&mut limited_by, &caps, 0.0);
+    Ok(Drawn {
         name: motion.name(),
         segments: drawn_segments(plan, &job.workpiece),
         deviations: plan.segmentation().map_or_else(Vec::new, |segmentation| segmentation.deviations().to_vec()),
@@ -214,13 +232,19 @@ fn path_pictures<const N: usize>(motion: &Motion<'_, N>, job: &Job, series: &Ser
         places: places(motion, job, series),
         joints: plan.limits().joints(),
         limit,
-    };
-    let mut all = pictures(&drawn, series);
+        limited_by,
+        poses,
+    })
+}
+
+/// Pictures of a motion whose time, place, feed and joint rates are the columns of `series`.
+fn path_pictures<const N: usize>(motion: &Motion<'_, N>, drawn: &Drawn<'_, N>, series: &Series) -> Vec<Picture> {
+    let mut all = pictures(drawn, series);
     if let Some(stream) = motion.stream() {
         let figure = stream_figure(motion.name(), stream, &series.pairs(1, 2), &drawn.limit);
         all.push(("stream.svg", speed_picture(&figure)));
     }
-    Ok(all)
+    all
 }
 
 /// Places along the motion, seen along the z axis of the workpiece (m), with the speed there (m/s).

@@ -1,17 +1,22 @@
 //! The files of `cr7 plan`.
 
+use arcfeed_interp::LimitPoint;
 use arcfeed_kinematics::JointLimits;
-use robot_cr7::plot::{Along, Bound, JointQuantity, feed_picture, joint_picture, path_picture, speed_path_picture};
-use robot_cr7::{BindingBar, LineTime, Series, SpeedFigure, StreamReport};
+use robot_cr7::plot::{
+    Along, Bound, JointQuantity, feed_picture, joint_picture, motion_picture, path_picture, speed_path_picture,
+};
+use robot_cr7::{ArmPoses, BindingBar, LineTime, Series, SpeedFigure, StreamReport};
 
 use crate::output::REPORTS;
+use crate::page_file::PAGE;
 use crate::ros;
 
 /// The files of the command.
-pub const FILES: [&str; 16] = [
+pub const FILES: [&str; 18] = [
     "trajectory.csv",
     "path.svg",
     "path_speed.svg",
+    "motion.svg",
     "feed.svg",
     "feed_time.svg",
     "joint_velocity.svg",
@@ -23,6 +28,7 @@ pub const FILES: [&str; 16] = [
     ros::FILES[0],
     ros::FILES[1],
     ros::FILES[2],
+    PAGE,
     REPORTS[0],
     REPORTS[1],
 ];
@@ -58,6 +64,10 @@ pub struct Drawn<'a, const N: usize> {
     /// The highest speed (m/s) by the way of the tool (m), and by the time (s).
     pub limit: Vec<(f64, f64)>,
     pub limit_by_time: Vec<(f64, f64)>,
+    /// From which place on (m), increasing, which limit sets the highest speed, in words.
+    pub limited_by: Vec<(f64, String)>,
+    /// The arm along the motion.
+    pub poses: ArmPoses<N>,
     /// Places with the speed there.
     pub places: Vec<[f64; 3]>,
     pub joints: &'a JointLimits<N>,
@@ -66,6 +76,7 @@ pub struct Drawn<'a, const N: usize> {
 /// Pictures of a motion whose time, place, feed and joint rates are the columns of `series`.
 pub fn pictures<const N: usize>(drawn: &Drawn<'_, N>, series: &Series) -> Vec<Picture> {
     let name = drawn.name;
+    let duration = series.column(0).last().copied().unwrap_or(0.0);
     let picture = |quantity, column: usize, limits: [f64; N]| {
         let values: [&[f64]; N] = std::array::from_fn(|k| series.column(column + k));
         joint_picture(name, quantity, series.column(0), &values, &limits.map(Bound::Constant), &[])
@@ -75,12 +86,23 @@ pub fn pictures<const N: usize>(drawn: &Drawn<'_, N>, series: &Series) -> Vec<Pi
     vec![
         ("path.svg", path_picture(name, &drawn.segments, &drawn.deviations, drawn.chord_tolerance)),
         ("path_speed.svg", speed_path_picture(name, &drawn.places)),
+        ("motion.svg", Ok(motion_picture(name, drawn.poses.poses(), duration))),
         ("feed.svg", feed_picture(name, Along::Length, &series.pairs(1, 2), &drawn.limit)),
         ("feed_time.svg", feed_picture(name, Along::Time, &series.pairs(0, 2), &drawn.limit_by_time)),
         ("joint_velocity.svg", picture(JointQuantity::Velocity, 3, rates[0])),
         ("joint_acceleration.svg", picture(JointQuantity::Acceleration, 3 + N, rates[1])),
         ("joint_jerk.svg", picture(JointQuantity::Jerk, 3 + 2 * N, rates[2])),
     ]
+}
+
+/// Adds the limits that set the highest speed along a path that begins at `from` (m): each with the place from which on it does.
+pub fn add_limited_by(all: &mut Vec<(f64, String)>, curve: &[LimitPoint], from: f64) {
+    for point in curve {
+        let name = point.id.map_or_else(|| "no limit".to_owned(), |id| id.to_string());
+        if all.last().is_none_or(|(_, last)| *last != name) {
+            all.push((from + point.s, name));
+        }
+    }
 }
 
 /// The speed that a limit curve allows at `s`: between two grid points its square may lie on the straight line through both.

@@ -4,14 +4,17 @@ use std::time::Instant;
 
 use arcfeed_interp::PathArm;
 use robot_cr7::{
-    BoundReport, Job, OnProgram, PartMotion, PathFile, ProgramMotion, ProgramPart, ProgramTask, Series, Staging,
-    TrajectoryWriter, drawn_segments, few_enough,
+    ArmPoses, BoundReport, Cr7Error, Job, OnProgram, PartMotion, PathFile, ProgramMotion, ProgramPart, ProgramTask,
+    Series, Staging, TrajectoryWriter, drawn_segments, few_enough,
 };
 
 use crate::Failure;
 use crate::output::conclude;
+use crate::page_file::PageFile;
 use crate::plan::Args;
-use crate::plan_files::{COMPILED, Drawn, FILES, LEVERS, LINES, MOST_PLACES, limit_at, pictures, write_lines};
+use crate::plan_files::{
+    COMPILED, Drawn, FILES, LEVERS, LINES, MOST_PLACES, add_limited_by, limit_at, pictures, write_lines,
+};
 use crate::progress::Progress;
 use crate::ros::RosFiles;
 
@@ -73,11 +76,17 @@ impl OnProgram for PlanProgram<'_> {
         let mut trajectory = TrajectoryWriter::new(staging.create(name)?).map_err(|e| staging.failed(name, e))?;
         let pieces = compiled.as_ref().map(|(_, compiled)| &compiled.joints);
         let mut ros = RosFiles::new(args, job, &mut staging, pieces, motion.joint_limits())?;
+        let torque = motion.parts().iter().find_map(|part| part.trajectory()?.limits().torque());
+        let robot = args.robot.load()?;
+        let mut page = PageFile::new(args, &robot, motion.joint_limits(), torque, samples);
+        let mut poses = ArmPoses::new(*robot.arm::<N>(job.tool).map_err(Cr7Error::from)?.chain(), samples);
         for (i, sample) in sampler.enumerate() {
             let sample = sample.map_err(|e| Failure::Undoable(e.to_string()))?;
             let row = sample.row;
             trajectory.write(&row).map_err(|e| staging.failed(name, e))?;
             ros.write(&row, &staging)?;
+            page.push(&row, sample.s, sample.feed);
+            poses.push(&row, sample.feed);
             check.see(&row);
             let rates = [row.qd, row.qdd, row.jerk];
             series.push([row.t, sample.s, sample.feed].into_iter().chain(rates.iter().flatten().copied()));
@@ -93,7 +102,7 @@ impl OnProgram for PlanProgram<'_> {
         let check = check.finish(job.feed.end_speeds[1] == 0.0);
 
         progress.step("drawing");
-        let drawn = drawn(&motion, job, &series, places)?;
+        let drawn = drawn(&motion, job, &series, places, poses)?;
         for (name, svg) in pictures(&drawn, &series) {
             staging.write(name, &svg.map_err(|source| staging.failed(name, source))?)?;
         }
@@ -101,13 +110,13 @@ impl OnProgram for PlanProgram<'_> {
         write_lines(file, &motion.line_times()).map_err(|source| staging.failed(LINES, source))?;
         let mut report = motion.report(&check, samples, sampling);
         if let Some((tolerance, compiled)) = &compiled {
-            let robot = args.robot.load()?;
             let names = std::array::from_fn(|k| robot.any().joint_names().get(k).cloned().unwrap_or_default());
             staging.write(COMPILED, &(compiled.joints.to_json(&names) + "\n"))?;
             report.compiled = Some(motion.compiled_report(*tolerance, compiled));
         }
         drop(progress);
         report.bound = bound;
+        page.finish(&report, &drawn, &mut staging)?;
         let remedy = "lower the feed, or give the limits of the job more distance";
         conclude(report, staging, args.json, remedy)
     }
@@ -128,9 +137,10 @@ fn drawn<'m, const N: usize>(
     job: &Job,
     series: &Series,
     places: Vec<[f64; 3]>,
+    poses: ArmPoses<N>,
 ) -> Result<Drawn<'m, N>, Failure> {
     let (mut segments, mut deviations, mut chord_tolerance) = (Vec::new(), Vec::new(), 0.0f64);
-    let mut limit = Vec::new();
+    let (mut limit, mut limited_by) = (Vec::new(), Vec::new());
     // The limits of each part by its end.
     let mut limits: Vec<(f64, Vec<(f64, f64)>)> = Vec::new();
     for part in motion.parts() {
@@ -141,6 +151,7 @@ fn drawn<'m, const N: usize>(
                 deviations.extend(plan.segmentation().into_iter().flat_map(|s| s.deviations().iter().copied()));
                 chord_tolerance = chord_tolerance.max(plan.chord_tolerance());
                 let caps = plan.limit_curve().map_err(|e| Failure::Undoable(e.to_string()))?;
+                add_limited_by(&mut limited_by, &caps, part.from());
                 caps.iter().map(|point| (part.from() + point.s, point.speed)).collect()
             }
             PartMotion::Joints(_) => [part.from(), part.from() + part.length()].map(|s| (s, f64::INFINITY)).to_vec(),
@@ -162,6 +173,8 @@ fn drawn<'m, const N: usize>(
         chord_tolerance,
         limit_by_time: t.iter().zip(s).map(at).collect(),
         limit,
+        limited_by,
+        poses,
         places,
         joints: motion.joint_limits(),
     })

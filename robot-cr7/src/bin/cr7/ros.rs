@@ -1,4 +1,4 @@
-//! The files of `cr7 plan --format`.
+//! The files of `cr7 plan --format` for ROS 2.
 
 #[cfg(feature = "mcap")]
 use std::fs::File;
@@ -10,6 +10,7 @@ use robot_cr7::{Cr7Error, RosRecording};
 use robot_cr7::{Job, RosTrajectory, Staging, TrajectoryRow};
 
 use crate::Failure;
+use crate::formats::Format;
 use crate::plan::Args;
 
 /// Distance of the compiled motion from the plan where the user gives none, rad.
@@ -18,28 +19,10 @@ pub const TOLERANCE: f64 = 1e-6;
 /// The files of the command.
 pub const FILES: [&str; 3] = ["ros2_trajectory.yaml", "ros2_trajectory.json", "motion.mcap"];
 
-/// A kind of file besides the project's own.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum Format {
-    /// trajectory_msgs/JointTrajectory as YAML and JSON
-    Ros2,
-    /// A recording with the trajectory, joint states and frames, for Foxglove and `ros2 bag`; needs the feature `mcap` of this program
-    Mcap,
-}
-
 /// The files while they are written.
 pub struct RosFiles<const N: usize> {
     #[cfg(feature = "mcap")]
     recording: Option<RosRecording<File, N>>,
-}
-
-/// Refuses formats that this program was built without.
-pub fn check(formats: &[Format]) -> Result<(), Failure> {
-    if formats.contains(&Format::Mcap) && !cfg!(feature = "mcap") {
-        let words = "--format mcap: this program was built without it: build it with `--features mcap`";
-        return Err(Failure::BadInput(words.to_owned()));
-    }
-    Ok(())
 }
 
 impl<const N: usize> RosFiles<N> {
@@ -55,7 +38,7 @@ impl<const N: usize> RosFiles<N> {
             #[cfg(feature = "mcap")]
             recording: None,
         };
-        let (Some(pieces), false) = (pieces, args.format.is_empty()) else { return Ok(none) };
+        let (Some(pieces), true) = (pieces, args.format.iter().any(Format::is_of_ros)) else { return Ok(none) };
         let robot = args.robot.load()?;
         let message = RosTrajectory::new(pieces, robot.any().joint_names(), limits)
             .map_err(|error| Failure::Undoable(format!("--format: {error}")))?;

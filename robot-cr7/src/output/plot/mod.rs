@@ -6,6 +6,7 @@
 mod canvas;
 mod compare;
 mod decimate;
+mod motion;
 mod panel;
 mod paper;
 mod run;
@@ -21,6 +22,7 @@ use crate::input::error::InputError;
 use crate::output::whole_file::write_whole;
 use crate::run::limit_line::TOLERANCE;
 use crate::text::{number, percent};
+pub use motion::motion_picture;
 pub use paper::paper_picture;
 pub use run::{Picture, run_pictures};
 pub use schedule::{joint_panels_picture, shares_picture, speed_picture};

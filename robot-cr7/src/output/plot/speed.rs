@@ -34,7 +34,7 @@ pub fn speed_path_picture(name: &str, points: &[[f64; 3]]) -> Result<String, io:
     let shape =
         Panel { left: LEFT, right: RIGHT, top, bottom: top + height, x: grown(x, RIGHT - LEFT), y: grown(y, height) };
     let highest = finite.iter().fold(0.0f64, |most, p| most.max(p[2]));
-    let level = |speed: f64| ((speed / highest.max(f64::MIN_POSITIVE) * LEVELS as f64) as usize).min(LEVELS - 1);
+    let level = |speed: f64| level_of(speed, highest);
     page(WIDTH, (shape.bottom + 52.0) as u32, |canvas| {
         canvas.header(name, "the path of the tool, coloured by its speed", &[])?;
         shape.axes(canvas, Some("x [mm]"), "y [mm]")?;
@@ -57,7 +57,12 @@ pub fn speed_path_picture(name: &str, points: &[[f64; 3]]) -> Result<String, io:
     })
 }
 
-fn colour_of(level: usize) -> RGBColor {
+/// The colour of a speed on the way to the highest one.
+pub(super) fn level_of(speed: f64, highest: f64) -> usize {
+    ((speed / highest.max(f64::MIN_POSITIVE) * LEVELS as f64) as usize).min(LEVELS - 1)
+}
+
+pub(super) fn colour_of(level: usize) -> RGBColor {
     let place = level as f64 / (LEVELS - 1) as f64 * (RAMP.len() - 1) as f64;
     let i = (place as usize).min(RAMP.len() - 2);
     let ((r0, g0, b0), (r1, g1, b1)) = (RAMP[i], RAMP[i + 1]);

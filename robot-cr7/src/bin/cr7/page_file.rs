@@ -1,0 +1,77 @@
+//! The file of `cr7 plan --format html`.
+
+use arcfeed_interp::TorqueLimits;
+use arcfeed_kinematics::JointLimits;
+#[cfg(feature = "html")]
+use robot_cr7::{MotionPage, PageFacts, SpeedCeiling};
+use robot_cr7::{Report, Robot, Staging, TrajectoryRow};
+
+use crate::Failure;
+#[cfg(feature = "html")]
+use crate::formats::Format;
+use crate::plan::Args;
+use crate::plan_files::Drawn;
+
+/// The file.
+pub const PAGE: &str = "report.html";
+
+/// The page while its samples are collected.
+pub struct PageFile<'a, const N: usize> {
+    #[cfg(feature = "html")]
+    page: Option<MotionPage<'a, N>>,
+    #[cfg(not(feature = "html"))]
+    _limits: &'a JointLimits<N>,
+}
+
+impl<'a, const N: usize> PageFile<'a, N> {
+    /// Begins the page of a motion of `samples` samples, where it is asked for.
+    #[cfg(feature = "html")]
+    pub fn new(
+        args: &Args,
+        robot: &Robot,
+        joints: &'a JointLimits<N>,
+        torque: Option<&'a TorqueLimits<'a, N>>,
+        samples: usize,
+    ) -> Self {
+        if !args.format.contains(&Format::Html) {
+            return Self { page: None };
+        }
+        let names = robot.any().joint_names().to_vec();
+        let facts = PageFacts { robot: robot.description().name.clone(), joint_names: names, joints, torque };
+        Self { page: Some(MotionPage::new(facts, samples)) }
+    }
+
+    /// There is no page to begin.
+    #[cfg(not(feature = "html"))]
+    pub fn new(
+        _args: &Args,
+        _robot: &Robot,
+        joints: &'a JointLimits<N>,
+        _torque: Option<&'a TorqueLimits<'a, N>>,
+        _samples: usize,
+    ) -> Self {
+        Self { _limits: joints }
+    }
+
+    /// The next sample, with its place on the path (m) and the speed there (m/s).
+    pub fn push(&mut self, row: &TrajectoryRow<N>, s: f64, feed: f64) {
+        #[cfg(feature = "html")]
+        if let Some(page) = &mut self.page {
+            page.push(row, s, feed);
+        }
+        #[cfg(not(feature = "html"))]
+        let _ = (row, s, feed);
+    }
+
+    /// Writes the page.
+    pub fn finish(self, report: &Report, drawn: &Drawn<'_, N>, staging: &mut Staging) -> Result<(), Failure> {
+        #[cfg(feature = "html")]
+        if let Some(page) = self.page {
+            let ceiling = SpeedCeiling { by_time: &drawn.limit_by_time, limits: &drawn.limited_by };
+            staging.write(PAGE, &page.finish(report, &ceiling, &drawn.poses))?;
+        }
+        #[cfg(not(feature = "html"))]
+        let _ = (report, drawn, staging);
+        Ok(())
+    }
+}
