@@ -69,7 +69,7 @@ static const char *command(ArcfeedGenerator *generator, int cycle) {
     case 7600:
         check(arcfeed_generator_resume(generator), "resume");
         return phase = "resume";
-    case 8600:
+    case 7950:
         check(arcfeed_generator_stop(generator), "stop");
         return phase = "stop";
     default:
@@ -150,6 +150,9 @@ static void write_svg(const char *folder) {
             }
             fprintf(file, "\"/>\n");
         }
+    }
+    for (int i = 0; i < CYCLES; i += 1000) {
+        fprintf(file, "<text x=\"%g\" y=\"14\">%g s</text>\n", left + width * i / CYCLES, i * CYCLE);
     }
     for (int i = 1; i < CYCLES; i++) {
         if (strcmp(samples[i].command, samples[i - 1].command) != 0) {
