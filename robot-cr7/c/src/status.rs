@@ -113,3 +113,39 @@ fn of_feed(error: &FeedError) -> ArcfeedStatus {
         _ => ArcfeedRefused,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::ffi::CStr;
+
+    fn last() -> String {
+        // SAFETY: the text of this thread ends in NUL.
+        unsafe { CStr::from_ptr(arcfeed_last_error()) }.to_str().expect("UTF-8").to_owned()
+    }
+
+    #[test]
+    fn a_panic_stays_inside() {
+        assert_eq!(guarded(|| panic!("a defect")), ArcfeedInternal);
+        assert!(last().contains("defect"), "{}", last());
+    }
+
+    #[test]
+    fn a_long_text_is_cut_between_characters() {
+        for begin in 0..3 {
+            let text = format!("{}{}", "a".repeat(begin), "\u{20ac}".repeat(TEXT));
+            assert_eq!(refuse(ArcfeedInvalid, &text), ArcfeedInvalid);
+            let kept = last();
+            assert!(text.starts_with(&kept) && kept.len() > TEXT - 5 && kept.len() < TEXT, "{}", kept.len());
+        }
+        refuse(ArcfeedInvalid, "short");
+        assert_eq!(last(), "short");
+    }
+
+    #[test]
+    fn success_keeps_the_text() {
+        refuse(ArcfeedInvalid, "before");
+        assert_eq!(guarded(|| Ok(())), ArcfeedOk);
+        assert_eq!(last(), "before");
+    }
+}
