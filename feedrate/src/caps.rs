@@ -6,6 +6,9 @@
 //! `min`. Invalid input (NaN, a negative limit) gives 0 or an empty interval, never NaN: what
 //! cannot be judged must not move.
 
+#[cfg(not(feature = "std"))]
+use crate::float::Float;
+
 /// An interval of admissible values; empty if `lo > hi`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Interval {

@@ -362,7 +362,7 @@ pub enum FeedError {
     /// No motion takes this long: too short, or inside a blocked interval.
     #[error(
         "no motion takes exactly {duration} s; {}{above} s is the next one that is possible",
-        below_text(.below)
+        LastBelow(*.below)
     )]
     DurationImpossible {
         /// The duration asked for (s).
@@ -441,8 +441,16 @@ pub enum FeedError {
     },
 }
 
-fn below_text(below: &Option<f64>) -> String {
-    below.map_or_else(String::new, |t| format!("{t} s is the last one below, "))
+/// The part of a text about the last duration below, if there is one.
+struct LastBelow(Option<f64>);
+
+impl std::fmt::Display for LastBelow {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.0 {
+            Some(t) => write!(f, "{t} s is the last one below, "),
+            None => Ok(()),
+        }
+    }
 }
 
 pub(crate) fn finite(what: &'static str, value: f64) -> Result<f64, FeedError> {

@@ -52,26 +52,40 @@
 //! generation in robot task and joint spaces, Actuators 2024, 13, 108, cited as Liu et al. 2024;
 //! "Quaternion-Based Velocity Scheduling for Robotic Systems", Electronics 2025, 14, 3869. A
 //! formula that departs from print says so in its docs, with the reason.
+#![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
 // `!(x > 0.0)` is how NaN is taken to the safe side.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
+
+// Without the standard library `std::` is what `core` has of it.
+#[cfg(not(feature = "std"))]
+extern crate core as std;
 
 #[cfg(feature = "clarabel")]
 mod baseline;
 pub mod caps;
 #[cfg(feature = "clarabel")]
 mod conic_program;
+#[cfg(feature = "std")]
 pub mod constraint;
 mod error;
+#[cfg(not(feature = "std"))]
+mod float;
+#[cfg(feature = "std")]
 mod jerk_limited;
 mod limits;
+#[cfg(feature = "std")]
 mod live;
+#[cfg(feature = "std")]
 mod lp2;
 mod online;
+#[cfg(feature = "std")]
 mod problem;
 mod row;
+#[cfg(feature = "std")]
 mod scan;
 mod scurve;
+#[cfg(feature = "std")]
 mod speed_law;
 mod state;
 mod state_to_state;
@@ -79,28 +93,40 @@ mod state_to_state;
 #[cfg(feature = "clarabel")]
 pub use baseline::{Bounded, ClarabelBaseline};
 pub use error::{FeedError, PathEnd};
+#[cfg(feature = "std")]
 pub use jerk_limited::{JerkLimited, JerkLimitedPlan, LowerBound};
 pub use limits::AxisLimits;
+#[cfg(feature = "std")]
 pub use live::{FeedOverride, LiveSection, LiveStatus, LiveStep, MAX_SECTIONS, VelocityLimitCurve};
-pub use online::{
-    Adoption, FeedScheduler, FeedStatus, FeedStep, SegmentStream, StreamStatus, StreamStep, TargetTracker, TrackStatus,
-    TrackStep,
-};
+pub use online::{Adoption, FeedScheduler, FeedStatus, FeedStep, TargetTracker, TrackStatus, TrackStep};
+#[cfg(feature = "std")]
+pub use online::{SegmentStream, StreamStatus, StreamStep};
+#[cfg(feature = "std")]
 pub use problem::{FeedPlanner, FeedProblem, LimitPartition, live_speed};
 pub use row::{IntervalBound, JerkRow, LimitId, Quantity, Row};
+#[cfg(feature = "std")]
 pub use scan::continuous_acceleration::{plan_continuous, plan_continuous_at_once};
+#[cfg(feature = "std")]
 pub use scan::fallback::{ChosenLaw, Fallback, JerkLimitedOrScan};
+#[cfg(feature = "std")]
 pub use scan::forward_backward::ForwardBackwardScan;
+#[cfg(feature = "std")]
 pub use scan::interpolated::InterpolatedReachability;
+#[cfg(feature = "std")]
 pub use scan::on_problem::{ContinuousAccelerationScan, PerSegmentScan};
+#[cfg(feature = "std")]
 pub use scan::per_segment::{boundary_speeds, plan_per_segment, plan_windowed};
+#[cfg(feature = "std")]
 pub use scan::reachability::Reachability;
+#[cfg(feature = "std")]
 pub use scan::streamed::{Streamed, StreamedScan};
+#[cfg(feature = "std")]
 pub use scan::{Segment, boundaries};
 pub use scurve::change::SpeedChange;
 pub use scurve::phase::Phase;
 pub use scurve::profile::{Adjust, Adjusted, SProfile};
 pub use scurve::solve::{distance_for_change, highest_speed_over, lowest_speed_over};
+#[cfg(feature = "std")]
 pub use speed_law::{Cursor, SpeedLaw};
 pub use state::{AxisState, MotionLaw, MotionState};
 pub use state_to_state::{AxisProblem, BoundedProblem, Durations, PositionLimits, PositionRange, StateToState};

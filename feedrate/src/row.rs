@@ -1,5 +1,7 @@
 //! The one shape of every limit along a path, and where each limit comes from.
 
+#[cfg(not(feature = "std"))]
+use crate::float::Float;
 use std::fmt;
 
 /// The quantity that is limited.
@@ -202,6 +204,7 @@ impl Row {
         (value - self.hi).max(self.lo - value).max(0.0)
     }
 
+    #[cfg(feature = "std")]
     pub(crate) fn is_sound(&self) -> bool {
         // Two tests without a branch between them, since this runs over every row. The difference
         // of the bounds is negative where they exclude each other and NaN where both are the same

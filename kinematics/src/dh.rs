@@ -1,8 +1,10 @@
 //! Denavit-Hartenberg parameters, in both conventions, as a way to describe a [`Chain`].
 
+#[cfg(not(feature = "std"))]
+use crate::float::Float;
 use crate::{
     chain::Chain,
-    error::{KinematicsError, Part},
+    error::KinematicsError,
     joint::{Joint, JointKind, Joints},
     traits::ForwardKinematics,
 };
@@ -215,7 +217,18 @@ fn try_map<const N: usize>(
 ) -> Result<[Joint; N], KinematicsError> {
     let mut joints = [Joint::revolute(Isometry3::identity(), Vector3::z())?; N];
     for (i, (joint, row)) in joints.iter_mut().zip(rows).enumerate() {
-        *joint = make(row).map_err(|error| error.in_part(Part::Joint, &(i + 1).to_string()))?;
+        *joint = make(row).map_err(|error| in_row(error, i))?;
     }
     Ok(joints)
+}
+
+/// An error of the row `i`, from 0. Without the standard library it has no room for the number.
+fn in_row(error: KinematicsError, i: usize) -> KinematicsError {
+    #[cfg(feature = "std")]
+    return error.in_part(crate::error::Part::Joint, &(i + 1).to_string());
+    #[cfg(not(feature = "std"))]
+    {
+        let _ = i;
+        error
+    }
 }

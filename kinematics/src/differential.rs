@@ -12,6 +12,8 @@
 //! J is factored once; the terms on the right come from [`Configuration`](crate::Configuration)'s forward recursion, so
 //! no difference quotient is taken anywhere.
 
+#[cfg(not(feature = "std"))]
+use crate::float::Float;
 use crate::{
     error::KinematicsError,
     jacobian::Twist,

@@ -38,6 +38,19 @@ impl std::fmt::Display for Part {
     }
 }
 
+/// The part of a text about a joint at its limit, if there is one.
+struct AtLimit(Option<usize>);
+
+impl std::fmt::Display for AtLimit {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.0 {
+            Some(joint) => write!(f, " with joint {} at its limit", joint + 1),
+            None => Ok(()),
+        }
+    }
+}
+
+#[cfg(feature = "std")]
 impl KinematicsError {
     /// This error, told of a named part.
     pub(crate) fn in_part(self, part: Part, name: &str) -> Self {
@@ -204,7 +217,7 @@ pub enum KinematicsError {
     /// No attempt of a numeric inverse ended at the target.
     #[error(
         "no joint values found: the best of {attempts} attempts stays {position:.3e} m and {orientation:.3e} rad from the target{}; it may be out of reach, or reachable only outside the joint range",
-        match .at_limit { Some(joint) => format!(" with joint {} at its limit", joint + 1), None => String::new() }
+        AtLimit(*.at_limit)
     )]
     NotConverged {
         /// Distance of the tool point from the target in the best attempt, m.
@@ -242,6 +255,7 @@ pub enum KinematicsError {
     },
 
     /// Something is wrong with a joint or link that has a name.
+    #[cfg(feature = "std")]
     #[error("{part} '{name}': {source}")]
     InPart {
         /// Joint or link.
@@ -267,6 +281,7 @@ pub enum KinematicsError {
     },
 
     /// A text that is not what it should be.
+    #[cfg(feature = "std")]
     #[error("not a valid {format} description of an arm: {reason}")]
     Unreadable {
         /// The format: "URDF" or "JSON".
@@ -276,6 +291,7 @@ pub enum KinematicsError {
     },
 
     /// A joint of a kind that no arm here has.
+    #[cfg(feature = "std")]
     #[error("joints of type '{kind}' are not supported: revolute, continuous, prismatic and fixed are")]
     UnsupportedJoint {
         /// Its type.
@@ -283,6 +299,7 @@ pub enum KinematicsError {
     },
 
     /// A joint that copies another one.
+    #[cfg(feature = "std")]
     #[error("it mimics joint '{of}': coupled joints are not supported")]
     Mimic {
         /// The joint it follows.
@@ -290,6 +307,7 @@ pub enum KinematicsError {
     },
 
     /// The links and joints do not make a tree, or not the chain that was asked for.
+    #[cfg(feature = "std")]
     #[error("{rule} (found: '{found}')")]
     Structure {
         /// The rule that is broken.

@@ -11,6 +11,8 @@
 //! and for the vector r from this joint to the next, which turns with the link,
 //! `r' = w+ x r`, `r'' = a+ x r + w+ x r'`, `r''' = g+ x r + 2 a+ x r' + w+ x r''`.
 
+#[cfg(not(feature = "std"))]
+use crate::float::Float;
 use crate::joint::{JointKind, Joints};
 use nalgebra::{Isometry3, Matrix3, Quaternion, SMatrix, Translation3, UnitQuaternion, Vector3, Vector6};
 

@@ -42,19 +42,28 @@
 //! assert!((arm.inverse(&pose, &q)? - q).amax() < 1e-12);
 //! # Ok::<(), arcfeed_kinematics::KinematicsError>(())
 //! ```
+#![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
 
+// Without the standard library `std::` is what `core` has of it.
+#[cfg(not(feature = "std"))]
+extern crate core as std;
+
 mod analytic;
+#[cfg(feature = "std")]
 mod any_arm;
 mod arm;
 mod branch;
 mod chain;
 mod closed_form;
+#[cfg(feature = "std")]
 mod description;
 mod dh;
 mod differential;
 mod dynamics;
 mod error;
+#[cfg(not(feature = "std"))]
+mod float;
 mod jacobian;
 mod joint;
 #[cfg(feature = "json")]
@@ -71,16 +80,19 @@ mod traits;
 mod trig;
 #[cfg(feature = "urdf")]
 mod urdf;
+#[cfg(feature = "std")]
 mod urdf_export;
 
 pub use nalgebra;
 
 pub use analytic::{ClosedForm, Solutions};
+#[cfg(feature = "std")]
 pub use any_arm::{AnyArm, AnySingularPose, Dexterity};
 pub use arm::{Arm, DriveLimits, InverseMethod};
 pub use branch::{BranchTracker, Candidate, LimitExcess, largest_step, nearest_solution, nearest_turns};
 pub use chain::Chain;
 pub use closed_form::{ClosedFormArm, ParallelAxisArm, SphericalWristArm};
+#[cfg(feature = "std")]
 pub use description::{ASSUMED_RANGE, ArmDescription, JointDescription};
 pub use dh::{DhRow, DhTable};
 pub use differential::{
@@ -91,7 +103,9 @@ pub use error::{KinematicsError, Part, ReachSide};
 pub use jacobian::{Configuration, Jacobian, Twist};
 pub use joint::{Joint, JointKind, JointLimits, JointRange, Joints};
 pub use numeric::{NullSpace, NumericArm, NumericSettings, NumericSolution};
-pub use posture::{NoPosture, Posture};
+#[cfg(feature = "std")]
+pub use posture::NoPosture;
+pub use posture::Posture;
 pub use singular_pose::{SingularPose, WeakestMotion, weakest_motion};
 pub use singularity::{
     SingularityDistances, condition_number, manipulability, singular_values, smallest_singular_value,

@@ -1,5 +1,7 @@
 //! The form of a chain in which its arithmetic is cheapest.
 
+#[cfg(not(feature = "std"))]
+use crate::float::Float;
 use crate::{
     jacobian::Configuration,
     joint::{Joint, JointKind, Joints},

@@ -60,10 +60,12 @@ impl std::fmt::Display for Posture {
 }
 
 /// A text that names no [`Posture`].
+#[cfg(feature = "std")]
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("\"{0}\" is no posture: name the side (front or back), the elbow (up or down) and the wrist (flip or no-flip)")]
 pub struct NoPosture(String);
 
+#[cfg(feature = "std")]
 impl std::str::FromStr for Posture {
     type Err = NoPosture;
 

@@ -6,6 +6,8 @@
 //! min |x - q|^2 subject to c(x) = 0, step by step with c replaced by its tangent at the step before,
 //! `x = q + G^+ (G (p - q) - c)` (Hasofer, Lind, Rackwitz, Fiessler; G the gradients of c at p).
 
+#[cfg(not(feature = "std"))]
+use crate::float::Float;
 use crate::{
     chain::Chain,
     jacobian::{Configuration, Jacobian, Twist},

@@ -3,6 +3,8 @@
 //! The rows of the Jacobian are in metres and radians and are not scaled against each other, so singular values mix the
 //! two: compare them between poses of one arm, not between arms of different size.
 
+#[cfg(not(feature = "std"))]
+use crate::float::Float;
 use crate::jacobian::Jacobian;
 use crate::singularity_kind::SingularityKind;
 use nalgebra::Vector3;

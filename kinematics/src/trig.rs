@@ -6,6 +6,8 @@
 // Coefficients are kept with the digits of their source.
 #![allow(clippy::excessive_precision)]
 
+#[cfg(not(feature = "std"))]
+use crate::float::Float;
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
 /// Angles up to here are reduced here, rad; for larger ones the library reduces.

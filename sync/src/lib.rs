@@ -13,10 +13,17 @@
 //!
 //! Positions are in radians and times in seconds; prismatic axes in metres work just as well, axis
 //! by axis.
+#![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
+
+// Without the standard library `std::` is what `core` has of it.
+#[cfg(not(feature = "std"))]
+extern crate core as std;
 
 mod bounded;
 mod error;
+#[cfg(not(feature = "std"))]
+mod float;
 mod generator;
 mod joint_state;
 mod limits;

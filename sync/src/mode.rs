@@ -1,6 +1,8 @@
 //! Synchronisation of the axes of one motion.
 
 use crate::error::SyncError;
+#[cfg(not(feature = "std"))]
+use crate::float::Float;
 
 /// Synchronisation of the axes of a motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -5,6 +5,7 @@ use crate::limits::AxisLimits;
 use crate::scurve::change::SpeedChange;
 use crate::scurve::phase::Phase;
 use crate::scurve::phases::Phases;
+#[cfg(feature = "std")]
 use crate::scurve::profile::SProfile;
 use crate::state::{AxisState, MotionState};
 use crate::state_to_state::StateToState;
@@ -47,6 +48,7 @@ impl Plan {
     }
 
     /// An S-profile, which arrives at its end.
+    #[cfg(feature = "std")]
     pub fn of(profile: &SProfile) -> Self {
         let end = AxisState::new(profile.length(), profile.v_end(), 0.0);
         let mut plan = Self::empty(&end);

@@ -1,6 +1,8 @@
 //! One axis that follows a moving target, given cycle by cycle.
 
 use crate::error::{FeedError, finite, positive};
+#[cfg(not(feature = "std"))]
+use crate::float::Float;
 use crate::limits::AxisLimits;
 use crate::state::{AxisState, MotionState};
 use crate::state_to_state::{AxisProblem, StateToState};

@@ -12,6 +12,9 @@
 //! (Liu et al. 2023, eqs. 14 to 18, and Liu et al. 2024, eqs. 6, 7, 10 and 11, corrected, for any
 //! signs.) A change that falls is the mirror image.
 
+#[cfg(not(feature = "std"))]
+use crate::float::Float;
+
 /// Jerk limits of a frame, as positive numbers, and what follows from them.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Jerks {

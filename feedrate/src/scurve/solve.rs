@@ -6,6 +6,8 @@
 //! that Newton's method closes in from one side; no tolerance is absolute.
 
 use crate::error::{FeedError, not_negative};
+#[cfg(not(feature = "std"))]
+use crate::float::Float;
 use crate::limits::AxisLimits;
 
 /// [`Change`](super::closed_form::Change) between two zero accelerations under symmetric limits,
@@ -135,6 +137,7 @@ pub(crate) fn raise(v0: f64, length: f64, a_max: f64, j_max: f64) -> f64 {
 /// Braking takes the most length to a third of the speed, or to `a_max^2 / (2 j_max)` below the
 /// lower one of two speeds that reach `a_max`. Unlike [`raise`], the result never falls when `v0`
 /// rises.
+#[cfg(feature = "std")]
 pub(crate) fn raise_from_any(v0: f64, length: f64, a_max: f64, j_max: f64) -> f64 {
     let q = a_max * (a_max / j_max);
     // The speed to which braking from `v` takes longest.

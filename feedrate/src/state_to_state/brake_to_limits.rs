@@ -9,6 +9,8 @@
 use super::cruise::Changes;
 use super::displacement_function::Problem;
 use super::shape::Shape;
+#[cfg(not(feature = "std"))]
+use crate::float::Float;
 use crate::scurve::closed_form::Peak;
 
 pub(super) fn solve(p: &Problem) -> Shape {

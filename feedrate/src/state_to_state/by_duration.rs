@@ -2,6 +2,8 @@
 //! displacement turns.
 
 use super::displacement_function::{DisplacementFunction, MAX_STEPS};
+#[cfg(not(feature = "std"))]
+use crate::float::Float;
 
 impl DisplacementFunction {
     /// Duration of the extremal at `s`.

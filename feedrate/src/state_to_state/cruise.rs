@@ -15,6 +15,8 @@
 
 use super::displacement_function::Problem;
 use super::shape::Shape;
+#[cfg(not(feature = "std"))]
+use crate::float::Float;
 use crate::scurve::closed_form::{Jerks, Peak};
 
 /// Shortest changes of one direction from a fixed state to a velocity without acceleration, in the

@@ -16,6 +16,8 @@
 //! `s < 0` the very same formulas describe the extremals in which the acceleration never passes
 //! through zero (the middle phase ends before it gets there, or starts after).
 
+#[cfg(not(feature = "std"))]
+use crate::float::Float;
 use crate::scurve::closed_form::{Jerks, Peak};
 
 /// A problem in the frame in which it moves up. `d` is the displacement wanted; `a_min` is stored

@@ -3,6 +3,8 @@
 use super::problem::AxisProblem;
 use super::profile::StateToState;
 use crate::error::FeedError;
+#[cfg(not(feature = "std"))]
+use crate::float::Float;
 use crate::limits::AxisLimits;
 use crate::state::{AxisState, MotionLaw};
 

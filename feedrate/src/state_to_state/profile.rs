@@ -2,6 +2,8 @@
 
 use super::scale::Units;
 use crate::error::FeedError;
+#[cfg(not(feature = "std"))]
+use crate::float::Float;
 use crate::scurve::phase::Phase;
 use crate::scurve::phases::Phases;
 use crate::state::AxisState;

@@ -15,6 +15,8 @@
 use super::brake_to_limits;
 use super::displacement_function::{DisplacementFunction, Peaks, Problem};
 use super::shape::Shape;
+#[cfg(not(feature = "std"))]
+use crate::float::Float;
 use crate::limits::SLACK;
 use crate::scurve::closed_form::{Change, Peak};
 

@@ -4,6 +4,8 @@
 //! Both work in the frame F = (u, v, n): v along axis 1, n along axis 2, u = v x n, origin on axis 1.
 
 use super::Solutions;
+#[cfg(not(feature = "std"))]
+use crate::float::Float;
 use crate::{
     error::{KinematicsError, ReachSide},
     jacobian::Configuration,

@@ -19,6 +19,8 @@ use super::planar::TwoLink;
 use super::rules::{Rules, WRIST_SINGULAR, distances};
 use super::{ClosedForm, Solutions};
 use crate::error::KinematicsError;
+#[cfg(not(feature = "std"))]
+use crate::float::Float;
 use crate::jacobian::Configuration;
 use crate::joint::Joints;
 use crate::posture::Posture;

@@ -1,6 +1,8 @@
 //! One search from one place: damped steps until the target is met or nothing is gained any more.
 
 use super::arm::{NullSpace, NumericArm};
+#[cfg(not(feature = "std"))]
+use crate::float::Float;
 use crate::{
     jacobian::{Configuration, Jacobian, Target, Twist},
     joint::Joints,

@@ -8,6 +8,8 @@ use super::course::Course;
 use super::following::Following;
 use super::time_scale::{HIGHEST, Pace};
 use crate::error::SyncError;
+#[cfg(not(feature = "std"))]
+use crate::float::Float;
 use crate::state_to_state::Trajectory;
 
 impl<const N: usize> OnlineGenerator<N> {

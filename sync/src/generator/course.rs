@@ -1,5 +1,7 @@
 //! What an axis has before it, and whether it keeps its limits when time is scaled.
 
+#[cfg(not(feature = "std"))]
+use crate::float::Float;
 use arcfeed_feedrate::{AxisLimits, MotionLaw, Phase, StateToState};
 
 /// Bounds of velocity, acceleration and jerk, in this order.

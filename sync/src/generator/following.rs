@@ -5,6 +5,8 @@ use arcfeed_feedrate::{AxisLimits, AxisState, FeedError, MotionLaw, MotionState,
 use super::coast::Coast;
 use super::course::Course;
 use crate::error::SyncError;
+#[cfg(not(feature = "std"))]
+use crate::float::Float;
 use crate::sampler::Window;
 use crate::state_to_state::Trajectory;
 

@@ -7,6 +7,8 @@ use super::course::Course;
 use super::following::Following;
 use super::{OnlineGenerator, is_outside};
 use crate::error::SyncError;
+#[cfg(not(feature = "std"))]
+use crate::float::Float;
 use crate::mode::Synchronisation;
 use crate::state_to_state::{Trajectory, keeps};
 

@@ -26,6 +26,8 @@ use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 use super::feasible_set::{FeasibleSet, NONE, Order, SLACK, ScalarBounds, WIDEST};
 use super::transverse_brake::{BrakeLimits, Ranges};
 use crate::error::SyncError;
+#[cfg(not(feature = "std"))]
+use crate::float::Float;
 
 /// Bounds of the norm of velocity, acceleration and jerk of a tool.
 #[derive(Debug, Clone, Copy, PartialEq)]

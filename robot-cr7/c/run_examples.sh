@@ -1,0 +1,42 @@
+#!/usr/bin/env bash
+# Builds the library, the examples and the tests in C and C++, runs them, and runs them again under valgrind.
+#
+#   run_examples.sh [FOLDER]     keeps the files of the examples in FOLDER
+set -euo pipefail
+cd "$(dirname "$0")"
+target=${CARGO_TARGET_DIR:-$PWD/target}
+out=$(mktemp -d)
+trap 'rm -rf "$out"' EXIT
+files=${1:-$out}
+mkdir -p "$files"
+
+cargo build -q --release
+library="$target/release/libarcfeed.a"
+warnings="-O2 -g -Wall -Wextra -Wpedantic -Werror -Iinclude"
+system="-lpthread -ldl -lm"
+wrap="-Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=posix_memalign"
+
+# shellcheck disable=SC2086
+{
+  gcc -std=c11 $warnings examples/control_loop.c "$library" $system -o "$out/control_loop"
+  gcc -std=c11 $warnings tests/refusals.c "$library" $system -o "$out/refusals"
+  gcc -std=c11 $warnings $wrap tests/no_heap.c "$library" $system -o "$out/no_heap"
+  g++ -std=c++17 $warnings examples/moves.cpp "$library" $system -o "$out/moves"
+  # The shared library, found beside the program.
+  gcc -std=c11 $warnings examples/control_loop.c -L"$target/release" -larcfeed -Wl,-rpath,"$target/release" -lm -o "$out/shared"
+}
+
+run() {
+  "$@"
+  if command -v valgrind >/dev/null; then
+    valgrind -q --error-exitcode=9 --leak-check=full --show-leak-kinds=definite,indirect,possible \
+      --errors-for-leak-kinds=definite,indirect,possible "$@" >/dev/null
+  fi
+}
+
+run "$out/refusals"
+run "$out/no_heap"
+run "$out/control_loop" --fast "$files"
+run "$out/moves" examples/data/there_and_back.json examples/data/arm.urdf
+"$out/shared" --fast "$out" >/dev/null
+command -v valgrind >/dev/null || echo "valgrind is not installed: memory was not checked"
