@@ -5,6 +5,7 @@ mod arcs;
 mod blending;
 mod builder;
 mod certificate;
+mod cusps;
 mod orientation;
 mod path;
 mod shape;

@@ -3,10 +3,11 @@
 use nalgebra::Vector3;
 
 use super::arcs::{ArcTo, Turning, rounding};
+use super::cusps::cusps;
 use super::path::{JoinedPath, PathPiece, PieceKind, SAME_DIRECTION, angle_between};
 use super::spans::{Spans, homogeneous, jet, length, standardise};
-use super::standing::{RegularSpan, cusps, part, regular_spans};
-use crate::bezier::{Homogeneous, restrict};
+use super::standing::{RegularSpan, coincide, extent, part, regular_spans};
+use crate::bezier::{Homogeneous, project, restrict};
 use crate::chord::check_positive;
 use crate::error::GeometryError;
 use crate::nurbs::{NurbsCurve, check_points};
@@ -20,6 +21,8 @@ const TAME: f64 = 1e-10;
 const MOST_HALVINGS: u32 = 10;
 /// A curve stands still where its speed is below this part of the mean over its span.
 const STANDING: f64 = 1e-9;
+/// A part of a span between cusps whose control points are within this part of the tolerance is left out.
+const SPECK: f64 = 1e-3;
 /// Curvatures on both sides of a knot of a curve that differ by this part are a jump.
 const SAME_CURVATURE: f64 = 1e-6;
 
@@ -241,13 +244,73 @@ fn append_span(
     interval: (f64, f64),
     tolerance: f64,
 ) -> Result<(), GeometryError> {
-    let mut from = 0.0;
-    for to in cusps(&span, STANDING * length(&span, 0.0, 1.0)).into_iter().chain([1.0]) {
+    for (points, [from, to], moved) in between_cusps(span, tolerance) {
         let at = |t: f64| interval.0 + t * (interval.1 - interval.0);
-        append_regular(parts, part(&span, from, to), (at(from), at(to)), tolerance)?;
-        from = to;
+        append_regular(parts, points, (at(from), at(to)), tolerance - moved)?;
+        if let Some((_, deviation)) = parts.last_mut().filter(|_| moved > 0.0) {
+            *deviation += moved;
+        }
     }
     Ok(())
+}
+
+/// The parts of a span between its cusps, each with its parameters and the distance by which it was moved.
+///
+/// A speck, whose control points are all next to its ends, is left out, and the end of the part beside it that stands
+/// still there is moved onto its other end. A speck alone stays.
+fn between_cusps(span: Vec<Homogeneous>, tolerance: f64) -> Vec<(Vec<Homogeneous>, [f64; 2], f64)> {
+    let cusps = cusps(&span, STANDING * length(&span, 0.0, 1.0));
+    if cusps.is_empty() {
+        return vec![(span, [0.0, 1.0], 0.0)];
+    }
+    let ends: Vec<f64> = [0.0].into_iter().chain(cusps).chain([1.0]).collect();
+    let (first, last) = (span[0], span[span.len() - 1]);
+    let parts = ends.windows(2).map(|w| {
+        let (mut points, mut moved) = (part(&span, w[0], w[1]), 0.0);
+        for cut in [w[0] > 0.0, w[1] < 1.0] {
+            moved += if cut { stand_still(&mut points) } else { 0.0 };
+            points.reverse();
+        }
+        (points, [w[0], w[1]], moved)
+    });
+    let speck = |points: &[Homogeneous]| {
+        let points: Vec<Vector3<f64>> = points.iter().map(project).collect();
+        extent(&points) <= SPECK * tolerance
+    };
+    let mut kept: Vec<(Vec<Homogeneous>, [f64; 2], f64)> = parts.filter(|(points, ..)| !speck(points)).collect();
+    let mut at: Vector3<f64> = project(&first);
+    for (points, _, moved) in &mut kept {
+        *moved += move_end(points, &at);
+        at = project(&points[points.len() - 1]);
+    }
+    match kept.last_mut() {
+        Some((points, _, moved)) => {
+            points.reverse();
+            *moved += move_end(points, &project(&last));
+            points.reverse();
+        }
+        None => kept.push((span, [0.0, 1.0], 0.0)),
+    }
+    kept
+}
+
+/// Moves the second control point of a span that stands still at its start onto the first one, where rounding left it beside. Returns
+/// the distance.
+fn stand_still(points: &mut [Homogeneous]) -> f64 {
+    let (first, second): (Vector3<f64>, Vector3<f64>) = (project(&points[0]), project(&points[1]));
+    let weights = points[1][3] / points[0][3];
+    points[1] = points[0].map(|x| x * weights);
+    (second - first).norm()
+}
+
+/// Moves the start of a span, with the control points that coincide with it, onto `to`. Returns the distance.
+fn move_end(points: &mut [Homogeneous], to: &Vector3<f64>) -> f64 {
+    let places: Vec<Vector3<f64>> = points.iter().map(project).collect();
+    let by = to - places[0];
+    for h in points.iter_mut().take(coincide(&places)[0]) {
+        *h = [h[0] + by.x * h[3], h[1] + by.y * h[3], h[2] + by.z * h[3], h[3]];
+    }
+    by.norm()
 }
 
 /// Appends a span that stands still at its ends alone to parts without jumps, each with its largest deviation.

@@ -14,7 +14,7 @@ use super::shape::{between, leads_on};
 use super::spans::{SpanJet, Spans, homogeneous, jet, length, standardise};
 use crate::bezier::{Homogeneous, project, restrict};
 
-/// Control points nearer to the end than this part of the size of a span coincide with it.
+/// Control points nearer to the end than this part of the size of a span, or than rounding, coincide with it.
 const SAME_POINT: f64 = 1e-9;
 /// Largest part of a span, by its parameter, that is replaced at an end.
 const MOST_REPLACED: f64 = 0.5;
@@ -39,13 +39,10 @@ pub(super) struct RegularSpan {
 pub(super) fn regular_spans(span: Vec<Homogeneous>, tolerance: f64) -> Option<Vec<RegularSpan>> {
     let points: Vec<Vector3<f64>> = span.iter().map(project).collect();
     let (first, last) = (points[0], points[points.len() - 1]);
-    let size = points.iter().map(|p| (p - first).norm()).fold(0.0, f64::max);
-    if size <= rounding(&[&first, &last]) {
+    if extent(&points) <= rounding(&[&first, &last]) {
         return Some(Vec::new());
     }
-    let repeated = |end: Vector3<f64>| move |p: &&Vector3<f64>| (*p - end).norm() <= SAME_POINT * size;
-    let leading = points.iter().take_while(repeated(first)).count();
-    let trailing = points.iter().rev().take_while(repeated(last)).count();
+    let [leading, trailing] = coincide(&points);
     if leading == 1 && trailing == 1 {
         return Some(vec![RegularSpan { points: span, deviation: 0.0 }]);
     }
@@ -73,36 +70,17 @@ pub(super) fn regular_spans(span: Vec<Homogeneous>, tolerance: f64) -> Option<Ve
     Some(spans)
 }
 
-/// Parameters inside a span at which it stands still, in order: its cusps. The speed is at most `still` there.
-///
-/// The speed grows from a cusp in proportion to the distance on both sides, so that a search for the least speed between
-/// three places finds it to rounding.
-pub(super) fn cusps(span: &[Homogeneous], still: f64) -> Vec<f64> {
-    // Places of a span between which a cusp is looked for, and steps of the search, each to two thirds.
-    const PLACES: usize = 48;
-    const THIRDS: usize = 90;
-    let mut found = Vec::new();
-    // A polynomial of degree 2 that stands still is straight.
-    if span.len() < 4 {
-        return found;
-    }
-    let speed = |t: f64| jet(span, t).d1.norm();
-    let speeds: Vec<f64> = (0..=PLACES).map(|i| speed(i as f64 / PLACES as f64)).collect();
-    for i in 1..PLACES {
-        if !(speeds[i] <= speeds[i - 1] && speeds[i] < speeds[i + 1]) {
-            continue;
-        }
-        let (mut low, mut high) = ((i - 1) as f64 / PLACES as f64, (i + 1) as f64 / PLACES as f64);
-        for _ in 0..THIRDS {
-            let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
-            if speed(a) < speed(b) { high = b } else { low = a }
-        }
-        let t = 0.5 * (low + high);
-        if speed(t) <= still {
-            found.push(t);
-        }
-    }
-    found
+/// Largest distance of a control point from the first one.
+pub(super) fn extent(points: &[Vector3<f64>]) -> f64 {
+    points.iter().map(|p| (p - points[0]).norm()).fold(0.0, f64::max)
+}
+
+/// How many control points coincide with the first one, and how many with the last one, itself counted.
+pub(super) fn coincide(points: &[Vector3<f64>]) -> [usize; 2] {
+    let (first, last) = (points[0], points[points.len() - 1]);
+    let same = (SAME_POINT * extent(points)).max(rounding(&[&first, &last]));
+    let repeated = |end: Vector3<f64>| move |p: &&Vector3<f64>| (*p - end).norm() <= same;
+    [points.iter().take_while(repeated(first)).count(), points.iter().rev().take_while(repeated(last)).count()]
 }
 
 /// True where the control points go along a line, to rounding, and not back. So does the span, because it crosses
@@ -119,9 +97,17 @@ fn is_straight(points: &[Vector3<f64>]) -> bool {
 }
 
 /// What replaces the start of a span whose first `repeated` control points coincide, and the parameter up to which.
+///
+/// It leaves towards the first other control point. Beside another place at which the span stands still, that point may be
+/// as near as the loop between both, and the next one tells the direction.
 fn replacement(span: &[Homogeneous], repeated: usize, tolerance: f64) -> Option<(f64, RegularSpan)> {
+    (repeated..span.len()).find_map(|next| replacement_towards(span, next, tolerance))
+}
+
+/// The same towards a given control point.
+fn replacement_towards(span: &[Homogeneous], next: usize, tolerance: f64) -> Option<(f64, RegularSpan)> {
     let point: Vector3<f64> = project(&span[0]);
-    let towards = project(span.get(repeated)?) - point;
+    let towards = project(span.get(next)?) - point;
     let start = SpanJet { point, d1: towards, d2: Vector3::zeros() };
     let mut cut = MOST_REPLACED;
     for _ in 0..MOST_TRIES {
@@ -138,7 +124,7 @@ fn replacement(span: &[Homogeneous], repeated: usize, tolerance: f64) -> Option<
             if deviation <= tolerance {
                 return Some((cut, RegularSpan { points, deviation }));
             }
-            factor = (AIM * tolerance / deviation).powf(1.0 / (repeated + 1) as f64);
+            factor = (AIM * tolerance / deviation).powf(1.0 / (next + 1) as f64);
         }
         cut *= factor.max(0.1).min(0.9);
     }

@@ -196,3 +196,107 @@ fn a_curve_is_divided_at_its_cusps() {
         assert!(farthest(&curve, &whole) < 0.0101 && farthest(&whole, &curve) < 0.0101);
     }
 }
+
+/// The product of two polynomials by their Bernstein coefficients.
+fn product<T: Copy + std::ops::Mul<f64, Output = T> + std::ops::AddAssign>(zero: T, a: &[T], b: &[f64]) -> Vec<T> {
+    let choose = |n: usize, k: usize| (0..k).map(|i| (n - i) as f64 / (i + 1) as f64).product::<f64>();
+    let (n, m) = (a.len() - 1, b.len() - 1);
+    let mut out = vec![zero; n + m + 1];
+    for (i, &x) in a.iter().enumerate() {
+        for (k, &y) in b.iter().enumerate() {
+            out[i + k] += x * (y * choose(n, i) * choose(m, k) / choose(n + m, i + k));
+        }
+    }
+    out
+}
+
+/// A curve with the derivative `V(t)` times `t - c` for each cusp `c`, where `V` does not vanish, over `weights` of its own.
+fn with_cusps(r: &mut Random, cusps: &[f64], weights: &[f64]) -> NurbsCurve<3> {
+    let mut number = || 20.0 * r.signed();
+    // V keeps a part along one direction.
+    let main = vector![30.0 + number(), number(), number()];
+    let [v0, v1] = [(); 2].map(|()| vector![30.0 + number().abs(), number(), number()]);
+    let mut derivative = vec![v0 + main * 0.1, v1];
+    for &c in cusps {
+        derivative = product(Point::zeros(), &derivative, &[-c, 1.0 - c]);
+    }
+    let mut points = vec![vector![number(), number(), number()]];
+    let share = 1.0 / derivative.len() as f64;
+    derivative.iter().for_each(|d| points.push(points[points.len() - 1] + d * share));
+    let ones = vec![1.0; points.len()];
+    let (numerator, weights) = (product(Point::zeros(), &points, weights), product(0.0, &ones, weights));
+    let points: Vec<Point> = numerator.iter().zip(&weights).map(|(p, w)| p / *w).collect();
+    bezier(&points, weights)
+}
+
+/// A place in a span: anywhere, or as near to an end as 1e-9 of it.
+fn any_place(r: &mut Random) -> f64 {
+    let near = r.log(1e-9, 0.5);
+    if r.chance(0.5) { near } else { 1.0 - near }
+}
+
+/// Points of a curve, dense towards each of the parameters `breaks`.
+fn dense(curve: &NurbsCurve<3>, breaks: &[f64]) -> Vec<Point> {
+    let turn = |i: u32| 0.5 - 0.5 * (std::f64::consts::PI * f64::from(i) / 800.0).cos();
+    let spans = breaks.windows(2).filter(|w| w[1] > w[0]);
+    spans.flat_map(|w| (0..=800).map(|i| curve.point(w[0] + (w[1] - w[0]) * turn(i)))).collect()
+}
+
+/// Largest distance of points from the lines between others.
+fn farthest_of(points: &[Point], others: &[Point]) -> f64 {
+    let off = |p: &Point, pair: &[Point]| {
+        let (along, from) = (pair[1] - pair[0], p - pair[0]);
+        let share = (from.dot(&along) / along.norm_squared().max(1e-300)).clamp(0.0, 1.0);
+        (from - along * share).norm()
+    };
+    let distance = |p: &Point| others.windows(2).map(|pair| off(p, pair)).fold(f64::INFINITY, f64::min);
+    points.iter().step_by(7).map(distance).fold(0.0, f64::max)
+}
+
+/// Cusps anywhere are found: the path turns back there, or a speck shorter than a thousandth of the tolerance is left out. The
+/// curvature has a bound in any case.
+#[test]
+fn cusps_are_found_as_near_to_an_end_as_they_may_be() {
+    let (mut turned, mut specks) = (0, 0);
+    for seed in 1..=400 {
+        let r = &mut Random::new(seed);
+        let mut cusps: Vec<f64> = (0..1 + r.below(2)).map(|_| any_place(r)).collect();
+        cusps.sort_by(f64::total_cmp);
+        let weights: Vec<f64> =
+            if r.chance(0.5) { vec![1.0] } else { (0..2 + r.below(2)).map(|_| r.log(0.3, 3.0)).collect() };
+        let curve = with_cusps(r, &cusps, &weights);
+        let tolerance = r.log(1e-5, 1e-2);
+        let path = joined(&curve, tolerance).unwrap_or_else(|e| panic!("seed {seed}, {cusps:?}: {e}"));
+        let ends: Vec<f64> = [0.0].into_iter().chain(cusps.iter().copied()).chain([1.0]).collect();
+        // Each part is straight enough that its ends tell how long it is.
+        let is_long = |i: &usize| (curve.point(ends[i + 1]) - curve.point(ends[*i])).norm() > 2e-3 * tolerance;
+        let long: Vec<usize> = (0..ends.len() - 1).filter(is_long).collect();
+        let tips = path.joints().iter().filter(|joint| joint.angle > 3.1).count();
+        // Two cusps with a speck between them turn the path back twice.
+        let expected = long.windows(2).filter(|w| (w[1] - w[0]) % 2 == 1).count();
+        assert!(tips >= expected, "seed {seed}, {cusps:?}: {tips} of {expected}");
+        turned += expected;
+        specks += cusps.len() - expected;
+        let made = path.to_curve().unwrap();
+        ArcLengthCurve::new(made.clone(), 1e-9).unwrap_or_else(|e| panic!("seed {seed}, {cusps:?}: {e}"));
+        let size = path.pieces().iter().map(|piece| piece.length).fold(tolerance, f64::min);
+        let knots: Vec<f64> =
+            made.decompose().iter().flat_map(|piece| [piece.interval().0, piece.interval().1]).collect();
+        for pair in knots.chunks(2) {
+            for i in 1..100 {
+                let u = pair[0] + (pair[1] - pair[0]) * (0.5 - 0.5 * (f64::from(i) * 0.0314).cos());
+                let curvature = made.jet(u).by_arc_length().d2.norm();
+                assert!(curvature * size < 500.0, "seed {seed}, {cusps:?}: curvature {curvature} at {u}");
+            }
+        }
+        let deviation = path.pieces().iter().map(|p| p.deviation).fold(0.0, f64::max);
+        assert!(deviation <= tolerance, "seed {seed}: {deviation} of {tolerance}");
+        if seed % 40 == 0 {
+            let [a, b] = [dense(&made, &knots), dense(&curve, &ends)];
+            let (new, old) = (farthest_of(&a, &b), farthest_of(&b, &a));
+            let bound = deviation + 1e-5;
+            assert!(new <= bound && old <= bound, "seed {seed}, {cusps:?}: {new}, {old} of {deviation}");
+        }
+    }
+    assert!(turned > 150 && specks > 150, "{turned}, {specks}");
+}

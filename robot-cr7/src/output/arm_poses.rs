@@ -64,6 +64,7 @@ impl<const N: usize> ArmPoses<N> {
     }
 
     /// Length of all links together, m.
+    #[cfg(feature = "html")]
     pub(crate) fn reach(&self) -> f64 {
         let joints: f64 = self.chain.joints().iter().map(|joint| joint.origin().translation.vector.norm()).sum();
         joints + self.chain.flange().translation.vector.norm() + self.chain.tool().translation.vector.norm()

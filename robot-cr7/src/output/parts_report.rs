@@ -68,7 +68,7 @@ impl<const N: usize> ProgramMotion<'_, N> {
                     lines_from(outline, from, |s| law.time_at_position(s))
                 }),
                 PartMotion::Joints(motion) => rapid_lines(motion, from),
-                PartMotion::Dwell(_) => Vec::new(),
+                PartMotion::Dwell(_) => part.still().iter().map(|&(line, n)| still_line(line, n, from)).collect(),
             }
         });
         lines.collect()
@@ -162,6 +162,12 @@ fn merge(all: &mut Vec<LimitLine>, line: LimitLine) {
         }
         None => all.push(line),
     }
+}
+
+/// A rapid move in which nothing moves.
+fn still_line(line: usize, n: Option<u32>, [s, t]: [f64; 2]) -> LineTime {
+    let (s_from_m, s_to_m, t_from_s, t_to_s) = (s, s, t, t);
+    LineTime { line: line.to_string(), n, s_from_m, s_to_m, t_from_s, t_to_s, feed_m_s: None, deviation_m: None }
 }
 
 /// The lines of rapid moves of the joints, with their times.

@@ -36,7 +36,8 @@ pub struct StopLine {
 /// One line of a file along a motion.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LineTime {
-    /// The line of the file, or the two whose corner is blended, or the first and last of those that one curve stands for.
+    /// The line of the file, or the two whose corner is blended. A line of a curve that stands for many ends at the place of the curve
+    /// that is nearest to its end.
     pub line: String,
     /// The N word, where there is one.
     pub n: Option<u32>,
@@ -50,7 +51,8 @@ pub struct LineTime {
     pub t_to_s: f64,
     /// Programmed feed, m/s.
     pub feed_m_s: Option<f64>,
-    /// Of a blend: how far it can be from the programmed path, m.
+    /// How far a blend, or the curve that the line is a part of, can be from the programmed path, m; of a rapid move of the joints: the
+    /// distance at which its end is passed.
     pub deviation_m: Option<f64>,
 }
 
@@ -127,30 +129,64 @@ pub fn line_times(outline: &Outline, t: &[f64], s: &[f64]) -> Vec<LineTime> {
 }
 
 /// The same for a motion that begins at a place (m) and a time (s) of another one; `time` says when it is at a place of its own.
-pub(crate) fn lines_from(outline: &Outline, [from_s, from_t]: [f64; 2], time: impl Fn(f64) -> f64) -> Vec<LineTime> {
-    let mut lines: Vec<LineTime> = Vec::with_capacity(outline.pieces.len());
-    let (mut from, mut before) = (from_s, from_t);
-    let mut corners = outline.corners.iter().filter(|corner| corner.blend.is_ok());
+pub(crate) fn lines_from(outline: &Outline, from: [f64; 2], time: impl Fn(f64) -> f64) -> Vec<LineTime> {
+    let lines = Vec::with_capacity(outline.pieces.len() + outline.inside.len());
+    let mut rows = Rows { outline, from, at: from, time, lines };
+    let mut corners = outline.corners.iter().filter_map(|corner| corner.blend.ok());
+    let mut inside = outline.inside.iter().peekable();
     for piece in &outline.pieces {
-        let corner = if piece.blend { corners.next() } else { None };
-        let words = line_words(piece.lines);
-        let (s_to_m, t_to_s) = (from_s + piece.to, from_t + time(piece.to));
-        match lines.last_mut().filter(|last| last.line == words) {
-            Some(last) => (last.s_to_m, last.t_to_s) = (s_to_m, t_to_s),
-            None => lines.push(LineTime {
-                line: words,
-                n: outline.number_of(piece.lines[1]),
-                s_from_m: from,
-                s_to_m,
-                t_from_s: before,
-                t_to_s,
-                feed_m_s: piece.feed,
-                deviation_m: corner.and_then(|corner| corner.blend.ok()),
-            }),
+        // Lines of a curve that blends left nothing of.
+        let own = piece.lines[usize::from(piece.blend)];
+        while let Some(end) = inside.next_if(|end| end.line < own) {
+            rows.push([end.line; 2], end.s, None, Some(end.deviation));
         }
-        (from, before) = (s_to_m, t_to_s);
+        if piece.blend {
+            rows.push(outline.ends_of(piece), piece.to, piece.feed, corners.next());
+            continue;
+        }
+        if piece.lines[0] < piece.lines[1] {
+            let mut last = None;
+            while let Some(end) = inside.next_if(|end| end.line <= piece.lines[1] && end.s <= piece.to) {
+                rows.push([end.line; 2], end.s, piece.feed, Some(end.deviation));
+                last = Some(end.s);
+            }
+            let Some(rest) = inside.peek().filter(|end| end.line <= piece.lines[1] && last < Some(piece.to)) else {
+                continue;
+            };
+            rows.push([rest.line; 2], piece.to, piece.feed, Some(rest.deviation));
+            continue;
+        }
+        rows.push(piece.lines, piece.to, piece.feed, None);
     }
-    lines
+    rows.lines
+}
+
+/// Lines one after the other.
+struct Rows<'o, T> {
+    outline: &'o Outline,
+    /// Place (m) and time (s) of the start.
+    from: [f64; 2],
+    /// Where the last line ends.
+    at: [f64; 2],
+    time: T,
+    lines: Vec<LineTime>,
+}
+
+impl<T: Fn(f64) -> f64> Rows<'_, T> {
+    /// Adds what ends at `to` (m) of the motion, to the row before where that is of the same lines.
+    fn push(&mut self, lines: [usize; 2], to: f64, feed_m_s: Option<f64>, deviation_m: Option<f64>) {
+        let line = line_words(lines);
+        let [s_to_m, t_to_s] = [self.from[0] + to, self.from[1] + (self.time)(to)];
+        match self.lines.last_mut().filter(|last| last.line == line) {
+            Some(last) => (last.s_to_m, last.t_to_s) = (s_to_m, t_to_s),
+            None => {
+                let n = self.outline.number_of(lines[1]);
+                let [s_from_m, t_from_s] = self.at;
+                self.lines.push(LineTime { line, n, s_from_m, s_to_m, t_from_s, t_to_s, feed_m_s, deviation_m });
+            }
+        }
+        self.at = [s_to_m, t_to_s];
+    }
 }
 
 /// The time at which a motion is at `place` (m), between two samples as if its speed were constant there.

@@ -1,12 +1,17 @@
 //! Runs of short lines in a program, as smooth curves.
 
-use arcfeed_geometry::{DenseFit, FittedStretch, GeometryError, JoinedPathBuilder, StretchShape};
-use nalgebra::Vector3;
+use arcfeed_geometry::{ArcLengthCurve, DenseFit, FittedStretch, GeometryError, JoinedPathBuilder, StretchShape};
+use nalgebra::{Isometry3, Vector3};
 
 use crate::input::gcode::{GcodeMove, MoveKind, MoveShape, PathControl};
 
 /// Fewer lines than these are no run: each is a line of its own.
 const LEAST_LINES: usize = 12;
+
+/// Steps towards the nearest place of a curve; the deviation is small against the radius of curvature, and three do.
+const MOST_STEPS: usize = 12;
+/// The nearest place is found to this, m.
+const SAME_PLACE: f64 = 1e-12;
 
 /// The number of moves from the first of `moves` on that are lines of one feed, to be passed within one tolerance (m), with that tolerance.
 pub(crate) fn run(moves: &[GcodeMove], unstated: Option<f64>) -> Option<(usize, f64)> {
@@ -37,6 +42,67 @@ pub(crate) struct MoveRange {
     pub last: usize,
     /// Largest distance from the lines of these moves that is possible, m; 0 for a move of its own.
     pub deviation: f64,
+}
+
+/// A line that a curve stands for, one of several.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct CurveLine {
+    /// The first line of the curve.
+    pub curve: usize,
+    pub line: usize,
+    pub number: Option<u32>,
+    /// Its end in the workpiece, m.
+    pub end: Vector3<f64>,
+    /// Largest distance of the curve from its lines that is possible, m.
+    pub deviation: f64,
+}
+
+/// The lines of all curves in their order.
+pub(crate) fn curve_lines(units: &[MoveRange], moves: &[GcodeMove]) -> Vec<CurveLine> {
+    let line_of = |step: &GcodeMove| usize::try_from(step.line).unwrap_or(usize::MAX);
+    let lines = units.iter().filter(|unit| unit.last > unit.first).flat_map(|unit| {
+        let (curve, deviation) = (line_of(&moves[unit.first]), unit.deviation);
+        let own = &moves[unit.first..=unit.last];
+        own.iter().map(move |step| CurveLine {
+            curve,
+            line: line_of(step),
+            number: step.number,
+            end: step.end(),
+            deviation,
+        })
+    });
+    lines.collect()
+}
+
+/// Where the lines of one curve end, by arc length of `path` between `from` and `to`: at the place that is nearest to the end of the
+/// line, and no earlier than the line before. The last one ends in `to`. `workpiece` leads from the lines to the path.
+pub(crate) fn ends_along(
+    lines: &[CurveLine],
+    (from, to): (f64, f64),
+    path: &ArcLengthCurve<3>,
+    workpiece: &Isometry3<f64>,
+) -> Vec<f64> {
+    let mut ends = Vec::with_capacity(lines.len());
+    let (mut at, mut before) = (from, path.point(from));
+    for line in lines {
+        let point = workpiece.transform_point(&line.end.into()).coords;
+        let mut place = (at + (point - before).norm()).min(to);
+        for _ in 0..MOST_STEPS {
+            let jet = path.jet(place);
+            let next = (place + (point - jet.point).dot(&jet.d1)).max(at).min(to);
+            let step = (next - place).abs();
+            place = next;
+            if step <= SAME_PLACE {
+                break;
+            }
+        }
+        ends.push(place);
+        (at, before) = (place, point);
+    }
+    if let Some(last) = ends.last_mut() {
+        *last = to;
+    }
+    ends
 }
 
 /// Appends smooth curves along the lines of `moves` to `path`, within `tolerance` (m) of them.

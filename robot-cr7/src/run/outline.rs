@@ -12,8 +12,18 @@ pub struct Outline {
     /// N words by line.
     pub(crate) numbers: Vec<(usize, u32)>,
     pub(crate) smoothed: Smoothed,
-    /// Ends of the lines that curves stand for, m, with each line.
-    pub(crate) inside: Vec<(f64, usize)>,
+    /// Ends of the lines that curves stand for.
+    pub(crate) inside: Vec<LineEnd>,
+}
+
+/// The end of a line that a curve stands for, one of several.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct LineEnd {
+    /// The place of the curve that is nearest to it, m.
+    pub s: f64,
+    pub line: usize,
+    /// Largest distance of the curve from its lines that is possible, m.
+    pub deviation: f64,
 }
 
 /// Runs of short lines that became smooth curves.
@@ -73,15 +83,19 @@ pub struct MarkerLine {
 
 impl Outline {
     /// The first and last line of the file that belong to the arc length `s` (m): mostly the same one; on a blend the lines that it joins.
-    /// In a curve that stands for many lines it is the one that is nearest by its length.
+    /// In a curve that stands for many lines it is the one whose end is the next one.
     pub fn lines_at(&self, s: f64) -> [usize; 2] {
         let Some(piece) = self.piece_at(s) else { return [0; 2] };
         if let Some(line) = self.line_inside(piece, s) {
             return [line; 2];
         }
+        self.ends_of(piece)
+    }
+
+    /// The first and the last line of a piece; of a blend behind a curve the last line of that.
+    pub(crate) fn ends_of(&self, piece: &OutlinePiece) -> [usize; 2] {
         let [from, to] = piece.lines;
-        // The last line of a curve before a blend.
-        let before = self.inside.partition_point(|&(_, line)| line < to).checked_sub(1).map(|i| self.inside[i].1);
+        let before = self.inside.partition_point(|end| end.line < to).checked_sub(1).map(|i| self.inside[i].line);
         [before.filter(|&line| piece.blend && line > from).unwrap_or(from), to]
     }
 
@@ -91,8 +105,8 @@ impl Outline {
         if piece.blend || from == to {
             return None;
         }
-        let i = self.inside.partition_point(|&(end, _)| end < s);
-        self.inside.get(i).or(self.inside.last()).map(|&(_, line)| line.clamp(from, to))
+        let i = self.inside.partition_point(|end| end.s < s);
+        self.inside.get(i).or(self.inside.last()).map(|end| end.line.clamp(from, to))
     }
 
     /// The first and the last line.

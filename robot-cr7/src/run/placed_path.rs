@@ -144,7 +144,7 @@ impl PlacedPath {
         Ok(Self {
             sections: programmed.sections(job),
             stops: programmed.stops(&curve),
-            outline: Some(programmed.outline(&curve)),
+            outline: Some(programmed.outline(&curve, &job.workpiece)),
             fit: None,
             fastest: programmed.highest_feed().map_or(job.feed.feed, |feed| feed.max(job.feed.feed)),
             path: PosePath::new(curve, orientation),

@@ -7,6 +7,7 @@ use super::joint_move::JointMove;
 use super::motion::Motion;
 use super::outline::MarkerLine;
 use super::program_marks::Marks;
+use super::rapid_run::RapidRun;
 
 /// A part of the motion of a program, from rest to rest unless it is at an end of the whole.
 #[derive(Debug, Clone)]
@@ -18,6 +19,8 @@ pub struct ProgramPart<'t, const N: usize = 6> {
     from: f64,
     length: f64,
     marks: Vec<MarkerLine>,
+    /// Lines and N words of rapid moves that leave the joints where they are.
+    still: Vec<(usize, Option<u32>)>,
 }
 
 /// What a part of a program is.
@@ -56,9 +59,15 @@ impl<'t, const N: usize> ProgramPart<'t, N> {
         Self::new(before, PartMotion::Dwell(*joints), lines, [seconds, 0.0])
     }
 
+    /// Rapid moves that leave the joints where they are.
+    pub(crate) fn of_still(before: Option<&Self>, joints: &Joints<N>, run: &RapidRun) -> Self {
+        let still = run.ends.iter().map(|end| (end.line, end.number)).collect();
+        Self { still, ..Self::of_dwell(before, joints, 0.0, run.lines()) }
+    }
+
     fn new(before: Option<&Self>, motion: PartMotion<'t, N>, lines: [usize; 2], [duration, length]: [f64; 2]) -> Self {
         let (begin, from) = before.map_or((0.0, 0.0), |part| (part.end(), part.from + part.length));
-        Self { motion, lines, begin, duration, from, length, marks: Vec::new() }
+        Self { motion, lines, begin, duration, from, length, marks: Vec::new(), still: Vec::new() }
     }
 
     /// Places the codes of a part that is no path.
@@ -111,6 +120,11 @@ impl<'t, const N: usize> ProgramPart<'t, N> {
     /// Codes of the program in it, at their times.
     pub fn markers(&self) -> &[MarkerLine] {
         &self.marks
+    }
+
+    /// Lines and N words of rapid moves that leave the joints where they are.
+    pub(crate) fn still(&self) -> &[(usize, Option<u32>)] {
+        &self.still
     }
 
     /// The trajectory, where it moves.

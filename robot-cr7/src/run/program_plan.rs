@@ -204,7 +204,10 @@ impl<'t, A: PathArm<N> + Clone, const N: usize> Planning<'t, A, N> {
             return Ok(());
         }
         // The joints are there.
-        self.wait(run.lines(), 0.0, marks, at)
+        let mut part = ProgramPart::of_still(self.parts.last(), at, run);
+        part.mark(marks);
+        self.parts.push(part);
+        Ok(())
     }
 
     /// A motion of the joints; false where they do not move.

@@ -6,12 +6,12 @@ use arcfeed_geometry::{
     ArcLengthCurve, Blending, GeometryError, JoinedPath, JoinedPathBuilder, Joint, JointOutcome, PathPiece, PieceKind,
 };
 use arcfeed_interp::{Extent, FeedSection};
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
-use super::dense_lines::{self, MoveRange};
+use super::dense_lines::{self, CurveLine, MoveRange};
 use super::error::Cr7Error;
 use super::feed_notes::FeedNotes;
-use super::outline::{CornerLine, MarkerLine, Outline, OutlinePiece, Smoothed, Stop};
+use super::outline::{CornerLine, LineEnd, MarkerLine, Outline, OutlinePiece, Smoothed, Stop};
 use super::stretch::Stretch;
 use crate::input::error::InputError;
 use crate::input::gcode::{GcodeMove, GcodeProgram, MarkerKind, MoveKind, PathControl};
@@ -44,8 +44,8 @@ struct Step {
 
 /// A code between moves.
 struct Mark {
-    /// Index of the step that it belongs to, and the part of that which lies before it.
-    place: Option<(usize, f64)>,
+    /// Index of the step that it belongs to, and the line before it.
+    place: Option<(usize, usize)>,
     line: u64,
     what: String,
 }
@@ -59,8 +59,8 @@ pub(crate) struct Programmed {
     pub turns: Option<Vec<UnitQuaternion<f64>>>,
     marks: Vec<Mark>,
     smoothed: Smoothed,
-    /// Lines that curves stand for: the first line of the curve, the part of it up to the end of the line, and the line.
-    inside: Vec<(usize, f64, usize)>,
+    /// Lines that curves stand for.
+    inside: Vec<CurveLine>,
     pub notes: FeedNotes,
     pub warnings: Vec<String>,
 }
@@ -94,7 +94,7 @@ impl Programmed {
         let (programmed, units) = joined(stretch, job)?;
         let (steps, notes) = steps(stretch, &units, &programmed, job);
         let marks = stretch.markers.iter().map(|m| Mark {
-            place: stretch.move_before(m).map(|before| place_of(before, &units, moves, programmed.start())),
+            place: stretch.move_before(m).map(|before| place_of(before, &units, moves)),
             line: m.line,
             what: words(&m.kind),
         });
@@ -108,7 +108,7 @@ impl Programmed {
             turns: turns(stretch, &units),
             marks,
             smoothed: smoothed(&units),
-            inside: inside(&units, moves, programmed.start()),
+            inside: dense_lines::curve_lines(&units, moves),
             notes,
             warnings,
         })
@@ -149,8 +149,8 @@ impl Programmed {
         sections.into_iter().map(section).collect()
     }
 
-    /// Where the lines of the file lie on the path, by arc length.
-    pub fn outline(&self, curve: &ArcLengthCurve<3>) -> Outline {
+    /// Where the lines of the file lie on the path, by arc length. `workpiece` leads from the file to the path.
+    pub fn outline(&self, curve: &ArcLengthCurve<3>, workpiece: &Isometry3<f64>) -> Outline {
         let piece = |piece: &PathPiece| {
             let (blend, [first, second]) = (piece.kind == PieceKind::Blend, piece.sources);
             let step = self.step(second);
@@ -162,11 +162,22 @@ impl Programmed {
             }
         };
         let pieces: Vec<OutlinePiece> = self.path.pieces().iter().map(piece).collect();
+        let mut inside: Vec<LineEnd> = Vec::with_capacity(self.inside.len());
+        for lines in self.inside.chunk_by(|a, b| a.curve == b.curve) {
+            let ends = dense_lines::ends_along(lines, curve_range(&pieces, lines[0].curve), curve, workpiece);
+            let ends = ends.into_iter().zip(lines);
+            inside.extend(ends.map(|(s, line)| LineEnd { s, line: line.line, deviation: line.deviation }));
+        }
+        let end_of = |(i, line): (usize, usize)| {
+            let step = self.steps.get(i)?;
+            let within = inside.binary_search_by_key(&line, |end| end.line).ok().filter(|_| line < step.last);
+            Some(within.map_or_else(|| end_of_line(&pieces, step.line), |k| inside[k].s))
+        };
         let markers = self.marks.iter().map(|mark| {
-            let on = mark.place.and_then(|(i, share)| Some((range_of(&pieces, self.steps.get(i)?.line), share)));
-            let s_m = on.map_or(0.0, |((from, to), share)| from + share * (to - from));
+            let s_m = mark.place.and_then(end_of).unwrap_or(0.0);
             MarkerLine { line: mark.line, s_m, t_s: None, what: mark.what.clone() }
         });
+        let markers = markers.collect();
         let corner = |(joint, outcome): &(Joint, JointOutcome)| {
             let (lines, angle) = (joint.sources, joint.angle);
             let asked = self.step(lines[0]).is_some_and(|step| step.stop) && lines[0] != lines[1];
@@ -178,13 +189,13 @@ impl Programmed {
             }
         };
         let corners = self.joints.iter().filter_map(corner).collect();
-        let numbers = self.steps.iter().filter_map(|step| step.number.map(|n| (step.line, n))).collect();
-        let mut inside = Vec::with_capacity(self.inside.len());
-        for curve in self.inside.chunk_by(|a, b| a.0 == b.0) {
-            let (from, to) = range_of(&pieces, curve[0].0);
-            inside.extend(curve.iter().map(|&(_, share, line)| (from + share * (to - from), line)));
-        }
-        Outline { markers: markers.collect(), pieces, corners, numbers, smoothed: self.smoothed, inside }
+        let of_steps = self.steps.iter().map(|step| (step.line, step.number));
+        let of_curves = self.inside.iter().map(|line| (line.line, line.number));
+        let mut numbers: Vec<(usize, u32)> =
+            of_steps.chain(of_curves).filter_map(|(line, n)| Some((line, n?))).collect();
+        numbers.sort_unstable();
+        numbers.dedup();
+        Outline { markers, pieces, corners, numbers, smoothed: self.smoothed, inside }
     }
 
     /// Where the tool stops because the file says so, by arc length.
@@ -270,41 +281,29 @@ fn joined(stretch: &Stretch<'_>, job: &Job) -> Result<(JoinedPath, Vec<MoveRange
     Ok((path.build().map_err(|source| program.curve_error(0, source))?, units))
 }
 
-/// The piece that stands for the move `before`, by index, and the part of it up to the end of that move.
-fn place_of(before: usize, units: &[MoveRange], moves: &[GcodeMove], start: Vector3<f64>) -> (usize, f64) {
+/// The piece that stands for the move `before`, by index, and the line of that move.
+fn place_of(before: usize, units: &[MoveRange], moves: &[GcodeMove]) -> (usize, usize) {
     let i = units.partition_point(|unit| unit.last < before).min(units.len().saturating_sub(1));
-    let MoveRange { first, last, .. } = units[i];
-    if first == last {
-        return (i, 1.0);
-    }
-    let from = |k: usize| k.checked_sub(1).map_or(start, |k| moves[k].end());
-    let length = |to: usize| (first..=to).map(|k| (moves[k].end() - from(k)).norm()).sum::<f64>();
-    (i, length(before.min(last)) / length(last))
+    (i, moves.get(before).map_or(usize::MAX, |step| usize::try_from(step.line).unwrap_or(usize::MAX)))
 }
 
-/// The lines that curves stand for, by the part of the way along them.
-fn inside(units: &[MoveRange], moves: &[GcodeMove], start: Vector3<f64>) -> Vec<(usize, f64, usize)> {
-    let line_of = |i: usize| usize::try_from(moves[i].line).unwrap_or(usize::MAX);
-    let mut lines = Vec::new();
-    for &MoveRange { first, last, .. } in units.iter().filter(|unit| unit.last > unit.first) {
-        let (begin, mut way) = (lines.len(), 0.0);
-        let mut from = first.checked_sub(1).map_or(start, |before| moves[before].end());
-        for (i, step) in moves.iter().enumerate().take(last + 1).skip(first) {
-            way += (step.end() - from).norm();
-            from = step.end();
-            lines.push((line_of(first), way, line_of(i)));
-        }
-        lines[begin..].iter_mut().for_each(|line| line.1 /= way);
-    }
-    lines
+/// End of a line on the path, m, with the blend behind it. Lines only go up along the path.
+fn end_of_line(pieces: &[OutlinePiece], line: usize) -> f64 {
+    end_before(pieces, pieces.partition_point(|piece| piece.lines[0] <= line))
 }
 
-/// Start and end of a line on the path, m. Lines only go up along it.
-fn range_of(pieces: &[OutlinePiece], line: usize) -> (f64, f64) {
-    let to = pieces.partition_point(|piece| piece.lines[0] <= line);
-    let from = pieces.partition_point(|piece| piece.lines[0] < line);
-    let end = |i: usize| i.checked_sub(1).and_then(|i| pieces.get(i)).map_or(0.0, |piece| piece.to);
-    (end(from), end(to))
+/// Start and end on the path of the curve that begins with a line, m, without the blends at its ends; the same where blends left none
+/// of it.
+fn curve_range(pieces: &[OutlinePiece], line: usize) -> (f64, f64) {
+    let begin = pieces.partition_point(|piece| piece.lines[0] < line);
+    let own = pieces[begin..].iter().take_while(|piece| piece.lines[0] == line).count();
+    let last = pieces[begin..begin + own].iter().rposition(|piece| !piece.blend).map_or(begin, |i| begin + i + 1);
+    (end_before(pieces, begin), end_before(pieces, last))
+}
+
+/// Where the piece before another one ends, m.
+fn end_before(pieces: &[OutlinePiece], i: usize) -> f64 {
+    i.checked_sub(1).and_then(|i| pieces.get(i)).map_or(0.0, |piece| piece.to)
 }
 
 /// Feed and tolerance of each piece. The feed of a working move is at most that of the job.

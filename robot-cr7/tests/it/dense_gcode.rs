@@ -63,6 +63,38 @@ fn farthest(desk: &Desk, points: &[Vector3<f64>]) -> f64 {
     worst
 }
 
+/// Each line within a curve has a row: it ends when the tool passes the end of the line, and the rows follow one another.
+fn each_line_has_its_time(desk: &Desk, points: &[Vector3<f64>], duration: f64) {
+    let table = std::fs::read_to_string(desk.folder.join("out/lines.csv")).expect("written");
+    let rows: Vec<Vec<&str>> = table.lines().skip(1).map(|row| row.split(',').collect()).collect();
+    let number = |text: &str| text.parse::<f64>().expect("a number");
+    let tool: Vec<(f64, Vector3<f64>)> = desk
+        .trajectory::<6>("out")
+        .iter()
+        .map(|row| (row.t, Vector3::from(row.position) * 1e3 - Vector3::new(420.0, 0.0, 150.0)))
+        .collect();
+    let (mut end, mut seen, mut sum) = ([0.0; 2], vec![0; points.len()], 0.0);
+    for row in &rows {
+        let (from, to) = ([number(row[2]), number(row[4])], [number(row[3]), number(row[5])]);
+        assert!(from == end && to[0] >= from[0] && to[1] >= from[1], "rows follow one another: {row:?}");
+        end = to;
+        sum += to[1] - from[1];
+        assert_eq!((row[6], number(row[7]) <= 5e-5), ("0.1", true), "feed and deviation of {row:?}");
+        let Ok(line) = row[0].parse::<usize>() else { continue };
+        // The first point stands in line 2, and the first short line is line 4.
+        seen[line - 3] += 1;
+        let i = tool.partition_point(|(t, _)| *t < to[1]).clamp(1, tool.len() - 1);
+        let ((a, p), (b, q)) = (tool[i - 1], tool[i]);
+        let (at, along) = (p + (q - p) * ((to[1] - a) / (b - a)).clamp(0.0, 1.0), (q - p).normalize());
+        let off = at - points[line - 3];
+        // Blends take the place of lines beside the two corners.
+        let inside = [3004, 3044].iter().all(|&corner: &usize| line.abs_diff(corner) > 20) && line < 3083;
+        assert!(!inside || off.dot(&along).abs() < 1e-3 && off.norm() < 0.012, "{off} mm from the end of line {line}");
+    }
+    assert!(seen[1..].iter().all(|&count| count == 1) && rows.len() == points.len() - 1 + 2, "{} rows", rows.len());
+    assert!((sum - duration).abs() < 1e-9 && (end[1] - duration).abs() < 1e-12, "{sum} s of {duration} s");
+}
+
 #[test]
 fn three_thousand_lines_become_curves_and_true_corners_stay() {
     let desk = Desk::new("flower");
@@ -98,8 +130,7 @@ fn three_thousand_lines_become_curves_and_true_corners_stay() {
         );
         assert!(lines[1] - lines[0] < 3000, "{limit}");
     }
-    let table = std::fs::read_to_string(desk.folder.join("out/lines.csv")).expect("written");
-    assert!(table.lines().any(|row| row.starts_with("4-3003,")), "{table}");
+    each_line_has_its_time(&desk, &points, smooth);
 
     // A code in the middle of the flower stands where its line ends, and rotary axes may follow a curve.
     let (program, points) = flower("G64 P0.05 Q0.01", 3000);

@@ -58,7 +58,8 @@ fn codes_that_would_change_the_motion_are_refused() {
     for (text, part) in cases {
         refused_in_line(text, 1, &[part]);
     }
-    for text in ["G2.2", "G1.5", "G999", "G6", "G1.05", "G-1", "M1000", "M1.5"] {
+    refused_in_line("G2.2 X1 Y1 P1", 1, &["NURBS block", "write G5.2"]);
+    for text in ["G1.5", "G999", "G6", "G1.05", "G-1", "M1000", "M1.5"] {
         refused_in_line(text, 1, &["not known"]);
     }
 }

@@ -164,6 +164,25 @@ fn rapid_moves_that_cannot_be_made_are_refused_by_line() {
 }
 
 #[test]
+fn a_rapid_move_that_moves_nothing_has_a_row_without_time() {
+    let desk = Desk::new("still_rapids");
+    // A full turn of the tool is the same pose.
+    desk.write("p.ngc", "G21 G90\nG0 X0 Y0 Z5\nG1 Z0 F600\nG1 X40\nN7 G0 A360\nG0 A0\nG1 Y30\n");
+    desk.write("job.toml", &format!("{PLATE_JOB}{JOINTS}"));
+    let report = desk.run(&["plan", "p.ngc", "--job", "job.toml", "--json"]).done().json();
+    let table = std::fs::read_to_string(desk.folder.join("out/lines.csv")).expect("written");
+    let rows: Vec<Vec<&str>> = table.lines().skip(1).map(|row| row.split(',').collect()).collect();
+    assert_eq!(rows.iter().map(|row| row[0]).collect::<Vec<_>>(), ["3", "4", "5", "6", "7"], "{table}");
+    assert_eq!((rows[2][1], rows[3][1]), ("7", ""), "N words");
+    for still in &rows[2..4] {
+        assert_eq!([still[2], still[4]], [rows[1][3], rows[1][5]], "{table}");
+        assert_eq!([still[3], still[5]], [rows[1][3], rows[1][5]], "{table}");
+    }
+    let sum: f64 = rows.iter().map(|row| row[5].parse::<f64>().unwrap() - row[4].parse::<f64>().unwrap()).sum();
+    assert!((sum - report["duration_s"].as_f64().expect("a number")).abs() < 1e-12, "{sum} s");
+}
+
+#[test]
 fn a_compiled_program_is_one_joint_trajectory() {
     let desk = Desk::new("rapid_compiled");
     let mut script = squares(2, 0.05);

@@ -1,6 +1,6 @@
 //! The file of `cr7 plan --format html`.
 
-use arcfeed_interp::TorqueLimits;
+use arcfeed_interp::{LimitPoint, TorqueLimits};
 use arcfeed_kinematics::JointLimits;
 #[cfg(feature = "html")]
 use robot_cr7::{MotionPage, PageFacts, SpeedCeiling};
@@ -19,6 +19,9 @@ pub const PAGE: &str = "report.html";
 pub struct PageFile<'a, const N: usize> {
     #[cfg(feature = "html")]
     page: Option<MotionPage<'a, N>>,
+    /// From which place on (m), increasing, which limit sets the highest speed, in words.
+    #[cfg(feature = "html")]
+    limited_by: Vec<(f64, String)>,
     #[cfg(not(feature = "html"))]
     _limits: &'a JointLimits<N>,
 }
@@ -34,11 +37,11 @@ impl<'a, const N: usize> PageFile<'a, N> {
         samples: usize,
     ) -> Self {
         if !args.format.contains(&Format::Html) {
-            return Self { page: None };
+            return Self { page: None, limited_by: Vec::new() };
         }
         let names = robot.any().joint_names().to_vec();
         let facts = PageFacts { robot: robot.description().name.clone(), joint_names: names, joints, torque };
-        Self { page: Some(MotionPage::new(facts, samples)) }
+        Self { page: Some(MotionPage::new(facts, samples)), limited_by: Vec::new() }
     }
 
     /// There is no page to begin.
@@ -63,11 +66,24 @@ impl<'a, const N: usize> PageFile<'a, N> {
         let _ = (row, s, feed);
     }
 
+    /// Adds the limits that set the highest speed along a path that begins at `from` (m).
+    pub fn see_limits(&mut self, curve: &[LimitPoint], from: f64) {
+        #[cfg(feature = "html")]
+        for point in curve {
+            let name = point.id.map_or_else(|| "no limit".to_owned(), |id| id.to_string());
+            if self.limited_by.last().is_none_or(|(_, last)| *last != name) {
+                self.limited_by.push((from + point.s, name));
+            }
+        }
+        #[cfg(not(feature = "html"))]
+        let _ = (curve, from);
+    }
+
     /// Writes the page.
     pub fn finish(self, report: &Report, drawn: &Drawn<'_, N>, staging: &mut Staging) -> Result<(), Failure> {
         #[cfg(feature = "html")]
         if let Some(page) = self.page {
-            let ceiling = SpeedCeiling { by_time: &drawn.limit_by_time, limits: &drawn.limited_by };
+            let ceiling = SpeedCeiling { by_time: &drawn.limit_by_time, limits: &self.limited_by };
             staging.write(PAGE, &page.finish(report, &ceiling, &drawn.poses))?;
         }
         #[cfg(not(feature = "html"))]

@@ -15,8 +15,7 @@ use crate::formats::{self, Format};
 use crate::output::conclude;
 use crate::page_file::PageFile;
 use crate::plan_files::{
-    COMPILED, Drawn, FILES, LEVERS, LINES, MOST_PLACES, Picture, add_limited_by, limit_at, pictures, stream_figure,
-    write_lines,
+    COMPILED, Drawn, FILES, LEVERS, LINES, MOST_PLACES, Picture, limit_at, pictures, stream_figure, write_lines,
 };
 use crate::plan_program;
 use crate::progress::Progress;
@@ -181,7 +180,7 @@ impl OnToolPath for Plan<'_> {
         let sampling = begin.elapsed();
 
         progress.step("drawing");
-        let drawn = drawn(&motion, job, &series, poses)?;
+        let drawn = drawn(&motion, job, &series, poses, &mut page)?;
         for (name, svg) in path_pictures(&motion, &drawn, &series) {
             staging.write(name, &svg.map_err(|source| staging.failed(name, source))?)?;
         }
@@ -216,13 +215,13 @@ fn drawn<'m, const N: usize>(
     job: &Job,
     series: &Series,
     poses: ArmPoses<N>,
+    page: &mut PageFile<'_, N>,
 ) -> Result<Drawn<'m, N>, Failure> {
     let plan = motion.trajectory();
     let caps = plan.limit_curve().map_err(|e| Failure::Undoable(e.to_string()))?;
     let limit: Vec<(f64, f64)> = caps.iter().map(|point| (point.s, point.speed)).collect();
     let [t, s] = [0, 1].map(|column| series.column(column));
-    let mut limited_by = Vec::new();
-    add_limited_by(&mut limited_by, &caps, 0.0);
+    page.see_limits(&caps, 0.0);
     Ok(Drawn {
         name: motion.name(),
         segments: drawn_segments(plan, &job.workpiece),
@@ -232,7 +231,6 @@ fn drawn<'m, const N: usize>(
         places: places(motion, job, series),
         joints: plan.limits().joints(),
         limit,
-        limited_by,
         poses,
     })
 }

@@ -1,6 +1,5 @@
 //! The files of `cr7 plan`.
 
-use arcfeed_interp::LimitPoint;
 use arcfeed_kinematics::JointLimits;
 use robot_cr7::plot::{
     Along, Bound, JointQuantity, feed_picture, joint_picture, motion_picture, path_picture, speed_path_picture,
@@ -64,8 +63,6 @@ pub struct Drawn<'a, const N: usize> {
     /// The highest speed (m/s) by the way of the tool (m), and by the time (s).
     pub limit: Vec<(f64, f64)>,
     pub limit_by_time: Vec<(f64, f64)>,
-    /// From which place on (m), increasing, which limit sets the highest speed, in words.
-    pub limited_by: Vec<(f64, String)>,
     /// The arm along the motion.
     pub poses: ArmPoses<N>,
     /// Places with the speed there.
@@ -93,16 +90,6 @@ pub fn pictures<const N: usize>(drawn: &Drawn<'_, N>, series: &Series) -> Vec<Pi
         ("joint_acceleration.svg", picture(JointQuantity::Acceleration, 3 + N, rates[1])),
         ("joint_jerk.svg", picture(JointQuantity::Jerk, 3 + 2 * N, rates[2])),
     ]
-}
-
-/// Adds the limits that set the highest speed along a path that begins at `from` (m): each with the place from which on it does.
-pub fn add_limited_by(all: &mut Vec<(f64, String)>, curve: &[LimitPoint], from: f64) {
-    for point in curve {
-        let name = point.id.map_or_else(|| "no limit".to_owned(), |id| id.to_string());
-        if all.last().is_none_or(|(_, last)| *last != name) {
-            all.push((from + point.s, name));
-        }
-    }
 }
 
 /// The speed that a limit curve allows at `s`: between two grid points its square may lie on the straight line through both.

@@ -12,9 +12,7 @@ use crate::Failure;
 use crate::output::conclude;
 use crate::page_file::PageFile;
 use crate::plan::Args;
-use crate::plan_files::{
-    COMPILED, Drawn, FILES, LEVERS, LINES, MOST_PLACES, add_limited_by, limit_at, pictures, write_lines,
-};
+use crate::plan_files::{COMPILED, Drawn, FILES, LEVERS, LINES, MOST_PLACES, limit_at, pictures, write_lines};
 use crate::progress::Progress;
 use crate::ros::RosFiles;
 
@@ -102,7 +100,7 @@ impl OnProgram for PlanProgram<'_> {
         let check = check.finish(job.feed.end_speeds[1] == 0.0);
 
         progress.step("drawing");
-        let drawn = drawn(&motion, job, &series, places, poses)?;
+        let drawn = drawn(&motion, job, &series, places, poses, &mut page)?;
         for (name, svg) in pictures(&drawn, &series) {
             staging.write(name, &svg.map_err(|source| staging.failed(name, source))?)?;
         }
@@ -138,9 +136,10 @@ fn drawn<'m, const N: usize>(
     series: &Series,
     places: Vec<[f64; 3]>,
     poses: ArmPoses<N>,
+    page: &mut PageFile<'_, N>,
 ) -> Result<Drawn<'m, N>, Failure> {
     let (mut segments, mut deviations, mut chord_tolerance) = (Vec::new(), Vec::new(), 0.0f64);
-    let (mut limit, mut limited_by) = (Vec::new(), Vec::new());
+    let mut limit = Vec::new();
     // The limits of each part by its end.
     let mut limits: Vec<(f64, Vec<(f64, f64)>)> = Vec::new();
     for part in motion.parts() {
@@ -151,7 +150,7 @@ fn drawn<'m, const N: usize>(
                 deviations.extend(plan.segmentation().into_iter().flat_map(|s| s.deviations().iter().copied()));
                 chord_tolerance = chord_tolerance.max(plan.chord_tolerance());
                 let caps = plan.limit_curve().map_err(|e| Failure::Undoable(e.to_string()))?;
-                add_limited_by(&mut limited_by, &caps, part.from());
+                page.see_limits(&caps, part.from());
                 caps.iter().map(|point| (part.from() + point.s, point.speed)).collect()
             }
             PartMotion::Joints(_) => [part.from(), part.from() + part.length()].map(|s| (s, f64::INFINITY)).to_vec(),
@@ -173,7 +172,6 @@ fn drawn<'m, const N: usize>(
         chord_tolerance,
         limit_by_time: t.iter().zip(s).map(at).collect(),
         limit,
-        limited_by,
         poses,
         places,
         joints: motion.joint_limits(),

@@ -75,6 +75,7 @@ pub(super) fn general(tenths: u16) -> Result<Group, GcodeFault> {
 /// Why the G code `tenths / 10` is refused.
 fn refusal(tenths: u16) -> GcodeFault {
     let (what, remedy) = match tenths {
+        22 => ("G2.2 as the start of a NURBS block", "write G5.2, as LinuxCNC documents it"),
         70 => ("diameter programming", "write radii with G8"),
         100 => ("the change of offsets and tool data", "post-process with coordinates of the workpiece"),
         171 | 181 | 191 => ("a plane of the axes U V W", "use G17, G18 or G19"),
