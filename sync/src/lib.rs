@@ -26,6 +26,7 @@ mod sampler;
 pub mod so3;
 mod state_to_state;
 mod straight;
+mod way_points;
 
 pub use arcfeed_feedrate as feedrate;
 pub use error::SyncError;
@@ -39,3 +40,4 @@ pub use projection::{
 };
 pub use sampler::Sampler;
 pub use state_to_state::Trajectory;
+pub use way_points::{MOST_WAY_POINTS, Route, WayPoint, WayPointPlanner, WayPointTrajectory};

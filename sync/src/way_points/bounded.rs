@@ -1,0 +1,115 @@
+//! A quantity between two bounds, as the interior-point method sees it.
+
+use super::rows::Lanes;
+
+/// Part of the way to the nearest bound that a step may go.
+const FRACTION: f64 = 0.95;
+
+const KAPPA: f64 = 10.0;
+
+/// Distances of a quantity to its bounds, and the multipliers of both.
+#[derive(Clone, Copy)]
+pub(super) struct Bounded<const N: usize> {
+    slack: [Lanes<N>; 2],
+    multiplier: [Lanes<N>; 2],
+}
+
+/// What the bounds add to the equations: for each side curvature, and force towards the inside.
+pub(super) struct Pull<const N: usize> {
+    pub weight: [Lanes<N>; 2],
+    pub force: [Lanes<N>; 2],
+}
+
+/// The longest steps of the distances and of the multipliers.
+#[derive(Clone, Copy)]
+pub(super) struct Steps {
+    pub primal: f64,
+    pub dual: f64,
+}
+
+impl Steps {
+    pub const FULL: Self = Self { primal: 1.0, dual: 1.0 };
+
+    pub fn min(self, other: Self) -> Self {
+        Self { primal: self.primal.min(other.primal), dual: self.dual.min(other.dual) }
+    }
+}
+
+impl<const N: usize> Bounded<N> {
+    pub const NONE: Self = Self { slack: [[1.0; N]; 2], multiplier: [[0.0; N]; 2] };
+
+    /// At distances to the bounds, with products of slack and multiplier `mu`. A slack is not below
+    /// `least`.
+    pub fn new(distances: &[Lanes<N>; 2], least: f64, mu: f64) -> Self {
+        let mut all = Self::NONE;
+        for side in 0..2 {
+            for k in 0..N {
+                let least = least * (distances[0][k] + distances[1][k]);
+                all.slack[side][k] = distances[side][k].max(least);
+                all.multiplier[side][k] = mu / all.slack[side][k];
+            }
+        }
+        all
+    }
+
+    /// Takes the true distances where they are not much below the ones assumed, and returns what
+    /// the bounds add to the equations.
+    pub fn pull(&mut self, distances: &[Lanes<N>; 2], mu: f64) -> Pull<N> {
+        let mut pull = Pull { weight: [[0.0; N]; 2], force: [[0.0; N]; 2] };
+        for side in 0..2 {
+            for k in 0..N {
+                let s = &mut self.slack[side][k];
+                let distance = distances[side][k];
+                *s = if distance > 0.1 * *s { distance } else { *s };
+                let inv = 1.0 / *s;
+                let weight = self.multiplier[side][k] * inv;
+                pull.weight[side][k] = weight;
+                pull.force[side][k] = mu * inv - weight * (distance - *s);
+            }
+        }
+        pull
+    }
+
+    /// Sum of the products of slack and multiplier.
+    pub fn products(&self) -> f64 {
+        let mut sum = 0.0;
+        for side in 0..2 {
+            for k in 0..N {
+                sum += self.slack[side][k] * self.multiplier[side][k];
+            }
+        }
+        sum
+    }
+
+    /// Turns changes of the distances into those of slacks and multipliers.
+    fn changes(&self, side: usize, k: usize, (distance, change, mu): (f64, f64, f64)) -> (f64, f64) {
+        let (s, z) = (self.slack[side][k], self.multiplier[side][k]);
+        let ds = change + distance - s;
+        (ds, (mu - z * ds) / s - z)
+    }
+
+    /// The longest steps for changes of the distances.
+    pub fn steps(&self, distances: &[Lanes<N>; 2], changes: &[Lanes<N>; 2], mu: f64) -> Steps {
+        let (mut primal, mut dual) = (FRACTION, FRACTION);
+        for side in 0..2 {
+            for k in 0..N {
+                let (ds, dz) = self.changes(side, k, (distances[side][k], changes[side][k], mu));
+                primal = f64::max(primal, -ds / self.slack[side][k]);
+                dual = f64::max(dual, -dz / self.multiplier[side][k]);
+            }
+        }
+        Steps { primal: FRACTION / primal, dual: FRACTION / dual }
+    }
+
+    /// Makes a step.
+    pub fn advance(&mut self, distances: &[Lanes<N>; 2], changes: &[Lanes<N>; 2], (mu, steps): (f64, Steps)) {
+        for side in 0..2 {
+            for k in 0..N {
+                let (ds, dz) = self.changes(side, k, (distances[side][k], changes[side][k], mu));
+                self.slack[side][k] += steps.primal * ds;
+                let (s, z) = (self.slack[side][k], self.multiplier[side][k] + dz);
+                self.multiplier[side][k] = z.max(mu / (KAPPA * s)).min(KAPPA * mu / s);
+            }
+        }
+    }
+}

@@ -1,0 +1,445 @@
+//! The shortest motion through way-points whose sections have three equal parts of constant jerk:
+//! an interior-point method on velocities, accelerations and durations.
+
+use arcfeed_feedrate::{AxisLimits, AxisState};
+
+use super::bounded::{Bounded, Pull, Steps};
+use super::equations::Equations;
+use super::rows::{Lanes, ROWS, Rows, combine, ends, order};
+use super::{NODES, SECTIONS};
+
+/// A duration may change by this part of itself in one step.
+const TRUST: f64 = 0.4;
+
+/// Lower and upper bound of velocity, acceleration and jerk.
+pub(super) type Bounds<const N: usize> = [[Lanes<N>; 2]; 3];
+
+/// Nodes, durations, and the state of the method.
+pub(super) struct Program<const N: usize> {
+    pub sections: usize,
+    /// Position, velocity and acceleration of the nodes.
+    pub nodes: [[Lanes<N>; 3]; NODES],
+    /// What of an inner node may change.
+    pub free: [[[bool; N]; 3]; NODES],
+    pub durations: [f64; SECTIONS],
+    /// The least durations.
+    pub least: [f64; SECTIONS],
+    pub bounds: [Bounds<N>; SECTIONS],
+    rows: [[Bounded<N>; ROWS]; SECTIONS],
+    /// The distances of the rows to their bounds.
+    now: [[[Lanes<N>; 2]; ROWS]; SECTIONS],
+    /// Velocity and acceleration at the nodes.
+    node_rows: [[Bounded<N>; 2]; NODES],
+    duration_rows: [Bounded<1>; SECTIONS],
+    equations: Equations<N>,
+    best: Best<N>,
+}
+
+/// A motion that is kept apart.
+struct Best<const N: usize> {
+    nodes: [[Lanes<N>; 3]; NODES],
+    durations: [f64; SECTIONS],
+    /// Duration of the whole, slowed down to its limits (s).
+    slowed: f64,
+}
+
+impl<const N: usize> Program<N> {
+    pub const fn new() -> Self {
+        let zero = [0.0; N];
+        Self {
+            sections: 0,
+            nodes: [[zero; 3]; NODES],
+            free: [[[true; N]; 3]; NODES],
+            durations: [1.0; SECTIONS],
+            least: [0.0; SECTIONS],
+            bounds: [[[zero; 2]; 3]; SECTIONS],
+            rows: [[Bounded::NONE; ROWS]; SECTIONS],
+            now: [[[zero; 2]; ROWS]; SECTIONS],
+            node_rows: [[Bounded::NONE; 2]; NODES],
+            duration_rows: [Bounded::NONE; SECTIONS],
+            equations: Equations::new(),
+            best: Best { nodes: [[zero; 3]; NODES], durations: [1.0; SECTIONS], slowed: f64::INFINITY },
+        }
+    }
+
+    /// Sets the state of a node.
+    pub fn set_node(&mut self, node: usize, axis: usize, s: &AxisState) {
+        for (x, value) in self.nodes[node].iter_mut().zip([s.p, s.v, s.a]) {
+            x[axis] = value;
+        }
+    }
+
+    /// The state of a node.
+    pub fn node(&self, node: usize, axis: usize) -> AxisState {
+        let [p, v, a] = self.nodes[node].map(|x| x[axis]);
+        AxisState::new(p, v, a)
+    }
+
+    /// Sets the limits of a section.
+    pub fn set_limits(&mut self, section: usize, axis: usize, l: &AxisLimits) {
+        let all = [[l.v_min(), l.v_max()], [l.a_min(), l.a_max()], [l.j_min(), l.j_max()]];
+        for (bounds, values) in self.bounds[section].iter_mut().zip(all) {
+            for (bound, value) in bounds.iter_mut().zip(values) {
+                bound[axis] = value;
+            }
+        }
+    }
+
+    /// Improves the motion in at most so many rounds. Keeps apart the one that is shortest once it is
+    /// slowed down to its limits.
+    pub fn improve(&mut self, rounds: usize) {
+        let mut mu = START * self.total() / self.sections as f64;
+        self.begin(mu);
+        self.best = Best { nodes: self.nodes, durations: self.durations, slowed: f64::INFINITY };
+        self.remember();
+        let mut worst = self.worst();
+        for _ in 0..rounds {
+            self.assemble(mu);
+            if !self.equations.solve(self.sections) {
+                return;
+            }
+            let mut steps = self.steps(mu);
+            for _ in 0..BACKTRACKS {
+                self.move_by(steps.primal);
+                let fine = self.worst() <= WORST.max(worst);
+                self.move_by(-steps.primal);
+                if fine {
+                    break;
+                }
+                steps.primal *= 0.5;
+            }
+            self.advance(mu, steps);
+            self.move_by(steps.primal);
+            worst = self.worst();
+            self.remember();
+            let mean = self.mean_product();
+            let sigma = if steps.primal > 0.7 { 0.1 } else { 0.4 };
+            mu = (sigma * mean).max(END * self.total() / self.sections as f64);
+            if std::env::var("SHOW").is_ok() {
+                eprintln!("  total {:.6} mu {mu:.3e} mean {mean:.3e} steps {:.3} {:.3} slowed {:.4}", self.total(), steps.primal, steps.dual, self.total() * self.worst());
+            }
+        }
+    }
+
+    fn remember(&mut self) {
+        let slowed = self.total() * self.worst();
+        if slowed < self.best.slowed {
+            self.best = Best { nodes: self.nodes, durations: self.durations, slowed };
+        }
+    }
+
+    /// Returns to the motion kept apart, slowed down to its limits.
+    pub fn take_best(&mut self) {
+        (self.nodes, self.durations) = (self.best.nodes, self.best.durations);
+        let factor = ROUND_UP * self.worst();
+        self.scale(&[factor; SECTIONS]);
+    }
+
+    /// The duration of the motion kept apart, slowed down to its limits (s).
+    pub fn best_total(&self) -> f64 {
+        self.best.slowed
+    }
+
+    fn worst(&self) -> f64 {
+        (0..self.sections).fold(1.0, |f: f64, i| f.max(self.excess(i)))
+    }
+
+    pub fn total(&self) -> f64 {
+        self.durations[..self.sections].iter().sum()
+    }
+
+    /// The bounds of velocity (1) or acceleration (2) at an inner node: those of both sections.
+    fn node_bounds(&self, node: usize, derivative: usize) -> [Lanes<N>; 2] {
+        let (x, y) = (&self.bounds[node - 1][derivative - 1], &self.bounds[node][derivative - 1]);
+        [std::array::from_fn(|k| x[0][k].max(y[0][k])), std::array::from_fn(|k| x[1][k].min(y[1][k]))]
+    }
+
+    fn begin(&mut self, mu: f64) {
+        for i in 0..self.sections {
+            let rows = Rows::new(self.durations[i]);
+            let ends = ends(&self.nodes[i], &self.nodes[i + 1]);
+            for r in 0..ROWS {
+                let distances = self.distances(i, r, &rows, &ends);
+                self.rows[i][r] = Bounded::new(&distances, 0.1, mu);
+            }
+            self.duration_rows[i] = Bounded::new(&self.duration_distances(i), 0.0, mu);
+        }
+        for node in 1..self.sections {
+            for derivative in 1..3 {
+                let distances = self.node_distances(node, derivative);
+                self.node_rows[node][derivative - 1] = Bounded::new(&distances, 0.1, mu);
+            }
+        }
+    }
+
+    fn distances(&self, i: usize, r: usize, rows: &Rows, ends: &[Lanes<N>; 5]) -> [Lanes<N>; 2] {
+        let value = combine(&rows.values[r], ends);
+        let (scale, _) = rows.scales[order(r) - 1];
+        let bounds = &self.bounds[i][order(r) - 1];
+        [
+            std::array::from_fn(|k| value[k] - scale * bounds[0][k]),
+            std::array::from_fn(|k| scale * bounds[1][k] - value[k]),
+        ]
+    }
+
+    /// The derivatives of the distances by the duration.
+    fn distances_by_duration(&self, i: usize, r: usize, rows: &Rows, ends: &[Lanes<N>; 5]) -> [Lanes<N>; 2] {
+        let value = combine(&rows.by_duration[r], ends);
+        let (_, scale) = rows.scales[order(r) - 1];
+        let bounds = &self.bounds[i][order(r) - 1];
+        [
+            std::array::from_fn(|k| value[k] - scale * bounds[0][k]),
+            std::array::from_fn(|k| scale * bounds[1][k] - value[k]),
+        ]
+    }
+
+    fn node_distances(&self, node: usize, derivative: usize) -> [Lanes<N>; 2] {
+        let (bounds, value) = (self.node_bounds(node, derivative), &self.nodes[node][derivative]);
+        [std::array::from_fn(|k| value[k] - bounds[0][k]), std::array::from_fn(|k| bounds[1][k] - value[k])]
+    }
+
+    fn duration_distances(&self, i: usize) -> [Lanes<1>; 2] {
+        [[self.durations[i] - self.least[i]], [FAR - self.durations[i]]]
+    }
+
+    fn assemble(&mut self, mu: f64) {
+        self.equations.clear(self.sections);
+        for i in 0..self.sections {
+            self.assemble_section(i, mu);
+        }
+        for node in 1..self.sections {
+            for derivative in 1..3 {
+                let distances = self.node_distances(node, derivative);
+                let pull = self.node_rows[node][derivative - 1].pull(&distances, mu);
+                for k in 0..N {
+                    self.equations.diagonal[node][derivative][derivative][k] += pull.weight[0][k] + pull.weight[1][k];
+                    self.equations.node_side[node][derivative][k] += pull.force[0][k] - pull.force[1][k];
+                }
+            }
+            for component in 0..3 {
+                for k in 0..N {
+                    if !self.free[node][component][k] {
+                        self.equations.fix(node, component, k);
+                    }
+                }
+            }
+        }
+    }
+
+    fn assemble_section(&mut self, i: usize, mu: f64) {
+        let rows = Rows::new(self.durations[i]);
+        let ends = ends(&self.nodes[i], &self.nodes[i + 1]);
+        let mut square = [[[0.0; N]; 5]; 5];
+        let (mut coupling, mut side) = ([[0.0; N]; 5], [[0.0; N]; 5]);
+        let (mut own, mut own_side) = ([0.0; N], [0.0; N]);
+        for r in 0..ROWS {
+            let factors = &rows.values[r];
+            let (distances, by_t) =
+                (self.distances(i, r, &rows, &ends), self.distances_by_duration(i, r, &rows, &ends));
+            self.now[i][r] = distances;
+            let Pull { weight, force } = self.rows[i][r].pull(&distances, mu);
+            let (mut both, mut mixed, mut net) = ([0.0; N], [0.0; N], [0.0; N]);
+            for k in 0..N {
+                let (x, y) = (weight[0][k] * by_t[0][k], weight[1][k] * by_t[1][k]);
+                own[k] += x * by_t[0][k] + y * by_t[1][k];
+                own_side[k] += force[0][k] * by_t[0][k] + force[1][k] * by_t[1][k];
+                both[k] = weight[0][k] + weight[1][k];
+                mixed[k] = x - y;
+                net[k] = force[0][k] - force[1][k];
+            }
+            for x in 0..5 {
+                if factors[x] == 0.0 {
+                    continue;
+                }
+                let mut weighted = [0.0; N];
+                for k in 0..N {
+                    weighted[k] = both[k] * factors[x];
+                    coupling[x][k] += mixed[k] * factors[x];
+                    side[x][k] += net[k] * factors[x];
+                }
+                for y in 0..=x {
+                    for k in 0..N {
+                        square[x][y][k] += weighted[k] * factors[y];
+                    }
+                }
+            }
+        }
+        let pull = self.duration_rows[i].pull(&[[self.durations[i] - self.least[i]], [FAR - self.durations[i]]], mu);
+        let e = &mut self.equations;
+        e.durations[i] += own.iter().sum::<f64>() + pull.weight[0][0] + pull.weight[1][0];
+        e.duration_side[i] += own_side.iter().sum::<f64>() + pull.force[0][0] - pull.force[1][0] - 1.0;
+        e.add_section(i, &square, &coupling, &side);
+    }
+
+    /// The changes of the distances of a section.
+    fn changes(&self, i: usize) -> [[Lanes<N>; 2]; ROWS] {
+        let rows = Rows::new(self.durations[i]);
+        let ends_now = ends(&self.nodes[i], &self.nodes[i + 1]);
+        let zero = [[0.0; N]; 3];
+        let at =
+            |node: usize| if node == 0 || node == self.sections { &zero } else { &self.equations.node_side[node] };
+        let change = ends(at(i), at(i + 1));
+        let dt = self.equations.duration_side[i];
+        std::array::from_fn(|r| {
+            let x = combine(&rows.values[r], &change);
+            let y = self.distances_by_duration(i, r, &rows, &ends_now);
+            [std::array::from_fn(|k| x[k] + y[0][k] * dt), std::array::from_fn(|k| y[1][k] * dt - x[k])]
+        })
+    }
+
+    fn node_changes(&self, node: usize, derivative: usize) -> [Lanes<N>; 2] {
+        let change = self.equations.node_side[node][derivative];
+        [change, change.map(|x| -x)]
+    }
+
+    fn steps(&self, mu: f64) -> Steps {
+        let mut steps = Steps::FULL;
+        for i in 0..self.sections {
+            let changes = self.changes(i);
+            for r in 0..ROWS {
+                steps = steps.min(self.rows[i][r].steps(&self.now[i][r], &changes[r], mu));
+            }
+            let (t, dt) = (self.durations[i], self.equations.duration_side[i]);
+            steps = steps.min(self.duration_rows[i].steps(&self.duration_distances(i), &[[dt], [-dt]], mu));
+            steps.primal = steps.primal.min(TRUST * t / dt.abs());
+        }
+        for node in 1..self.sections {
+            for derivative in 1..3 {
+                let (distances, changes) =
+                    (self.node_distances(node, derivative), self.node_changes(node, derivative));
+                steps = steps.min(self.node_rows[node][derivative - 1].steps(&distances, &changes, mu));
+            }
+        }
+        steps
+    }
+
+    fn advance(&mut self, mu: f64, steps: Steps) {
+        for i in 0..self.sections {
+            let changes = self.changes(i);
+            for r in 0..ROWS {
+                self.rows[i][r].advance(&self.now[i][r], &changes[r], (mu, steps));
+            }
+            let dt = self.equations.duration_side[i];
+            let distances = self.duration_distances(i);
+            self.duration_rows[i].advance(&distances, &[[dt], [-dt]], (mu, steps));
+        }
+        for node in 1..self.sections {
+            for derivative in 1..3 {
+                let (distances, changes) =
+                    (self.node_distances(node, derivative), self.node_changes(node, derivative));
+                self.node_rows[node][derivative - 1].advance(&distances, &changes, (mu, steps));
+            }
+        }
+    }
+
+    fn move_by(&mut self, primal: f64) {
+        for i in 0..self.sections {
+            self.durations[i] += primal * self.equations.duration_side[i];
+        }
+        for node in 1..self.sections {
+            for (x, change) in self.nodes[node].iter_mut().zip(&self.equations.node_side[node]) {
+                for k in 0..N {
+                    x[k] += primal * change[k];
+                }
+            }
+        }
+    }
+
+    /// Slows the motion down until it keeps the limits, but for what the ends demand: where it does
+    /// not first, and all of it at last.
+    pub fn slow_down(&mut self) {
+        let mut factors = [1.0; SECTIONS];
+        for _ in 0..SWEEPS {
+            for (i, factor) in factors[..self.sections].iter_mut().enumerate() {
+                *factor = self.excess(i).max(1.0);
+            }
+            self.scale(&factors);
+        }
+        let all = MARGIN * self.worst();
+        self.scale(&[all; SECTIONS]);
+        for i in 0..self.sections {
+            for _ in 0..SHORTENINGS {
+                let was = self.durations[i];
+                self.durations[i] = (SHORTER * was).max(self.least[i] * ROUND_UP);
+                if self.excess(i) > 0.95 {
+                    self.durations[i] = was;
+                    break;
+                }
+            }
+        }
+    }
+
+    /// Makes sections slower by factors.
+    fn scale(&mut self, factors: &[f64; SECTIONS]) {
+        let n = self.sections;
+        let at = |node: usize| match node {
+            0 => factors[0],
+            node if node == n => factors[n - 1],
+            node => factors[node - 1].max(factors[node]),
+        };
+        for i in 0..n {
+            self.durations[i] *= at(i).max(at(i + 1));
+        }
+        for node in 1..n {
+            let factor = at(node);
+            for k in 0..N {
+                self.nodes[node][1][k] /= if self.free[node][1][k] { factor } else { 1.0 };
+                self.nodes[node][2][k] /= factor * factor;
+            }
+        }
+    }
+
+    /// The factor by which a section must be slower to keep its limits, if it began and ended at
+    /// rest where the motion does.
+    pub fn excess(&self, i: usize) -> f64 {
+        let rows = Rows::new(self.durations[i]);
+        let zero = [0.0; N];
+        let at = |node: usize| {
+            let [p, v, a] = self.nodes[node];
+            if node == 0 || node == self.sections { [p, zero, zero] } else { [p, v, a] }
+        };
+        let ends = ends(&at(i), &at(i + 1));
+        let mut factor = 0.0_f64;
+        for r in 0..ROWS {
+            let value = combine(&rows.values[r], &ends);
+            let (scale, _) = rows.scales[order(r) - 1];
+            let bounds = &self.bounds[i][order(r) - 1];
+            let mut most = 0.0_f64;
+            for k in 0..N {
+                most = most.max(value[k] / (scale * if value[k] > 0.0 { bounds[1][k] } else { bounds[0][k] }));
+            }
+            factor = factor.max(match order(r) {
+                1 => most,
+                2 => most.sqrt(),
+                _ => most.cbrt(),
+            });
+        }
+        factor
+    }
+
+    fn mean_product(&self) -> f64 {
+        let mut sum = 0.0;
+        for i in 0..self.sections {
+            sum += self.rows[i].iter().map(Bounded::products).sum::<f64>();
+        }
+        for node in 1..self.sections {
+            sum += self.node_rows[node].iter().map(Bounded::products).sum::<f64>();
+        }
+        let count = 2 * N * (ROWS * self.sections + 2 * (self.sections - 1));
+        sum / count as f64
+    }
+}
+
+/// No upper bound of a duration (s).
+const FAR: f64 = 1e9;
+
+/// Products of slack and multiplier at the begin, and at the end, relative to the mean duration.
+const START: f64 = 0.1;
+const SWEEPS: usize = 6;
+const BACKTRACKS: usize = 4;
+const WORST: f64 = 1.15;
+const SHORTENINGS: usize = 12;
+const SHORTER: f64 = 0.88;
+const MARGIN: f64 = 1.1;
+const ROUND_UP: f64 = 1.0 + 1e-9;
+const END: f64 = 1e-5;
