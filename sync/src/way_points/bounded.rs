@@ -60,7 +60,7 @@ impl<const N: usize> Bounded<N> {
             for k in 0..N {
                 let s = &mut self.slack[side][k];
                 let distance = distances[side][k];
-                *s = if distance > 0.1 * *s { distance } else { *s };
+                *s = if distance > 1e-3 * *s { distance } else { *s };
                 let inv = 1.0 / *s;
                 let weight = self.multiplier[side][k] * inv;
                 pull.weight[side][k] = weight;
@@ -68,6 +68,11 @@ impl<const N: usize> Bounded<N> {
             }
         }
         pull
+    }
+
+    /// Multiplier of the lower bound less that of the upper one.
+    pub fn net(&self) -> Lanes<N> {
+        std::array::from_fn(|k| self.multiplier[0][k] - self.multiplier[1][k])
     }
 
     /// Sum of the products of slack and multiplier.

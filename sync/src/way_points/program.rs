@@ -92,7 +92,7 @@ impl<const N: usize> Program<N> {
         self.begin(mu);
         self.best = Best { nodes: self.nodes, durations: self.durations, slowed: f64::INFINITY };
         self.remember();
-        let mut worst = self.worst();
+        let mut worst = self.total() * self.worst().max(1.0);
         for _ in 0..rounds {
             self.assemble(mu);
             if !self.equations.solve(self.sections) {
@@ -101,16 +101,18 @@ impl<const N: usize> Program<N> {
             let mut steps = self.steps(mu);
             for _ in 0..BACKTRACKS {
                 self.move_by(steps.primal);
-                let fine = self.worst() <= WORST.max(worst);
+                let slowed = self.total() * self.worst().max(1.0);
                 self.move_by(-steps.primal);
-                if fine {
+                if slowed <= worst * GROWTH {
                     break;
                 }
                 steps.primal *= 0.5;
             }
             self.advance(mu, steps);
             self.move_by(steps.primal);
-            worst = self.worst();
+            let factor = (RETRACTION * self.worst()).max(1.0);
+            self.scale(&[factor; SECTIONS]);
+            worst = self.total();
             self.remember();
             let mean = self.mean_product();
             let sigma = if steps.primal > 0.7 { 0.1 } else { 0.4 };
@@ -122,7 +124,7 @@ impl<const N: usize> Program<N> {
     }
 
     fn remember(&mut self) {
-        let slowed = self.total() * self.worst();
+        let slowed = self.total() * self.worst().max(1.0);
         if slowed < self.best.slowed {
             self.best = Best { nodes: self.nodes, durations: self.durations, slowed };
         }
@@ -131,7 +133,7 @@ impl<const N: usize> Program<N> {
     /// Returns to the motion kept apart, slowed down to its limits.
     pub fn take_best(&mut self) {
         (self.nodes, self.durations) = (self.best.nodes, self.best.durations);
-        let factor = ROUND_UP * self.worst();
+        let factor = ROUND_UP * self.worst().max(1.0);
         self.scale(&[factor; SECTIONS]);
     }
 
@@ -141,7 +143,7 @@ impl<const N: usize> Program<N> {
     }
 
     fn worst(&self) -> f64 {
-        (0..self.sections).fold(1.0, |f: f64, i| f.max(self.excess(i)))
+        (0..self.sections).fold(0.0, |f: f64, i| f.max(self.excess(i)))
     }
 
     pub fn total(&self) -> f64 {
@@ -231,6 +233,7 @@ impl<const N: usize> Program<N> {
         let ends = ends(&self.nodes[i], &self.nodes[i + 1]);
         let mut square = [[[0.0; N]; 5]; 5];
         let (mut coupling, mut side) = ([[0.0; N]; 5], [[0.0; N]; 5]);
+        let mut cross = [[0.0; N]; 5];
         let (mut own, mut own_side) = ([0.0; N], [0.0; N]);
         for r in 0..ROWS {
             let factors = &rows.values[r];
@@ -247,6 +250,12 @@ impl<const N: usize> Program<N> {
                 mixed[k] = x - y;
                 net[k] = force[0][k] - force[1][k];
             }
+            let multiplier = self.rows[i][r].net();
+            for x in 1..5 {
+                for k in 0..N {
+                    cross[x][k] -= multiplier[k] * rows.by_duration[r][x];
+                }
+            }
             for x in 0..5 {
                 if factors[x] == 0.0 {
                     continue;
@@ -262,6 +271,16 @@ impl<const N: usize> Program<N> {
                         square[x][y][k] += weighted[k] * factors[y];
                     }
                 }
+            }
+        }
+        let damp: f64 = std::env::var("DAMP").map_or(1.0, |x| x.parse().unwrap());
+        for x in 1..5 {
+            let bounds = &self.bounds[i][if x < 3 { 0 } else { 1 }];
+            for k in 0..N {
+                let ratio = self.durations[i] / (bounds[1][k] - bounds[0][k]) * 2.0;
+                coupling[x][k] += CROSS * cross[x][k];
+                square[x][x][k] += damp * cross[x][k].abs() * ratio;
+                own[k] += damp * cross[x][k].abs() / ratio;
             }
         }
         let pull = self.duration_rows[i].pull(&[[self.durations[i] - self.least[i]], [FAR - self.durations[i]]], mu);
@@ -355,7 +374,7 @@ impl<const N: usize> Program<N> {
             }
             self.scale(&factors);
         }
-        let all = MARGIN * self.worst();
+        let all = MARGIN * self.worst().max(1.0);
         self.scale(&[all; SECTIONS]);
         for i in 0..self.sections {
             for _ in 0..SHORTENINGS {
@@ -437,9 +456,11 @@ const FAR: f64 = 1e9;
 const START: f64 = 0.1;
 const SWEEPS: usize = 6;
 const BACKTRACKS: usize = 4;
-const WORST: f64 = 1.15;
+const GROWTH: f64 = 1.02;
+const RETRACTION: f64 = 1.002;
 const SHORTENINGS: usize = 12;
 const SHORTER: f64 = 0.88;
+const CROSS: f64 = 1.0;
 const MARGIN: f64 = 1.1;
 const ROUND_UP: f64 = 1.0 + 1e-9;
 const END: f64 = 1e-5;
