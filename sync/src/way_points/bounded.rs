@@ -5,6 +5,7 @@ use super::rows::Lanes;
 /// Part of the way to the nearest bound that a step may go.
 const FRACTION: f64 = 0.95;
 
+/// The product of slack and multiplier stays within this factor of `mu`.
 const KAPPA: f64 = 10.0;
 
 /// Distances of a quantity to its bounds, and the multipliers of both.
@@ -18,21 +19,6 @@ pub(super) struct Bounded<const N: usize> {
 pub(super) struct Pull<const N: usize> {
     pub weight: [Lanes<N>; 2],
     pub force: [Lanes<N>; 2],
-}
-
-/// The longest steps of the distances and of the multipliers.
-#[derive(Clone, Copy)]
-pub(super) struct Steps {
-    pub primal: f64,
-    pub dual: f64,
-}
-
-impl Steps {
-    pub const FULL: Self = Self { primal: 1.0, dual: 1.0 };
-
-    pub fn min(self, other: Self) -> Self {
-        Self { primal: self.primal.min(other.primal), dual: self.dual.min(other.dual) }
-    }
 }
 
 impl<const N: usize> Bounded<N> {
@@ -93,25 +79,24 @@ impl<const N: usize> Bounded<N> {
         (ds, (mu - z * ds) / s - z)
     }
 
-    /// The longest steps for changes of the distances.
-    pub fn steps(&self, distances: &[Lanes<N>; 2], changes: &[Lanes<N>; 2], mu: f64) -> Steps {
-        let (mut primal, mut dual) = (FRACTION, FRACTION);
+    /// The longest step for changes of the distances, at most 1.
+    pub fn longest_step(&self, distances: &[Lanes<N>; 2], changes: &[Lanes<N>; 2]) -> f64 {
+        let mut fastest = FRACTION;
         for side in 0..2 {
             for k in 0..N {
-                let (ds, dz) = self.changes(side, k, (distances[side][k], changes[side][k], mu));
-                primal = f64::max(primal, -ds / self.slack[side][k]);
-                dual = f64::max(dual, -dz / self.multiplier[side][k]);
+                let s = self.slack[side][k];
+                fastest = f64::max(fastest, 1.0 - (changes[side][k] + distances[side][k]) / s);
             }
         }
-        Steps { primal: FRACTION / primal, dual: FRACTION / dual }
+        FRACTION / fastest
     }
 
     /// Makes a step.
-    pub fn advance(&mut self, distances: &[Lanes<N>; 2], changes: &[Lanes<N>; 2], (mu, steps): (f64, Steps)) {
+    pub fn advance(&mut self, distances: &[Lanes<N>; 2], changes: &[Lanes<N>; 2], (mu, step): (f64, f64)) {
         for side in 0..2 {
             for k in 0..N {
                 let (ds, dz) = self.changes(side, k, (distances[side][k], changes[side][k], mu));
-                self.slack[side][k] += steps.primal * ds;
+                self.slack[side][k] += step * ds;
                 let (s, z) = (self.slack[side][k], self.multiplier[side][k] + dz);
                 self.multiplier[side][k] = z.max(mu / (KAPPA * s)).min(KAPPA * mu / s);
             }

@@ -91,39 +91,25 @@ impl<const N: usize> Guess<N> {
         }
     }
 
-    /// Writes the guess into a program, with every section in so many parts.
-    pub fn write(&self, route: &Route<'_, N>, parts: usize, program: &mut Program<N>) {
-        program.sections = route.sections() * parts;
-        for i in 0..route.sections() {
-            for part in 0..parts {
-                self.write_part((i, part, parts), route, program);
-            }
-        }
+    /// Writes the guess into a program.
+    pub fn write(&self, route: &Route<'_, N>, program: &mut Program<N>) {
         let n = route.sections();
-        for k in 0..N {
-            program.set_node(n * parts, k, &inside(&self.states[n][k], &route.limits(n - 1)[k]));
-        }
-    }
-
-    fn write_part(&self, (i, part, parts): (usize, usize, usize), route: &Route<'_, N>, program: &mut Program<N>) {
-        let at = i * parts + part;
-        let t = self.durations[i];
-        program.durations[at] = t / parts as f64;
-        program.least[at] = route.least_duration(i) / parts as f64;
-        for k in 0..N {
-            let l = &route.limits(i)[k];
-            let (from, to) = (&self.states[i][k], &self.states[i + 1][k]);
-            program.free[at] = if part == 0 { program.free[at] } else { [[true; N]; 3] };
-            if part == 0 {
-                program.set_node(at, k, &inside(from, l));
+        program.sections = n;
+        for i in 0..n {
+            program.durations[i] = self.durations[i];
+            program.least[i] = route.least_duration(i);
+            for k in 0..N {
+                let l = &route.limits(i)[k];
+                program.set_limits(i, k, l);
+                program.set_node(i, k, &inside(&self.states[i][k], l));
                 let given = i > 0 && route.points[i - 1].velocity()[k].is_some();
-                for (free, value) in program.free[at].iter_mut().zip([false, !given, true]) {
+                for (free, value) in program.free[i].iter_mut().zip([false, !given, true]) {
                     free[k] = value;
                 }
-            } else {
-                program.set_node(at, k, &between(from, to, (part as f64 / parts as f64, t)));
             }
-            program.set_limits(at, k, l);
+        }
+        for k in 0..N {
+            program.set_node(n, k, &inside(&self.states[n][k], &route.limits(n - 1)[k]));
         }
     }
 }
@@ -144,12 +130,4 @@ fn least_duration<const N: usize>(from: &[AxisState; N], to: &[AxisState; N], li
 fn inside(s: &AxisState, l: &AxisLimits) -> AxisState {
     let v = s.v.max(l.v_min()).min(l.v_max());
     AxisState::new(s.p, v, s.a.max(l.a_min()).min(l.a_max()))
-}
-
-/// The state at a part of a cubic polynomial, its acceleration left out.
-fn between(from: &AxisState, to: &AxisState, (x, t): (f64, f64)) -> AxisState {
-    let y = 1.0 - x;
-    let p = y * y * (1.0 + 2.0 * x) * from.p + x * x * (3.0 - 2.0 * x) * to.p + t * x * y * (y * from.v - x * to.v);
-    let v = 6.0 * x * y * (to.p - from.p) / t + y * (1.0 - 3.0 * x) * from.v + x * (3.0 * x - 2.0) * to.v;
-    AxisState::new(p, v, 0.0)
 }

@@ -9,21 +9,52 @@ use super::trajectory::{WayPointTrajectory, section};
 use super::{NODES, SECTIONS};
 use crate::error::SyncError;
 
+/// Plans motions through way-points. Holds the memory of the computation, some 300 kB for six axes:
+/// nothing else is allocated.
+///
+/// The velocities and accelerations in the points come from a program in which every section has
+/// three parts with constant jerk, solved by an interior-point method for all axes at once in at
+/// most [`WayPointPlanner::DEFAULT_ROUNDS`] rounds. The sections are then the exact shortest motions
+/// between these states. Where one is impossible, the motion is made slower around it; if nothing
+/// else is left, the axes rest in the points. The limits of the motion are checked at the extremes
+/// of every phase before it is handed out.
+///
+/// The motion is near the shortest one, not exactly it: `integration-tests` measures how near.
+///
+/// ```
+/// use arcfeed_sync::feedrate::{AxisLimits, AxisState};
+/// use arcfeed_sync::{Route, WayPoint, WayPointPlanner};
+/// let limits = [AxisLimits::symmetric(1.0, 5.0, 50.0)?; 2];
+/// let points = [WayPoint::new([0.4, 0.1]), WayPoint::new([0.8, 0.5])];
+/// let route = Route::new(&points, [1.0, 1.0].map(AxisState::rest), limits);
+/// let motion = WayPointPlanner::new().plan(&[0.0, 0.0].map(AxisState::rest), &route)?;
+/// let passing = motion.at(motion.section_durations()[0]);
+/// assert!((passing.q[0] - 0.4).abs() < 1e-12 && passing.qd[0] > 0.5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct WayPointPlanner<const N: usize> {
     program: Program<N>,
-    pub parts: usize,
-    pub rounds: usize,
-    pub debug: (f64, usize),
+    rounds: usize,
 }
 
-/// Times that the velocities next to a section are lowered before they are 0.
-const LOWERINGS: usize = 3;
-const SLACK: f64 = 1.02;
+/// Times that the motion is made slower around impossible sections.
+const SLOWINGS: usize = 3;
 
-/// A section is repaired if it takes that much longer than in the program.
-const LONGER: f64 = 1.25;
+/// The least factor of one such time, and the part of it that a section farther away gets.
 const SLOWER: f64 = 1.03;
 const FADING: f64 = 0.6;
+
+/// A section counts as impossible if it takes that much longer than in the program.
+const LONGER: f64 = 1.25;
+
+/// The other motion is tried if the first is that much longer than expected.
+const SLACK: f64 = 1.02;
+
+impl<const N: usize> std::fmt::Debug for WayPointPlanner<N> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("WayPointPlanner").field("rounds", &self.rounds).finish_non_exhaustive()
+    }
+}
 
 impl<const N: usize> Default for WayPointPlanner<N> {
     fn default() -> Self {
@@ -32,70 +63,127 @@ impl<const N: usize> Default for WayPointPlanner<N> {
 }
 
 impl<const N: usize> WayPointPlanner<N> {
+    /// Rounds of [`WayPointPlanner::new`].
+    pub const DEFAULT_ROUNDS: usize = 20;
+
+    /// With the default number of rounds.
     pub const fn new() -> Self {
-        Self { program: Program::new(), parts: 1, rounds: 12, debug: (0.0, 0) }
+        Self::with_rounds(Self::DEFAULT_ROUNDS)
     }
 
-    pub fn plan(
-        &mut self,
-        start: &[AxisState; N],
-        route: &Route<'_, N>,
-    ) -> Result<WayPointTrajectory<N>, SyncError> {
+    /// With at most so many rounds of improvement: each costs the same time.
+    pub const fn with_rounds(rounds: usize) -> Self {
+        Self { program: Program::new(), rounds }
+    }
+
+    /// A motion from `start` along `route`, in nearly the shortest time.
+    ///
+    /// The start may move, and may be outside its limits: it is brought back inside.
+    ///
+    /// # Errors
+    /// [`SyncError::TooManyWayPoints`], [`SyncError::WayPoint`] naming point and axis,
+    /// [`SyncError::Duration`], and [`SyncError::State`] naming the axis, as
+    /// [`Trajectory::new`](crate::Trajectory::new) for start and target.
+    pub fn plan(&mut self, start: &[AxisState; N], route: &Route<'_, N>) -> Result<WayPointTrajectory<N>, SyncError> {
         route.check(start)?;
-        let n = route.sections();
         let guess = Guess::new(start, route);
-        let parts = self.parts;
-        guess.write(route, parts, &mut self.program);
+        guess.write(route, &mut self.program);
         self.program.slow_down();
         self.program.improve(self.rounds);
-        self.debug = (self.program.total(), 0);
         let mut motion = self.read(&guess, route);
-        let fine = settle(&mut motion, route, &self.excess(n));
-        if fine && motion.duration() <= SLACK * self.program.best_total() {
+        let possible = self.settle(&mut motion, route);
+        if possible && motion.duration() <= SLACK * self.program.best_total() {
             return Ok(motion);
         }
-        self.debug.1 = 1;
         self.program.take_best();
         let mut other = self.read(&guess, route);
-        if settle(&mut other, route, &self.excess(n)) && !(fine && motion.duration() <= other.duration()) {
+        if self.settle(&mut other, route) && !(possible && motion.duration() <= other.duration()) {
             return Ok(other);
         }
-        if fine {
-            return Ok(motion);
+        if !possible {
+            rest(&mut motion, route)?;
         }
-        self.debug.1 = 1000;
-        rest(&mut motion, route)?;
         Ok(motion)
     }
 
-    fn excess(&self, n: usize) -> [f64; SECTIONS] {
-        let parts = self.parts;
-        let mut excess = [1.0; SECTIONS];
-        for (i, x) in excess[..n].iter_mut().enumerate() {
-            *x = (i * parts..(i + 1) * parts).fold(1.0, |f: f64, s| f.max(self.program.excess(s)));
-        }
-        excess
-    }
-
+    /// The states and durations of the program.
     fn read(&self, guess: &Guess<N>, route: &Route<'_, N>) -> WayPointTrajectory<N> {
-        let (n, parts) = (route.sections(), self.parts);
+        let n = route.sections();
         let mut motion = WayPointTrajectory {
             sections: n,
             states: guess.states,
-            durations: [0.0; SECTIONS],
+            durations: self.program.durations,
             limits: [*route.limits(0); SECTIONS],
         };
-        for i in 0..n {
-            motion.limits[i] = *route.limits(i);
-            motion.durations[i] = self.program.durations[i * parts..(i + 1) * parts].iter().sum();
-            if i > 0 {
-                for k in 0..N {
-                    let s = self.program.node(i * parts, k);
-                    motion.states[i][k] = AxisState { p: motion.states[i][k].p, ..s };
-                }
+        for (i, limits) in motion.limits[..n].iter_mut().enumerate() {
+            *limits = *route.limits(i);
+        }
+        for (i, state) in motion.states[..n].iter_mut().enumerate().skip(1) {
+            for (k, s) in state.iter_mut().enumerate() {
+                *s = AxisState { p: s.p, ..self.program.node(i, k) };
             }
         }
         motion
+    }
+
+    /// Replaces the durations of the program by the exact ones. Where a section is impossible or
+    /// longer, the motion around it is made slower. Returns false if that does not help.
+    fn settle(&self, motion: &mut WayPointTrajectory<N>, route: &Route<'_, N>) -> bool {
+        let n = motion.sections;
+        let (planned, expected) = (motion.states, motion.durations);
+        let mut factors = [1.0_f64; NODES];
+        let mut changed = [true; SECTIONS];
+        for _ in 0..=SLOWINGS {
+            let mut wanted = factors;
+            for i in 0..n {
+                let last = std::mem::take(&mut changed[i]);
+                if !last {
+                    continue;
+                }
+                let made = section(&motion.states[i], &motion.states[i + 1], &motion.limits[i], route.least_duration(i));
+                match made {
+                    Ok(made) if made.duration() <= LONGER * expected[i] => motion.durations[i] = made.duration(),
+                    _ => {
+                        changed[i] = true;
+                        let factor = factors[i].max(factors[i + 1]) * self.program.excess(i).max(SLOWER);
+                        (wanted[i], wanted[i + 1]) = (wanted[i].max(factor), wanted[i + 1].max(factor));
+                    }
+                }
+            }
+            if !changed[..n].iter().any(|&x| x) {
+                return true;
+            }
+            fade(&mut wanted[..=n]);
+            for i in 1..n {
+                if wanted[i] > factors[i] {
+                    factors[i] = wanted[i];
+                    slow(&mut motion.states[i], &planned[i], (route, i, wanted[i]));
+                    (changed[i - 1], changed[i]) = (true, true);
+                }
+            }
+        }
+        false
+    }
+}
+
+/// Neighbours of slower points become slower, too, less and less.
+fn fade(factors: &mut [f64]) {
+    for i in 1..factors.len() {
+        factors[i] = factors[i].max(1.0 + FADING * (factors[i - 1] - 1.0));
+    }
+    for i in (1..factors.len()).rev() {
+        factors[i - 1] = factors[i - 1].max(1.0 + FADING * (factors[i] - 1.0));
+    }
+}
+
+/// The states of a way-point in a motion that is slower by a factor.
+fn slow<const N: usize>(
+    states: &mut [AxisState; N],
+    planned: &[AxisState; N],
+    (route, node, factor): (&Route<'_, N>, usize, f64),
+) {
+    for ((s, was), given) in states.iter_mut().zip(planned).zip(route.points[node - 1].velocity()) {
+        *s = AxisState::new(s.p, given.unwrap_or(was.v / factor), was.a / (factor * factor));
     }
 }
 
@@ -111,62 +199,4 @@ fn rest<const N: usize>(motion: &mut WayPointTrajectory<N>, route: &Route<'_, N>
         motion.durations[i] = made.duration();
     }
     Ok(())
-}
-
-/// Replaces the durations of the program by the exact ones. Where a section is impossible or longer,
-/// the motion around it is slowed down.
-fn settle<const N: usize>(
-    motion: &mut WayPointTrajectory<N>,
-    route: &Route<'_, N>,
-    excess: &[f64; SECTIONS],
-) -> bool {
-    let n = motion.sections;
-    let planned = motion.states;
-    let expected = motion.durations;
-    let mut factors = [1.0_f64; NODES];
-    let mut dirty = [true; SECTIONS];
-    for _ in 0..=LOWERINGS {
-        let mut wanted = factors;
-        let mut failed = false;
-        for i in 0..n {
-            if !std::mem::take(&mut dirty[i]) {
-                continue;
-            }
-            let made = section(&motion.states[i], &motion.states[i + 1], &motion.limits[i], route.least_duration(i));
-            match made {
-                Ok(made) if made.duration() <= LONGER * expected[i] => {
-                    motion.durations[i] = made.duration();
-                }
-                _ => {
-                    failed = true;
-                    dirty[i] = true;
-                    let factor = factors[i].max(factors[i + 1]) * excess[i].max(SLOWER);
-                    wanted[i] = wanted[i].max(factor);
-                    wanted[i + 1] = wanted[i + 1].max(factor);
-                }
-            }
-        }
-        if !failed {
-            return true;
-        }
-        for i in 1..=n {
-            wanted[i] = wanted[i].max(1.0 + FADING * (wanted[i - 1] - 1.0));
-        }
-        for i in (0..n).rev() {
-            wanted[i] = wanted[i].max(1.0 + FADING * (wanted[i + 1] - 1.0));
-        }
-        for i in 1..n {
-            if wanted[i] <= factors[i] * 1.001 {
-                continue;
-            }
-            factors[i] = wanted[i];
-            let f = 1.0 / wanted[i];
-            for (k, given) in route.points[i - 1].velocity().iter().enumerate() {
-                motion.states[i][k].v = given.unwrap_or(f * planned[i][k].v);
-                motion.states[i][k].a = f * f * planned[i][k].a;
-            }
-            (dirty[i - 1], dirty[i]) = (true, true);
-        }
-    }
-    false
 }

@@ -3,7 +3,7 @@
 
 use arcfeed_feedrate::{AxisLimits, AxisState};
 
-use super::bounded::{Bounded, Pull, Steps};
+use super::bounded::{Bounded, Pull};
 use super::equations::Equations;
 use super::rows::{Lanes, ROWS, Rows, combine, ends, order};
 use super::{NODES, SECTIONS};
@@ -85,49 +85,57 @@ impl<const N: usize> Program<N> {
         }
     }
 
-    /// Improves the motion in at most so many rounds. Keeps apart the one that is shortest once it is
-    /// slowed down to its limits.
+    /// Improves the motion in at most so many rounds, each of which costs the same. Keeps apart the
+    /// motion that is shortest once it is slowed down to its limits.
     pub fn improve(&mut self, rounds: usize) {
         let mut mu = START * self.total() / self.sections as f64;
         self.begin(mu);
-        self.best = Best { nodes: self.nodes, durations: self.durations, slowed: f64::INFINITY };
+        self.best.slowed = f64::INFINITY;
         self.remember();
-        let mut worst = self.total() * self.worst().max(1.0);
+        let mut excess = self.worst();
         for _ in 0..rounds {
             self.assemble(mu);
             if !self.equations.solve(self.sections) {
                 return;
             }
-            let mut steps = self.steps(mu);
-            for _ in 0..BACKTRACKS {
-                self.move_by(steps.primal);
-                let slowed = self.total() * self.worst().max(1.0);
-                self.move_by(-steps.primal);
-                if slowed <= worst * GROWTH {
-                    break;
-                }
-                steps.primal *= 0.5;
-            }
-            self.advance(mu, steps);
-            self.move_by(steps.primal);
-            let factor = (RETRACTION * self.worst()).max(1.0);
-            self.scale(&[factor; SECTIONS]);
-            worst = self.total();
-            self.remember();
+            let primal = self.step(excess);
+            self.advance(mu, primal);
+            self.move_by(primal);
+            excess = self.remember();
             let mean = self.mean_product();
-            let sigma = if steps.primal > 0.7 { 0.1 } else { 0.4 };
-            mu = (sigma * mean).max(END * self.total() / self.sections as f64);
-            if std::env::var("SHOW").is_ok() {
-                eprintln!("  total {:.6} mu {mu:.3e} mean {mean:.3e} steps {:.3} {:.3} slowed {:.4}", self.total(), steps.primal, steps.dual, self.total() * self.worst());
+            let least = END * self.total() / self.sections as f64;
+            if primal == 1.0 && mean <= 2.0 * least {
+                return;
             }
+            let factor = if primal > LONG { QUICK } else { SLOW };
+            mu = (factor * mean).max(least);
         }
     }
 
-    fn remember(&mut self) {
-        let slowed = self.total() * self.worst().max(1.0);
+    /// The length of a step that exceeds the limits by no more than is allowed between rounds, or
+    /// than the motion before did.
+    fn step(&mut self, excess: f64) -> f64 {
+        let mut primal = self.longest_step();
+        for _ in 0..HALVINGS {
+            self.move_by(primal);
+            let there = self.worst();
+            self.move_by(-primal);
+            if there <= excess.max(ALLOWED) {
+                break;
+            }
+            primal *= 0.5;
+        }
+        primal
+    }
+
+    /// Returns by how much the motion must be slower.
+    fn remember(&mut self) -> f64 {
+        let excess = self.worst();
+        let slowed = self.total() * excess.max(1.0);
         if slowed < self.best.slowed {
             self.best = Best { nodes: self.nodes, durations: self.durations, slowed };
         }
+        excess
     }
 
     /// Returns to the motion kept apart, slowed down to its limits.
@@ -273,14 +281,13 @@ impl<const N: usize> Program<N> {
                 }
             }
         }
-        let damp: f64 = std::env::var("DAMP").map_or(1.0, |x| x.parse().unwrap());
         for x in 1..5 {
             let bounds = &self.bounds[i][if x < 3 { 0 } else { 1 }];
             for k in 0..N {
                 let ratio = self.durations[i] / (bounds[1][k] - bounds[0][k]) * 2.0;
-                coupling[x][k] += CROSS * cross[x][k];
-                square[x][x][k] += damp * cross[x][k].abs() * ratio;
-                own[k] += damp * cross[x][k].abs() / ratio;
+                coupling[x][k] += cross[x][k];
+                square[x][x][k] += cross[x][k].abs() * ratio;
+                own[k] += cross[x][k].abs() / ratio;
             }
         }
         let pull = self.duration_rows[i].pull(&[[self.durations[i] - self.least[i]], [FAR - self.durations[i]]], mu);
@@ -311,42 +318,42 @@ impl<const N: usize> Program<N> {
         [change, change.map(|x| -x)]
     }
 
-    fn steps(&self, mu: f64) -> Steps {
-        let mut steps = Steps::FULL;
+    fn longest_step(&self) -> f64 {
+        let mut step = 1.0_f64;
         for i in 0..self.sections {
             let changes = self.changes(i);
             for r in 0..ROWS {
-                steps = steps.min(self.rows[i][r].steps(&self.now[i][r], &changes[r], mu));
+                step = step.min(self.rows[i][r].longest_step(&self.now[i][r], &changes[r]));
             }
             let (t, dt) = (self.durations[i], self.equations.duration_side[i]);
-            steps = steps.min(self.duration_rows[i].steps(&self.duration_distances(i), &[[dt], [-dt]], mu));
-            steps.primal = steps.primal.min(TRUST * t / dt.abs());
+            step = step.min(self.duration_rows[i].longest_step(&self.duration_distances(i), &[[dt], [-dt]]));
+            step = step.min(TRUST * t / dt.abs());
         }
         for node in 1..self.sections {
             for derivative in 1..3 {
                 let (distances, changes) =
                     (self.node_distances(node, derivative), self.node_changes(node, derivative));
-                steps = steps.min(self.node_rows[node][derivative - 1].steps(&distances, &changes, mu));
+                step = step.min(self.node_rows[node][derivative - 1].longest_step(&distances, &changes));
             }
         }
-        steps
+        step
     }
 
-    fn advance(&mut self, mu: f64, steps: Steps) {
+    fn advance(&mut self, mu: f64, step: f64) {
         for i in 0..self.sections {
             let changes = self.changes(i);
             for r in 0..ROWS {
-                self.rows[i][r].advance(&self.now[i][r], &changes[r], (mu, steps));
+                self.rows[i][r].advance(&self.now[i][r], &changes[r], (mu, step));
             }
             let dt = self.equations.duration_side[i];
             let distances = self.duration_distances(i);
-            self.duration_rows[i].advance(&distances, &[[dt], [-dt]], (mu, steps));
+            self.duration_rows[i].advance(&distances, &[[dt], [-dt]], (mu, step));
         }
         for node in 1..self.sections {
             for derivative in 1..3 {
                 let (distances, changes) =
                     (self.node_distances(node, derivative), self.node_changes(node, derivative));
-                self.node_rows[node][derivative - 1].advance(&distances, &changes, (mu, steps));
+                self.node_rows[node][derivative - 1].advance(&distances, &changes, (mu, step));
             }
         }
     }
@@ -380,7 +387,7 @@ impl<const N: usize> Program<N> {
             for _ in 0..SHORTENINGS {
                 let was = self.durations[i];
                 self.durations[i] = (SHORTER * was).max(self.least[i] * ROUND_UP);
-                if self.excess(i) > 0.95 {
+                if self.excess(i) > FILLED {
                     self.durations[i] = was;
                     break;
                 }
@@ -454,13 +461,25 @@ const FAR: f64 = 1e9;
 
 /// Products of slack and multiplier at the begin, and at the end, relative to the mean duration.
 const START: f64 = 0.1;
+const END: f64 = 1e-5;
+
+/// The products become that much smaller after a step longer than `LONG`, and after another one.
+const LONG: f64 = 0.7;
+const QUICK: f64 = 0.1;
+const SLOW: f64 = 0.4;
+
+/// Excess that is allowed between rounds, and halvings of a step that makes more.
+const ALLOWED: f64 = 1.15;
+const HALVINGS: usize = 4;
+
+/// Sweeps that slow down single sections, and the margin that all of them get.
 const SWEEPS: usize = 6;
-const BACKTRACKS: usize = 4;
-const GROWTH: f64 = 1.02;
-const RETRACTION: f64 = 1.002;
+const MARGIN: f64 = 1.1;
+
+/// Trials to make a section shorter at the begin, how much shorter, and the excess that is left.
 const SHORTENINGS: usize = 12;
 const SHORTER: f64 = 0.88;
-const CROSS: f64 = 1.0;
-const MARGIN: f64 = 1.1;
+const FILLED: f64 = 0.95;
+
+/// More than the round-off of a factor.
 const ROUND_UP: f64 = 1.0 + 1e-9;
-const END: f64 = 1e-5;
