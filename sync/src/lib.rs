@@ -11,6 +11,9 @@
 //! time, each on its own, or on a straight line ([`Synchronisation`]). [`OnlineGenerator`] does so
 //! cycle by cycle, while targets and limits change.
 //!
+//! [`WayPointPlanner`] moves them through way-points without stopping, from any state to any other,
+//! and [`WayPointGenerator`] does so cycle by cycle along routes that change.
+//!
 //! Positions are in radians and times in seconds; prismatic axes in metres work just as well, axis
 //! by axis.
 #![forbid(unsafe_code)]
@@ -40,4 +43,6 @@ pub use projection::{
 };
 pub use sampler::Sampler;
 pub use state_to_state::Trajectory;
-pub use way_points::{MOST_WAY_POINTS, Route, WayPoint, WayPointPlanner, WayPointTrajectory};
+pub use way_points::{
+    MOST_WAY_POINTS, Route, WayPoint, WayPointGenerator, WayPointPlanner, WayPointStep, WayPointTrajectory,
+};

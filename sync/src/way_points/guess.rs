@@ -53,7 +53,8 @@ impl<const N: usize> Guess<N> {
         let n = route.sections();
         for i in 0..=n {
             let mut factor = 1.0_f64;
-            let time = 0.5 * (if i > 0 { self.durations[i - 1] } else { 0.0 } + if i < n { self.durations[i] } else { 0.0 });
+            let time =
+                0.5 * (if i > 0 { self.durations[i - 1] } else { 0.0 } + if i < n { self.durations[i] } else { 0.0 });
             let l = route.limits(i.min(n - 1));
             for k in 0..N {
                 let s = &self.states[i][k];
@@ -62,12 +63,17 @@ impl<const N: usize> Guess<N> {
                 let change = (after - before) / time;
                 let a = if change > 0.0 { l[k].a_max() } else { -l[k].a_min() };
                 let j = l[k].j_max().min(-l[k].j_min());
-                factor = factor.max((change.abs() / (PART_A * a)).sqrt()).max((change.abs() / (PART_J * j * time)).cbrt());
+                factor =
+                    factor.max((change.abs() / (PART_A * a)).sqrt()).max((change.abs() / (PART_J * j * time)).cbrt());
             }
             if factor > 1.0 {
                 let factor = factor.min(2.0);
-                if i > 0 { self.durations[i - 1] *= factor; }
-                if i < n { self.durations[i] *= factor; }
+                if i > 0 {
+                    self.durations[i - 1] *= factor;
+                }
+                if i < n {
+                    self.durations[i] *= factor;
+                }
             }
         }
     }

@@ -8,6 +8,7 @@
 
 mod bounded;
 mod equations;
+mod generator;
 mod guess;
 mod planner;
 mod program;
@@ -15,6 +16,7 @@ mod route;
 mod rows;
 mod trajectory;
 
+pub use generator::{WayPointGenerator, WayPointStep};
 pub use planner::WayPointPlanner;
 pub use route::{Route, WayPoint};
 pub use trajectory::WayPointTrajectory;

@@ -140,7 +140,8 @@ impl<const N: usize> WayPointPlanner<N> {
                 if !last {
                     continue;
                 }
-                let made = section(&motion.states[i], &motion.states[i + 1], &motion.limits[i], route.least_duration(i));
+                let made =
+                    section((i, &motion.states[i], &motion.states[i + 1]), &motion.limits[i], route.least_duration(i));
                 match made {
                     Ok(made) if made.duration() <= LONGER * expected[i] => motion.durations[i] = made.duration(),
                     _ => {
@@ -195,7 +196,7 @@ fn rest<const N: usize>(motion: &mut WayPointTrajectory<N>, route: &Route<'_, N>
         }
     }
     for i in 0..motion.sections {
-        let made = section(&motion.states[i], &motion.states[i + 1], &motion.limits[i], route.least_duration(i))?;
+        let made = section((i, &motion.states[i], &motion.states[i + 1]), &motion.limits[i], route.least_duration(i))?;
         motion.durations[i] = made.duration();
     }
     Ok(())

@@ -302,8 +302,7 @@ impl<const N: usize> Program<N> {
         let rows = Rows::new(self.durations[i]);
         let ends_now = ends(&self.nodes[i], &self.nodes[i + 1]);
         let zero = [[0.0; N]; 3];
-        let at =
-            |node: usize| if node == 0 || node == self.sections { &zero } else { &self.equations.node_side[node] };
+        let at = |node: usize| if node == 0 || node == self.sections { &zero } else { &self.equations.node_side[node] };
         let change = ends(at(i), at(i + 1));
         let dt = self.equations.duration_side[i];
         std::array::from_fn(|r| {
@@ -331,8 +330,7 @@ impl<const N: usize> Program<N> {
         }
         for node in 1..self.sections {
             for derivative in 1..3 {
-                let (distances, changes) =
-                    (self.node_distances(node, derivative), self.node_changes(node, derivative));
+                let (distances, changes) = (self.node_distances(node, derivative), self.node_changes(node, derivative));
                 step = step.min(self.node_rows[node][derivative - 1].longest_step(&distances, &changes));
             }
         }
@@ -351,8 +349,7 @@ impl<const N: usize> Program<N> {
         }
         for node in 1..self.sections {
             for derivative in 1..3 {
-                let (distances, changes) =
-                    (self.node_distances(node, derivative), self.node_changes(node, derivative));
+                let (distances, changes) = (self.node_distances(node, derivative), self.node_changes(node, derivative));
                 self.node_rows[node][derivative - 1].advance(&distances, &changes, (mu, step));
             }
         }

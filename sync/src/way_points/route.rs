@@ -126,17 +126,27 @@ impl<'a, const N: usize> Route<'a, N> {
         self.points.len() + 1
     }
 
+    /// The way-points.
+    pub const fn points(&self) -> &[WayPoint<N>] {
+        self.points
+    }
+
+    /// The state at the end.
+    pub const fn target(&self) -> &[AxisState; N] {
+        &self.target
+    }
+
     fn section(&self, i: usize) -> &Section<N> {
         self.points.get(i).map_or(&self.last, |point| &point.section)
     }
 
-    /// The limits of a section.
-    pub(super) fn limits(&self, section: usize) -> &[AxisLimits; N] {
+    /// The limits of a section; the last one counts after the last.
+    pub fn limits(&self, section: usize) -> &[AxisLimits; N] {
         self.section(section).limits.as_ref().unwrap_or(&self.limits)
     }
 
-    /// The least duration of a section (s).
-    pub(super) fn least_duration(&self, section: usize) -> f64 {
+    /// The least duration of a section (s); the last one counts after the last.
+    pub fn least_duration(&self, section: usize) -> f64 {
         self.section(section).least_duration
     }
 
@@ -145,7 +155,8 @@ impl<'a, const N: usize> Route<'a, N> {
         if self.points.len() > MOST_WAY_POINTS {
             return Err(SyncError::TooManyWayPoints { count: self.points.len(), most: MOST_WAY_POINTS });
         }
-        for (name, state) in [(["start.p", "start.v", "start.a"], start), (["target.p", "target.v", "target.a"], &self.target)]
+        for (name, state) in
+            [(["start.p", "start.v", "start.a"], start), (["target.p", "target.v", "target.a"], &self.target)]
         {
             for (axis, s) in state.iter().enumerate() {
                 for (what, value) in name.into_iter().zip([s.p, s.v, s.a]) {

@@ -45,7 +45,7 @@ impl<const N: usize> WayPointTrajectory<N> {
             return Err(SyncError::NoSuchSection { index, count: self.sections });
         }
         let (from, to) = (&self.states[index], &self.states[index + 1]);
-        section(from, to, &self.limits[index], self.durations[index])
+        section((index, from, to), &self.limits[index], self.durations[index])
     }
 
     /// The section that acts at time `t` (s), and the time since it began. After the end it is the
@@ -71,16 +71,18 @@ impl<const N: usize> WayPointTrajectory<N> {
 }
 
 /// The shortest motion of a section in common time, whose limits have been checked at the extremes
-/// of all its phases.
+/// of all its phases. Only the first section may begin outside its limits.
 pub(super) fn section<const N: usize>(
-    from: &[AxisState; N],
-    to: &[AxisState; N],
+    (index, from, to): (usize, &[AxisState; N], &[AxisState; N]),
     limits: &[AxisLimits; N],
     least_duration: f64,
 ) -> Result<Trajectory<N>, SyncError> {
     let options = MotionOptions::new(Synchronisation::Time).with_least_duration(least_duration)?;
     let motion = Trajectory::new(from, to, limits, &options)?;
-    let exceeds = |k: &usize| !keeps_what_holds(&motion.axes()[*k], &from[*k], &limits[*k]);
+    let exceeds = |k: &usize| {
+        let (begin, l) = (&from[*k], &limits[*k]);
+        (index > 0 && !l.contain(begin)) || !keeps_what_holds(&motion.axes()[*k], begin, l)
+    };
     match (0..N).find(exceeds) {
         Some(axis) => Err(SyncError::SectionExceeds { axis }),
         None => Ok(motion),
