@@ -1,14 +1,14 @@
 //! The equations of one Newton step: a chain of nodes for each axis, coupled by the durations.
 //!
-//! Every axis has a block tridiagonal matrix with a block of position, velocity and acceleration
-//! for each node. The durations are shared by all axes. The chain is factored node by node, what is
+//! Every axis has a block tridiagonal matrix with a block of velocity and acceleration for
+//! each node. The durations are shared by all axes. The chain is factored node by node, what is
 //! left of the durations is solved densely, and the nodes follow.
 
 use super::rows::Lanes;
 use super::{NODES, SECTIONS};
 
-type Vector<const N: usize> = [Lanes<N>; 3];
-type Matrix<const N: usize> = [[Lanes<N>; 3]; 3];
+type Vector<const N: usize> = [Lanes<N>; 2];
+type Matrix<const N: usize> = [[Lanes<N>; 2]; 2];
 
 /// Matrix and right-hand side, and the solution once it is there.
 pub(super) struct Equations<const N: usize> {
@@ -30,14 +30,14 @@ impl<const N: usize> Equations<N> {
     pub const fn new() -> Self {
         let zero = [0.0; N];
         Self {
-            diagonal: [[[zero; 3]; 3]; NODES],
-            next: [[[zero; 3]; 3]; NODES],
-            by_duration: [[[zero; 3]; 2]; SECTIONS],
+            diagonal: [[[zero; 2]; 2]; NODES],
+            next: [[[zero; 2]; 2]; NODES],
+            by_duration: [[[zero; 2]; 2]; SECTIONS],
             durations: [0.0; SECTIONS],
-            node_side: [[zero; 3]; NODES],
+            node_side: [[zero; 2]; NODES],
             duration_side: [0.0; SECTIONS],
             dense: [[0.0; SECTIONS]; SECTIONS],
-            columns: [[zero; 3]; SECTIONS],
+            columns: [[zero; 2]; SECTIONS],
         }
     }
 
@@ -45,64 +45,61 @@ impl<const N: usize> Equations<N> {
     pub fn clear(&mut self, sections: usize) {
         let zero = [0.0; N];
         for i in 0..=sections {
-            self.diagonal[i] = [[zero; 3]; 3];
-            self.next[i] = [[zero; 3]; 3];
-            self.node_side[i] = [zero; 3];
+            self.diagonal[i] = [[zero; 2]; 2];
+            self.next[i] = [[zero; 2]; 2];
+            self.node_side[i] = [zero; 2];
         }
         for i in 0..sections {
-            self.by_duration[i] = [[zero; 3]; 2];
+            self.by_duration[i] = [[zero; 2]; 2];
             self.durations[i] = 0.0;
             self.duration_side[i] = 0.0;
         }
     }
 
-    /// Adds a section: matrix, coupling with its duration, and side, in the order of
-    /// [`ends`](super::rows::ends).
+    /// Adds a section: matrix, coupling with its duration, and side, in the order velocity before and
+    /// after, acceleration before and after.
     pub fn add_section(
         &mut self,
         i: usize,
-        square: &[[Lanes<N>; 5]; 5],
-        coupling: &[Lanes<N>; 5],
-        side: &[Lanes<N>; 5],
+        square: &[[Lanes<N>; 4]; 4],
+        coupling: &[Lanes<N>; 4],
+        side: &[Lanes<N>; 4],
     ) {
-        for (node, at) in PLACES {
-            for (c, &x) in at.iter().enumerate() {
-                let sign = if node == 0 && c == 0 { -1.0 } else { 1.0 };
+        for node in 0..2 {
+            for c in 0..2 {
+                let x = 2 * c + node;
                 for k in 0..N {
-                    self.by_duration[i][node][c][k] += sign * coupling[x][k];
-                    self.node_side[i + node][c][k] += sign * side[x][k];
+                    self.by_duration[i][node][c][k] += coupling[x][k];
+                    self.node_side[i + node][c][k] += side[x][k];
                 }
-                for (d, &y) in at.iter().enumerate().take(c + 1) {
-                    let sign = if node == 0 && (c == 0) != (d == 0) { -1.0 } else { 1.0 };
+                for d in 0..=c {
                     for k in 0..N {
-                        self.diagonal[i + node][c][d][k] += sign * square[x][y][k];
+                        self.diagonal[i + node][c][d][k] += square[x][2 * d + node][k];
                     }
                 }
             }
         }
-        for (c, &x) in PLACES[0].1.iter().enumerate() {
-            let sign = if c == 0 { -1.0 } else { 1.0 };
-            for (d, &y) in PLACES[1].1.iter().enumerate() {
-                let (x, y) = (x.max(y), x.min(y));
+        for c in 0..2 {
+            for d in 0..2 {
+                let (x, y) = (2 * c, 2 * d + 1);
                 for k in 0..N {
-                    self.next[i][c][d][k] += sign * square[x][y][k];
+                    self.next[i][c][d][k] += square[x.max(y)][x.min(y)][k];
                 }
             }
         }
     }
 
-    /// Takes a component of a node out of the equations: its change is 0.
-    pub fn fix(&mut self, node: usize, component: usize, axis: usize) {
-        for other in 0..3 {
-            self.diagonal[node][component][other][axis] = 0.0;
-            self.diagonal[node][other][component][axis] = 0.0;
-            self.next[node][component][other][axis] = 0.0;
-            self.next[node - 1][other][component][axis] = 0.0;
+    /// Takes the velocity of a node out of the equations: its change is 0.
+    pub fn fix(&mut self, node: usize, axis: usize) {
+        for other in 0..2 {
+            self.next[node][0][other][axis] = 0.0;
+            self.next[node - 1][other][0][axis] = 0.0;
         }
-        self.diagonal[node][component][component][axis] = 1.0;
-        self.by_duration[node - 1][1][component][axis] = 0.0;
-        self.by_duration[node][0][component][axis] = 0.0;
-        self.node_side[node][component][axis] = 0.0;
+        self.diagonal[node][0][0][axis] = 1.0;
+        self.diagonal[node][1][0][axis] = 0.0;
+        self.by_duration[node - 1][1][0][axis] = 0.0;
+        self.by_duration[node][0][0][axis] = 0.0;
+        self.node_side[node][0][axis] = 0.0;
     }
 
     /// Solves: the sides become the changes of nodes and durations. Returns false if the matrix is
@@ -121,7 +118,7 @@ impl<const N: usize> Equations<N> {
         // The sides of the nodes hold what was eliminated; the columns of the durations follow.
         for node in 1..sections {
             let (before, after) = (self.duration_side[node - 1], self.duration_side[node]);
-            let mut y = [[0.0; N]; 3];
+            let mut y = [[0.0; N]; 2];
             for (c, y) in y.iter_mut().enumerate() {
                 for k in 0..N {
                     y[k] = self.by_duration[node - 1][1][c][k] * before + self.by_duration[node][0][c][k] * after;
@@ -144,7 +141,7 @@ impl<const N: usize> Equations<N> {
                 let after = self.node_side[node + 1];
                 for (x, row) in x.iter_mut().zip(&self.next[node]) {
                     for k in 0..N {
-                        x[k] -= row[0][k] * after[0][k] + row[1][k] * after[1][k] + row[2][k] * after[2][k];
+                        x[k] -= row[0][k] * after[0][k] + row[1][k] * after[1][k];
                     }
                 }
             }
@@ -159,11 +156,10 @@ impl<const N: usize> Equations<N> {
         if node > 1 {
             // The block before, in factors: F = G^-1 E.
             let f = self.next[node - 1];
-            for r in 0..3 {
+            for r in 0..2 {
                 for c in 0..=r {
                     for k in 0..N {
-                        self.diagonal[node][r][c][k] -=
-                            f[0][r][k] * f[0][c][k] + f[1][r][k] * f[1][c][k] + f[2][r][k] * f[2][c][k];
+                        self.diagonal[node][r][c][k] -= f[0][r][k] * f[0][c][k] + f[1][r][k] * f[1][c][k];
                     }
                 }
             }
@@ -171,13 +167,13 @@ impl<const N: usize> Equations<N> {
             take_product(&mut self.node_side[node], &f, &before);
             for column in &mut self.columns[..node] {
                 let was = *column;
-                *column = [[0.0; N]; 3];
+                *column = [[0.0; N]; 2];
                 take_product(column, &f, &was);
             }
         } else {
-            self.columns[0] = [[0.0; N]; 3];
+            self.columns[0] = [[0.0; N]; 2];
         }
-        self.columns[node] = [[0.0; N]; 3];
+        self.columns[node] = [[0.0; N]; 2];
         for (column, coupling) in [(node - 1, self.by_duration[node - 1][1]), (node, self.by_duration[node][0])] {
             for (x, y) in self.columns[column].iter_mut().zip(&coupling) {
                 for k in 0..N {
@@ -188,8 +184,8 @@ impl<const N: usize> Equations<N> {
         factor(&mut self.diagonal[node]);
         let g = self.diagonal[node];
         forward(&g, &mut self.node_side[node]);
-        for c in 0..3 {
-            let mut column = [self.next[node][0][c], self.next[node][1][c], self.next[node][2][c]];
+        for c in 0..2 {
+            let mut column = [self.next[node][0][c], self.next[node][1][c]];
             forward(&g, &mut column);
             for (row, x) in self.next[node].iter_mut().zip(&column) {
                 row[c] = *x;
@@ -240,30 +236,22 @@ impl<const N: usize> Equations<N> {
     }
 }
 
-/// Where position, velocity and acceleration of the nodes before and after stand among the ends.
-const PLACES: [(usize, [usize; 3]); 2] = [(0, [0, 1, 3]), (1, [0, 2, 4])];
-
 /// `y -= F^T x`.
 fn take_product<const N: usize>(y: &mut Vector<N>, f: &Matrix<N>, x: &Vector<N>) {
     for (c, y) in y.iter_mut().enumerate() {
         for k in 0..N {
-            y[k] -= f[0][c][k] * x[0][k] + f[1][c][k] * x[1][k] + f[2][c][k] * x[2][k];
+            y[k] -= f[0][c][k] * x[0][k] + f[1][c][k] * x[1][k];
         }
     }
 }
 
 /// The lower Cholesky factor in place, with the inverse of its diagonal on the diagonal.
 fn factor<const N: usize>(m: &mut Matrix<N>) {
-    for r in 0..3 {
-        for c in 0..=r {
-            for k in 0..N {
-                let mut sum = m[r][c][k];
-                for i in 0..c {
-                    sum -= m[r][i][k] * m[c][i][k];
-                }
-                m[r][c][k] = if r == c { 1.0 / sum.sqrt() } else { sum * m[c][c][k] };
-            }
-        }
+    for k in 0..N {
+        let x = 1.0 / m[0][0][k].sqrt();
+        let y = m[1][0][k] * x;
+        let z = 1.0 / (m[1][1][k] - y * y).sqrt();
+        (m[0][0][k], m[1][0][k], m[1][1][k]) = (x, y, z);
     }
 }
 
@@ -272,16 +260,14 @@ fn forward<const N: usize>(g: &Matrix<N>, x: &mut Vector<N>) {
     for k in 0..N {
         x[0][k] *= g[0][0][k];
         x[1][k] = (x[1][k] - g[1][0][k] * x[0][k]) * g[1][1][k];
-        x[2][k] = (x[2][k] - g[2][0][k] * x[0][k] - g[2][1][k] * x[1][k]) * g[2][2][k];
     }
 }
 
 /// Solves with the transpose of the lower factor in place.
 fn backward<const N: usize>(g: &Matrix<N>, x: &mut Vector<N>) {
     for k in 0..N {
-        x[2][k] *= g[2][2][k];
-        x[1][k] = (x[1][k] - g[2][1][k] * x[2][k]) * g[1][1][k];
-        x[0][k] = (x[0][k] - g[1][0][k] * x[1][k] - g[2][0][k] * x[2][k]) * g[0][0][k];
+        x[1][k] *= g[1][1][k];
+        x[0][k] = (x[0][k] - g[1][0][k] * x[1][k]) * g[0][0][k];
     }
 }
 

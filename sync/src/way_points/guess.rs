@@ -109,9 +109,7 @@ impl<const N: usize> Guess<N> {
                 program.set_limits(i, k, l);
                 program.set_node(i, k, &inside(&self.states[i][k], l));
                 let given = i > 0 && route.points[i - 1].velocity()[k].is_some();
-                for (free, value) in program.free[i].iter_mut().zip([false, !given, true]) {
-                    free[k] = value;
-                }
+                program.free[i][k] = !given;
             }
         }
         for k in 0..N {

@@ -14,6 +14,7 @@ mod planner;
 mod program;
 mod route;
 mod rows;
+mod sums;
 mod trajectory;
 
 pub use generator::{WayPointGenerator, WayPointStep};

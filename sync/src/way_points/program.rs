@@ -3,9 +3,10 @@
 
 use arcfeed_feedrate::{AxisLimits, AxisState};
 
-use super::bounded::{Bounded, Pull};
+use super::bounded::Bounded;
 use super::equations::Equations;
 use super::rows::{Lanes, ROWS, Rows, combine, ends, order};
+use super::sums::Sums;
 use super::{NODES, SECTIONS};
 
 /// A duration may change by this part of itself in one step.
@@ -19,15 +20,19 @@ pub(super) struct Program<const N: usize> {
     pub sections: usize,
     /// Position, velocity and acceleration of the nodes.
     pub nodes: [[Lanes<N>; 3]; NODES],
-    /// What of an inner node may change.
-    pub free: [[[bool; N]; 3]; NODES],
+    /// Velocities of inner nodes that may change.
+    pub free: [[bool; N]; NODES],
     pub durations: [f64; SECTIONS],
     /// The least durations.
     pub least: [f64; SECTIONS],
-    pub bounds: [Bounds<N>; SECTIONS],
+    bounds: [Bounds<N>; SECTIONS],
+    inverse_bounds: [Bounds<N>; SECTIONS],
     rows: [[Bounded<N>; ROWS]; SECTIONS],
     /// The distances of the rows to their bounds.
     now: [[[Lanes<N>; 2]; ROWS]; SECTIONS],
+    /// Their derivatives by the duration, and their changes in a full step.
+    by_duration: [[[Lanes<N>; 2]; ROWS]; SECTIONS],
+    changes: [[[Lanes<N>; 2]; ROWS]; SECTIONS],
     /// Velocity and acceleration at the nodes.
     node_rows: [[Bounded<N>; 2]; NODES],
     duration_rows: [Bounded<1>; SECTIONS],
@@ -49,12 +54,15 @@ impl<const N: usize> Program<N> {
         Self {
             sections: 0,
             nodes: [[zero; 3]; NODES],
-            free: [[[true; N]; 3]; NODES],
+            free: [[true; N]; NODES],
             durations: [1.0; SECTIONS],
             least: [0.0; SECTIONS],
             bounds: [[[zero; 2]; 3]; SECTIONS],
+            inverse_bounds: [[[zero; 2]; 3]; SECTIONS],
             rows: [[Bounded::NONE; ROWS]; SECTIONS],
             now: [[[zero; 2]; ROWS]; SECTIONS],
+            by_duration: [[[zero; 2]; ROWS]; SECTIONS],
+            changes: [[[zero; 2]; ROWS]; SECTIONS],
             node_rows: [[Bounded::NONE; 2]; NODES],
             duration_rows: [Bounded::NONE; SECTIONS],
             equations: Equations::new(),
@@ -78,9 +86,10 @@ impl<const N: usize> Program<N> {
     /// Sets the limits of a section.
     pub fn set_limits(&mut self, section: usize, axis: usize, l: &AxisLimits) {
         let all = [[l.v_min(), l.v_max()], [l.a_min(), l.a_max()], [l.j_min(), l.j_max()]];
-        for (bounds, values) in self.bounds[section].iter_mut().zip(all) {
-            for (bound, value) in bounds.iter_mut().zip(values) {
-                bound[axis] = value;
+        for (order, values) in all.iter().enumerate() {
+            for (side, value) in values.iter().enumerate() {
+                self.bounds[section][order][side][axis] = *value;
+                self.inverse_bounds[section][order][side][axis] = 1.0 / value;
             }
         }
     }
@@ -91,51 +100,47 @@ impl<const N: usize> Program<N> {
         let mut mu = START * self.total() / self.sections as f64;
         self.begin(mu);
         self.best.slowed = f64::INFINITY;
-        self.remember();
         let mut excess = self.worst();
+        self.remember(excess);
         for _ in 0..rounds {
             self.assemble(mu);
             if !self.equations.solve(self.sections) {
                 return;
             }
-            let primal = self.step(excess);
-            self.advance(mu, primal);
-            self.move_by(primal);
-            excess = self.remember();
+            self.find_changes();
+            let longest = self.longest_step();
+            let mut step = longest;
+            let was = excess;
+            for halvings in 0..=HALVINGS {
+                self.move_by(step);
+                excess = self.worst();
+                if excess <= was.max(ALLOWED) || halvings == HALVINGS {
+                    break;
+                }
+                self.move_by(-step);
+                step *= 0.5;
+            }
+            self.advance(mu, step);
+            self.remember(excess);
             let mean = self.mean_product();
             let least = END * self.total() / self.sections as f64;
-            if primal == 1.0 && mean <= 2.0 * least {
+            if step == 1.0 && mean <= 2.0 * least {
                 return;
             }
-            let factor = if primal > LONG { QUICK } else { SLOW };
+            let factor = if step > LONG { QUICK } else { SLOW };
             mu = (factor * mean).max(least);
         }
     }
 
-    /// The length of a step that exceeds the limits by no more than is allowed between rounds, or
-    /// than the motion before did.
-    fn step(&mut self, excess: f64) -> f64 {
-        let mut primal = self.longest_step();
-        for _ in 0..HALVINGS {
-            self.move_by(primal);
-            let there = self.worst();
-            self.move_by(-primal);
-            if there <= excess.max(ALLOWED) {
-                break;
-            }
-            primal *= 0.5;
-        }
-        primal
-    }
-
-    /// Returns by how much the motion must be slower.
-    fn remember(&mut self) -> f64 {
-        let excess = self.worst();
+    /// Keeps the motion apart if it is the shortest once it is slower by its excess.
+    fn remember(&mut self, excess: f64) {
         let slowed = self.total() * excess.max(1.0);
         if slowed < self.best.slowed {
-            self.best = Best { nodes: self.nodes, durations: self.durations, slowed };
+            let n = self.sections;
+            self.best.nodes[..=n].copy_from_slice(&self.nodes[..=n]);
+            self.best.durations[..n].copy_from_slice(&self.durations[..n]);
+            self.best.slowed = slowed;
         }
-        excess
     }
 
     /// Returns to the motion kept apart, slowed down to its limits.
@@ -151,7 +156,11 @@ impl<const N: usize> Program<N> {
     }
 
     fn worst(&self) -> f64 {
-        (0..self.sections).fold(0.0, |f: f64, i| f.max(self.excess(i)))
+        let mut most = [0.0_f64; 3];
+        for i in 0..self.sections {
+            self.gather_excess(i, &mut most);
+        }
+        slower(most)
     }
 
     pub fn total(&self) -> f64 {
@@ -222,15 +231,14 @@ impl<const N: usize> Program<N> {
                 let distances = self.node_distances(node, derivative);
                 let pull = self.node_rows[node][derivative - 1].pull(&distances, mu);
                 for k in 0..N {
-                    self.equations.diagonal[node][derivative][derivative][k] += pull.weight[0][k] + pull.weight[1][k];
-                    self.equations.node_side[node][derivative][k] += pull.force[0][k] - pull.force[1][k];
+                    self.equations.diagonal[node][derivative - 1][derivative - 1][k] +=
+                        pull.weight[0][k] + pull.weight[1][k];
+                    self.equations.node_side[node][derivative - 1][k] += pull.force[0][k] - pull.force[1][k];
                 }
             }
-            for component in 0..3 {
-                for k in 0..N {
-                    if !self.free[node][component][k] {
-                        self.equations.fix(node, component, k);
-                    }
+            for k in 0..N {
+                if !self.free[node][k] {
+                    self.equations.fix(node, k);
                 }
             }
         }
@@ -239,90 +247,61 @@ impl<const N: usize> Program<N> {
     fn assemble_section(&mut self, i: usize, mu: f64) {
         let rows = Rows::new(self.durations[i]);
         let ends = ends(&self.nodes[i], &self.nodes[i + 1]);
-        let mut square = [[[0.0; N]; 5]; 5];
-        let (mut coupling, mut side) = ([[0.0; N]; 5], [[0.0; N]; 5]);
-        let mut cross = [[0.0; N]; 5];
-        let (mut own, mut own_side) = ([0.0; N], [0.0; N]);
+        let mut sums = Sums::ZERO;
         for r in 0..ROWS {
-            let factors = &rows.values[r];
-            let (distances, by_t) =
-                (self.distances(i, r, &rows, &ends), self.distances_by_duration(i, r, &rows, &ends));
+            let distances = self.distances(i, r, &rows, &ends);
+            let by_t = self.distances_by_duration(i, r, &rows, &ends);
             self.now[i][r] = distances;
-            let Pull { weight, force } = self.rows[i][r].pull(&distances, mu);
-            let (mut both, mut mixed, mut net) = ([0.0; N], [0.0; N], [0.0; N]);
-            for k in 0..N {
-                let (x, y) = (weight[0][k] * by_t[0][k], weight[1][k] * by_t[1][k]);
-                own[k] += x * by_t[0][k] + y * by_t[1][k];
-                own_side[k] += force[0][k] * by_t[0][k] + force[1][k] * by_t[1][k];
-                both[k] = weight[0][k] + weight[1][k];
-                mixed[k] = x - y;
-                net[k] = force[0][k] - force[1][k];
-            }
+            self.by_duration[i][r] = by_t;
+            let pull = self.rows[i][r].pull(&distances, mu);
             let multiplier = self.rows[i][r].net();
-            for x in 1..5 {
-                for k in 0..N {
-                    cross[x][k] -= multiplier[k] * rows.by_duration[r][x];
-                }
-            }
-            for x in 0..5 {
-                if factors[x] == 0.0 {
-                    continue;
-                }
-                let mut weighted = [0.0; N];
-                for k in 0..N {
-                    weighted[k] = both[k] * factors[x];
-                    coupling[x][k] += mixed[k] * factors[x];
-                    side[x][k] += net[k] * factors[x];
-                }
-                for y in 0..=x {
-                    for k in 0..N {
-                        square[x][y][k] += weighted[k] * factors[y];
-                    }
-                }
-            }
+            sums.add((&rows.values[r], &rows.by_duration[r]), &by_t, (&pull, &multiplier));
         }
-        for x in 1..5 {
-            let bounds = &self.bounds[i][if x < 3 { 0 } else { 1 }];
-            for k in 0..N {
-                let ratio = self.durations[i] / (bounds[1][k] - bounds[0][k]) * 2.0;
-                coupling[x][k] += cross[x][k];
-                square[x][x][k] += cross[x][k].abs() * ratio;
-                own[k] += cross[x][k].abs() / ratio;
-            }
-        }
-        let pull = self.duration_rows[i].pull(&[[self.durations[i] - self.least[i]], [FAR - self.durations[i]]], mu);
+        let inv = 0.5 / self.durations[i];
+        let size = |derivative: usize| {
+            let bounds = &self.bounds[i][derivative - 1];
+            std::array::from_fn(|k| (bounds[1][k] - bounds[0][k]) * inv)
+        };
+        let (v, a) = (size(1), size(2));
+        sums.add_curvature(&[v, v, a, a]);
+        let pull = self.duration_rows[i].pull(&self.duration_distances(i), mu);
         let e = &mut self.equations;
-        e.durations[i] += own.iter().sum::<f64>() + pull.weight[0][0] + pull.weight[1][0];
-        e.duration_side[i] += own_side.iter().sum::<f64>() + pull.force[0][0] - pull.force[1][0] - 1.0;
-        e.add_section(i, &square, &coupling, &side);
+        e.durations[i] += sums.own.iter().sum::<f64>() + pull.weight[0][0] + pull.weight[1][0];
+        e.duration_side[i] += sums.own_side.iter().sum::<f64>() + pull.force[0][0] - pull.force[1][0] - 1.0;
+        e.add_section(i, &sums.square, &sums.coupling, &sums.side);
     }
 
-    /// The changes of the distances of a section.
-    fn changes(&self, i: usize) -> [[Lanes<N>; 2]; ROWS] {
-        let rows = Rows::new(self.durations[i]);
-        let ends_now = ends(&self.nodes[i], &self.nodes[i + 1]);
-        let zero = [[0.0; N]; 3];
-        let at = |node: usize| if node == 0 || node == self.sections { &zero } else { &self.equations.node_side[node] };
-        let change = ends(at(i), at(i + 1));
-        let dt = self.equations.duration_side[i];
-        std::array::from_fn(|r| {
-            let x = combine(&rows.values[r], &change);
-            let y = self.distances_by_duration(i, r, &rows, &ends_now);
-            [std::array::from_fn(|k| x[k] + y[0][k] * dt), std::array::from_fn(|k| y[1][k] * dt - x[k])]
-        })
+    /// The changes of the distances of all sections.
+    fn find_changes(&mut self) {
+        let zero = [[0.0; N]; 2];
+        for i in 0..self.sections {
+            let rows = Rows::new(self.durations[i]);
+            let at =
+                |node: usize| if node == 0 || node == self.sections { &zero } else { &self.equations.node_side[node] };
+            let (from, to) = (at(i), at(i + 1));
+            let change = [[0.0; N], from[0], to[0], from[1], to[1]];
+            let dt = self.equations.duration_side[i];
+            for r in 0..ROWS {
+                let x = combine(&rows.values[r], &change);
+                let y = &self.by_duration[i][r];
+                for k in 0..N {
+                    self.changes[i][r][0][k] = y[0][k] * dt + x[k];
+                    self.changes[i][r][1][k] = y[1][k] * dt - x[k];
+                }
+            }
+        }
     }
 
     fn node_changes(&self, node: usize, derivative: usize) -> [Lanes<N>; 2] {
-        let change = self.equations.node_side[node][derivative];
+        let change = self.equations.node_side[node][derivative - 1];
         [change, change.map(|x| -x)]
     }
 
     fn longest_step(&self) -> f64 {
         let mut step = 1.0_f64;
         for i in 0..self.sections {
-            let changes = self.changes(i);
             for r in 0..ROWS {
-                step = step.min(self.rows[i][r].longest_step(&self.now[i][r], &changes[r]));
+                step = step.min(self.rows[i][r].longest_step(&self.now[i][r], &self.changes[i][r]));
             }
             let (t, dt) = (self.durations[i], self.equations.duration_side[i]);
             step = step.min(self.duration_rows[i].longest_step(&self.duration_distances(i), &[[dt], [-dt]]));
@@ -339,9 +318,8 @@ impl<const N: usize> Program<N> {
 
     fn advance(&mut self, mu: f64, step: f64) {
         for i in 0..self.sections {
-            let changes = self.changes(i);
             for r in 0..ROWS {
-                self.rows[i][r].advance(&self.now[i][r], &changes[r], (mu, step));
+                self.rows[i][r].advance(&self.now[i][r], &self.changes[i][r], (mu, step));
             }
             let dt = self.equations.duration_side[i];
             let distances = self.duration_distances(i);
@@ -360,7 +338,7 @@ impl<const N: usize> Program<N> {
             self.durations[i] += primal * self.equations.duration_side[i];
         }
         for node in 1..self.sections {
-            for (x, change) in self.nodes[node].iter_mut().zip(&self.equations.node_side[node]) {
+            for (x, change) in self.nodes[node][1..].iter_mut().zip(&self.equations.node_side[node]) {
                 for k in 0..N {
                     x[k] += primal * change[k];
                 }
@@ -406,7 +384,7 @@ impl<const N: usize> Program<N> {
         for node in 1..n {
             let factor = at(node);
             for k in 0..N {
-                self.nodes[node][1][k] /= if self.free[node][1][k] { factor } else { 1.0 };
+                self.nodes[node][1][k] /= if self.free[node][k] { factor } else { 1.0 };
                 self.nodes[node][2][k] /= factor * factor;
             }
         }
@@ -415,6 +393,13 @@ impl<const N: usize> Program<N> {
     /// The factor by which a section must be slower to keep its limits, if it began and ended at
     /// rest where the motion does.
     pub fn excess(&self, i: usize) -> f64 {
+        let mut most = [0.0; 3];
+        self.gather_excess(i, &mut most);
+        slower(most)
+    }
+
+    /// The largest values of a section relative to their bounds, by the order of the derivative.
+    fn gather_excess(&self, i: usize, most: &mut [f64; 3]) {
         let rows = Rows::new(self.durations[i]);
         let zero = [0.0; N];
         let at = |node: usize| {
@@ -422,22 +407,15 @@ impl<const N: usize> Program<N> {
             if node == 0 || node == self.sections { [p, zero, zero] } else { [p, v, a] }
         };
         let ends = ends(&at(i), &at(i + 1));
-        let mut factor = 0.0_f64;
         for r in 0..ROWS {
+            let n = order(r) - 1;
             let value = combine(&rows.values[r], &ends);
-            let (scale, _) = rows.scales[order(r) - 1];
-            let bounds = &self.bounds[i][order(r) - 1];
-            let mut most = 0.0_f64;
+            let (inverse, inv) = (&self.inverse_bounds[i][n], 1.0 / rows.scales[n].0);
             for k in 0..N {
-                most = most.max(value[k] / (scale * if value[k] > 0.0 { bounds[1][k] } else { bounds[0][k] }));
+                let ratio = (value[k] * inverse[0][k]).max(value[k] * inverse[1][k]);
+                most[n] = most[n].max(ratio * inv);
             }
-            factor = factor.max(match order(r) {
-                1 => most,
-                2 => most.sqrt(),
-                _ => most.cbrt(),
-            });
         }
-        factor
     }
 
     fn mean_product(&self) -> f64 {
@@ -451,6 +429,11 @@ impl<const N: usize> Program<N> {
         let count = 2 * N * (ROWS * self.sections + 2 * (self.sections - 1));
         sum / count as f64
     }
+}
+
+/// The factor of time that brings velocity, acceleration and jerk to their bounds.
+fn slower([v, a, j]: [f64; 3]) -> f64 {
+    v.max(a.sqrt()).max(j.cbrt())
 }
 
 /// No upper bound of a duration (s).
