@@ -46,6 +46,42 @@ pub enum SyncError {
         /// The error of the axis.
         source: arcfeed_feedrate::FeedError,
     },
+    /// A number of a way-point breaks a rule.
+    #[error("way-point {}, axis {}: the {what} is {value}; it must be {rule}", index + 1, axis + 1)]
+    WayPoint {
+        /// Index of the way-point, from 0.
+        index: usize,
+        /// Index of the axis, from 0.
+        axis: usize,
+        /// Name of the number.
+        what: &'static str,
+        /// The value given.
+        value: f64,
+        /// The rule that the value must keep.
+        rule: &'static str,
+    },
+    /// There are more way-points than one motion can have.
+    #[error("there are {count} way-points; at most {most} can be planned at once: send the others later")]
+    TooManyWayPoints {
+        /// Number of way-points given.
+        count: usize,
+        /// The most there can be.
+        most: usize,
+    },
+    /// There is no section with this index.
+    #[error("there is no section {}: there are {count}", index + 1)]
+    NoSuchSection {
+        /// The index given.
+        index: usize,
+        /// Number of sections.
+        count: usize,
+    },
+    /// Round-off takes an axis over a limit.
+    #[error("axis {} would exceed a limit between two way-points by round-off: use units in which the numbers are closer to 1", axis + 1)]
+    SectionExceeds {
+        /// Index of the axis, from 0.
+        axis: usize,
+    },
     /// There is no axis with this index.
     #[error("there is no axis {}: there are {count}", axis + 1)]
     NoSuchAxis {

@@ -11,6 +11,9 @@
 //! time, each on its own, or on a straight line ([`Synchronisation`]). [`OnlineGenerator`] does so
 //! cycle by cycle, while targets and limits change.
 //!
+//! [`WayPointPlanner`] moves them through way-points without stopping, from any state to any other,
+//! and [`WayPointGenerator`] does so cycle by cycle along routes that change.
+//!
 //! Positions are in radians and times in seconds; prismatic axes in metres work just as well, axis
 //! by axis.
 #![cfg_attr(not(feature = "std"), no_std)]
@@ -33,6 +36,7 @@ mod sampler;
 pub mod so3;
 mod state_to_state;
 mod straight;
+mod way_points;
 
 pub use arcfeed_feedrate as feedrate;
 pub use error::SyncError;
@@ -46,3 +50,6 @@ pub use projection::{
 };
 pub use sampler::Sampler;
 pub use state_to_state::Trajectory;
+pub use way_points::{
+    MOST_WAY_POINTS, Route, WayPoint, WayPointGenerator, WayPointPlanner, WayPointStep, WayPointTrajectory,
+};

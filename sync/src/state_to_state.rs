@@ -273,7 +273,7 @@ pub(crate) fn keeps(motion: &StateToState, now: f64, l: &AxisLimits) -> bool {
 }
 
 /// Returns true if a motion keeps the limits that `start` is inside of and can stay inside of.
-fn keeps_what_holds(motion: &StateToState, start: &AxisState, l: &AxisLimits) -> bool {
+pub(crate) fn keeps_what_holds(motion: &StateToState, start: &AxisState, l: &AxisLimits) -> bool {
     let velocity = |v: f64| l.contain_now(&AxisState::new(0.0, v, 0.0));
     let acceleration = |a: f64| l.contain_now(&AxisState::new(0.0, 0.0, a));
     let slow = velocity(start.v) && velocity(l.velocity_after(start));

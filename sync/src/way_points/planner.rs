@@ -1,0 +1,203 @@
+//! From a route to a motion.
+
+use arcfeed_feedrate::AxisState;
+
+use super::guess::Guess;
+use super::program::Program;
+use super::route::Route;
+use super::trajectory::{WayPointTrajectory, section};
+use super::{NODES, SECTIONS};
+use crate::error::SyncError;
+
+/// Plans motions through way-points. Holds the memory of the computation, some 300 kB for six axes:
+/// nothing else is allocated.
+///
+/// The velocities and accelerations in the points come from a program in which every section has
+/// three parts with constant jerk, solved by an interior-point method for all axes at once in at
+/// most [`WayPointPlanner::DEFAULT_ROUNDS`] rounds. The sections are then the exact shortest motions
+/// between these states. Where one is impossible, the motion is made slower around it; if nothing
+/// else is left, the axes rest in the points. The limits of the motion are checked at the extremes
+/// of every phase before it is handed out.
+///
+/// The motion is near the shortest one, not exactly it: `integration-tests` measures how near.
+///
+/// ```
+/// use arcfeed_sync::feedrate::{AxisLimits, AxisState};
+/// use arcfeed_sync::{Route, WayPoint, WayPointPlanner};
+/// let limits = [AxisLimits::symmetric(1.0, 5.0, 50.0)?; 2];
+/// let points = [WayPoint::new([0.4, 0.1]), WayPoint::new([0.8, 0.5])];
+/// let route = Route::new(&points, [1.0, 1.0].map(AxisState::rest), limits);
+/// let motion = WayPointPlanner::new().plan(&[0.0, 0.0].map(AxisState::rest), &route)?;
+/// let passing = motion.at(motion.section_durations()[0]);
+/// assert!((passing.q[0] - 0.4).abs() < 1e-12 && passing.qd[0] > 0.5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct WayPointPlanner<const N: usize> {
+    program: Program<N>,
+    rounds: usize,
+}
+
+/// Times that the motion is made slower around impossible sections.
+const SLOWINGS: usize = 3;
+
+/// The least factor of one such time, and the part of it that a section farther away gets.
+const SLOWER: f64 = 1.03;
+const FADING: f64 = 0.6;
+
+/// A section counts as impossible if it takes that much longer than in the program.
+const LONGER: f64 = 1.25;
+
+/// The other motion is tried if the first is that much longer than expected.
+const SLACK: f64 = 1.02;
+
+impl<const N: usize> std::fmt::Debug for WayPointPlanner<N> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("WayPointPlanner").field("rounds", &self.rounds).finish_non_exhaustive()
+    }
+}
+
+impl<const N: usize> Default for WayPointPlanner<N> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<const N: usize> WayPointPlanner<N> {
+    /// Rounds of [`WayPointPlanner::new`].
+    pub const DEFAULT_ROUNDS: usize = 20;
+
+    /// With the default number of rounds.
+    pub const fn new() -> Self {
+        Self::with_rounds(Self::DEFAULT_ROUNDS)
+    }
+
+    /// With at most so many rounds of improvement: each costs the same time.
+    pub const fn with_rounds(rounds: usize) -> Self {
+        Self { program: Program::new(), rounds }
+    }
+
+    /// A motion from `start` along `route`, in nearly the shortest time.
+    ///
+    /// The start may move, and may be outside its limits: it is brought back inside.
+    ///
+    /// # Errors
+    /// [`SyncError::TooManyWayPoints`], [`SyncError::WayPoint`] naming point and axis,
+    /// [`SyncError::Duration`], and [`SyncError::State`] naming the axis, as
+    /// [`Trajectory::new`](crate::Trajectory::new) for start and target.
+    pub fn plan(&mut self, start: &[AxisState; N], route: &Route<'_, N>) -> Result<WayPointTrajectory<N>, SyncError> {
+        route.check(start)?;
+        let guess = Guess::new(start, route);
+        guess.write(route, &mut self.program);
+        self.program.slow_down();
+        self.program.improve(self.rounds);
+        let mut motion = self.read(&guess, route);
+        let possible = self.settle(&mut motion, route);
+        if possible && motion.duration() <= SLACK * self.program.best_total() {
+            return Ok(motion);
+        }
+        self.program.take_best();
+        let mut other = self.read(&guess, route);
+        if self.settle(&mut other, route) && !(possible && motion.duration() <= other.duration()) {
+            return Ok(other);
+        }
+        if !possible {
+            rest(&mut motion, route)?;
+        }
+        Ok(motion)
+    }
+
+    /// The states and durations of the program.
+    fn read(&self, guess: &Guess<N>, route: &Route<'_, N>) -> WayPointTrajectory<N> {
+        let n = route.sections();
+        let mut motion = WayPointTrajectory {
+            sections: n,
+            states: guess.states,
+            durations: self.program.durations,
+            limits: [*route.limits(0); SECTIONS],
+        };
+        for (i, limits) in motion.limits[..n].iter_mut().enumerate() {
+            *limits = *route.limits(i);
+        }
+        for (i, state) in motion.states[..n].iter_mut().enumerate().skip(1) {
+            for (k, s) in state.iter_mut().enumerate() {
+                *s = AxisState { p: s.p, ..self.program.node(i, k) };
+            }
+        }
+        motion
+    }
+
+    /// Replaces the durations of the program by the exact ones. Where a section is impossible or
+    /// longer, the motion around it is made slower. Returns false if that does not help.
+    fn settle(&self, motion: &mut WayPointTrajectory<N>, route: &Route<'_, N>) -> bool {
+        let n = motion.sections;
+        let (planned, expected) = (motion.states, motion.durations);
+        let mut factors = [1.0_f64; NODES];
+        let mut changed = [true; SECTIONS];
+        for _ in 0..=SLOWINGS {
+            let mut wanted = factors;
+            for i in 0..n {
+                let last = std::mem::take(&mut changed[i]);
+                if !last {
+                    continue;
+                }
+                let made =
+                    section((i, &motion.states[i], &motion.states[i + 1]), &motion.limits[i], route.least_duration(i));
+                match made {
+                    Ok(made) if made.duration() <= LONGER * expected[i] => motion.durations[i] = made.duration(),
+                    _ => {
+                        changed[i] = true;
+                        let factor = factors[i].max(factors[i + 1]) * self.program.excess(i).max(SLOWER);
+                        (wanted[i], wanted[i + 1]) = (wanted[i].max(factor), wanted[i + 1].max(factor));
+                    }
+                }
+            }
+            if !changed[..n].iter().any(|&x| x) {
+                return true;
+            }
+            fade(&mut wanted[..=n]);
+            for i in 1..n {
+                if wanted[i] > factors[i] {
+                    factors[i] = wanted[i];
+                    slow(&mut motion.states[i], &planned[i], (route, i, wanted[i]));
+                    (changed[i - 1], changed[i]) = (true, true);
+                }
+            }
+        }
+        false
+    }
+}
+
+/// Neighbours of slower points become slower, too, less and less.
+fn fade(factors: &mut [f64]) {
+    for i in 1..factors.len() {
+        factors[i] = factors[i].max(1.0 + FADING * (factors[i - 1] - 1.0));
+    }
+    for i in (1..factors.len()).rev() {
+        factors[i - 1] = factors[i - 1].max(1.0 + FADING * (factors[i] - 1.0));
+    }
+}
+
+/// The states of a way-point in a motion that is slower by a factor.
+fn slow<const N: usize>(
+    states: &mut [AxisState; N],
+    planned: &[AxisState; N],
+    (route, node, factor): (&Route<'_, N>, usize, f64),
+) {
+    for ((s, was), given) in states.iter_mut().zip(planned).zip(route.points[node - 1].velocity()) {
+        *s = AxisState::new(s.p, given.unwrap_or(was.v / factor), was.a / (factor * factor));
+    }
+}
+
+/// All axes rest in the points, as far as no velocity is given.
+fn rest<const N: usize>(motion: &mut WayPointTrajectory<N>, route: &Route<'_, N>) -> Result<(), SyncError> {
+    for (state, point) in motion.states[1..].iter_mut().zip(route.points) {
+        for (s, given) in state.iter_mut().zip(point.velocity()) {
+            *s = AxisState::new(s.p, given.unwrap_or(0.0), 0.0);
+        }
+    }
+    for i in 0..motion.sections {
+        let made = section((i, &motion.states[i], &motion.states[i + 1]), &motion.limits[i], route.least_duration(i))?;
+        motion.durations[i] = made.duration();
+    }
+    Ok(())
+}

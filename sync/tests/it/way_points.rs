@@ -1,0 +1,290 @@
+//! Motions through way-points: exact in the points, inside the limits everywhere, near the shortest.
+
+use arcfeed_sync::feedrate::{AxisLimits, AxisState, MotionLaw};
+use arcfeed_sync::{
+    MotionOptions, Route, SyncError, Trajectory, WayPoint, WayPointGenerator, WayPointPlanner, WayPointTrajectory,
+};
+use arcfeed_testing::{Random, allocations_in};
+
+fn random_limits<const N: usize>(rng: &mut Random) -> [AxisLimits; N] {
+    std::array::from_fn(|_| {
+        let mut pair = |lo: f64, hi: f64| (-rng.log(lo, hi), rng.log(lo, hi));
+        AxisLimits::new(pair(0.5, 2.0), pair(2.0, 10.0), pair(10.0, 200.0)).unwrap()
+    })
+}
+
+/// Independent points, samples of a smooth curve, or a walk with small steps.
+fn random_points<const N: usize>(rng: &mut Random, count: usize) -> Vec<[f64; N]> {
+    let (kind, step, size) = (rng.below(3), rng.log(0.1, 1.5), rng.log(0.01, 0.5));
+    let frequency: [f64; N] = std::array::from_fn(|_| rng.between(0.2, 1.0));
+    let mut place = [0.0; N];
+    (0..count)
+        .map(|i| {
+            for (k, x) in place.iter_mut().enumerate() {
+                match kind {
+                    0 => *x = rng.between(-1.0, 1.0),
+                    1 => *x = (frequency[k] * (step * i as f64 + k as f64)).sin(),
+                    _ => *x += rng.between(-size, size),
+                }
+            }
+            place
+        })
+        .collect()
+}
+
+/// Checks continuity, the points and the limits, at the extremes of every phase.
+fn check<const N: usize>(
+    motion: &WayPointTrajectory<N>,
+    start: &[AxisState; N],
+    route: &Route<'_, N>,
+    from_inside: bool,
+) {
+    let n = route.sections();
+    assert_eq!(motion.states()[0], *start);
+    assert_eq!(motion.states()[n], *route.target());
+    for (state, point) in motion.states()[1..n].iter().zip(route.points()) {
+        for (k, s) in state.iter().enumerate() {
+            assert_eq!(s.p, point.position()[k]);
+            assert!(point.velocity()[k].is_none_or(|v| v == s.v));
+        }
+    }
+    for i in 0..n {
+        let section = motion.section(i).unwrap();
+        let duration = motion.section_durations()[i];
+        assert_eq!(section.duration(), duration);
+        assert!(duration >= route.least_duration(i) * (1.0 - 1e-15), "section {i} takes {duration}");
+        for (k, axis) in section.axes().iter().enumerate() {
+            let l = &route.limits(i)[k];
+            let (from, to) = (motion.states()[i][k], motion.states()[i + 1][k]);
+            let begin = axis.at(0.0);
+            assert_eq!((begin.p, begin.v, begin.a), (from.p, from.v, from.a));
+            let last = axis.phases().last().map_or(begin, |(phase, dt)| phase.after(dt));
+            assert!((last.p - to.p).abs() < 1e-8 && (last.v - to.v).abs() < 1e-8, "{last:?} {to:?}");
+            for (phase, dt) in axis.phases() {
+                let turn = phase.turn(dt).unwrap_or(0.0);
+                for s in [0.0, turn, dt].map(|t| phase.after(t)) {
+                    let over = |x: f64, lo: f64, hi: f64| (x / hi).max(x / lo) - 1.0;
+                    let jerk = over(s.j, l.j_min(), l.j_max());
+                    let worst = over(s.v, l.v_min(), l.v_max()).max(over(s.a, l.a_min(), l.a_max()));
+                    assert!(jerk <= 1e-12 && (!from_inside || worst <= 1e-12), "section {i}, axis {k}: {s:?} {l:?}");
+                }
+            }
+        }
+    }
+}
+
+/// The duration of the same route with a stop in every point.
+fn stopping<const N: usize>(
+    start: &[AxisState; N],
+    points: &[WayPoint<N>],
+    target: &[AxisState; N],
+    limits: &[AxisLimits; N],
+) -> f64 {
+    let mut states = vec![*start];
+    states.extend(points.iter().map(|p| p.position().map(AxisState::rest)));
+    states.push(*target);
+    states
+        .windows(2)
+        .map(|pair| Trajectory::new(&pair[0], &pair[1], limits, &MotionOptions::default()).unwrap().duration())
+        .sum()
+}
+
+fn random_case<const N: usize>(planner: &mut WayPointPlanner<N>, seed: u64) -> f64 {
+    let mut rng = Random::new(Random::new(seed).bits());
+    let limits = random_limits::<N>(&mut rng);
+    let count = if rng.chance(0.8) { 1 + rng.below(12) } else { 1 + rng.below(64) };
+    let places = random_points::<N>(&mut rng, count as usize + 2);
+    let moving = |rng: &mut Random, p: f64, l: &AxisLimits| {
+        AxisState::new(p, rng.between(0.5 * l.v_min(), 0.5 * l.v_max()), 0.1 * rng.between(l.a_min(), l.a_max()))
+    };
+    let (mut start, mut target) = (places[0].map(AxisState::rest), places[count as usize + 1].map(AxisState::rest));
+    if rng.chance(0.5) {
+        start = std::array::from_fn(|k| moving(&mut rng, start[k].p, &limits[k]));
+    }
+    if rng.chance(0.2) {
+        target = std::array::from_fn(|k| moving(&mut rng, target[k].p, &limits[k]));
+    }
+    let points: Vec<_> = places[1..=count as usize]
+        .iter()
+        .map(|p| {
+            let mut point = WayPoint::new(*p);
+            if rng.chance(0.1) {
+                point = point.with_velocity(0, rng.between(0.3 * limits[0].v_min(), 0.3 * limits[0].v_max()));
+            }
+            if rng.chance(0.1) {
+                point = point.with_least_duration(rng.log(0.01, 2.0));
+            }
+            point
+        })
+        .collect();
+    let route = Route::new(&points, target, limits);
+    let motion = planner.plan(&start, &route).unwrap_or_else(|e| panic!("seed {seed}: {e}"));
+    check(&motion, &start, &route, true);
+    let plain =
+        points.iter().all(|p| p.velocity() == [None; N]) && (0..points.len()).all(|i| route.least_duration(i) == 0.0);
+    if plain { motion.duration() / stopping(&start, &points, &target, &limits) } else { 0.5 }
+}
+
+#[test]
+fn random_routes_pass_the_points_inside_the_limits() {
+    let mut ratios = vec![];
+    let (mut one, mut three, mut six) =
+        (Box::new(WayPointPlanner::new()), Box::new(WayPointPlanner::new()), Box::new(WayPointPlanner::new()));
+    for seed in 0..150 {
+        ratios.push((random_case::<1>(&mut one, seed), seed));
+        ratios.push((random_case::<3>(&mut three, seed), seed));
+        ratios.push((random_case::<6>(&mut six, seed), seed));
+    }
+    ratios.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (median, worst) = (ratios[ratios.len() / 2].0, ratios[ratios.len() - 1]);
+    // No route takes longer than with a stop in every point.
+    assert!(median < 0.75 && worst.0 <= 1.0 + 1e-9, "median {median}, worst {worst:?}");
+}
+
+#[test]
+fn points_on_a_line_are_passed_at_full_speed() {
+    let limits = [AxisLimits::symmetric(1.0, 5.0, 50.0).unwrap(); 2];
+    let (start, target) = ([AxisState::rest(0.0); 2], [4.0, 2.0].map(AxisState::rest));
+    let points: Vec<_> = (1..8).map(|i| WayPoint::new([0.5 * f64::from(i), 0.25 * f64::from(i)])).collect();
+    let motion = WayPointPlanner::new().plan(&start, &Route::new(&points, target, limits)).unwrap();
+    let direct = Trajectory::new(&start, &target, &limits, &MotionOptions::default()).unwrap();
+    // The points leave the shortest motion as it is.
+    assert!(motion.duration() < 1.002 * direct.duration(), "{} {}", motion.duration(), direct.duration());
+}
+
+#[test]
+fn the_same_point_twice_and_points_close_together_are_possible() {
+    let limits = [AxisLimits::symmetric(1.0, 5.0, 50.0).unwrap(); 2];
+    let start = [AxisState::rest(0.0); 2];
+    for distance in [0.0, 1e-12, 1e-9, 1e-6, 1e-3] {
+        let points = [[0.5, 0.5], [0.5 + distance, 0.5], [0.5 + distance, 0.5 - distance]].map(WayPoint::new);
+        let route = Route::new(&points, [1.0, 0.0].map(AxisState::rest), limits);
+        let motion = WayPointPlanner::new().plan(&start, &route).unwrap();
+        check(&motion, &start, &route, true);
+        assert!(motion.duration() < 2.6, "{distance}: {}", motion.duration());
+    }
+    // All in one place.
+    let points = [WayPoint::new([0.0, 0.0])];
+    let motion = WayPointPlanner::new().plan(&start, &Route::new(&points, start, limits)).unwrap();
+    assert_eq!(motion.duration(), 0.0);
+}
+
+#[test]
+fn limits_and_least_durations_hold_section_by_section() {
+    let limits = [AxisLimits::symmetric(1.0, 5.0, 50.0).unwrap(); 2];
+    let slow = [AxisLimits::symmetric(0.2, 1.0, 20.0).unwrap(); 2];
+    let start = [AxisState::rest(0.0); 2];
+    let points = [
+        WayPoint::new([0.5, 0.1]),
+        WayPoint::new([0.8, 0.2]).with_limits(slow),
+        WayPoint::new([1.2, 0.0]).with_least_duration(1.5),
+    ];
+    let route = Route::new(&points, [2.0, 0.0].map(AxisState::rest), limits).with_least_duration(2.5);
+    let motion = WayPointPlanner::new().plan(&start, &route).unwrap();
+    check(&motion, &start, &route, true);
+    let durations = motion.section_durations();
+    assert!(
+        durations[1] > 0.3 / 0.2 && (durations[2] - 1.5).abs() < 0.1 && (durations[3] - 2.5).abs() < 0.1,
+        "{durations:?}"
+    );
+}
+
+#[test]
+fn a_start_outside_its_limits_is_brought_back() {
+    let limits = [AxisLimits::symmetric(1.0, 5.0, 50.0).unwrap(); 2];
+    let start = [AxisState::new(0.0, 1.5, 2.0), AxisState::new(0.0, 0.0, -7.0)];
+    let points = [[1.0, 0.3], [1.5, 0.5]].map(WayPoint::new);
+    let route = Route::new(&points, [2.0, 0.6].map(AxisState::rest), limits);
+    let motion = WayPointPlanner::new().plan(&start, &route).unwrap();
+    check(&motion, &start, &route, false);
+}
+
+#[test]
+fn what_is_no_route_is_refused_by_name() {
+    let limits = [AxisLimits::symmetric(1.0, 5.0, 50.0).unwrap(); 2];
+    let rest = [AxisState::rest(0.0); 2];
+    let mut planner = WayPointPlanner::new();
+    let mut refuse = |start: &[AxisState; 2], points: &[WayPoint<2>], target: [AxisState; 2]| {
+        planner.plan(start, &Route::new(points, target, limits)).unwrap_err()
+    };
+    let point = WayPoint::new([0.1, 0.2]);
+    let e = refuse(&rest, &[point, WayPoint::new([0.0, f64::NAN])], rest);
+    assert!(matches!(e, SyncError::WayPoint { index: 1, axis: 1, what: "position", .. }), "{e}");
+    let e = refuse(&rest, &[point.with_velocity(1, 1.5)], rest);
+    assert!(matches!(e, SyncError::WayPoint { index: 0, axis: 1, what: "velocity", value: 1.5, .. }), "{e}");
+    let e = refuse(&rest, &[point.with_least_duration(-1.0)], rest);
+    assert!(matches!(e, SyncError::Duration { value: -1.0 }), "{e}");
+    let e = refuse(&rest, &[point; 65], rest);
+    assert!(matches!(e, SyncError::TooManyWayPoints { count: 65, most: 64 }), "{e}");
+    let e = refuse(&[AxisState::new(0.0, f64::INFINITY, 0.0), rest[1]], &[point], rest);
+    assert!(matches!(e, SyncError::State { axis: 0, .. }), "{e}");
+    let e = refuse(&rest, &[point], [rest[0], AxisState::new(0.0, 2.0, 0.0)]);
+    assert!(matches!(e, SyncError::State { axis: 1, .. }), "{e}");
+}
+
+#[test]
+fn planning_allocates_nothing() {
+    let limits = [AxisLimits::symmetric(1.0, 5.0, 50.0).unwrap(); 3];
+    let points: Vec<_> = (1..20).map(|i| WayPoint::new([f64::from(i), (f64::from(i)).sin(), 0.0])).collect();
+    let route = Route::new(&points, [20.0, 0.0, 0.5].map(AxisState::rest), limits);
+    let mut planner = Box::new(WayPointPlanner::new());
+    let mut duration = 0.0;
+    let count = allocations_in(|| {
+        duration = planner.plan(&[AxisState::rest(0.0); 3], &route).map_or(0.0, |motion| motion.duration());
+    });
+    assert!(count == 0 && duration > 5.0, "{count} allocations, {duration} s");
+}
+
+/// Checks a step by differences: the jerk, and velocity and acceleration at its end.
+fn check_step(was: &[AxisState], now: &[AxisState], limits: &[AxisLimits], cycle: f64) {
+    for ((was, now), l) in was.iter().zip(now).zip(limits) {
+        let (jerk, most) = ((now.a - was.a) / cycle, l.j_max().max(-l.j_min()));
+        assert!(jerk.abs() <= most * (1.0 + 1e-7), "jerk {jerk} of {most}");
+        let off = now.p - was.p - 0.5 * cycle * (was.v + now.v);
+        assert!(off.abs() <= most * cycle.powi(3) * 0.1 + 1e-12, "{was:?} {now:?}");
+        assert!(l.contain(now), "{now:?} {l:?}");
+    }
+}
+
+#[test]
+fn routes_change_in_any_cycle_and_the_target_is_reached() {
+    const CYCLE: f64 = 1e-3;
+    for seed in 0..20 {
+        let mut rng = Random::new(Random::new(seed).bits());
+        let limits = random_limits::<3>(&mut rng);
+        let mut places = random_points::<3>(&mut rng, 8);
+        let points: Vec<_> = places[1..7].iter().map(|p| WayPoint::new(*p)).collect();
+        let start = places[0].map(AxisState::rest);
+        let route = Route::new(&points, places[7].map(AxisState::rest), limits);
+        let mut generator = Box::new(WayPointGenerator::new(start, &route, CYCLE).unwrap());
+        for change in 0..5 {
+            for _ in 0..rng.below(700) {
+                let was = *generator.state();
+                generator.step();
+                check_step(&was, generator.state(), &limits, CYCLE);
+            }
+            let count = 2 + rng.below(10) as usize;
+            places = random_points::<3>(&mut rng, count);
+            let points: Vec<_> = places[..count - 1].iter().map(|p| WayPoint::new(*p)).collect();
+            if change == 3 {
+                generator.stop().unwrap();
+            } else {
+                generator.set_route(&Route::new(&points, places[count - 1].map(AxisState::rest), limits)).unwrap();
+            }
+        }
+        let mut cycles = 0;
+        loop {
+            let was = *generator.state();
+            let step = generator.step();
+            check_step(&was, generator.state(), &limits, CYCLE);
+            cycles += 1;
+            if step.reached {
+                break;
+            }
+            assert!(cycles < 200_000, "seed {seed}");
+        }
+        assert_eq!(generator.state(), &places[places.len() - 1].map(AxisState::rest), "seed {seed}");
+        assert!((cycles as f64 * CYCLE - generator.motion().duration()).abs() < 1.1 * CYCLE);
+        assert!(!generator.step().reached);
+    }
+}
