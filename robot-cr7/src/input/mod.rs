@@ -13,6 +13,7 @@ pub(crate) mod online_scenario;
 pub(crate) mod online_settings;
 pub(crate) mod path_file;
 pub(crate) mod rapid_moves;
+pub(crate) mod recorded_rows;
 pub(crate) mod sample_paths;
 pub(crate) mod scenario;
 pub(crate) mod schedule_file;

@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 
 use super::limit_line::{LimitLine, LimitUnit};
 use super::tool_run::ToolRun;
+use super::worst_sample::WorstSample;
 
 /// At the end the tool may miss its target by this much, m and rad.
 const END: f64 = 1e-9;
@@ -24,7 +25,7 @@ const LINES: [(&str, LimitUnit); 6] = [
 /// the means of each cycle, which never exceed the largest values. Where limits are lowered the tool has the time that braking takes to come
 /// inside, and meanwhile no more than the limits before.
 pub fn tool_lines<A: ForwardKinematics<N>, const N: usize>(arm: &A, run: &ToolRun<N>) -> Vec<LimitLine> {
-    let mut worst = [Worst::default(); 6];
+    let mut worst = [WorstSample::default(); 6];
     let mut before: Option<(f64, [Vector3<f64>; 4])> = None;
     for (t, state, _) in &run.joints.samples {
         let now = rates(arm, &state.q, &state.qd, &state.qdd);
@@ -39,7 +40,7 @@ pub fn tool_lines<A: ForwardKinematics<N>, const N: usize>(arm: &A, run: &ToolRu
         }
         before = Some((*t, now));
     }
-    let lines = LINES.into_iter().zip(worst).map(|((name, unit), worst)| worst.line(name, unit));
+    let lines = LINES.into_iter().zip(worst).map(|((name, unit), worst)| worst.line(name, None, unit));
     lines.chain(ends(arm, run)).collect()
 }
 
@@ -78,38 +79,6 @@ fn in_force(limits: &[(f64, [f64; 6])], t: f64) -> [f64; 6] {
     now
 }
 
-#[derive(Clone, Copy, Default)]
-struct Worst {
-    ratio: f64,
-    value: f64,
-    limit: f64,
-    t: f64,
-}
-
-impl Worst {
-    fn see(&mut self, t: f64, value: f64, limit: f64) {
-        let ratio = value / limit;
-        if ratio >= self.ratio || ratio.is_nan() {
-            *self = Self { ratio, value, limit, t };
-        }
-    }
-
-    fn line(self, name: &str, unit: LimitUnit) -> LimitLine {
-        let Self { ratio, value, limit, t } = self;
-        LimitLine {
-            name: name.to_owned(),
-            joint: None,
-            unit,
-            value,
-            limit,
-            ratio,
-            at_s_m: None,
-            at_t_s: t,
-            lines: None,
-        }
-    }
-}
-
 /// By how much the tool misses its target at the end.
 fn ends<A: ForwardKinematics<N>, const N: usize>(arm: &A, run: &ToolRun<N>) -> [LimitLine; 2] {
     let (mut t, mut misses) = (0.0, [f64::NAN; 2]);
@@ -118,6 +87,10 @@ fn ends<A: ForwardKinematics<N>, const N: usize>(arm: &A, run: &ToolRun<N>) -> [
         let position = (pose.translation.vector - run.target.translation.vector).norm();
         (t, misses) = (*end, [position, pose.rotation.angle_to(&run.target.rotation)]);
     }
-    let line = |miss: f64, name, unit| Worst { ratio: miss / END, value: miss, limit: END, t }.line(name, unit);
+    let line = |miss: f64, name, unit| {
+        let mut worst = WorstSample::default();
+        worst.see(t, miss, END);
+        worst.line(name, None, unit)
+    };
     [line(misses[0], "tool at the end", LimitUnit::Metre), line(misses[1], "orientation at the end", LimitUnit::Radian)]
 }

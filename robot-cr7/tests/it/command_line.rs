@@ -529,3 +529,24 @@ fn the_configuration_at_the_start_can_be_asked_for() {
     desk.write("job.toml", "[start]\nnear_deg = 0\n");
     desk.run(&["plan", "--job", "job.toml", "--robot", "panda"]).refused(2, &["start.near_deg", "six joints"]);
 }
+
+#[test]
+fn shells_and_manuals_know_every_command() {
+    let desk = Desk::new("shell");
+    let help = desk.run(&["--help"]).done().stdout;
+    let (_, list) = help.split_once("Commands:").expect("a list");
+    let names = list.lines().filter_map(|line| line.strip_prefix("  ")?.split_whitespace().next());
+    let names: Vec<&str> = names.take_while(|name| !name.starts_with('-')).filter(|name| *name != "help").collect();
+    assert!(names.len() > 15 && names.contains(&"verify"), "{names:?}");
+    let man = desk.run(&["man"]).done().stdout;
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let script = desk.run(&["completions", shell]).done().stdout;
+        for name in &names {
+            assert!(script.contains(name), "{shell}: {name}");
+        }
+    }
+    for name in &names {
+        assert!(man.contains(&format!(".SH \"cr7 {name}\"")), "{name}");
+    }
+    desk.run(&["completions", "nosuch"]).refused(2, &["nosuch", "bash"]);
+}

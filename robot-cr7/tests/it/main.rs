@@ -61,6 +61,8 @@ mod scenarios;
 mod schedule;
 mod tool_targets;
 mod trajectory_csv;
+#[cfg(feature = "cli")]
+mod verify_command;
 
 #[cfg(feature = "cli")]
 #[path = "common/keeps.rs"]

@@ -21,7 +21,9 @@ mod robots;
 mod ros;
 mod run;
 mod schedule;
+mod shell;
 mod tool_path;
+mod verify;
 
 use std::process::ExitCode;
 
@@ -57,6 +59,7 @@ const EXAMPLES: &str = "Examples:
   cr7 schedule pick.toml --robot kr6_r700
                                         from pose to pose or through way-points, torque limits included
   cr7 run scenario.toml                 a path with events, holds and other feeds while it runs
+  cr7 verify recorded.csv               a trajectory of any source against the limits
   cr7 plan --robot panda                another robot; `cr7 robots` lists them, files do as well
   cr7 reproduce pn                      the numbers of a paper beside ours";
 
@@ -92,8 +95,14 @@ enum Command {
     Schedule(schedule::Args),
     /// A tool path with events, holds, overrides and other feeds while it runs
     Run(run::Args),
+    /// Hold a joint trajectory of any source against the limits of an arm and a job
+    Verify(verify::Args),
     /// Reproduce a paper's numbers beside ours, and check our guarantees
     Reproduce(reproduce::Args),
+    /// A script with which a shell completes the commands
+    Completions(shell::CompletionArgs),
+    /// The manual page, with all commands
+    Man(shell::ManArgs),
 }
 
 /// The failure of a command, which is also its exit code.
@@ -160,7 +169,10 @@ fn main() -> ExitCode {
         Command::Online(args) => online::run(&args),
         Command::Schedule(args) => schedule::run(&args),
         Command::Run(args) => run::run(&args),
+        Command::Verify(args) => verify::run(&args),
         Command::Reproduce(args) => reproduce::run(&args),
+        Command::Completions(args) => shell::completions(&args),
+        Command::Man(args) => shell::man(&args),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

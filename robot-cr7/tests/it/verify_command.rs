@@ -1,0 +1,107 @@
+//! `cr7 verify`: trajectories of any source. What keeps the limits passes, each kind of spoilt row is named.
+#![cfg(feature = "cli")]
+
+use crate::common;
+
+use common::Desk;
+use robot_cr7::{SamplePath, TrajectoryRow, read_trajectory, write_trajectory};
+
+/// Two joints that move as polynomials of the time, from rest to rest in 1 s, by `way` (rad) and half of it.
+fn quintic(way: f64, digits: usize, rates: bool) -> String {
+    let mut text = "t_s,q1_rad,q2_rad".to_owned();
+    if rates {
+        text += ",qd1_rad_s,qd2_rad_s,qdd1_rad_s2,qdd2_rad_s2";
+    }
+    text += "\n";
+    for i in 0..=1000 {
+        let t = f64::from(i) * 1e-3;
+        let q = 10.0 * t.powi(3) - 15.0 * t.powi(4) + 6.0 * t.powi(5);
+        let qd = 30.0 * t.powi(2) - 60.0 * t.powi(3) + 30.0 * t.powi(4);
+        let qdd = 60.0 * t - 180.0 * t.powi(2) + 120.0 * t.powi(3);
+        text += &format!("{t},{:.digits$},{:.digits$}", way * q, 0.5 * way * q);
+        if rates {
+            text += &[qd, 0.5 * qd, qdd, 0.5 * qdd].map(|v| format!(",{:.digits$}", way * v)).concat();
+        }
+        text += "\n";
+    }
+    text
+}
+
+/// Limits of which the quintic by 1 rad uses all of the velocity (1.875), acceleration (5.7735) and jerk (60) of its first joint.
+const JOB: &str = "[joints]\nvelocity_deg_s = 107.42957\nacceleration_deg_s2 = 330.7975\njerk_deg_s3 = 3437.7468\n[feed]\nfeed_mm_s = 5000\n";
+
+#[test]
+fn a_planned_trajectory_passes_and_each_spoilt_row_is_named() {
+    let desk = Desk::new("verify");
+    desk.write("six.json", SamplePath::SixPoint.json());
+    desk.run(&["plan", "six.json"]).done();
+    let json = desk.run(&["verify", "out/trajectory.csv", "--json"]).done().json();
+    assert!(json["limits"].as_array().is_some_and(|limits| limits.len() > 20));
+    let file = std::fs::File::open(desk.folder.join("out/trajectory.csv")).expect("a file");
+    let rows: Vec<TrajectoryRow> = read_trajectory(file, "out/trajectory.csv".as_ref()).expect("rows");
+    let middle = rows.len() / 2;
+    type Spoil = fn(&mut TrajectoryRow);
+    let spoilt: [(&str, Spoil); 4] = [
+        ("joint velocity", |row| row.q[2] += 0.01),
+        ("joint velocity", |row| row.qd[1] = 4.0),
+        ("joint acceleration", |row| row.qdd[0] = -11.0),
+        ("joint position", |row| row.q[4] = 7.0),
+    ];
+    for (name, spoil) in spoilt {
+        let mut rows = rows.clone();
+        spoil(&mut rows[middle]);
+        write_trajectory(&desk.folder.join("spoilt.csv"), rows).expect("written");
+        let run = desk.run(&["verify", "spoilt.csv", "--json"]);
+        assert_eq!(run.code, 1, "{name}");
+        let json: serde_json::Value = serde_json::from_str(&run.stdout).expect("JSON");
+        let limits = json["limits"].as_array().expect("limits");
+        let over = limits.iter().filter(|line| line["ratio"].as_f64().is_none_or(|ratio| ratio > 1.0 + 1e-6));
+        let names: Vec<&str> = over.filter_map(|line| line["name"].as_str()).collect();
+        assert!(names.iter().any(|over| over.starts_with(name)), "{name}: {names:?}");
+    }
+}
+
+#[test]
+fn positions_alone_are_held_against_closed_forms() {
+    let desk = Desk::new("verify_positions");
+    desk.write("job.toml", JOB);
+    let verify = |way: f64, digits: usize, rates: bool| {
+        desk.write("q.csv", &quintic(way, digits, rates));
+        let run = desk.run(&["verify", "q.csv", "--robot", "planar_2r", "--job", "job.toml", "--json"]);
+        let json: serde_json::Value = serde_json::from_str(&run.stdout).expect("JSON");
+        let most = |name: &str| {
+            let lines = json["limits"].as_array().expect("limits").iter();
+            let of = lines.filter(|line| line["name"] == name && line["joint"] == 1);
+            of.filter_map(|line| line["ratio"].as_f64()).fold(f64::NAN, f64::max)
+        };
+        (run.code, ["joint velocity", "joint acceleration", "joint jerk"].map(most), json["warnings"].to_string())
+    };
+    for rates in [false, true] {
+        let (code, used, warnings) = verify(0.999, 17, rates);
+        assert_eq!(code, 0, "{used:?}");
+        // The mean of the jerk over three rows beside the start, where it is greatest, is a little less.
+        assert!((used[0] - 0.999).abs() < 1e-5 && (used[1] - 0.999).abs() < 1e-5, "{used:?}");
+        assert!((0.98..0.999 + 1e-6).contains(&used[2]), "{used:?}");
+        assert_eq!(warnings.contains("differences"), !rates, "{warnings}");
+        let (code, used, _) = verify(1.03, 17, rates);
+        assert!(code == 1 && used.iter().all(|used| (1.01..1.031).contains(used)), "{used:?}");
+    }
+    // Four decimals feign a jerk of far above the limit: it is taken off and told.
+    let (code, used, warnings) = verify(0.9, 4, false);
+    assert!(code == 0 && used[2] < 0.9, "{used:?}");
+    assert!(warnings.contains("write more digits"), "{warnings}");
+}
+
+#[test]
+fn bad_files_are_refused() {
+    let desk = Desk::new("verify_bad");
+    desk.write("none.csv", "");
+    desk.write("one.csv", "t_s,q1_rad,q2_rad\n0,0,0\n");
+    desk.write("back.csv", "t_s,q1_rad,q2_rad\n0,0,0\n0.1,0,0\n0.05,0,0\n");
+    let args = |file| ["verify", file, "--robot", "planar_2r"];
+    desk.run(&args("none.csv")).refused(2, &["none.csv", "header"]);
+    desk.run(&args("one.csv")).refused(2, &["one.csv", "two rows"]);
+    desk.run(&args("back.csv")).refused(2, &["back.csv", "4", "increase"]);
+    desk.run(&args("nosuch.csv")).refused(2, &["nosuch.csv"]);
+    desk.run(&["verify", "back.csv"]).refused(2, &["q3", "missing"]);
+}
