@@ -76,8 +76,8 @@ fn duration(case: &Case) -> Result<f64, String> {
 
 fn to_velocities(case: &Case, limits: &[AxisLimits; AXES]) -> Result<f64, FeedError> {
     let mut duration = 0.0_f64;
-    for k in 0..AXES {
-        let motion = StateToState::to_velocity(&case.start[k], case.target[k].v, case.target[k].a, &limits[k])?;
+    for (k, limits) in limits.iter().enumerate() {
+        let motion = StateToState::to_velocity(&case.start[k], case.target[k].v, case.target[k].a, limits)?;
         duration = duration.max(motion.duration());
     }
     Ok(duration)

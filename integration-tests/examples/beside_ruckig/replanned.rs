@@ -93,11 +93,14 @@ fn with_tracker(run: &Run) -> Ending {
     play(run, |target| tracker.step(target).ok().map(|step| step.state.p))
 }
 
+/// A way to follow a target.
+type Way = fn(&Run) -> Ending;
+
 /// A line for each way to follow.
 pub fn print(runs: usize) {
     let mut rng = Random::new(255);
     let all: Vec<Run> = (0..runs).map(|_| Run::draw(&mut rng)).collect();
-    let ways: [(&str, fn(&Run) -> Ending); 3] = [
+    let ways: [(&str, Way); 3] = [
         ("ruckig, a new target in every cycle", with_ruckig),
         ("arcfeed `OnlineGenerator`, a new target in every cycle", with_generator),
         ("arcfeed `TargetTracker`", with_tracker),

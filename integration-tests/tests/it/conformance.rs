@@ -113,8 +113,8 @@ fn to_velocities<const N: usize>(
 ) -> Result<Ours, FeedError> {
     use arcfeed_feedrate::MotionLaw;
     let mut duration = 0.0_f64;
-    for k in 0..N {
-        let motion = StateToState::to_velocity(&start[k], target[k].v, target[k].a, &limits[k])?;
+    for ((start, target), limits) in start.iter().zip(target).zip(limits) {
+        let motion = StateToState::to_velocity(start, target.v, target.a, limits)?;
         duration = duration.max(motion.duration());
     }
     Ok(Ours { duration, straight: false, positions: Box::new(|_| Vec::new()) })
