@@ -46,6 +46,11 @@
 //! Metres and seconds in the docs, but nothing depends on them: no tolerance in this crate is
 //! absolute.
 //!
+//! # Without the standard library
+//! Without the feature `std`, which is on by default, the crate needs neither standard library nor
+//! heap. S-curves, motions of one axis between states, [`FeedScheduler`] and [`TargetTracker`] are
+//! there; planners along a path, speed laws and everything made of them are not.
+//!
 //! # Sources
 //! X. Liu et al., "A High-Precision Planar NURBS Interpolation System Based on Segmentation Method
 //! for Industrial Robot", Appl. Sci. 2023, 13, 13210, cited as Liu et al. 2023; online trajectory

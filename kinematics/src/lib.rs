@@ -29,7 +29,9 @@
 //! | the distance from singular poses | [`SingularityDistances`], [`Arm::nearest_singular_pose`], [`weakest_motion`], [`smallest_singular_value`], [`condition_number`], [`manipulability`] |
 //! | torques, masses, what torque limits need along a path | [`Dynamics`], [`ArmDynamics`], [`PathTorque`] |
 //!
-//! Nothing allocates once an arm is made, except [`AnyArm`], whose results are vectors.
+//! Nothing allocates once an arm is made, except [`AnyArm`], whose results are vectors. Without the feature `std`, which is
+//! on by default, the crate needs neither standard library nor heap: arms of a fixed number of joints are there, descriptions
+//! and [`AnyArm`] are not.
 //!
 //! ```
 //! use arcfeed_kinematics::{AnalyticInverse, ForwardKinematics, InverseKinematics, Joints, models};

@@ -16,6 +16,9 @@
 //!
 //! Positions are in radians and times in seconds; prismatic axes in metres work just as well, axis
 //! by axis.
+//!
+//! Without the feature `std`, which is on by default, the crate needs neither standard library nor
+//! heap, and everything is there all the same.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
 

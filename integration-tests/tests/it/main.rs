@@ -6,6 +6,7 @@ mod any_smooth_curve;
 mod blend_shape;
 mod blended_polylines;
 mod cnc_curves;
+mod conformance;
 mod hybrid;
 #[cfg(feature = "oracle")]
 mod large_fits;
