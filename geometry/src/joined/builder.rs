@@ -3,9 +3,9 @@
 use nalgebra::Vector3;
 
 use super::arcs::{ArcTo, Turning, rounding};
+use super::cusps::cusps;
 use super::path::{JoinedPath, PathPiece, PieceKind, SAME_DIRECTION, angle_between};
 use super::spans::{Spans, homogeneous, jet, length, standardise};
-use super::cusps::cusps;
 use super::standing::{RegularSpan, coincide, extent, part, regular_spans};
 use crate::bezier::{Homogeneous, project, restrict};
 use crate::chord::check_positive;

@@ -77,7 +77,8 @@ impl Hodograph {
             values.iter().map(part).fold(0.0, f64::max)
         };
         let size = most(&points, |p| p.0.norm());
-        let scale = n as f64 * (most(&steps, |p| p.0.norm()) * most(&points, |p| p.1) + size * most(&steps, |p| p.1.abs()));
+        let scale =
+            n as f64 * (most(&steps, |p| p.0.norm()) * most(&points, |p| p.1) + size * most(&steps, |p| p.1.abs()));
         Self { coefficients, rounding: 32.0 * n as f64 * f64::EPSILON * scale }
     }
 }
