@@ -72,8 +72,8 @@ pub use arcfeed_feedrate::{LimitId, Quantity};
 pub use arm::{MIN_SINGULAR_VALUE, PathArm};
 pub use compiled::{
     Certificate, CertifiedBound, CertifiedJump, CompileError, CompiledPlan, Deviation, Interpolation, JointCursor,
-    JointPoint, JointSetpoint, JointSetpoints, JointTrajectory, JointTrajectoryError, ToolBound, ToolCertificate,
-    certify,
+    JointPoint, JointSetpoint, JointSetpoints, JointTrajectory, JointTrajectoryError, TableBound, TableCertificate,
+    ToolBound, ToolCertificate, certify,
 };
 pub use error::{Cause, Infeasibility, LimitError, PathEnd, PathError, PlanError, SpeedError};
 pub use limits::{

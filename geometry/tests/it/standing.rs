@@ -291,7 +291,7 @@ fn cusps_are_found_as_near_to_an_end_as_they_may_be() {
         }
         let deviation = path.pieces().iter().map(|p| p.deviation).fold(0.0, f64::max);
         assert!(deviation <= tolerance, "seed {seed}: {deviation} of {tolerance}");
-        if seed % 40 == 0 {
+        if seed % 100 == 0 {
             let [a, b] = [dense(&made, &knots), dense(&curve, &ends)];
             let (new, old) = (farthest_of(&a, &b), farthest_of(&b, &a));
             let bound = deviation + 1e-5;

@@ -55,6 +55,65 @@ impl Bernstein {
         used.iter().fold(0.0, |m, c| if c.abs() > m || c.is_nan() { c.abs() } else { m })
     }
 
+    /// By how much a coefficient may be off through rounding.
+    pub fn error(&self) -> f64 {
+        self.roundings * ROUNDING * self.size * (1.0 + 1e-6)
+    }
+
+    /// The range that the polynomial does not leave on the interval, whatever rounding did. A NaN makes it everything.
+    pub fn range(&self) -> [f64; 2] {
+        let used = &self.coefficients[..=self.degree];
+        if used.iter().any(|c| c.is_nan()) {
+            return [f64::NEG_INFINITY, f64::INFINITY];
+        }
+        let error = self.error() * (1.0 + 2.0 * f64::EPSILON) + f64::MIN_POSITIVE;
+        let low = used.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = used.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        [(low - error).next_down(), (high + error).next_up()]
+    }
+
+    /// Each coefficient after `map`, which has to be linear. What rounding does in it is not known here.
+    pub fn mapped(&self, map: impl Fn(f64) -> f64) -> Self {
+        Self { coefficients: self.coefficients.map(map), ..*self }
+    }
+
+    /// A ratio that the size of the polynomial to a positive one does not exceed on the interval: a mean of the ratios of the
+    /// coefficients, whatever rounding did to those of `self`. Infinite where `other` is not known to be positive.
+    pub fn largest_ratio(&self, other: &Self) -> f64 {
+        let degree = self.degree.max(other.degree);
+        let (above, below) = (self.elevated(degree), other.elevated(degree));
+        let error = above.error();
+        let mut largest = 0.0;
+        for (a, b) in above.coefficients.iter().zip(&below.coefficients).take(degree + 1) {
+            let ratio = (a.abs() + error) / b;
+            // Not `max`: a NaN has to show.
+            if *b <= 0.0 || ratio.is_nan() {
+                return f64::INFINITY;
+            }
+            if ratio > largest {
+                largest = ratio;
+            }
+        }
+        largest
+    }
+
+    /// The same polynomial with coefficients of a higher degree.
+    fn elevated(&self, degree: usize) -> Self {
+        let mut out = *self;
+        while out.degree < degree {
+            let (n, before) = (out.degree + 1, out.coefficients);
+            out.coefficients[n] = before[n - 1];
+            for i in 1..n {
+                let share = i as f64 / n as f64;
+                out.coefficients[i] = share * before[i - 1] + (1.0 - share) * before[i];
+            }
+            out.degree = n;
+            // Two products, a share and its complement, and a sum.
+            out.roundings += 5.0;
+        }
+        out
+    }
+
     /// A value that the polynomial does not exceed in size anywhere on the interval, whatever rounding did.
     pub fn bound(&self) -> f64 {
         let error = self.roundings * ROUNDING * self.size;

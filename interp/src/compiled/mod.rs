@@ -8,6 +8,7 @@ mod fit;
 mod joint_trajectory;
 #[cfg(feature = "json")]
 mod json;
+mod magnitude_certificate;
 mod nodes;
 mod piece;
 mod plan;
@@ -15,6 +16,7 @@ mod points;
 mod reach;
 mod sampling;
 mod steps;
+mod table_certificate;
 mod tool_certificate;
 
 pub use certificate::{Certificate, CertifiedBound, CertifiedJump, certify};
@@ -23,4 +25,5 @@ pub use joint_trajectory::{Deviation, Interpolation, JointSetpoint, JointTraject
 pub use plan::CompiledPlan;
 pub use points::JointPoint;
 pub use sampling::{JointCursor, JointSetpoints};
+pub use table_certificate::{TableBound, TableCertificate};
 pub use tool_certificate::{ToolBound, ToolCertificate};

@@ -17,20 +17,21 @@ pub(super) struct Reach<const N: usize> {
     turns: [bool; N],
 }
 
-/// Bounds on velocity, acceleration, jerk and the derivative of the jerk of every joint.
+/// Bounds on velocity, acceleration, jerk and the first two derivatives of the jerk of every joint.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct JointRateBounds<const N: usize> {
     pub velocity: [f64; N],
     pub acceleration: [f64; N],
     pub jerk: [f64; N],
     pub snap: [f64; N],
+    pub crackle: [f64; N],
 }
 
 impl<const N: usize> JointRateBounds<N> {
     /// For a piece of a motion.
     pub fn of(motion: &Motion<'_, N>, piece: usize) -> Self {
         let of = |order: usize| std::array::from_fn(|joint| motion.bernstein(piece, joint, order, 0.0).bound());
-        Self { velocity: of(1), acceleration: of(2), jerk: of(3), snap: of(4) }
+        Self { velocity: of(1), acceleration: of(2), jerk: of(3), snap: of(4), crackle: of(5) }
     }
 }
 
@@ -77,7 +78,7 @@ impl<const N: usize> Reach<N> {
 
     /// Bounds on the third and the fourth derivative of the tool point by time.
     pub fn point_rates(&self, rates: &JointRateBounds<N>) -> [f64; 2] {
-        let JointRateBounds { velocity: v, acceleration: a, jerk: j, snap } = rates;
+        let JointRateBounds { velocity: v, acceleration: a, jerk: j, snap, .. } = rates;
         let one = |x: &[f64; N]| (0..N).map(|i| self.reach[i] * x[i]).sum::<f64>();
         let (mut va, mut vj, mut aa) = (0.0, 0.0, 0.0);
         for i in 0..N {
@@ -99,6 +100,25 @@ impl<const N: usize> Reach<N> {
             (speed, pull) = (speed_to, pull_to);
         }
         [one(j) + 3.0 * va + vvv, one(snap) + 4.0 * vj + 3.0 * aa + 6.0 * vvva + vvvv]
+    }
+
+    /// A bound on the fifth derivative of the tool point by time.
+    ///
+    /// All choices of joints whose outermost one is `i` are those up to `i` less those before it.
+    pub fn fifth_rate(&self, rates: &JointRateBounds<N>) -> f64 {
+        let orders = [&rates.velocity, &rates.acceleration, &rates.jerk, &rates.snap, &rates.crackle];
+        let (mut sums, mut before, mut fifth) = ([0.0; 5], 0.0, 0.0);
+        for i in 0..N {
+            for (sum, rate) in sums.iter_mut().zip(orders) {
+                *sum += rate[i];
+            }
+            let [v, a, j, s, c]: [f64; 5] = sums;
+            let single = c + 5.0 * v * s + 10.0 * a * j;
+            let several = 10.0 * v * v * j + 15.0 * v * a * a + 10.0 * v.powi(3) * a + v.powi(5);
+            fifth += self.reach[i] * (single + several - before);
+            before = single + several;
+        }
+        fifth
     }
 
     /// A bound on the second derivative of the angular velocity of the tool by time.
@@ -155,7 +175,8 @@ mod tests {
             let scale = if order == 3 && powers[3] == 1.0 { [1e-9, 1e-9, 10.0, 1.0] } else { scale };
             let scale = if powers[3] == 9.0 { [1e-9, 1e-9, 1e-9, 1e9] } else { scale };
             let of = |order: usize| [1.0, 0.7, 1.3].map(|x| x * scale[order - 1]);
-            let rates = JointRateBounds { velocity: of(1), acceleration: of(2), jerk: of(3), snap: of(4) };
+            let rates =
+                JointRateBounds { velocity: of(1), acceleration: of(2), jerk: of(3), snap: of(4), crackle: [0.0; 3] };
             // Each link is a complex number l e^(i phi), its angle the sum of all joints before it.
             let mut sums = [0.0; 4];
             let (mut third, mut fourth) = (Complex::new(0.0, 0.0), Complex::new(0.0, 0.0));
@@ -186,20 +207,30 @@ mod tests {
             acceleration: [0.4, 2.0, 0.9],
             jerk: [3.0, 0.2, 1.7],
             snap: [0.6, 5.0, 2.2],
+            crackle: [4.0, 0.3, 6.0],
         };
-        let mut expected = [0.0; 2];
+        let mut expected = [0.0; 3];
         for link in 0..3 {
-            let of = [&rates.velocity, &rates.acceleration, &rates.jerk, &rates.snap];
+            let of = [&rates.velocity, &rates.acceleration, &rates.jerk, &rates.snap, &rates.crackle];
             let phi = of.map(|x| x[..=link].iter().sum::<f64>());
-            let choose = [[1.0, 0.0, 0.0, 0.0], [1.0, 1.0, 0.0, 0.0], [1.0, 2.0, 1.0, 0.0], [1.0, 3.0, 3.0, 1.0]];
+            let choose = [
+                [1.0, 0.0, 0.0, 0.0, 0.0],
+                [1.0, 1.0, 0.0, 0.0, 0.0],
+                [1.0, 2.0, 1.0, 0.0, 0.0],
+                [1.0, 3.0, 3.0, 1.0, 0.0],
+                [1.0, 4.0, 6.0, 4.0, 1.0],
+            ];
             let mut y = vec![1.0];
-            for n in 0..4 {
+            for n in 0..5 {
                 y.push((0..=n).map(|k| choose[n][k] * phi[k] * y[n - k]).sum::<f64>());
             }
             expected[0] += lengths[link] * y[3];
             expected[1] += lengths[link] * y[4];
+            expected[2] += lengths[link] * y[5];
         }
-        let bounds = reach(&planar(lengths)).point_rates(&rates);
+        let reach = reach(&planar(lengths));
+        let [third, fourth] = reach.point_rates(&rates);
+        let bounds = [third, fourth, reach.fifth_rate(&rates)];
         for (bound, expected) in bounds.into_iter().zip(expected) {
             assert!((bound - expected).abs() <= 1e-12 * expected, "{bound} is not {expected}");
         }
@@ -224,6 +255,7 @@ mod tests {
                     acceleration: size(&qdd),
                     jerk: size(&jerk),
                     snap: [0.0; N],
+                    crackle: [0.0; N],
                 };
                 let twist = arm.jacobian(&q) * jerk + arm.jerk_bias(&q, &qd, &qdd);
                 let linear = twist.fixed_rows::<3>(0).norm() / reach.point_rates(&rates)[0];
@@ -257,8 +289,13 @@ mod tests {
             (two(0.0, 0.0), two(0.0, 0.0), two(0.0, 1.0)),
         ] {
             let size = |x: &Joints<6>| std::array::from_fn(|k| x[k].abs());
-            let rates =
-                JointRateBounds { velocity: size(&qd), acceleration: size(&qdd), jerk: size(&jerk), snap: [0.0; 6] };
+            let rates = JointRateBounds {
+                velocity: size(&qd),
+                acceleration: size(&qdd),
+                jerk: size(&jerk),
+                snap: [0.0; 6],
+                crackle: [0.0; 6],
+            };
             let q = Joints::repeat(0.3);
             let twist = arm.jacobian(&q) * jerk + arm.jerk_bias(&q, &qd, &qdd);
             let (attained, bound) = (twist.fixed_rows::<3>(3).norm(), reach.turning_rate(&rates));

@@ -10,16 +10,16 @@ use super::piece::evaluate;
 use super::reach::{JointRateBounds, Reach};
 
 /// Bound and largest value attained agree to this part where [`MOST_DIVISIONS`] suffice.
-const AGREEMENT: f64 = 1e-3;
+pub(super) const AGREEMENT: f64 = 1e-3;
 /// Or to this part of what the joints could do to the tool if all pulled in one direction: a tool that does not turn has an angular
 /// speed of rounding.
-const NEGLIGIBLE: f64 = 1e-4;
+pub(super) const NEGLIGIBLE: f64 = 1e-4;
 /// Divisions of one piece, at most.
-const MOST_DIVISIONS: usize = 20_000;
+pub(super) const MOST_DIVISIONS: usize = 20_000;
 /// Part by which bounds are raised for the rounding of forward kinematics.
-const ROUNDING: f64 = 1e-9;
+pub(super) const ROUNDING: f64 = 1e-9;
 /// The longest interval at the start of the search, s.
-const LONGEST: f64 = 2e-3;
+pub(super) const LONGEST: f64 = 2e-3;
 
 /// The quantities, in the order of the values of a moment.
 const QUANTITIES: [Quantity; 4] =
@@ -28,7 +28,7 @@ const QUANTITIES: [Quantity; 4] =
 /// The largest size of one quantity of the tool over a whole motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ToolBound {
-    /// Feed (m/s), angular speed (rad/s), tangential or normal acceleration (m/s^2).
+    /// Feed (m/s), angular speed (rad/s), tangential, normal or whole acceleration (m/s^2), or jerk (m/s^3).
     pub quantity: Quantity,
     /// The largest size found.
     pub attained: f64,

@@ -10,7 +10,7 @@ use arcfeed_testing::Random;
 const QUANTITIES: [Quantity; 4] =
     [Quantity::JointPosition, Quantity::JointVelocity, Quantity::JointAcceleration, Quantity::JointJerk];
 
-type Piece<const N: usize> = [Joints<N>; 6];
+pub(crate) type Piece<const N: usize> = [Joints<N>; 6];
 
 fn range<const N: usize>(half: f64) -> JointRange<N> {
     JointRange::new(Joints::repeat(-half), Joints::repeat(half)).expect("a range")
@@ -98,23 +98,24 @@ fn extremes_of_random_polynomials_agree_with_roots_of_their_derivatives() {
 }
 
 /// A motion of one joint, piece by piece, each starting where the last one ended.
-struct Chain {
-    times: Vec<f64>,
-    pieces: Vec<Piece<1>>,
-    state: [f64; 3],
+pub(crate) struct Chain {
+    pub times: Vec<f64>,
+    pub pieces: Vec<Piece<1>>,
+    /// Position, velocity and acceleration at the end.
+    pub state: [f64; 3],
 }
 
 impl Chain {
-    fn new() -> Self {
+    pub fn new() -> Self {
         Self { times: vec![0.0], pieces: Vec::new(), state: [0.0; 3] }
     }
 
-    fn now(&self) -> f64 {
+    pub fn now(&self) -> f64 {
         self.times[self.times.len() - 1]
     }
 
     /// A quintic to another state.
-    fn to(&mut self, end: [f64; 3], duration: f64) {
+    pub fn to(&mut self, end: [f64; 3], duration: f64) {
         let t = self.now() + duration;
         let h = t - self.now();
         let [q0, v0, a0] = self.state;
@@ -143,20 +144,20 @@ impl Chain {
     }
 
     /// Some motion within 1 rad, 1 rad/s, 10 rad/s^2, 100 rad/s^3.
-    fn wander(&mut self, random: &mut Random) {
+    pub fn wander(&mut self, random: &mut Random) {
         for _ in 0..3 {
             let to = [random.between(-0.5, 0.5), random.between(-0.2, 0.2), random.between(-0.5, 0.5)];
             self.to(to, random.between(2.0, 3.0));
         }
     }
 
-    fn compiled(&self) -> JointTrajectory<1> {
+    pub fn compiled(&self) -> JointTrajectory<1> {
         JointTrajectory::from_pieces(self.times.clone(), self.pieces.clone(), Interpolation::Quintic).expect("joined")
     }
 }
 
 /// A spike of the quantity of derivative `order` that lasts less than 1 us and reaches `height`.
-fn spike(chain: &mut Chain, order: usize, height: f64, width: f64) {
+pub(crate) fn spike(chain: &mut Chain, order: usize, height: f64, width: f64) {
     let [q, v, a] = chain.state;
     match order {
         0 => {

@@ -11,6 +11,7 @@ mod joint_path;
 mod joint_points;
 mod limit_tables;
 mod limits;
+mod limits_certificate;
 mod live_tool;
 mod locked;
 mod mutations;

@@ -1,9 +1,15 @@
 //! Runs of short lines in a program, as smooth curves.
 
-use arcfeed_geometry::{ArcLengthCurve, DenseFit, FittedStretch, GeometryError, JoinedPathBuilder, StretchShape};
+use arcfeed_geometry::{
+    ArcLengthCurve, DenseFit, FittedStretch, GeometryError, JoinedPath, JoinedPathBuilder, StretchShape,
+};
 use nalgebra::{Isometry3, Vector3};
 
-use crate::input::gcode::{GcodeMove, MoveKind, MoveShape, PathControl};
+use super::error::Cr7Error;
+use super::stretch::Stretch;
+use crate::input::gcode::{GcodeMove, GcodeProgram, MoveKind, MoveShape, PathControl};
+use crate::input::job::Job;
+use crate::input::path_file::MOST_CONTROL_POINTS;
 
 /// Fewer lines than these are no run: each is a line of its own.
 const LEAST_LINES: usize = 12;
@@ -42,6 +48,47 @@ pub(crate) struct MoveRange {
     pub last: usize,
     /// Largest distance from the lines of these moves that is possible, m; 0 for a move of its own.
     pub deviation: f64,
+}
+
+/// The moves as one path, runs of short lines as smooth curves where the program permits. What each piece that was appended stands
+/// for.
+pub(crate) fn joined(stretch: &Stretch<'_>, job: &Job) -> Result<(JoinedPath, Vec<MoveRange>), Cr7Error> {
+    let (program, moves) = (stretch.program, stretch.moves());
+    let mut path = program.begin(stretch.range.start)?;
+    let mut units = Vec::with_capacity(moves.len());
+    let mut at = 0;
+    // A curve does not go on through a dwell.
+    let mut dwells = stretch.dwells().peekable();
+    while at < moves.len() {
+        few_enough(program, &moves[at], units.len())?;
+        while dwells.next_if(|&after| after <= at).is_some() {}
+        let ahead = &moves[at..dwells.peek().map_or(moves.len(), |&after| after.min(moves.len()))];
+        if let Some((count, tolerance)) = run(ahead, job.smooth.or(job.blend)) {
+            let curves = append_smooth(&mut path, &moves[at..at + count], tolerance);
+            let curves = curves.map_err(|source| program.curve_error(moves[at].line, source))?;
+            units.extend(curves.into_iter().map(|unit| MoveRange {
+                first: at + unit.first,
+                last: at + unit.last,
+                ..unit
+            }));
+            at += count;
+        } else {
+            program.append(&mut path, &moves[at])?;
+            units.push(MoveRange { first: at, last: at, deviation: 0.0 });
+            at += 1;
+        }
+    }
+    Ok((path.build().map_err(|source| program.curve_error(0, source))?, units))
+}
+
+/// Refuses a path with more pieces than it may have control points, before it is stored as a whole.
+fn few_enough(program: &GcodeProgram, step: &GcodeMove, pieces: usize) -> Result<(), Cr7Error> {
+    if pieces < MOST_CONTROL_POINTS {
+        return Ok(());
+    }
+    let (value, rule) = (format!("longer than {pieces} pieces"), "a path has at most 25000 control points");
+    let remedy = "state a tolerance for short lines (Q of G64, or path.smooth_mm of the job), or split the program";
+    Err(program.wrong(Some(step.line), "the path up to here", &value, rule, remedy).into())
 }
 
 /// A line that a curve stands for, one of several.

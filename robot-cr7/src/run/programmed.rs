@@ -91,7 +91,7 @@ impl Programmed {
             return Err(program.wrong(None, "[[sections]] of the job", "given", rule, "remove the sections").into());
         }
         let moves = stretch.moves();
-        let (programmed, units) = joined(stretch, job)?;
+        let (programmed, units) = dense_lines::joined(stretch, job)?;
         let (steps, notes) = steps(stretch, &units, &programmed, job);
         let marks = stretch.markers.iter().map(|m| Mark {
             place: stretch.move_before(m).map(|before| place_of(before, &units, moves)),
@@ -249,36 +249,6 @@ pub(crate) fn skipped_words(program: &GcodeProgram) -> Option<String> {
     let skipped = program.first_working_move();
     let first = program.moves.get(skipped).filter(|_| skipped > 0)?;
     Some(format!("the motion begins at line {}: the {skipped} rapid moves before it lead to its start", first.line))
-}
-
-/// The moves as one path, runs of short lines as smooth curves where the program permits. What each piece that was appended stands
-/// for.
-fn joined(stretch: &Stretch<'_>, job: &Job) -> Result<(JoinedPath, Vec<MoveRange>), Cr7Error> {
-    let (program, moves) = (stretch.program, stretch.moves());
-    let mut path = program.begin(stretch.range.start)?;
-    let mut units = Vec::with_capacity(moves.len());
-    let mut at = 0;
-    // A curve does not go on through a dwell.
-    let mut dwells = stretch.dwells().peekable();
-    while at < moves.len() {
-        while dwells.next_if(|&after| after <= at).is_some() {}
-        let ahead = &moves[at..dwells.peek().map_or(moves.len(), |&after| after.min(moves.len()))];
-        if let Some((count, tolerance)) = dense_lines::run(ahead, job.smooth.or(job.blend)) {
-            let curves = dense_lines::append_smooth(&mut path, &moves[at..at + count], tolerance);
-            let curves = curves.map_err(|source| program.curve_error(moves[at].line, source))?;
-            units.extend(curves.into_iter().map(|unit| MoveRange {
-                first: at + unit.first,
-                last: at + unit.last,
-                ..unit
-            }));
-            at += count;
-        } else {
-            program.append(&mut path, &moves[at])?;
-            units.push(MoveRange { first: at, last: at, deviation: 0.0 });
-            at += 1;
-        }
-    }
-    Ok((path.build().map_err(|source| program.curve_error(0, source))?, units))
 }
 
 /// The piece that stands for the move `before`, by index, and the line of that move.

@@ -151,3 +151,33 @@ fn three_thousand_lines_become_curves_and_true_corners_stay() {
     });
     assert!(blended > 1.2 * smooth, "{blended} s, {smooth} s");
 }
+
+/// Rounding to a micrometre, a third of which the tolerance permits, does not make the motion slower.
+#[test]
+fn rounded_coordinates_do_not_turn_into_jerk() {
+    let desk = Desk::new("rounded_flower");
+    let [rounded, exact] = [3, 9].map(|digits: usize| {
+        let mut program = String::from("G64 P0.05 Q0.003\nG21 G90 G0 X50 Y0\nF24000\n");
+        for i in 1..=3000 {
+            let a = TAU * f64::from(i) / 3000.0;
+            let r = 40.0 + 10.0 * (5.0 * a).cos();
+            writeln!(program, "G1 X{:.digits$} Y{:.digits$}", r * a.cos(), r * a.sin()).expect("memory");
+        }
+        desk.write("flower.ngc", &program);
+        desk.write("job.toml", &format!("{JOB}[feed]\nfeed_mm_s = 400\n"));
+        let report = desk.run(&["plan", "flower.ngc", "--job", "job.toml", "--json"]).done().json();
+        report["duration_s"].as_f64().expect("a number")
+    });
+    assert!((rounded / exact - 1.0).abs() < 0.01 && exact < 3.2, "{rounded} s, {exact} s");
+}
+
+#[test]
+fn a_program_with_more_lines_than_a_path_may_have_pieces_is_refused_by_line() {
+    let desk = Desk::new("many_lines");
+    let mut program = String::from("G21 G90 G61\nF600\n");
+    (0..30_000).for_each(|i| writeln!(program, "G1 X{} Y{}", i % 7, 1 + i % 5).expect("memory"));
+    desk.write("long.ngc", &program);
+    desk.write("job.toml", JOB);
+    let parts = ["long.ngc:25003", "25000", "G64"];
+    desk.run(&["plan", "long.ngc", "--job", "job.toml"]).refused(2, &parts);
+}
