@@ -1,6 +1,6 @@
 //! From a route to a motion.
 
-use arcfeed_feedrate::AxisState;
+use arcfeed_feedrate::{AxisLimits, AxisState};
 
 use super::guess::Guess;
 use super::program::Program;
@@ -120,7 +120,8 @@ impl<const N: usize> WayPointPlanner<N> {
         }
         for (i, state) in motion.states[..n].iter_mut().enumerate().skip(1) {
             for (k, s) in state.iter_mut().enumerate() {
-                *s = AxisState { p: s.p, ..self.program.node(i, k) };
+                let wanted = AxisState { p: s.p, ..self.program.node(i, k) };
+                *s = within(&within(&wanted, &route.limits(i - 1)[k]), &route.limits(i)[k]);
             }
         }
         motion
@@ -165,6 +166,17 @@ impl<const N: usize> WayPointPlanner<N> {
         }
         false
     }
+}
+
+/// The state inside its limits, and inside them before and after it: velocity first, then an
+/// acceleration that can come from zero and go back to it.
+fn within(s: &AxisState, l: &AxisLimits) -> AxisState {
+    let v = s.v.max(l.v_min()).min(l.v_max());
+    let (up, down) = (l.v_max() - v, v - l.v_min());
+    // Before a rise the velocity was lower, and after it, it is higher.
+    let highest = l.a_max().min((2.0 * down * l.j_max()).sqrt()).min((2.0 * up * -l.j_min()).sqrt());
+    let lowest = l.a_min().max(-(2.0 * up * -l.j_min()).sqrt()).max(-(2.0 * down * l.j_max()).sqrt());
+    AxisState::new(s.p, v, s.a.max(lowest).min(highest))
 }
 
 /// Neighbours of slower points become slower, too, less and less.
