@@ -14,6 +14,8 @@
 //! [`WayPointPlanner`] moves them through way-points without stopping, from any state to any other,
 //! and [`WayPointGenerator`] does so cycle by cycle along routes that change.
 //!
+//! [`TrackingGenerator`] follows a moving target with all axes.
+//!
 //! Positions are in radians and times in seconds; prismatic axes in metres work just as well, axis
 //! by axis.
 //!
@@ -39,6 +41,7 @@ mod sampler;
 pub mod so3;
 mod state_to_state;
 mod straight;
+mod tracking;
 mod way_points;
 
 pub use arcfeed_feedrate as feedrate;
@@ -53,6 +56,7 @@ pub use projection::{
 };
 pub use sampler::Sampler;
 pub use state_to_state::Trajectory;
+pub use tracking::{TrackingGenerator, TrackingStep};
 pub use way_points::{
     MOST_WAY_POINTS, Route, WayPoint, WayPointGenerator, WayPointPlanner, WayPointStep, WayPointTrajectory,
 };

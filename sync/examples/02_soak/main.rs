@@ -6,6 +6,7 @@
 //! | `generator` | some thousand cycles in one mode, with targets, limits and ranges that change | cycles |
 //! | `projection` | some thousand cycles towards a target that changes | cycles |
 //! | `interrupts` | some thousand cycles with stops, jogs, holds and scales of time | cycles |
+//! | `way_points` | four axes through 1 to 64 points, from any state to any other | cases |
 //!
 //! Every case has a seed of its own. What fails is printed with the command that plays it alone, and with its input as code.
 mod soak;

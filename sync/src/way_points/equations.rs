@@ -212,7 +212,7 @@ impl<const N: usize> Equations<N> {
                     for x in &row[..i] {
                         sum -= x * x;
                     }
-                    if !(sum > 0.0) {
+                    if sum.is_nan() || sum <= 0.0 {
                         return false;
                     }
                     row[i] = sum.sqrt();

@@ -6,6 +6,9 @@
 //! that an interior-point method solves for velocities, accelerations and durations of all axes at
 //! once.
 
+// Loops over the axes are written by index, so that several axes are computed at once.
+#![allow(clippy::needless_range_loop)]
+
 mod bounded;
 mod equations;
 mod generator;

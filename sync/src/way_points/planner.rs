@@ -1,6 +1,6 @@
 //! From a route to a motion.
 
-use arcfeed_feedrate::AxisState;
+use arcfeed_feedrate::{AxisLimits, AxisState};
 
 use super::guess::Guess;
 use super::program::Program;
@@ -15,8 +15,8 @@ use crate::error::SyncError;
 /// The velocities and accelerations in the points come from a program in which every section has
 /// three parts with constant jerk, solved by an interior-point method for all axes at once in at
 /// most [`WayPointPlanner::DEFAULT_ROUNDS`] rounds. The sections are then the exact shortest motions
-/// between these states. Where one is impossible, the motion is made slower around it; if nothing
-/// else is left, the axes rest in the points. The limits of the motion are checked at the extremes
+/// between these states. Where one is impossible, the motion is made slower around it; where a stop in
+/// every point is shorter, or nothing else is left, the axes rest in the points. The limits of the motion are checked at the extremes
 /// of every phase before it is handed out.
 ///
 /// The motion is near the shortest one, not exactly it: `integration-tests` measures how near.
@@ -39,6 +39,9 @@ pub struct WayPointPlanner<const N: usize> {
 
 /// Times that the motion is made slower around impossible sections.
 const SLOWINGS: usize = 3;
+
+/// Times after that, in which points come to rest.
+const RESTS: usize = 4;
 
 /// The least factor of one such time, and the part of it that a section farther away gets.
 const SLOWER: f64 = 1.03;
@@ -91,19 +94,22 @@ impl<const N: usize> WayPointPlanner<N> {
         self.program.slow_down();
         self.program.improve(self.rounds);
         let mut motion = self.read(&guess, route);
-        let possible = self.settle(&mut motion, route);
-        if possible && motion.duration() <= SLACK * self.program.best_total() {
-            return Ok(motion);
+        let mut duration = self.settle(&mut motion, route);
+        if duration > SLACK * self.program.best_total() {
+            self.program.take_best();
+            let mut other = self.read(&guess, route);
+            let there = self.settle(&mut other, route);
+            if there < duration {
+                (motion, duration) = (other, there);
+            }
         }
-        self.program.take_best();
-        let mut other = self.read(&guess, route);
-        if self.settle(&mut other, route) && !(possible && motion.duration() <= other.duration()) {
-            return Ok(other);
+        // Never longer than with a stop in every point.
+        let mut stopping = self.read(&guess, route);
+        match rest(&mut stopping, route) {
+            Ok(()) if stopping.duration() < duration => Ok(stopping),
+            Err(e) if duration == f64::INFINITY => Err(e),
+            _ => Ok(motion),
         }
-        if !possible {
-            rest(&mut motion, route)?;
-        }
-        Ok(motion)
     }
 
     /// The states and durations of the program.
@@ -120,20 +126,24 @@ impl<const N: usize> WayPointPlanner<N> {
         }
         for (i, state) in motion.states[..n].iter_mut().enumerate().skip(1) {
             for (k, s) in state.iter_mut().enumerate() {
-                *s = AxisState { p: s.p, ..self.program.node(i, k) };
+                let wanted = AxisState { p: s.p, ..self.program.node(i, k) };
+                *s = within(&within(&wanted, &route.limits(i - 1)[k]), &route.limits(i)[k]);
             }
         }
         motion
     }
 
     /// Replaces the durations of the program by the exact ones. Where a section is impossible or
-    /// longer, the motion around it is made slower. Returns false if that does not help.
-    fn settle(&self, motion: &mut WayPointTrajectory<N>, route: &Route<'_, N>) -> bool {
+    /// longer, the motion around it is made slower. Returns the duration, which is infinite if that
+    /// does not help.
+    fn settle(&self, motion: &mut WayPointTrajectory<N>, route: &Route<'_, N>) -> f64 {
         let n = motion.sections;
         let (planned, expected) = (motion.states, motion.durations);
         let mut factors = [1.0_f64; NODES];
         let mut changed = [true; SECTIONS];
-        for _ in 0..=SLOWINGS {
+        for round in 0..=SLOWINGS + RESTS {
+            // At last only the points beside impossible sections are brought to rest.
+            let slowing = round < SLOWINGS;
             let mut wanted = factors;
             for i in 0..n {
                 let last = std::mem::take(&mut changed[i]);
@@ -143,18 +153,23 @@ impl<const N: usize> WayPointPlanner<N> {
                 let made =
                     section((i, &motion.states[i], &motion.states[i + 1]), &motion.limits[i], route.least_duration(i));
                 match made {
-                    Ok(made) if made.duration() <= LONGER * expected[i] => motion.durations[i] = made.duration(),
+                    Ok(made) if !slowing || made.duration() <= LONGER * expected[i] => {
+                        motion.durations[i] = made.duration();
+                    }
                     _ => {
                         changed[i] = true;
-                        let factor = factors[i].max(factors[i + 1]) * self.program.excess(i).max(SLOWER);
+                        let slower = factors[i].max(factors[i + 1]) * self.program.excess(i).max(SLOWER);
+                        let factor = if slowing { slower } else { f64::INFINITY };
                         (wanted[i], wanted[i + 1]) = (wanted[i].max(factor), wanted[i + 1].max(factor));
                     }
                 }
             }
             if !changed[..n].iter().any(|&x| x) {
-                return true;
+                return motion.duration();
             }
-            fade(&mut wanted[..=n]);
+            if slowing {
+                fade(&mut wanted[..=n]);
+            }
             for i in 1..n {
                 if wanted[i] > factors[i] {
                     factors[i] = wanted[i];
@@ -163,8 +178,19 @@ impl<const N: usize> WayPointPlanner<N> {
                 }
             }
         }
-        false
+        f64::INFINITY
     }
+}
+
+/// The state inside its limits, and inside them before and after it: velocity first, then an
+/// acceleration that can come from zero and go back to it.
+fn within(s: &AxisState, l: &AxisLimits) -> AxisState {
+    let v = s.v.max(l.v_min()).min(l.v_max());
+    let (up, down) = (l.v_max() - v, v - l.v_min());
+    // Before a rise the velocity was lower, and after it, it is higher.
+    let highest = l.a_max().min((2.0 * down * l.j_max()).sqrt()).min((2.0 * up * -l.j_min()).sqrt());
+    let lowest = l.a_min().max(-(2.0 * up * -l.j_min()).sqrt()).max(-(2.0 * down * l.j_max()).sqrt());
+    AxisState::new(s.p, v, s.a.max(lowest).min(highest))
 }
 
 /// Neighbours of slower points become slower, too, less and less.

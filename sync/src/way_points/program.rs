@@ -120,7 +120,10 @@ impl<const N: usize> Program<N> {
                 self.move_by(-step);
                 step *= 0.5;
             }
+            // The bounds step from where they were.
+            self.move_by(-step);
             self.advance(mu, step);
+            self.move_by(step);
             self.remember(excess);
             let mean = self.mean_product();
             let least = END * self.total() / self.sections as f64;

@@ -14,6 +14,7 @@ mod rest_to_rest;
 mod so3;
 mod soak;
 mod state_to_state;
+mod tracking;
 mod way_points;
 
 #[path = "../../examples/02_soak/soak/mod.rs"]

@@ -1,5 +1,6 @@
 //! Motions through way-points: exact in the points, inside the limits everywhere, near the shortest.
 
+#![allow(clippy::unwrap_used)]
 use arcfeed_sync::feedrate::{AxisLimits, AxisState, MotionLaw};
 use arcfeed_sync::{
     MotionOptions, Route, SyncError, Trajectory, WayPoint, WayPointGenerator, WayPointPlanner, WayPointTrajectory,
@@ -93,18 +94,18 @@ fn random_case<const N: usize>(planner: &mut WayPointPlanner<N>, seed: u64) -> f
     let mut rng = Random::new(Random::new(seed).bits());
     let limits = random_limits::<N>(&mut rng);
     let count = if rng.chance(0.8) { 1 + rng.below(12) } else { 1 + rng.below(64) };
-    let places = random_points::<N>(&mut rng, count as usize + 2);
+    let places = random_points::<N>(&mut rng, count + 2);
     let moving = |rng: &mut Random, p: f64, l: &AxisLimits| {
         AxisState::new(p, rng.between(0.5 * l.v_min(), 0.5 * l.v_max()), 0.1 * rng.between(l.a_min(), l.a_max()))
     };
-    let (mut start, mut target) = (places[0].map(AxisState::rest), places[count as usize + 1].map(AxisState::rest));
+    let (mut start, mut target) = (places[0].map(AxisState::rest), places[count + 1].map(AxisState::rest));
     if rng.chance(0.5) {
         start = std::array::from_fn(|k| moving(&mut rng, start[k].p, &limits[k]));
     }
     if rng.chance(0.2) {
         target = std::array::from_fn(|k| moving(&mut rng, target[k].p, &limits[k]));
     }
-    let points: Vec<_> = places[1..=count as usize]
+    let points: Vec<_> = places[1..=count]
         .iter()
         .map(|p| {
             let mut point = WayPoint::new(*p);
@@ -263,7 +264,7 @@ fn routes_change_in_any_cycle_and_the_target_is_reached() {
                 generator.step();
                 check_step(&was, generator.state(), &limits, CYCLE);
             }
-            let count = 2 + rng.below(10) as usize;
+            let count = 2 + rng.below(10);
             places = random_points::<3>(&mut rng, count);
             let points: Vec<_> = places[..count - 1].iter().map(|p| WayPoint::new(*p)).collect();
             if change == 3 {

@@ -8,6 +8,7 @@ pub mod interrupts;
 pub mod judge;
 pub mod projection;
 pub mod states;
+pub mod way_points;
 
 use arcfeed_testing::Random;
 use std::collections::BTreeMap;
@@ -19,11 +20,12 @@ pub struct Family {
     pub case: fn(u64) -> Outcome,
 }
 
-pub const FAMILIES: [Family; 4] = [
+pub const FAMILIES: [Family; 5] = [
     Family { name: "states", case: states::case },
     Family { name: "generator", case: generator::case },
     Family { name: "projection", case: projection::case },
     Family { name: "interrupts", case: interrupts::case },
+    Family { name: "way_points", case: way_points::case },
 ];
 
 /// What one case gave.
