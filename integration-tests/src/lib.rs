@@ -1,8 +1,12 @@
-//! Whole-system tests and benchmarks live in `tests/` and `benches/`; the code of the README is compiled and run here.
+//! Whole-system tests and benchmarks live in `tests/` and `benches/`; the code of the README and of `docs/crates.md` is compiled and run here.
 
 #[cfg(doctest)]
 #[doc = include_str!("../../README.md")]
 struct Readme;
+
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/crates.md")]
+struct Crates;
 
 pub mod blend_corner;
 pub mod blended_polylines;

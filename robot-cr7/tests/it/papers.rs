@@ -67,14 +67,14 @@ fn every_file_and_test_that_the_page_names_exists() {
 }
 
 #[test]
-fn the_readme_states_the_totals_of_the_page_of_rows() {
-    let (page, readme) = (read("docs/reproduction.md"), read("README.md"));
+fn the_page_of_parts_states_the_totals_of_the_page_of_rows() {
+    let (page, parts) = (read("docs/reproduction.md"), read("docs/papers.md"));
     let totals: Vec<&str> = page.lines().filter(|l| l.contains(" checks hold (")).collect();
     assert_eq!(totals.len(), 4, "{totals:?}");
     for total in totals {
         // "80 of 80 checks hold (69 independent, 11 agree with the print)"
         let counted = total.trim_start_matches("All papers: ").split(';').next().unwrap_or_default();
-        let flat = readme.split_whitespace().collect::<Vec<_>>().join(" ");
-        assert!(flat.contains(counted), "README.md lacks: {counted}");
+        let flat = parts.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(flat.contains(counted), "docs/papers.md lacks: {counted}");
     }
 }
