@@ -142,11 +142,15 @@ fn spikes_of_the_tool_are_caught_between_samples() {
 fn magnitudes_of_random_motions_are_those_of_dense_samples() {
     let mut random = Random::new(6);
     let arm = models::cr7();
-    for case in 0..30 {
+    let mut inside = [0; 2];
+    for case in 0..60 {
         let h = random.log(0.02, 0.5);
-        let size = random.log(0.05, 2.0);
-        let mut state = || Joints::<6>::from_fn(|_, _| random.signed());
-        let piece: Piece<6> = std::array::from_fn(|k| state() * (size / h.powi(k as i32)));
+        // From rest to rest: the acceleration, and with large ways the jerk as well, is largest inside.
+        let size = random.log(0.05, 4.0);
+        let [start, way] = [1.0, size].map(|size| Joints::<6>::from_fn(|_, _| size * random.signed()));
+        let zero = Joints::zeros();
+        let piece: Piece<6> =
+            [start, zero, zero, way * (10.0 / h.powi(3)), way * (-15.0 / h.powi(4)), way * (6.0 / h.powi(5))];
         let motion = JointTrajectory::from_pieces(vec![0.0, h], vec![piece], Interpolation::Quintic).expect("a piece");
         let bounds = motion.certify_tool_magnitudes(&arm);
         let mut sampled = [0.0f64; 2];
@@ -157,9 +161,11 @@ fn magnitudes_of_random_motions_are_those_of_dense_samples() {
             sampled[0] = sampled[0].max(change.fixed_rows::<3>(0).norm());
             sampled[1] = sampled[1].max(third.fixed_rows::<3>(0).norm());
         }
-        for (bound, sampled) in bounds.iter().zip(sampled) {
+        for ((bound, sampled), inside) in bounds.iter().zip(sampled).zip(&mut inside) {
+            *inside += usize::from(bound.t > 0.0 && bound.t < h);
             assert!(bound.bound >= sampled, "case {case}: {bound:?} < {sampled}");
             assert!(bound.bound <= 1.01 * sampled, "case {case}: {bound:?} >> {sampled}");
         }
     }
+    assert!(inside[0] > 50 && inside[1] > 5, "{inside:?}");
 }
