@@ -16,6 +16,8 @@
 //!
 //! [`TrackingGenerator`] follows a moving target with all axes.
 //!
+//! [`NormLimits`] bounds speed and acceleration of a point whose coordinates are axes.
+//!
 //! Positions are in radians and times in seconds; prismatic axes in metres work just as well, axis
 //! by axis.
 #![forbid(unsafe_code)]
@@ -26,6 +28,7 @@ mod generator;
 mod joint_state;
 mod limits;
 mod mode;
+mod norm;
 mod projection;
 mod sampler;
 pub mod so3;
@@ -41,6 +44,7 @@ pub use joint_state::JointState;
 pub use limits::symmetric_limits;
 pub use mode::{MotionOptions, Synchronisation};
 pub use nalgebra;
+pub use norm::NormLimits;
 pub use projection::{
     PoseLimits, PoseProjectionSync, PoseState, PoseStep, ProjectionStatus, ProjectionStep, ProjectionSync,
 };
