@@ -16,6 +16,8 @@
 //!
 //! [`TrackingGenerator`] follows a moving target with all axes.
 //!
+//! [`NormLimits`] bounds speed and acceleration of a point whose coordinates are axes.
+//!
 //! Positions are in radians and times in seconds; prismatic axes in metres work just as well, axis
 //! by axis.
 //!
@@ -36,6 +38,7 @@ mod generator;
 mod joint_state;
 mod limits;
 mod mode;
+mod norm;
 mod projection;
 mod sampler;
 pub mod so3;
@@ -51,6 +54,7 @@ pub use joint_state::JointState;
 pub use limits::symmetric_limits;
 pub use mode::{MotionOptions, Synchronisation};
 pub use nalgebra;
+pub use norm::NormLimits;
 pub use projection::{
     PoseLimits, PoseProjectionSync, PoseState, PoseStep, ProjectionStatus, ProjectionStep, ProjectionSync,
 };

@@ -6,6 +6,7 @@ mod common;
 mod generator;
 mod interrupts;
 mod line;
+mod norm;
 mod projection;
 mod projection_allocation;
 mod projection_pose;
