@@ -9,7 +9,7 @@ use super::trajectory::{WayPointTrajectory, section};
 use super::{NODES, SECTIONS};
 use crate::error::SyncError;
 
-/// Plans motions through way-points. Holds the memory of the computation, some 300 kB for six axes:
+/// Plans motions through way-points. Holds the memory of the computation, some 420 kB for six axes:
 /// nothing else is allocated.
 ///
 /// The velocities and accelerations in the points come from a program in which every section has
