@@ -14,7 +14,7 @@ use oracle::Case;
 fn points<const N: usize>(rng: &mut Random, count: usize, kind: u64) -> Vec<[f64; N]> {
     let (step, size) = (rng.log(0.1, 1.5), rng.log(0.02, 0.5));
     let frequency: [f64; N] = std::array::from_fn(|_| rng.between(0.2, 1.0));
-    let phase: [f64; N] = std::array::from_fn(|_| rng.between(0.0, 6.28));
+    let phase: [f64; N] = std::array::from_fn(|_| rng.between(0.0, std::f64::consts::TAU));
     let mut place = [0.0; N];
     (0..count)
         .map(|i| {

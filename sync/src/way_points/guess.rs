@@ -9,7 +9,10 @@ use super::{NODES, SECTIONS};
 /// The first durations, relative to what the limits demand one by one.
 const GENEROUS: f64 = 1.2;
 
+/// Sweeps that make sections longer where the velocity changes too fast.
 const SWEEPS: usize = 8;
+
+/// Parts of the acceleration and of the jerk that a change of velocity may take.
 const PART_A: f64 = 0.6;
 const PART_J: f64 = 0.5;
 

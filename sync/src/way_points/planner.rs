@@ -9,7 +9,7 @@ use super::trajectory::{WayPointTrajectory, section};
 use super::{NODES, SECTIONS};
 use crate::error::SyncError;
 
-/// Plans motions through way-points. Holds the memory of the computation, some 300 kB for six axes:
+/// Plans motions through way-points. Holds the memory of the computation, some 420 kB for six axes:
 /// nothing else is allocated.
 ///
 /// The velocities and accelerations in the points come from a program in which every section has
@@ -19,7 +19,10 @@ use crate::error::SyncError;
 /// every point is shorter, or nothing else is left, the axes rest in the points. The limits of the motion are checked at the extremes
 /// of every phase before it is handed out.
 ///
-/// The motion is near the shortest one, not exactly it: `integration-tests` measures how near.
+/// The motion is near the shortest one, not exactly it. On random routes the median is 0.4 to 1.7 %
+/// longer than a local optimum on a fine grid, and 90 % of the routes with ten points and six axes
+/// are within 2.5 %. Points close together of few axes can be 45 % longer (example `way_point_gap`
+/// of the integration tests). A motion is never longer than one that stops in every point.
 ///
 /// ```
 /// use arcfeed_sync::feedrate::{AxisLimits, AxisState};
