@@ -43,7 +43,7 @@ struct Text {
 impl Write for Text {
     fn write_str(&mut self, s: &str) -> std::fmt::Result {
         let room = TEXT - 1 - self.len;
-        let end = if s.len() <= room { s.len() } else { s.floor_char_boundary(room) };
+        let end = (0..=room.min(s.len())).rev().find(|&end| s.is_char_boundary(end)).unwrap_or(0);
         self.bytes[self.len..self.len + end].copy_from_slice(&s.as_bytes()[..end]);
         self.len += end;
         if end < s.len() { Err(std::fmt::Error) } else { Ok(()) }
