@@ -8,7 +8,7 @@ use crate::problem::{FeedPlanner, FeedProblem};
 use crate::speed_law::SpeedLaw;
 
 /// The part of the tolerance that is aimed at from a law that is close to the optimum.
-const NEAR_PART: f64 = 0.2;
+const NEAR_PART: f64 = 0.06;
 
 /// On grids of fewer intervals than this, a part of that.
 const NEAR_PART_FROM: f64 = 4000.0;
