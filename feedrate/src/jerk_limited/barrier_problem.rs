@@ -91,6 +91,16 @@ pub(super) struct BarrierProblem {
     pub means: Vec<MeanBound>,
     /// Jerk in the rest interval at the first and at the last knot: `|r x| <= 1 / sqrt(x)`.
     pub rest: [f64; 2],
+    /// The problem with the rows that were dropped.
+    pub whole: Option<Box<Whole>>,
+}
+
+/// A problem with all its rows, of which some were dropped.
+#[derive(Debug, Clone)]
+pub(super) struct Whole {
+    pub problem: BarrierProblem,
+    /// For every row whether it was left, in their order.
+    pub left: Vec<bool>,
 }
 
 /// Lower and upper side of a row.
@@ -114,7 +124,25 @@ impl PointRow {
     }
 }
 
+impl ThirdRow {
+    /// Lets so large a part of the limit be used.
+    pub fn use_part(&mut self, part: f64) {
+        let factor = self.part / part;
+        self.alpha *= factor;
+        self.beta *= factor;
+        self.gamma *= factor;
+        self.step *= factor;
+        self.part = part;
+    }
+}
+
 impl BarrierProblem {
+    /// True if the motion can be slowed down as a whole: from rest to rest, and every row holds at rest with slack on both sides.
+    pub fn slows(&self) -> bool {
+        let rests = self.ends.iter().all(|end| matches!(end, End::Rest { .. }));
+        rests && self.points.iter().all(|row| row.lo < 0.0 && 0.0 < row.hi && row.c == 0.0)
+    }
+
     /// The stretch from grid point `from` to grid point `to`, at rest at an end unless a speed is
     /// given for it.
     ///
@@ -141,6 +169,7 @@ impl BarrierProblem {
             most: 1.0,
             means: Vec::new(),
             rest: [0.0; 2],
+            whole: None,
         };
         barrier_problem.first.push(0);
         for i in a..=b {

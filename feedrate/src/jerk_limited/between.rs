@@ -16,7 +16,7 @@ use crate::state::MotionState;
 
 /// The excess of the parabola through three equidistant values over the range of both ends, below
 /// and above.
-fn parabola_overshoot(start: f64, middle: f64, end: f64) -> [f64; 2] {
+fn parabola_overshoot([start, middle, end]: [f64; 3]) -> [f64; 2] {
     let slope = 4.0 * middle - 3.0 * start - end;
     let bend = start - 2.0 * middle + end;
     // It turns at t = -slope / 4 bend.
@@ -105,32 +105,79 @@ impl BarrierProblem {
         }
     }
 
+    /// Sets margins where jerk along the given values is beyond its limit between the knots; returns true if it is anywhere.
+    /// Where the motion cannot be slowed down to keep them, bounds are widened by as much.
+    pub fn demand_exceeded(&mut self, problem: &FeedProblem, values: &Values) -> bool {
+        const ROUND_OFF: f64 = 1e-10;
+        /// Jerk is no parabola: one that rises this much may be beyond its limit from this part below it on.
+        const LARGE: f64 = 2e-5;
+        const SURE: f64 = 2e-5;
+        /// The motion changes a little once more.
+        const MARGIN: f64 = 1.3;
+        let mut exceeded = false;
+        let mut tighter = vec![0.0_f64; self.knots.intervals() + 1];
+        for p in 0..2 * self.knots.intervals() {
+            let k = p / 2;
+            let states = states_within(values, k);
+            let rows =
+                [Within::Start, Within::Middle, Within::End].map(|within| problem.jerk_rows(self.from + k, within));
+            for row in &mut self.thirds[self.thirds_first[p]..self.thirds_first[p + 1]] {
+                let value = jerks_within(rows.map(|rows| &rows[row.id as usize]), values.w[k], states);
+                let [low, high] = parabola_overshoot(value);
+                let [start, _, end] = value;
+                let (over, peak) = (low.max(high), (start.max(end) + high).max(low - start.min(end)));
+                let beyond = over > 0.0 && peak > self.most * (1.0 + ROUND_OFF);
+                if beyond || (over > LARGE && peak > self.most * (1.0 - SURE)) {
+                    exceeded = true;
+                    let before = row.part;
+                    row.use_part((self.most - MARGIN * over - SURE).min(before));
+                    let end = k + p % 2;
+                    tighter[end] = tighter[end].max(before / row.part - 1.0);
+                }
+            }
+        }
+        if exceeded && !self.slows() {
+            self.widen_for(&tighter, &values.x);
+        }
+        exceeded
+    }
+
+    /// Widens the bounds on jerk at each knot by what they have become tighter by, relative to them.
+    fn widen_for(&mut self, tighter: &[f64], x: &[f64]) {
+        let wider = tighter.iter().zip(&self.jerk_unit).zip(x);
+        let wider: Vec<f64> = wider.map(|((tighter, unit), x)| tighter + self.jerk_wider * unit * x.sqrt()).collect();
+        let most = wider.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        self.jerk_unit = wider.iter().zip(x).map(|(wider, x)| wider / most / x.sqrt()).collect();
+        self.jerk_wider = most;
+    }
+
     /// The least part of a limit to be used follows from the part that the jerk is and the part it
     /// may use so far.
     fn set_jerk_parts(&mut self, problem: &FeedProblem, k: usize, values: &Values, least: impl Fn(f64, f64) -> f64) {
-        let Values { x, u, w, middle } = values;
-        let w = w[k];
-        let states = [(u[k], x[k]), (0.5 * (u[k] + u[k + 1]), middle[k]), (u[k + 1], x[k + 1])];
+        let (w, states) = (values.w[k], states_within(values, k));
         let rows = [Within::Start, Within::Middle, Within::End].map(|within| problem.jerk_rows(self.from + k, within));
         for (end, p) in [(0, 2 * k), (2, 2 * k + 1)] {
             for row in &mut self.thirds[self.thirds_first[p]..self.thirds_first[p + 1]] {
-                let value = |i: usize| {
-                    let row = &rows[i][row.id as usize];
-                    row.value(w, states[i].0, states[i].1) / row.limit
-                };
-                let [low, high] = parabola_overshoot(value(0), value(1), value(2));
+                let value = jerks_within(rows.map(|rows| &rows[row.id as usize]), w, states);
+                let [low, high] = parabola_overshoot(value);
                 let stated = &rows[end][row.id as usize];
-                let here = value(end).abs() + stated.step * states[end].1 / stated.limit;
+                let here = value[end].abs() + stated.step * states[end].1 / stated.limit;
                 let part = (self.most - low.max(high)).max(least(here, row.part)).min(self.most);
-                let factor = row.part / part;
-                row.alpha *= factor;
-                row.beta *= factor;
-                row.gamma *= factor;
-                row.step *= factor;
-                row.part = part;
+                row.use_part(part);
             }
         }
     }
+}
+
+/// `u` and `x` at the start, in the middle and at the end of interval `k`.
+pub(super) fn states_within(values: &Values, k: usize) -> [(f64, f64); 3] {
+    let Values { x, u, middle, .. } = values;
+    [(u[k], x[k]), (0.5 * (u[k] + u[k + 1]), middle[k]), (u[k + 1], x[k + 1])]
+}
+
+/// Jerk there in units of its limit, the step aside.
+pub(super) fn jerks_within(rows: [&JerkRow; 3], w: f64, states: [(f64, f64); 3]) -> [f64; 3] {
+    std::array::from_fn(|i| rows[i].value(w, states[i].0, states[i].1) / rows[i].limit)
 }
 
 /// Parts of an interval at whose ends what is no polynomial is sampled.
@@ -277,7 +324,7 @@ impl<'a> Inside<'a> {
         ];
         scale.keep(start.max(mid).max(end), 1.0);
         if self.rests || problem.is_capped_within(k) {
-            scale.keep(start.max(end) + parabola_overshoot(start, mid, end)[1], 1.0);
+            scale.keep(start.max(end) + parabola_overshoot([start, mid, end])[1], 1.0);
         } else {
             let x = [edges[0].x, edges[0].x + self.h * edges[0].u, edges[2].x];
             for weights in problem.speed_rows(k) {

@@ -6,7 +6,8 @@
 
 use super::band::Pentadiagonal;
 use super::barrier_problem::{BarrierProblem, Sides};
-use super::outcome::{Goal, Outcome};
+use super::drop_distant::Distance;
+use super::outcome::{Goal, Outcome, Polished};
 use super::side::{Side, lesser};
 use super::solution::Solution;
 use super::spline::{AtKnot, OnInterval, Values, gradient_to_coefficients, tie_gradient, tie_matrix, to_coefficients};
@@ -43,12 +44,11 @@ const STEP_FRACTION: f64 = 0.95;
 /// Relative gap from which on margins are set.
 const MARGINS_FROM: f64 = 0.1;
 
-/// Gain of the last step at which the iterations end, in units of the tolerance: the next one gains
-/// a small part of that.
-const LAST_STEP_GAIN: f64 = 10.0;
-
 /// Gap that is aimed at, in units of what the last step gained.
-const AHEAD_GAP: f64 = 0.1;
+const AHEAD_GAP: f64 = 0.3;
+
+/// So many times the tolerance away from convergence the iterate is checked first between the knots and against dropped rows.
+const EARLY: f64 = 20.0;
 
 /// Many times what is needed.
 const MOST_ITERATIONS: usize = 100;
@@ -68,16 +68,13 @@ impl Solver {
         self.c = c;
         self.barrier.clear();
         self.barrier.resize(barrier_problem.offsets()[3] + 2, [Side::default(); 2]);
-        let start = f64::INFINITY;
-        let wider = barrier_problem.narrow(0.0);
-        let mut outcome = Outcome { iterations: 0, gap: start, ahead: start, wider, tolerance: goal.tolerance };
+        let mut outcome = Outcome::at_start(barrier_problem.narrow(0.0), goal);
         let mut before = f64::NAN;
         let mut steps = [0.0; 2];
-        let mut to_drop = drop_distant;
+        let (mut to_drop, mut polishes) = (drop_distant, goal.polishes);
         while outcome.iterations < MOST_ITERATIONS {
             barrier_problem.knots.evaluate(&self.c, &mut self.values);
-            // Once the shape shows, and not so late that every change would have to be caught up
-            // with.
+            // Once the shape shows, and not so late that every change would have to be caught up with.
             let shown = outcome.gap.max(outcome.ahead);
             if shown < MARGINS_FROM && outcome.gap > 4.0 * outcome.tolerance {
                 barrier_problem.set_margins(problem, &self.values);
@@ -88,37 +85,49 @@ impl Solver {
             }
             let mut sums = self.slacks(barrier_problem, steps[1]);
             if !(sums.least > 0.0) {
-                // Only friction can do this: its rows are not straight. Back half of the way.
-                if !(steps[0] > 1e-6) {
-                    // Back to the iterate before, which was inside.
-                    self.c.iter_mut().zip(&self.step).for_each(|(c, d)| *c -= steps[0] * d);
+                // Only friction can do this: its rows are not straight. Back half of the way, or to the iterate before, which was inside.
+                let half = steps[0] > 1e-6;
+                steps = [if half { 0.5 * steps[0] } else { steps[0] }, 0.0];
+                self.c.iter_mut().zip(&self.step).for_each(|(c, d)| *c -= steps[0] * d);
+                if !half {
                     break;
                 }
-                steps = [0.5 * steps[0], 0.0];
-                self.c.iter_mut().zip(&self.step).for_each(|(c, d)| *c -= steps[0] * d);
                 outcome.iterations += 1;
                 continue;
             }
             let duration = self.duration(barrier_problem);
             outcome.tolerance = goal.at(duration);
-            let tolerance = outcome.tolerance;
             let centred = outcome.gap == f64::INFINITY;
             if centred {
                 sums.complementarity = goal.start_gap * duration;
                 self.centre(sums.complementarity / sums.count);
             }
             outcome.gap = sums.complementarity / duration;
-            // The multipliers alone tell nothing while steps are short: then they do not fit the
-            // iterate yet.
+            // The multipliers alone tell nothing while steps are short: then they do not fit the iterate yet.
             outcome.ahead = if centred { f64::INFINITY } else { (before / duration - 1.0).abs() / steps[0] };
             before = duration;
-            if outcome.gap < tolerance && outcome.ahead < LAST_STEP_GAIN * tolerance && outcome.wider < tolerance {
+            let mu = sums.complementarity / sums.count;
+            let converged = outcome.is_within(1.0);
+            // For the first time so early that the iterations to come are needed anyway.
+            let early = polishes == goal.polishes && outcome.is_within(EARLY);
+            if polishes > 0 && (converged || early) {
+                polishes -= 1;
+                match self.polish(problem, barrier_problem, mu) {
+                    Polished::Kept => {}
+                    Polished::Lost => break,
+                    changed => {
+                        outcome.note(changed, barrier_problem.jerk_wider);
+                        (before, steps) = (f64::NAN, [1.0, 0.0]);
+                        continue;
+                    }
+                }
+            }
+            if converged {
                 break;
             }
             // While the duration falls fast, complementarity must not fall faster, or the iterates creep along the bounds.
             let least = if outcome.ahead.is_finite() { AHEAD_GAP * outcome.ahead * duration / sums.count } else { 0.0 };
-            let mu = [sums.complementarity / sums.count, least];
-            steps = self.direction(barrier_problem, mu, outcome.wider > 0.0, centred);
+            steps = self.direction(barrier_problem, [mu, least], outcome.wider > 0.0, centred);
             self.c.iter_mut().zip(&self.step).for_each(|(c, d)| *c += steps[0] * d);
             if outcome.wider > 0.0 {
                 outcome.wider = barrier_problem.narrow(steps[0]);
@@ -148,7 +157,8 @@ impl Solver {
     }
 
     /// What the iterations ended at.
-    pub fn solution(&self, problem: &FeedProblem, barrier_problem: BarrierProblem, outcome: Outcome) -> Solution {
+    pub fn solution(&self, problem: &FeedProblem, mut barrier_problem: BarrierProblem, outcome: Outcome) -> Solution {
+        barrier_problem.whole = None;
         let grid_costs = self.grid_costs(problem, &barrier_problem);
         Solution { barrier_problem, c: self.c.clone(), converged: outcome.is_close(), grid_costs }
     }
@@ -159,16 +169,8 @@ impl Solver {
     }
 
     fn drop_distant(&mut self, barrier_problem: &mut BarrierProblem) {
-        let (mut read, mut write) = (0, 0);
-        let barrier = &mut self.barrier;
-        barrier_problem.drop_distant(&self.values, |stays| {
-            if stays {
-                barrier[write] = barrier[read];
-                write += 1;
-            }
-            read += 1;
-        });
-        barrier.truncate(write);
+        let mut stays = barrier_problem.drop_distant(&self.values, Distance::ON_THE_WAY).iter();
+        self.barrier.retain(|_| *stays.next().unwrap_or(&true));
     }
 
     /// Takes the last step of the multipliers and evaluates the slacks anew.

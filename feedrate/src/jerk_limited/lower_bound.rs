@@ -128,7 +128,7 @@ impl<'a> Problem<'a> {
     /// The bound, and the number of intervals with straight bounds.
     fn solve(&mut self, solver: &mut Solver, law: &SpeedLaw) -> Result<(f64, usize), FeedError> {
         let Self { prepared, barrier_problem, most, ranges } = self;
-        let goal = Goal { tolerance: 1e-5, shortest: 0.0, start_gap: 0.3, drop_below: 0.0 };
+        let goal = Goal { tolerance: 1e-5, shortest: 0.0, start_gap: 0.3, drop_below: 0.0, polishes: 0 };
         let (mut duration, mut left) = (f64::NAN, 0);
         for _ in 0..ROUNDS {
             let c = start::along_law(prepared, barrier_problem, law);

@@ -47,6 +47,7 @@ mod outcome;
 mod parts;
 mod passes;
 mod planner;
+mod polish;
 mod refine;
 mod relaxed;
 mod side;

@@ -3,6 +3,7 @@
 
 use super::barrier_problem::BarrierProblem;
 use super::between::largest_scale;
+use super::drop_distant::Distance;
 use super::interior_point::Solver;
 use super::outcome::Goal;
 use super::parts::{Part, Prepared, prepare};
@@ -38,13 +39,16 @@ const LAST_SLOWED_ATTEMPTS: usize = 60;
 /// Relative gaps that the multipliers start with and below which rows far from their bounds are dropped: from scratch, and from a law
 /// that is close to the solution.
 const GAPS: [f64; 2] = [0.3, 0.04];
-const NEAR_GAPS: [f64; 2] = [0.05, 0.004];
+const NEAR_GAPS: [f64; 2] = [0.02, 0.004];
 
 /// Grids of more intervals than this are planned on one point of so many first, to so much of the duration, and these likewise: then
 /// the number of iterations hardly grows with the number of intervals.
-const COARSE_FROM: usize = 3000;
-const COARSER: usize = 8;
+const COARSE_FROM: usize = 800;
+const COARSER: usize = 5;
 const COARSE_TOLERANCE: f64 = 1e-2;
+
+/// Times that dropped rows and jerk between the knots are looked at once the iterations have converged.
+const POLISHES: usize = 5;
 
 /// Largest excess over a limit between the grid points of a motion that cannot be slowed down.
 const LARGEST_EXCESS: f64 = 1e-7;
@@ -99,18 +103,27 @@ impl Passes<'_> {
             None
         };
         let is_near = near.is_some();
-        let start = again.or(near).unwrap_or_else(|| start::start(prepared, &mut barrier_problem));
+        // The shape is known: that of the law itself, as the start may be much slower.
+        let by_near = near.as_ref().map(|near| (&near.law, near.distance));
+        let shape = attempt.before.map(|before| (&before.c, Distance::CLOSE)).or(by_near);
+        let shape = shape.filter(|_| attempt.drop_distant);
+        if let Some((c, distance)) = shape {
+            barrier_problem.knots.evaluate(c, &mut solver.values);
+            barrier_problem.drop_distant(&solver.values, distance);
+        }
+        let to_drop = attempt.drop_distant && shape.is_none();
+        let start =
+            again.or(near.map(|near| near.start)).unwrap_or_else(|| start::start(prepared, &mut barrier_problem));
         let [start_gap, drop_below] = if is_near { NEAR_GAPS } else { GAPS };
         // A law to start from is a part of the duration off, however little there is to gain.
         let shortest = if self.rough { 0.0 } else { part.shortest(problem, fastest) };
-        let goal = Goal { tolerance: self.tolerance, shortest, start_gap, drop_below };
-        let mut to_drop = attempt.drop_distant;
-        if to_drop && attempt.before.is_some() {
-            // The shape is known.
-            barrier_problem.knots.evaluate(&start, &mut solver.values);
-            barrier_problem.drop_distant(&solver.values, |_| ());
-            to_drop = false;
-        }
+        let goal = Goal {
+            tolerance: self.tolerance,
+            shortest,
+            start_gap,
+            drop_below,
+            polishes: if self.rough { 0 } else { POLISHES },
+        };
         let outcome = solver.minimise(problem, &mut barrier_problem, start, goal, to_drop);
         if outcome.wider <= 10.0 * self.tolerance {
             // Inside all bounds: a motion, however far it is from the optimum.

@@ -8,7 +8,10 @@ use crate::problem::{FeedPlanner, FeedProblem};
 use crate::speed_law::SpeedLaw;
 
 /// The part of the tolerance that is aimed at from a law that is close to the optimum.
-const NEAR_PART: f64 = 0.25;
+const NEAR_PART: f64 = 0.06;
+
+/// On grids of fewer intervals than this, a part of that.
+const NEAR_PART_FROM: f64 = 4000.0;
 
 /// The jerk-limited planner: velocity, acceleration, torque and jerk, kept between the grid points
 /// too, in the least time that a quadratic spline on the grid allows.
@@ -21,7 +24,7 @@ const NEAR_PART: f64 = 0.25;
 /// ([`PathDerivatives::with_steps`](crate::constraint::PathDerivatives::with_steps)), the speed dips as
 /// far as the limits on jerk ask for.
 ///
-/// Time and memory grow with the number of rows. A grid of more than 3000 intervals is planned on a part
+/// Time and memory grow with the number of rows. A grid of more than 800 intervals is planned on a part
 /// of its points first, so that the iterations on all of them are 12 to 17, however many there are. More than 200 000 intervals or five
 /// million rows (some 160 000 intervals of a six-axis arm) are refused: such a path is better
 /// planned on a coarser grid, which keeps the limits between its points as well.
@@ -75,8 +78,9 @@ impl JerkLimited {
     /// # Errors
     /// As [`FeedPlanner::plan`].
     pub fn plan_near(&self, problem: &FeedProblem, law: &SpeedLaw) -> Result<JerkLimitedPlan, FeedError> {
-        // An iteration or two more do not cost much then.
-        Self { tolerance: NEAR_PART * self.tolerance }.plan_from(problem, Some(law))
+        // An iteration or two more do not cost much then, least of all on a short grid.
+        let part = NEAR_PART * (problem.intervals() as f64 / NEAR_PART_FROM).min(1.0);
+        Self { tolerance: part * self.tolerance }.plan_from(problem, Some(law))
     }
 
     fn plan_from(&self, problem: &FeedProblem, near: Option<&SpeedLaw>) -> Result<JerkLimitedPlan, FeedError> {

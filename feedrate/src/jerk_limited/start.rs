@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 
 use super::barrier_problem::BarrierProblem;
+use super::drop_distant::Distance;
 use super::parts::Prepared;
 use super::refine::greatest_u;
 use super::spline::{End, Values};
@@ -16,8 +17,11 @@ const SLOW: f64 = 2.5;
 const POOR: f64 = 0.1;
 
 /// The same for a start along a law that the solution is close to, and what is not close any more.
-const NEAR_FRACTION: f64 = 0.95;
-const NEAR: f64 = 0.7;
+const NEAR_FRACTION: f64 = 0.98;
+const NEAR: f64 = 0.5;
+
+/// A law that keeps all bounds if its squared speeds are lowered or raised by this part is close to the solution, row by row.
+const CLOSE: f64 = 0.02;
 
 /// The part of the way to the nearest limit that the start takes.
 const START_FRACTION: f64 = 0.9;
@@ -34,8 +38,7 @@ const SHAPE_POINTS: usize = 1000;
 /// an end, slowing down is no option; there the limits are widened instead.
 pub(super) fn start(prepared: &Prepared<'_>, barrier_problem: &mut BarrierProblem) -> Vec<f64> {
     let Prepared { problem, fastest: limit, .. } = prepared;
-    let slowing =
-        barrier_problem.ends.iter().all(|end| matches!(end, End::Rest { .. })) && at_rest_inside(barrier_problem);
+    let slowing = barrier_problem.slows();
     let (mut values, (_, mut c)) = (Values::default(), shape(problem, barrier_problem, limit, slowing));
     let last = barrier_problem.from + barrier_problem.knots.intervals();
     let shortest = duration(&limit[barrier_problem.from..=last], &barrier_problem.knots.h);
@@ -142,7 +145,7 @@ fn shape(problem: &FeedProblem, barrier_problem: &BarrierProblem, limit: &[f64],
 /// Coefficients along another law that are strictly inside all bounds, or those that the planner starts from.
 pub(super) fn along_law(prepared: &Prepared<'_>, barrier_problem: &mut BarrierProblem, law: &SpeedLaw) -> Vec<f64> {
     const TRIALS: usize = 20;
-    if barrier_problem.ends.iter().all(|end| matches!(end, End::Rest { .. })) && at_rest_inside(barrier_problem) {
+    if barrier_problem.slows() {
         let (mut c, mut values) = (along(&prepared.problem, barrier_problem, law), Values::default());
         for _ in 0..TRIALS {
             barrier_problem.knots.evaluate(&c, &mut values);
@@ -155,10 +158,20 @@ pub(super) fn along_law(prepared: &Prepared<'_>, barrier_problem: &mut BarrierPr
     start(prepared, barrier_problem)
 }
 
-/// Coefficients along a law that the solution is close to, slowed down as a whole to be strictly inside; none where that takes much.
-pub(super) fn near(problem: &FeedProblem, barrier_problem: &BarrierProblem, law: &SpeedLaw) -> Option<Vec<f64>> {
-    let rests = barrier_problem.ends.iter().all(|end| matches!(end, End::Rest { .. }));
-    if !rests || !at_rest_inside(barrier_problem) {
+/// A law that the solution is close to.
+#[derive(Debug)]
+pub(super) struct NearLaw {
+    /// Coefficients along it.
+    pub law: Vec<f64>,
+    /// The same, slowed down as a whole to be strictly inside.
+    pub start: Vec<f64>,
+    /// Which rows are far from their bounds along the law.
+    pub distance: Distance,
+}
+
+/// A start along a law that the solution is close to; none where it has to be slowed down much.
+pub(super) fn near(problem: &FeedProblem, barrier_problem: &BarrierProblem, law: &SpeedLaw) -> Option<NearLaw> {
+    if !barrier_problem.slows() {
         return None;
     }
     let (m, grid) = (barrier_problem.knots.intervals(), &problem.grid()[barrier_problem.from..]);
@@ -176,10 +189,12 @@ pub(super) fn near(problem: &FeedProblem, barrier_problem: &BarrierProblem, law:
     let mut values = Values::default();
     barrier_problem.knots.evaluate(&c, &mut values);
     let [scale, jerk_scale] = barrier_problem.largest_scales(&values);
-    let factor = NEAR_FRACTION * scale.min(jerk_scale).min(1.0);
-    c.iter_mut().for_each(|c| *c *= factor);
-    barrier_problem.knots.evaluate(&c, &mut values);
-    (factor > NEAR && barrier_problem.is_inside(&values)).then_some(c)
+    let scale = scale.min(jerk_scale);
+    let factor = NEAR_FRACTION * scale.min(1.0);
+    let start: Vec<f64> = c.iter().map(|c| c * factor).collect();
+    barrier_problem.knots.evaluate(&start, &mut values);
+    let distance = if (scale - 1.0).abs() < CLOSE { Distance::CLOSE } else { Distance::COARSE };
+    (factor > NEAR && barrier_problem.is_inside(&values)).then_some(NearLaw { law: c, start, distance })
 }
 
 /// Coefficients along another law from rest to rest, slowed down as a whole to be strictly inside.
@@ -253,11 +268,6 @@ fn mean_within(values: &[f64], reach: impl Fn(usize) -> usize, out: &mut Vec<f64
         };
         out.push(sum / (to - from) as f64);
     }
-}
-
-/// Returns true if every row holds at rest with slack on both sides.
-fn at_rest_inside(barrier_problem: &BarrierProblem) -> bool {
-    barrier_problem.points.iter().all(|row| row.lo < 0.0 && 0.0 < row.hi && row.c == 0.0)
 }
 
 /// Widens all bounds such that the values are strictly inside.

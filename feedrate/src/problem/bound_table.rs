@@ -19,6 +19,11 @@ impl BoundTable {
                 constraint.interval_bounds(k, pair[1] - pair[0], &mut table.bounds);
             }
             table.first.push(table.bounds.len());
+            if k == 0 {
+                // About as many on every interval.
+                table.bounds.reserve((grid.len() - 1) * table.bounds.len());
+                table.first.reserve(grid.len() - 1);
+            }
         }
         table
     }

@@ -91,7 +91,8 @@ impl FeedProblem {
         };
         problem.collect_jerk(constraints)?;
         if between {
-            problem.middles = RowTable::with_capacity(s.len() - 1);
+            problem.middles = problem.points.emptied(s.len() - 1);
+            problem.speed_bounds.reserve(s.len() - 1);
             for k in 0..s.len() - 1 {
                 let h = s[k + 1] - s[k];
                 problem.middles.collect(Place::Middle { k, h }, constraints).map_err(|row| bad(k, row))?;

@@ -3,7 +3,6 @@
 
 use super::bound_table::BoundTable;
 use super::feed_problem::FeedProblem;
-use super::row_table::RowTable;
 use crate::constraint::Within;
 use crate::row::{JerkRow, LimitId, Row};
 
@@ -101,8 +100,8 @@ impl FeedProblem {
     pub(super) fn emptied(&self, places: usize) -> Self {
         Self {
             s: Vec::with_capacity(places),
-            points: RowTable::with_capacity(places),
-            middles: RowTable::with_capacity(places),
+            points: self.points.emptied(places),
+            middles: self.middles.emptied(places),
             speed_bounds: Vec::with_capacity(places),
             jerk_rows: Vec::with_capacity(3 * places * self.jerk_rows_per_place),
             bounds: BoundTable::default(),

@@ -20,6 +20,13 @@ impl RowTable {
         Self { rows: Vec::new(), first, x_max, source }
     }
 
+    /// A table for so many places with about as many rows each as this one.
+    pub fn emptied(&self, places: usize) -> Self {
+        let mut new = Self::with_capacity(places);
+        new.rows.reserve((places * self.rows.len()).div_ceil(self.x_max.len().max(1)));
+        new
+    }
+
     /// Collects the rows of the next place; tells which one is not sound.
     #[inline(always)]
     pub fn collect(&mut self, place: Place, constraints: &[&dyn PathConstraint]) -> Result<(), LimitId> {

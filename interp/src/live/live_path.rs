@@ -11,7 +11,7 @@ use arcfeed_kinematics::{JointLimits, Joints};
 use super::error::LiveError;
 use crate::error::{PlanError, SpeedError};
 use crate::limits::ToolLimits;
-use crate::path::{JointJet, JointPath, MotionPath, ToolPath};
+use crate::path::{JointJet, JointPath, KnownJoints, MotionPath, ToolPath};
 use crate::planner::Planner;
 use crate::problem::{Held, LimitFractions, PathGrid, PathProblem, RowsNeeded, suits};
 
@@ -131,7 +131,7 @@ impl<'a, const N: usize> Planner<'a, N> {
             joints.check_range(&*path, limits.range())?;
             let layout = PathGrid { grid: grid.clone(), ..whole.clone() };
             let held = Held::Shared(Arc::clone(&path) as Arc<dyn MotionPath<N> + 'p>);
-            let problem = PathProblem::of(settings, held, layout, joints, RowsNeeded::Jerk);
+            let problem = PathProblem::of(settings, held, layout, joints, RowsNeeded::Jerk, KnownJoints::none());
             let rows = problem.rows_within(&used, RowsNeeded::Jerk)?;
             let explained = |error| LiveError::from(problem.explained(error));
             let tangential = match chosen {

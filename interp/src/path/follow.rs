@@ -3,6 +3,7 @@
 use arcfeed_kinematics::{JointRange, Joints, largest_step};
 
 use super::jet::JointJet;
+use super::known_joints::KnownJoints;
 use super::motion_path::MotionPath;
 use crate::error::PathError;
 
@@ -37,6 +38,16 @@ impl<const N: usize> JointPath<N> {
 
     /// The same from the joint values nearest to `start` at the first grid point, which may lie inside the path.
     pub(crate) fn follow_from(path: &dyn MotionPath<N>, start: &Joints<N>, grid: &[f64]) -> Result<Self, PathError> {
+        Self::follow_knowing(path, start, grid, &mut KnownJoints::none())
+    }
+
+    /// The same where the joints are known at some places.
+    pub(crate) fn follow_knowing(
+        path: &dyn MotionPath<N>,
+        start: &Joints<N>,
+        grid: &[f64],
+        known: &mut KnownJoints<'_, N>,
+    ) -> Result<Self, PathError> {
         let (mut after, mut before) = (Vec::with_capacity(grid.len()), Vec::with_capacity(grid.len()));
         let mut last: Option<JointJet<N>> = None;
         let (knots, end) = (path.knots(), path.length());
@@ -44,7 +55,11 @@ impl<const N: usize> JointPath<N> {
         for &s in grid {
             // The Taylor series from the grid point before tells where to look, and how far off a jump would be.
             let near = last.map_or(*start, |jet: JointJet<N>| jet.ahead(s - jet.s));
-            let jet = path.jet(s, &near)?;
+            let there = known.at(s);
+            let jet = match &there {
+                Some([_, after]) => *after,
+                None => path.jet(s, &near)?,
+            };
             if let Some(last) = last {
                 check_step(path, &jet, &near, SAME_BRANCH + (near - last.q).amax())?;
             }
@@ -52,11 +67,46 @@ impl<const N: usize> JointPath<N> {
                 knot += 1;
             }
             let jumps = knots.get(knot) == Some(&s) || s == end;
-            before.push(if jumps { path.jet_before(&jet)? } else { jet });
+            before.push(match there {
+                Some([before, _]) => before,
+                None if jumps => path.jet_before(&jet)?,
+                None => jet,
+            });
             after.push(jet);
             last = Some(jet);
         }
         Ok(Self { after, before })
+    }
+
+    /// What is known for another grid over the same path, with the joints in the middles of the intervals where they are known.
+    pub(crate) fn known<'k>(&'k self, middles: &'k [Option<JointJet<N>>]) -> KnownJoints<'k, N> {
+        KnownJoints::of([&self.before, &self.after], middles)
+    }
+
+    /// Joint values and derivatives in the middle of every interval where the arm can stand there.
+    pub(crate) fn middles(&self, path: &dyn MotionPath<N>, known: &mut KnownJoints<'_, N>) -> Vec<Option<JointJet<N>>> {
+        let one = |k: usize| {
+            let (a, b) = self.interval(k);
+            let h = 0.5 * (b.s - a.s);
+            let s = a.s + h;
+            known.at(s).map(|[_, jet]| jet).or_else(|| path.jet(s, &((a.ahead(h) + b.ahead(-h)) / 2.0)).ok())
+        };
+        (0..self.intervals()).map(one).collect()
+    }
+
+    /// What both ends of an interval foretell of its middle: the arm stands at both, and where the solution in between is lost, this
+    /// will do.
+    pub(crate) fn foretold(&self, k: usize) -> JointJet<N> {
+        let (a, b) = self.interval(k);
+        let h = 0.5 * (b.s - a.s);
+        let first = |jet: &JointJet<N>, h: f64| jet.d1 + (jet.d2 + jet.d3 * (h / 2.0)) * h;
+        JointJet {
+            s: a.s + h,
+            q: (a.ahead(h) + b.ahead(-h)) / 2.0,
+            d1: (first(a, h) + first(b, -h)) / 2.0,
+            d2: (a.d2 + a.d3 * h + b.d2 - b.d3 * h) / 2.0,
+            d3: (a.d3 + b.d3) / 2.0,
+        }
     }
 
     /// Checks that every joint is inside `range` at all grid points; a way-point at the very end of a range counts as inside.

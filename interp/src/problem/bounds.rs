@@ -43,7 +43,9 @@ impl<const N: usize> DerivativeBounds<N> {
     /// Magnitudes of first, second and third joint derivatives, joint by joint, interval by interval.
     pub fn joints(&self) -> [Vec<f64>; 3] {
         let flat = |of: fn(&IntervalDerivatives<N>) -> &Joints<N>| -> Vec<f64> {
-            self.intervals.iter().flat_map(|interval| of(interval).iter().copied()).collect()
+            let mut values = Vec::with_capacity(N * self.intervals.len());
+            self.intervals.iter().for_each(|interval| values.extend_from_slice(of(interval).as_slice()));
+            values
         };
         [flat(|interval| &interval.d1), flat(|interval| &interval.d2), flat(|interval| &interval.d3)]
     }

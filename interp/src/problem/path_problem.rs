@@ -20,7 +20,7 @@ use super::tool_vector::ToolVectors;
 use super::torque::TorquePath;
 use crate::error::{LimitError, PlanError, SpeedError};
 use crate::limits::{Feeds, JointTables, Limits, Section, TableKind};
-use crate::path::{JointJet, JointPath, MotionPath};
+use crate::path::{JointJet, JointPath, KnownJoints, MotionPath};
 use crate::place::PathParameter;
 
 /// A path that a planner borrows or shares.
@@ -59,6 +59,8 @@ pub struct PathProblem<'p, const N: usize = 6> {
     pub(super) after: [Vec<f64>; 3],
     pub(super) before: [Vec<f64>; 3],
     pub(super) middle: [Vec<f64>; 3],
+    /// Joints in the middle of every interval, where middles are needed and the arm can stand there.
+    middles: Vec<Option<JointJet<N>>>,
     pub(super) bounds: DerivativeBounds<N>,
     pub(super) tool_rates: Option<ToolRates>,
     pub(super) tool_vectors: Option<ToolVectors>,
@@ -79,7 +81,7 @@ impl<'p, const N: usize> PathProblem<'p, N> {
         let begin = Instant::now();
         let layout = PathGrid::lay(settings, path.get(), on_breaks)?;
         let laid = begin.elapsed();
-        let mut problem = Self::on(settings, path, layout, needs)?;
+        let mut problem = Self::on(settings, path, layout, needs, KnownJoints::none)?;
         problem.times[0] = laid;
         Ok(problem)
     }
@@ -92,22 +94,26 @@ impl<'p, const N: usize> PathProblem<'p, N> {
     /// The same on another grid, which keeps the knots of the path.
     pub(crate) fn on_grid(&self, grid: Vec<f64>) -> Result<Self, PlanError> {
         let layout = PathGrid { grid, ..self.layout.clone() };
-        let mut problem = Self::on(&self.settings, self.path.clone(), layout, self.needs)?;
+        // The inverse kinematics along a curve of the tool take their time.
+        let by_inverse = self.path().tool_curve().is_some();
+        let known = || if by_inverse { self.joints.known(&self.middles) } else { KnownJoints::none() };
+        let mut problem = Self::on(&self.settings, self.path.clone(), layout, self.needs, known)?;
         problem.times = [self.times[0], self.times[1] + problem.times[1]];
         Ok(problem)
     }
 
-    fn on(
+    fn on<'k>(
         settings: &Settings<'p, N>,
         path: Held<'p, N>,
         layout: PathGrid,
         needs: RowsNeeded,
+        known: impl Fn() -> KnownJoints<'k, N>,
     ) -> Result<Self, PlanError> {
         suits(settings, path.get())?;
         let begin = Instant::now();
         let limits = settings.limits.joints();
-        let mut joints =
-            JointPath::follow(path.get(), &layout.grid).map_err(|e| e.within(limits.lower(), limits.upper()))?;
+        let mut joints = JointPath::follow_knowing(path.get(), &path.get().start(), &layout.grid, &mut known())
+            .map_err(|e| e.within(limits.lower(), limits.upper()))?;
         joints.check_range(path.get(), limits.range())?;
         // Along a curve of the tool the grid is fine, and points beside its knots would make intervals of no length.
         if settings.limits.torque().is_some() && path.get().tool_curve().is_none() {
@@ -116,7 +122,7 @@ impl<'p, const N: usize> PathProblem<'p, N> {
         let found = jumps_of(settings, path.get(), &layout, &joints);
         let beside: Vec<(usize, f64)> = found.iter().map(|jump| (jump.at, jump.reach)).collect();
         joints.insert_beside(path.get(), &beside)?;
-        let mut problem = Self::of(settings, path, layout, joints, needs);
+        let mut problem = Self::of(settings, path, layout, joints, needs, known());
         problem.times[1] = begin.elapsed();
         Ok(problem)
     }
@@ -128,14 +134,20 @@ impl<'p, const N: usize> PathProblem<'p, N> {
         mut layout: PathGrid,
         joints: JointPath<N>,
         needs: RowsNeeded,
+        mut known: KnownJoints<'_, N>,
     ) -> Self {
         layout.grid = joints.grid().collect();
         let stops = grid::stops(&layout.grid, path.get().corners().iter().copied());
         let feeds = feeds(settings, path.get(), &layout);
-        let middles = if needs > RowsNeeded::Points { middles(path.get(), &joints) } else { Vec::new() };
+        let known_middles =
+            if needs > RowsNeeded::Points { joints.middles(path.get(), &mut known) } else { Vec::new() };
+        let filled = |(k, jet): (usize, &Option<JointJet<N>>)| jet.unwrap_or_else(|| joints.foretold(k));
+        let middles: Vec<JointJet<N>> = known_middles.iter().enumerate().map(filled).collect();
         let [after, before] = sides(&joints, &stops);
         let flat = |of: fn(&JointJet<N>) -> &Joints<N>| -> Vec<f64> {
-            middles.iter().flat_map(|jet| of(jet).iter().copied()).collect()
+            let mut values = Vec::with_capacity(N * middles.len());
+            middles.iter().for_each(|jet| values.extend_from_slice(of(jet).as_slice()));
+            values
         };
         let (tool, torque) = (settings.limits.tool(), settings.limits.torque());
         let by_joints = path.get().tool(0.0).is_none();
@@ -159,6 +171,7 @@ impl<'p, const N: usize> PathProblem<'p, N> {
             tool_vectors,
             tables,
             middle: [flat(|jet| &jet.d1), flat(|jet| &jet.d2), flat(|jet| &jet.d3)],
+            middles: known_middles,
             settings: settings.clone(),
             path,
             layout,
@@ -393,20 +406,4 @@ fn sides<const N: usize>(joints: &JointPath<N>, stops: &[usize]) -> [[Vec<f64>; 
         }
     }
     [after, before]
-}
-
-/// Joint values and derivatives in the middle of every interval.
-fn middles<const N: usize>(path: &dyn MotionPath<N>, joints: &JointPath<N>) -> Vec<JointJet<N>> {
-    let one = |k: usize| {
-        let (a, b) = joints.interval(k);
-        let h = 0.5 * (b.s - a.s);
-        let q = (a.ahead(h) + b.ahead(-h)) / 2.0;
-        path.jet(a.s + h, &q).unwrap_or_else(|_| {
-            // The arm stands at both ends; where the solution in between is lost, what they foretell will do.
-            let first = |jet: &JointJet<N>, h: f64| jet.d1 + (jet.d2 + jet.d3 * (h / 2.0)) * h;
-            let d2 = (a.d2 + a.d3 * h + b.d2 - b.d3 * h) / 2.0;
-            JointJet { s: a.s + h, q, d1: (first(a, h) + first(b, -h)) / 2.0, d2, d3: (a.d3 + b.d3) / 2.0 }
-        })
-    };
-    (0..joints.intervals()).map(one).collect()
 }
