@@ -3,6 +3,8 @@
 use arcfeed_feedrate::AxisLimits;
 
 use crate::error::SyncError;
+#[cfg(not(feature = "std"))]
+use crate::float::Float;
 
 /// The least share of an axis, relative to the largest that one axis can have.
 const LEAST_SHARE: f64 = 0.2;

@@ -6,6 +6,8 @@
 
 use super::rows::Lanes;
 use super::{NODES, SECTIONS};
+#[cfg(not(feature = "std"))]
+use crate::float::Float;
 
 type Vector<const N: usize> = [Lanes<N>; 2];
 type Matrix<const N: usize> = [[Lanes<N>; 2]; 2];

@@ -5,6 +5,8 @@ use arcfeed_feedrate::{AxisLimits, AxisState};
 use super::program::Program;
 use super::route::Route;
 use super::{NODES, SECTIONS};
+#[cfg(not(feature = "std"))]
+use crate::float::Float;
 
 /// The first durations, relative to what the limits demand one by one.
 const GENEROUS: f64 = 1.2;

@@ -8,6 +8,8 @@ use super::route::Route;
 use super::trajectory::{WayPointTrajectory, section};
 use super::{NODES, SECTIONS};
 use crate::error::SyncError;
+#[cfg(not(feature = "std"))]
+use crate::float::Float;
 
 /// Plans motions through way-points. Holds the memory of the computation, some 420 kB for six axes:
 /// nothing else is allocated.

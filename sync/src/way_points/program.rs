@@ -8,6 +8,8 @@ use super::equations::Equations;
 use super::rows::{Lanes, ROWS, Rows, combine, ends, order};
 use super::sums::Sums;
 use super::{NODES, SECTIONS};
+#[cfg(not(feature = "std"))]
+use crate::float::Float;
 
 /// A duration may change by this part of itself in one step.
 const TRUST: f64 = 0.4;
