@@ -160,7 +160,12 @@ fn named(row: &str, verification: &Verification, quantity: Quantity, least: f64)
             // What a joint may move from one sample to the next follows from its jerk.
             Quantity::JointJerk => broken.quantity() == Quantity::Continuity,
             // Beside the path the velocities are no longer those of the joints and of the tool.
-            Quantity::PathDeviation => matches!(broken.quantity(), Quantity::Continuity | Quantity::SetpointAgreement),
+            Quantity::PathDeviation => match broken.quantity() {
+                Quantity::Continuity | Quantity::SetpointAgreement => true,
+                // The same rates of displaced joints move the tool otherwise, by the displacement over its distance from the joints.
+                Quantity::Feed => broken.ratio < 1.0 + 1e-5,
+                _ => false,
+            },
             _ => false,
         };
         assert!(broken.quantity() == quantity || follows, "{row}: {broken:?} is broken too");
