@@ -3,11 +3,12 @@
 #
 #   run_examples.sh [FOLDER]     keeps the files of the examples in FOLDER
 set -euo pipefail
+kept=${1:+$(realpath -m "$1")}
 cd "$(dirname "$0")"
 target=${CARGO_TARGET_DIR:-$PWD/target}
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
-files=${1:-$out}
+files=${kept:-$out}
 mkdir -p "$files"
 
 cargo build -q --release

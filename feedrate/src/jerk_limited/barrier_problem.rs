@@ -65,6 +65,9 @@ impl Default for MeanBound {
 /// A stretch between two stops (or ends at a speed), ready to be iterated on.
 #[derive(Debug, Clone)]
 pub(super) struct BarrierProblem {
+    /// True if the motion can be slowed down as a whole: from rest to rest, and every row, dropped ones too, holds at rest with slack on
+    /// both sides.
+    pub slows: bool,
     /// Grid point of the first knot.
     pub from: usize,
     pub knots: Knots,
@@ -137,12 +140,6 @@ impl ThirdRow {
 }
 
 impl BarrierProblem {
-    /// True if the motion can be slowed down as a whole: from rest to rest, and every row holds at rest with slack on both sides.
-    pub fn slows(&self) -> bool {
-        let rests = self.ends.iter().all(|end| matches!(end, End::Rest { .. }));
-        rests && self.points.iter().all(|row| row.lo < 0.0 && 0.0 < row.hi && row.c == 0.0)
-    }
-
     /// The stretch from grid point `from` to grid point `to`, at rest at an end unless a speed is
     /// given for it.
     ///
@@ -154,6 +151,7 @@ impl BarrierProblem {
         let (a, b) = (from + ends[0].rest_intervals(), to - ends[1].rest_intervals());
         let knots = Knots::new((a..b).map(|k| problem.h(k)).collect());
         let mut barrier_problem = Self {
+            slows: false,
             from: a,
             knots,
             ends,
@@ -209,8 +207,17 @@ impl BarrierProblem {
                 barrier_problem.thirds_first.push(barrier_problem.thirds.len());
             }
         }
-        for (i, k) in [(0, from), (1, to - 1)] {
-            let End::Rest { h } = ends[i] else { continue };
+        barrier_problem.set_rest(problem, [from, to - 1]);
+        let rests = barrier_problem.ends.iter().all(|end| matches!(end, End::Rest { .. }));
+        barrier_problem.slows =
+            rests && barrier_problem.points.iter().all(|row| row.lo < 0.0 && 0.0 < row.hi && row.c == 0.0);
+        barrier_problem
+    }
+
+    /// Jerk in the rest intervals `at`.
+    fn set_rest(&mut self, problem: &FeedProblem, at: [usize; 2]) {
+        for (i, k) in at.into_iter().enumerate() {
+            let End::Rest { h } = self.ends[i] else { continue };
             // At the knot u = 2 x / 3h away from rest and w = x / 4.5 h^2; at rest only the
             // constant jerk itself is left.
             let (at_rest, at_knot) = if i == 0 { (Within::Start, Within::End) } else { (Within::End, Within::Start) };
@@ -224,10 +231,8 @@ impl BarrierProblem {
                 // sqrt(x) grows with s^(2/3), u with s^(1/3).
                 worst(rest, row, u * 0.5, 0.25)
             });
-            barrier_problem.rest[i] =
-                problem.jerk_rows(k, at_knot).iter().fold(rest, |rest, row| worst(rest, row, u, 1.0));
+            self.rest[i] = problem.jerk_rows(k, at_knot).iter().fold(rest, |rest, row| worst(rest, row, u, 1.0));
         }
-        barrier_problem
     }
 
     /// Speed inside interval `k`, by the values at its start.

@@ -130,13 +130,13 @@ impl BarrierProblem {
                 if beyond || (over > LARGE && peak > self.most * (1.0 - SURE)) {
                     exceeded = true;
                     let before = row.part;
-                    row.use_part((self.most - MARGIN * over - SURE).min(before));
+                    row.use_part((self.most - MARGIN * over - SURE).max(LEAST_PART * before).min(before));
                     let end = k + p % 2;
                     tighter[end] = tighter[end].max(before / row.part - 1.0);
                 }
             }
         }
-        if exceeded && !self.slows() {
+        if exceeded && !self.slows {
             self.widen_for(&tighter, &values.x);
         }
         exceeded
@@ -145,7 +145,8 @@ impl BarrierProblem {
     /// Widens the bounds on jerk at each knot by what they have become tighter by, relative to them.
     fn widen_for(&mut self, tighter: &[f64], x: &[f64]) {
         let wider = tighter.iter().zip(&self.jerk_unit).zip(x);
-        let wider: Vec<f64> = wider.map(|((tighter, unit), x)| tighter + self.jerk_wider * unit * x.sqrt()).collect();
+        let wider: Vec<f64> =
+            wider.map(|((tighter, unit), x)| tighter + (1.0 + tighter) * self.jerk_wider * unit * x.sqrt()).collect();
         let most = wider.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
         self.jerk_unit = wider.iter().zip(x).map(|(wider, x)| wider / most / x.sqrt()).collect();
         self.jerk_wider = most;

@@ -3,6 +3,9 @@
 /// A motion is mostly changes of speed if it takes longer than that without limits on jerk by one in so many parts.
 const MOSTLY: f64 = 5.0;
 
+/// No tolerance is below this: rounding would never let the iterations end.
+const FINEST: f64 = 1e-11;
+
 /// A law that may be so many times what was aimed at from its optimum has not converged.
 const CONVERGED_WITHIN: f64 = 100.0;
 
@@ -48,7 +51,7 @@ impl Goal {
     /// On a motion that mostly cruises the same part of what there is to gain is less.
     pub fn at(self, duration: f64) -> f64 {
         let part = MOSTLY * (1.0 - self.shortest / duration);
-        self.tolerance * if part < 1.0 { part.max(1e-4) } else { 1.0 }
+        (self.tolerance * if part < 1.0 { part.max(1e-4) } else { 1.0 }).max(FINEST)
     }
 }
 
@@ -83,9 +86,9 @@ impl Outcome {
     /// Notes a change of the iterate or of its bounds on jerk, which are wider by `jerk_wider` now.
     pub fn note(&mut self, change: Polished, jerk_wider: f64) {
         match change {
-            Polished::FarSlower => self.gap = f64::INFINITY,
+            Polished::FarSlower | Polished::Lost => self.gap = f64::INFINITY,
             Polished::Wider => (self.wider, self.part_wider) = (jerk_wider, LEFT_WIDER),
-            Polished::Kept | Polished::Slower | Polished::Lost => {}
+            Polished::Kept | Polished::Slower => {}
         }
     }
 

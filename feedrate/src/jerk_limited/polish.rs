@@ -16,7 +16,7 @@ impl Solver {
     /// Takes up dropped rows and sets margins between the knots where the iterate exceeds them, and slows it down to be inside.
     /// Multipliers of new rows are such that they times the slack are `mu`. There is no step to go back on then.
     pub fn polish(&mut self, problem: &FeedProblem, barrier_problem: &mut BarrierProblem, mu: f64) -> Polished {
-        let slows = barrier_problem.slows();
+        let slows = barrier_problem.slows;
         let taken_up = if slows { barrier_problem.take_up_exceeded(problem, &self.values) } else { None };
         if let Some(is_new) = &taken_up {
             let mut old = self.barrier.iter();
@@ -43,11 +43,17 @@ impl Solver {
         if let Some(is_new) = taken_up {
             barrier_problem.knots.evaluate(&self.c, &mut self.values);
             let barrier = &mut self.barrier;
+            let mut inside = true;
             barrier_problem.each_slack(&self.values, |i, slacks| {
                 if is_new[i] {
+                    // Written so that NaN is outside.
+                    inside &= slacks.iter().all(|slack| *slack > 0.0);
                     barrier[i].iter_mut().zip(slacks).for_each(|(side, slack)| side.multiplier = mu / slack);
                 }
             });
+            if !inside {
+                return Polished::Lost;
+            }
         }
         if suits { Polished::Slower } else { Polished::FarSlower }
     }

@@ -38,7 +38,7 @@ const SHAPE_POINTS: usize = 1000;
 /// an end, slowing down is no option; there the limits are widened instead.
 pub(super) fn start(prepared: &Prepared<'_>, barrier_problem: &mut BarrierProblem) -> Vec<f64> {
     let Prepared { problem, fastest: limit, .. } = prepared;
-    let slowing = barrier_problem.slows();
+    let slowing = barrier_problem.slows;
     let (mut values, (_, mut c)) = (Values::default(), shape(problem, barrier_problem, limit, slowing));
     let last = barrier_problem.from + barrier_problem.knots.intervals();
     let shortest = duration(&limit[barrier_problem.from..=last], &barrier_problem.knots.h);
@@ -145,7 +145,7 @@ fn shape(problem: &FeedProblem, barrier_problem: &BarrierProblem, limit: &[f64],
 /// Coefficients along another law that are strictly inside all bounds, or those that the planner starts from.
 pub(super) fn along_law(prepared: &Prepared<'_>, barrier_problem: &mut BarrierProblem, law: &SpeedLaw) -> Vec<f64> {
     const TRIALS: usize = 20;
-    if barrier_problem.slows() {
+    if barrier_problem.slows {
         let (mut c, mut values) = (along(&prepared.problem, barrier_problem, law), Values::default());
         for _ in 0..TRIALS {
             barrier_problem.knots.evaluate(&c, &mut values);
@@ -171,7 +171,7 @@ pub(super) struct NearLaw {
 
 /// A start along a law that the solution is close to; none where it has to be slowed down much.
 pub(super) fn near(problem: &FeedProblem, barrier_problem: &BarrierProblem, law: &SpeedLaw) -> Option<NearLaw> {
-    if !barrier_problem.slows() {
+    if !barrier_problem.slows {
         return None;
     }
     let (m, grid) = (barrier_problem.knots.intervals(), &problem.grid()[barrier_problem.from..]);

@@ -7,6 +7,8 @@ use crate::limits::{JointTables, LimitTable, TableKind};
 
 /// Bound and largest ratio attained agree to this part where [`MOST_DIVISIONS`] suffice.
 const AGREEMENT: f64 = 1e-6;
+/// A part of a limit that nobody needs more closely: that of a joint at rest.
+const NOTHING: f64 = 1e-12;
 /// Divisions of one piece for one table, at most. Where they do not suffice the bound is wider, and still a bound.
 const MOST_DIVISIONS: usize = 20_000;
 /// Roundings in a limit of a table and in the ratio to it.
@@ -147,7 +149,10 @@ impl Law {
     /// The part of the limit that `value` does not exceed where the argument is `x`.
     fn bound(&self, value: &Bernstein, x: &Bernstein) -> f64 {
         let (range, sign) = self.range(x);
-        let coarse = value.bound() / self.least(range);
+        // Values on a line are off by roundings of the limits of the table.
+        let greatest = self.points.iter().map(|point| point[1]).fold(0.0, f64::max);
+        let least = self.least(range) - 4.0 * ROUNDINGS * greatest;
+        let coarse = if least > 0.0 { value.bound() / least } else { f64::INFINITY };
         let place = self.place(range[0]);
         if sign == 0.0 || place != self.place(range[1]) {
             return coarse * (1.0 + ROUNDINGS);
@@ -208,7 +213,10 @@ fn search<const N: usize>(motion: &Motion<'_, N>, joint: usize, order: usize, la
         let mut divisions = 0;
         while let Some(([value, x], from, width)) = open.pop() {
             let bound = law.bound(&value, &x);
-            if bound <= search.attained * (1.0 + AGREEMENT) || divisions == MOST_DIVISIONS || !bound.is_finite() {
+            if bound <= (search.attained * (1.0 + AGREEMENT)).max(NOTHING)
+                || divisions == MOST_DIVISIONS
+                || !bound.is_finite()
+            {
                 // Not `max`: a NaN has to show.
                 if bound > search.bound || bound.is_nan() {
                     search.bound = if bound.is_nan() { f64::INFINITY } else { bound };

@@ -55,7 +55,12 @@ impl<const N: usize> JointPath<N> {
         for &s in grid {
             // The Taylor series from the grid point before tells where to look, and how far off a jump would be.
             let near = last.map_or(*start, |jet: JointJet<N>| jet.ahead(s - jet.s));
-            let there = known.at(s);
+            // What is known may be of another branch, where it was looked for from afar.
+            let follows = |jet: &JointJet<N>| match last {
+                Some(last) => check_step(path, jet, &near, SAME_BRANCH + (near - last.q).amax()).is_ok(),
+                None => true,
+            };
+            let there = known.at(s).filter(|[_, after]| follows(after));
             let jet = match &there {
                 Some([_, after]) => *after,
                 None => path.jet(s, &near)?,

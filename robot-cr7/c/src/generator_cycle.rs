@@ -21,10 +21,12 @@ pub unsafe extern "C" fn arcfeed_generator_step(
         let generator = place("generator", generator)?;
         same_count(axes, generator.inner.axes())?;
         place("states", states)?;
+        // All before the step, so that a call that fails has moved nothing.
+        let wanted = if events.is_null() { None } else { Some(place("events", events)?) };
         let (all, what) = generator.inner.step();
         write_all("states", states, all.into_iter().take(axes))?;
-        if !events.is_null() {
-            *place("events", events)? = what;
+        if let Some(events) = wanted {
+            *events = what;
         }
         Ok(())
     })

@@ -63,15 +63,12 @@ pub extern "C" fn arcfeed_last_error() -> *const c_char {
 
 /// Keeps the text of an error and gives its status back.
 pub fn refuse(status: ArcfeedStatus, why: impl Display) -> ArcfeedStatus {
-    LAST.with(|last| {
-        // SAFETY: only this function writes, on its own thread, and `why` does not come back here: its text is made of
-        // names and numbers.
-        let text = unsafe { &mut *last.get() };
-        text.len = 0;
-        // A text that is too long is cut.
-        let _ = write!(text, "{why}");
-        text.bytes[text.len] = 0;
-    });
+    // Aside first: `why` may hold the text of the last error itself, which a caller gave as an argument.
+    let mut text = Text { bytes: [0; TEXT], len: 0 };
+    // A text that is too long is cut.
+    let _ = write!(text, "{why}");
+    // SAFETY: only this function writes, on its own thread, and nothing else runs meanwhile.
+    LAST.with(|last| unsafe { *last.get() = text });
     status
 }
 

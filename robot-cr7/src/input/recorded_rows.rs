@@ -1,6 +1,6 @@
 //! Joint trajectories of any source in CSV: columns are known by their names.
 
-use std::io::Read;
+use std::io::{Read, Seek};
 use std::path::{Path, PathBuf};
 
 use arcfeed_kinematics::Joints;
@@ -23,11 +23,18 @@ pub struct RecordedRow<const N: usize> {
     pub qd: Option<Joints<N>>,
     /// Joint accelerations, rad/s^2, where the file has them.
     pub qdd: Option<Joints<N>>,
-    /// By how much a position can be off because the file rounds it, rad.
-    pub rounding: f64,
 }
 
-/// Reads a trajectory row by row, in memory that does not grow with it.
+/// By how much values can be off because the file rounds them: half of the last digit of the column.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RecordedRounding<const N: usize> {
+    /// Time, s.
+    pub t: f64,
+    /// Joint positions (rad), velocities (rad/s) and accelerations (rad/s^2).
+    pub joints: [Joints<N>; 3],
+}
+
+/// Reads a trajectory row by row, in memory that does not grow with it. The file is read twice: first for the digits of each column.
 ///
 /// The header names the columns, in any order: `t_s` or `t_ms`; `q1_rad` or `q1_deg` and so on for every joint; velocities
 /// (`qd1_rad_s`, `qd1_deg_s`) and accelerations (`qdd1_rad_s2`, `qdd1_deg_s2`) of all joints or of none. Other columns are passed over.
@@ -36,7 +43,7 @@ pub struct RecordedRows<R, const N: usize> {
     record: csv::StringRecord,
     file: PathBuf,
     columns: Columns<N>,
-    line: u64,
+    rounding: RecordedRounding<N>,
     before: Option<f64>,
 }
 
@@ -48,7 +55,7 @@ struct Columns<const N: usize> {
     ignored: Vec<String>,
 }
 
-impl<R: Read, const N: usize> RecordedRows<R, N> {
+impl<R: Read + Seek, const N: usize> RecordedRows<R, N> {
     /// Reads the header; `file` is the name used in messages.
     ///
     /// # Errors
@@ -58,12 +65,51 @@ impl<R: Read, const N: usize> RecordedRows<R, N> {
             csv::ReaderBuilder::new().has_headers(false).flexible(true).trim(csv::Trim::All).from_reader(reader);
         let columns = Columns { count: 0, t: (0, 1.0), joints: [None; 3], ignored: Vec::new() };
         let record = csv::StringRecord::new();
-        let mut rows = Self { reader, record, file: file.to_owned(), columns, line: 0, before: None };
+        let rounding = RecordedRounding { t: 0.0, joints: [Joints::zeros(); 3] };
+        let mut rows = Self { reader, record, file: file.to_owned(), columns, rounding, before: None };
         if !rows.read()? {
             return Err(InputError::Empty { file: file.to_owned(), expected: "a trajectory with its header" });
         }
         rows.columns = Columns::of(&rows.record, file)?;
+        let data = rows.reader.position().clone();
+        rows.rounding = rows.digits()?;
+        rows.reader.seek(data).map_err(|error| rows.unreadable(&error))?;
         Ok(rows)
+    }
+
+    /// By how much the values of the file can be off.
+    pub fn rounding(&self) -> RecordedRounding<N> {
+        self.rounding
+    }
+
+    /// The rounding of each column, from all of its cells: zeros behind the last digit may be left out in some.
+    fn digits(&mut self) -> Result<RecordedRounding<N>, InputError> {
+        let none = Digits::default();
+        let (mut t, mut joints) = (none, [[none; N]; 3]);
+        while self.read()? {
+            t.see(self.record.get(self.columns.t.0).unwrap_or_default());
+            for (digits, columns) in joints.iter_mut().zip(&self.columns.joints) {
+                for (digits, (column, _)) in digits.iter_mut().zip(columns.iter().flatten()) {
+                    digits.see(self.record.get(*column).unwrap_or_default());
+                }
+            }
+        }
+        let factor = |group: usize, k: usize| self.columns.joints[group].map_or(0.0, |columns| columns[k].1);
+        let of_joints = |group: usize| Joints::from_fn(|k, _| factor(group, k) * joints[group][k].rounding());
+        Ok(RecordedRounding { t: self.columns.t.1 * t.rounding(), joints: std::array::from_fn(of_joints) })
+    }
+
+    fn unreadable(&self, error: &csv::Error) -> InputError {
+        InputError::Read {
+            file: self.file.clone(),
+            source: std::io::Error::other(error.to_string()),
+            remedy: "give a CSV file in UTF-8",
+        }
+    }
+
+    /// The line of the record, from 1.
+    fn line(&self) -> u64 {
+        self.record.position().map_or(1, csv::Position::line)
     }
 
     /// Names of the columns that are passed over.
@@ -72,19 +118,14 @@ impl<R: Read, const N: usize> RecordedRows<R, N> {
     }
 
     fn read(&mut self) -> Result<bool, InputError> {
-        self.line += 1;
-        self.reader.read_record(&mut self.record).map_err(|error| InputError::Read {
-            file: self.file.clone(),
-            source: std::io::Error::other(error.to_string()),
-            remedy: "give a CSV file in UTF-8",
-        })
+        self.reader.read_record(&mut self.record).map_err(|error| self.unreadable(&error))
     }
 
     fn number(&self, (column, factor): (usize, f64)) -> Result<f64, InputError> {
         let cell = self.record.get(column).unwrap_or_default();
         cell.parse::<f64>().ok().filter(|v| v.is_finite()).map(|v| v * factor).ok_or_else(|| InputError::Cell {
             file: self.file.clone(),
-            line: self.line,
+            line: self.line(),
             column: column + 1,
             cell: cell.to_owned(),
             remedy: "write a finite number",
@@ -92,7 +133,7 @@ impl<R: Read, const N: usize> RecordedRows<R, N> {
     }
 
     fn row(&mut self) -> Result<RecordedRow<N>, InputError> {
-        let (file, line) = (self.file.clone(), self.line);
+        let (file, line) = (self.file.clone(), self.line());
         if self.record.len() != self.columns.count {
             let (found, expected) = (self.record.len(), self.columns.count);
             return Err(InputError::ColumnCount {
@@ -126,14 +167,11 @@ impl<R: Read, const N: usize> RecordedRows<R, N> {
             *value = Some(of_joints);
         }
         let [q, qd, qdd] = values;
-        let places = self.columns.joints[0].iter().flatten();
-        let rounding = places.map(|&(column, factor)| factor * last_digit(self.record.get(column).unwrap_or_default()));
-        let rounding = rounding.fold(0.0, f64::max);
-        Ok(RecordedRow { line, t, q: q.unwrap_or_else(Joints::zeros), qd, qdd, rounding })
+        Ok(RecordedRow { line, t, q: q.unwrap_or_else(Joints::zeros), qd, qdd })
     }
 }
 
-impl<R: Read, const N: usize> Iterator for RecordedRows<R, N> {
+impl<R: Read + Seek, const N: usize> Iterator for RecordedRows<R, N> {
     type Item = Result<RecordedRow<N>, InputError>;
 
     fn next(&mut self) -> Option<Self::Item> {
@@ -209,16 +247,31 @@ fn quantity_of(name: &str) -> Option<(String, f64)> {
     ((group == "t") == (group == quantity)).then(|| (quantity.to_owned(), factor))
 }
 
-/// Half of the last digit of a number as it is written; with 15 digits and more the rounding of a double.
-fn last_digit(cell: &str) -> f64 {
-    let (mantissa, exponent) = cell.split_once(['e', 'E']).unwrap_or((cell, "0"));
-    let decimals = mantissa.split_once('.').map_or(0, |(_, after)| after.len());
-    let digits = mantissa.chars().filter(char::is_ascii_digit).count();
-    let exponent: i32 = exponent.parse().unwrap_or(0);
-    if digits >= 15 {
-        return 1e-16 * (1.0 + cell.parse::<f64>().map_or(0.0, f64::abs));
+/// The digits of a column.
+#[derive(Debug, Clone, Copy, Default)]
+struct Digits {
+    /// Decimals behind the point, at the most; `None` before the first number.
+    decimals: Option<i32>,
+    /// The greatest value.
+    size: f64,
+}
+
+impl Digits {
+    fn see(&mut self, cell: &str) {
+        let Some(value) = cell.parse::<f64>().ok().filter(|v| v.is_finite()) else { return };
+        let (mantissa, exponent) = cell.split_once(['e', 'E']).unwrap_or((cell, "0"));
+        let decimals = mantissa.split_once('.').map_or(0, |(_, after)| after.len());
+        // A zero tells no more with an exponent.
+        let exponent = if value == 0.0 { 0 } else { exponent.parse::<i32>().unwrap_or(0).clamp(-400, 400) };
+        let decimals = i32::try_from(decimals).unwrap_or(400).min(400) - exponent;
+        self.decimals = Some(self.decimals.map_or(decimals, |most| most.max(decimals)));
+        self.size = self.size.max(value.abs());
     }
-    0.5 * 10f64.powi(exponent - i32::try_from(decimals).unwrap_or(i32::MAX))
+
+    /// Half of the last digit, and no less than the rounding of a double.
+    fn rounding(self) -> f64 {
+        self.decimals.map_or(0.0, |decimals| (0.5 * 10f64.powi(-decimals)).max(f64::EPSILON * self.size))
+    }
 }
 
 #[cfg(test)]
@@ -226,7 +279,7 @@ mod tests {
     use super::*;
 
     fn read(text: &str) -> Result<Vec<RecordedRow<2>>, InputError> {
-        RecordedRows::<_, 2>::new(text.as_bytes(), Path::new("a.csv"))?.collect()
+        RecordedRows::<_, 2>::new(std::io::Cursor::new(text), Path::new("a.csv"))?.collect()
     }
 
     #[test]
@@ -235,10 +288,19 @@ mod tests {
         assert_eq!(rows.len(), 2);
         assert_eq!((rows[1].line, rows[1].t, rows[1].qd), (3, 0.01, None));
         assert!((rows[0].q[1] - std::f64::consts::FRAC_PI_2).abs() < 1e-15 && rows[0].q[0] == 0.125);
-        // Half a degree of 90, more than half of the last digit of 0.125.
-        assert!((rows[0].rounding - 0.5f64.to_radians()).abs() < 1e-15, "{}", rows[0].rounding);
-        let rows = RecordedRows::<_, 1>::new("t_s,q1_rad,x_m\n".as_bytes(), Path::new("a.csv")).expect("a header");
+        let rows =
+            RecordedRows::<_, 1>::new(std::io::Cursor::new("t_s,q1_rad,x_m\n"), Path::new("a.csv")).expect("a header");
         assert_eq!(rows.ignored(), ["x_m"]);
+    }
+
+    #[test]
+    fn the_longest_cell_of_a_column_tells_its_rounding() {
+        let text = "t_s,q1_rad,q2_deg\n0,0.0,1\n0.001,0.0001234,-2.5\n0.002,1e-3,0e2147483647\n";
+        let rows = RecordedRows::<_, 2>::new(std::io::Cursor::new(text), Path::new("a.csv")).expect("a header");
+        let RecordedRounding { t, joints: [q, qd, _] } = rows.rounding();
+        assert!((t - 0.0005).abs() < 1e-12 && (q[0] - 0.5e-7).abs() < 1e-20, "{t} {q}");
+        assert!((q[1] - 0.05f64.to_radians()).abs() < 1e-12 && qd[0] == 0.0, "{q} {qd}");
+        assert_eq!(rows.count(), 3);
     }
 
     #[test]

@@ -86,10 +86,43 @@ fn positions_alone_are_held_against_closed_forms() {
         let (code, used, _) = verify(1.03, 17, rates);
         assert!(code == 1 && used.iter().all(|used| (1.01..1.031).contains(used)), "{used:?}");
     }
+    // Six decimals are enough for the velocities, and what they are too few for is taken off.
+    let (code, used, warnings) = verify(0.9, 6, true);
+    assert!(code == 0 && (used[0] - 0.9).abs() < 2e-3, "{used:?}");
+    assert!(warnings.contains("write more digits"), "{warnings}");
     // Four decimals feign a jerk of far above the limit: it is taken off and told.
     let (code, used, warnings) = verify(0.9, 4, false);
     assert!(code == 0 && used[2] < 0.9, "{used:?}");
     assert!(warnings.contains("write more digits"), "{warnings}");
+}
+
+/// Exit code and warnings for a file of two joints.
+fn verified(desk: &Desk, text: &str) -> (i32, String) {
+    desk.write("q.csv", text);
+    let run = desk.run(&["verify", "q.csv", "--robot", "planar_2r", "--json"]);
+    let json: serde_json::Value = serde_json::from_str(&run.stdout).expect("JSON");
+    (run.code, json["warnings"].to_string())
+}
+
+#[test]
+fn rounding_hides_no_excess_and_makes_none() {
+    let desk = Desk::new("verify_rounding");
+    // A joint that rests in short numbers beside one that is far too fast.
+    let text =
+        "t_s,q1_rad,q2_rad\n0,0.0001234567890123,0.0\n0.001,0.0601234567890123,0.0\n0.002,0.1201234567890123,0.0\n";
+    assert_eq!(verified(&desk, text).0, 1);
+    // Velocities that no position confirms, without accelerations.
+    let text = "t_s,q1_rad,q2_rad,qd1_rad_s,qd2_rad_s\n0,0,0,100,100\n0.001,0,0,100,100\n";
+    let (code, warnings) = verified(&desk, text);
+    assert!(code == 1 && warnings.contains("no accelerations"), "{warnings}");
+    // At the end of the range of pi, in four decimals.
+    assert_eq!(verified(&desk, "t_s,q1_rad,q2_rad\n0,3.1416,0\n0.001,3.1416,0\n").0, 0);
+    // At a constant speed just below pi, by a clock of milliseconds at 30 Hz.
+    let rows = (0..60).map(|i| format!("{:.3},{:.6},0\n", f64::from(i) / 30.0, -3.1 + 3.1 * f64::from(i) / 30.0));
+    let text = "t_s,q1_rad,q2_rad\n".to_owned() + &rows.collect::<String>();
+    let (code, warnings) = verified(&desk, &text);
+    assert!(code == 0, "{warnings}");
+    assert!(verified(&desk, &text.replace("q2_rad", "q2_rads,q2_rad").replace(",0\n", ",0,0\n")).1.contains("q2_rads"));
 }
 
 #[test]

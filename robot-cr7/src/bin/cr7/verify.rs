@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use robot_cr7::{
-    Cr7Error, InputError, Job, JointReport, LimitsHold, RecordedCheck, RecordedLimits, RecordedRows, Robot,
+    Cr7Error, InputError, Job, JointReport, LimitsHold, RapidKind, RecordedCheck, RecordedLimits, RecordedRows, Robot,
 };
 
 use crate::Failure;
@@ -12,8 +12,10 @@ use crate::output::show;
 use crate::progress::Progress;
 use crate::robots::RobotArgs;
 
-/// Jerk that rounding feigns is told from this part of its limit on.
+/// What rounding feigns is told from this part of a limit on.
 const BLURRED: f64 = 0.1;
+/// What can be blurred.
+const BLURRED_NAMES: [&str; 4] = ["joint velocity", "joint acceleration", "joint jerk", "tool speed"];
 
 /// Arguments of `cr7 verify`.
 #[derive(Debug, clap::Args)]
@@ -23,7 +25,7 @@ const BLURRED: f64 = 0.1;
   cr7 verify recorded.csv --json | jq '.limits[] | select(.ratio > 1)'
 
 Columns are known by their names, in any order: t_s or t_ms; q1_rad or q1_deg and so on; where there are any, qd1_rad_s or
-qd1_deg_s and qdd1_rad_s2 or qdd1_deg_s2. Without velocities and accelerations the differences of the positions are checked.
+qd1_deg_s and qdd1_rad_s2 or qdd1_deg_s2. What the digits of the file cannot tell is taken off and told.
 Exit code 0: every limit holds. 1: one does not.")]
 pub struct Args {
     #[command(flatten)]
@@ -47,10 +49,9 @@ fn run_with<const N: usize>(args: &Args, robot: &Robot) -> Result<(), Failure> {
     let job = args.job.as_deref().map_or_else(|| Ok(Job::default()), Job::read)?;
     let (joints, mut warnings) = robot.limits::<N>(&job.joints)?;
     let arm = robot.arm::<N>(job.tool).map_err(Cr7Error::from)?;
-    let feed = args.job.is_some().then_some(job.feed.feed);
+    let feed = tool_speed(args, &job, &mut warnings);
     let drives = robot.drives::<N>(&job)?;
     let limited = drives.is_some();
-    let mut check = RecordedCheck::new(RecordedLimits { arm, joints, drives, feed });
 
     let file = std::fs::File::open(&args.trajectory).map_err(|source| InputError::Read {
         file: args.trajectory.clone(),
@@ -59,34 +60,38 @@ fn run_with<const N: usize>(args: &Args, robot: &Robot) -> Result<(), Failure> {
     })?;
     let progress = Progress::new("checking");
     let mut rows = RecordedRows::<_, N>::new(file, &args.trajectory)?;
-    let mut with_rates = true;
+    let mut check = RecordedCheck::new(RecordedLimits { arm, joints, drives, feed }, rows.rounding());
+    let mut stated = [true; 2];
     for row in rows.by_ref() {
         let row = row?;
-        with_rates = row.qd.is_some() && row.qdd.is_some();
+        stated = [row.qd.is_some(), row.qdd.is_some()];
         check.see(&row);
     }
     drop(progress);
-    if check.rows() < 2 {
-        let words =
-            format!("{}: a trajectory has two rows or more; this one has {}", args.trajectory.display(), check.rows());
+    let (samples, duration_s) = (check.rows(), check.duration());
+    if samples < 2 {
+        let words = format!("{}: a trajectory has two rows or more; this one has {samples}", args.trajectory.display());
         return Err(Failure::BadInput(words));
     }
-    let (duration_s, samples, blur) = (check.end(), check.rows(), check.blur());
-    if !with_rates {
-        warnings
-            .push("the file has no velocities and accelerations: differences of the positions are checked".to_owned());
-        if limited {
-            warnings.push("torque is not checked: it needs velocities and accelerations".to_owned());
+    for (what, stated) in ["velocities", "accelerations"].into_iter().zip(stated) {
+        if !stated {
+            warnings.push(format!("the file has no {what}: differences of the positions are checked"));
         }
     }
-    if blur > BLURRED {
-        warnings.push(format!(
-            "positions are rounded so coarsely that {:.0} % of the jerk limit can be rounding, which is taken off: write more digits",
-            100.0 * blur
-        ));
+    if limited && stated != [true; 2] {
+        warnings.push("torque is not checked: it needs velocities and accelerations".to_owned());
     }
-    if args.job.is_none() {
-        warnings.push("without --job the tool is not checked".to_owned());
+    for (name, blur) in BLURRED_NAMES.into_iter().zip(check.blur()) {
+        if blur > BLURRED {
+            let percent = 100.0 * blur;
+            warnings.push(format!(
+                "{name}: {percent:.0} % of the limit can be rounding of the file, which is taken off: write more digits"
+            ));
+        }
+    }
+    let ignored: Vec<&str> = rows.ignored().iter().map(String::as_str).filter(|name| !is_own(name)).collect();
+    if !ignored.is_empty() {
+        warnings.push(format!("columns that are passed over: {}", ignored.join(", ")));
     }
     let limits = check.finish();
     let held = LimitsHold::of(&limits);
@@ -103,4 +108,24 @@ fn run_with<const N: usize>(args: &Args, robot: &Robot) -> Result<(), Failure> {
     };
     show(&report, args.json.then(|| report.to_json()));
     held.map(drop).map_err(|error| Failure::Undoable(error.to_string()))
+}
+
+/// True for columns of the project's own trajectories that follow from the others.
+fn is_own(name: &str) -> bool {
+    name.starts_with("jerk") || ["x_m", "y_m", "z_m", "qx", "qy", "qz", "qw"].contains(&name)
+}
+
+/// The highest speed of the tool that the job states, m/s, where it holds for the whole motion.
+fn tool_speed(args: &Args, job: &Job, warnings: &mut Vec<String>) -> Option<f64> {
+    let programs = ["ngc", "nc", "gcode", "cnc", "tap"];
+    let extension = job.path_file.as_ref().and_then(|file| file.extension()).map(|e| e.to_ascii_lowercase());
+    let is_program = extension.and_then(|e| e.to_str().map(|e| programs.contains(&e))).unwrap_or(false);
+    let why = match (args.job.is_some(), is_program, job.rapid.kind) {
+        (false, ..) => "without --job the tool is not checked",
+        (_, true, _) => "the speed of the tool is not checked: the path of the job is a program with feeds of its own",
+        (_, _, RapidKind::Joints) => "the speed of the tool is not checked: rapid moves are motions of the joints",
+        _ => return Some(job.rapid.speed.map_or(job.feed.feed, |rapid| rapid.max(job.feed.feed))),
+    };
+    warnings.push(why.to_owned());
+    None
 }

@@ -24,8 +24,21 @@ function before(list, value) {
 /** The value of the list `ys` where the increasing list `xs` passes `x`. */
 function along(xs, ys, x) {
   const i = before(xs, x), k = Math.min(i + 1, xs.length - 1);
+  // Between a number and none there is none.
+  if (ys[i] === null || ys[k] === null) return null;
   const part = xs[k] > xs[i] ? Math.min(Math.max((x - xs[i]) / (xs[k] - xs[i]), 0), 1) : 0;
   return ys[i] + part * (ys[k] - ys[i]);
+}
+/** The first time at which the motion is at `s` or further on: a dwell there comes later. */
+function arrival(s) {
+  let low = 0, high = data.s.length - 1;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (data.s[middle] < s) low = middle + 1; else high = middle;
+  }
+  if (low === 0 || data.s[low] <= data.s[low - 1]) return data.t[low];
+  const part = Math.min(Math.max((s - data.s[low - 1]) / (data.s[low] - data.s[low - 1]), 0), 1);
+  return data.t[low - 1] + part * (data.t[low] - data.t[low - 1]);
 }
 const number = (value) => value === null ? "-" : Number(value.toPrecision(4)).toString();
 const people = {
@@ -38,7 +51,7 @@ const jointName = (index) => data.joint_names[index] || `J${index + 1}`;
 const bindings = report.binding
   .map((line) => ({
     limit: line.limit,
-    spans: line.intervals.map((span) => span.map((s) => along(data.s, data.t, s))),
+    spans: line.intervals.map(([from, to]) => [along(data.s, data.t, from), Math.max(along(data.s, data.t, from), arrival(to))]),
     length: line.intervals.reduce((sum, [from, to]) => sum + to - from, 0),
   }))
   .sort((a, b) => b.length - a.length)
@@ -232,7 +245,7 @@ function placeCursors() {
 function highest(s) {
   const i = before(data.ceiling.map((from) => from[0]), s);
   const limit = data.limit.length ? along(data.limit.map((p) => p[0]), data.limit.map((p) => p[1]), time) : null;
-  if (!data.ceiling.length || limit === null || !Number.isFinite(limit)) return "";
+  if (!data.ceiling.length || limit === null) return "";
   return `; the most here is ${number(1e3 * limit)} mm/s, set by ${data.ceiling[i][1]}`;
 }
 /** Goes to a time, everywhere. */
