@@ -140,16 +140,11 @@ impl OnToolPath for Plan<'_> {
         };
         motion.warn(warnings);
         few_enough(motion.trajectory().duration(), motion.trajectory().period(), LEVERS)?;
-        let bound = match args.bound {
-            true => {
-                progress.step("lower bound");
-                let bound = motion
-                    .trajectory()
-                    .lower_bound()
-                    .map_err(|e| Failure::Undoable(format!("--bound, for planners that limit jerk: {e}")))?;
-                Some(BoundReport::new(motion.trajectory().duration(), &bound))
-            }
-            false => None,
+        let bound = if args.bound {
+            progress.step("lower bound");
+            Some(lower_bound(&motion)?)
+        } else {
+            None
         };
 
         progress.step("sampling and writing");
@@ -207,6 +202,13 @@ impl OnToolPath for Plan<'_> {
         page.finish(&report, &drawn, &mut staging)?;
         conclude(report, staging, args.json, remedy)
     }
+}
+
+/// How much shorter any motion can be.
+fn lower_bound<const N: usize>(motion: &Motion<'_, N>) -> Result<BoundReport, Failure> {
+    let bound = motion.trajectory().lower_bound();
+    let bound = bound.map_err(|e| Failure::Undoable(format!("--bound, for planners that limit jerk: {e}")))?;
+    Ok(BoundReport::new(motion.trajectory().duration(), &bound))
 }
 
 /// What the pictures show: path, limits and places.
