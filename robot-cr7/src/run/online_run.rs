@@ -32,7 +32,7 @@ pub enum ScenarioError {
         /// Which part of the scenario.
         place: String,
         /// The error of the generator.
-        source: SyncError,
+        source: Box<SyncError>,
     },
     /// A start, target or limit of the tool that cannot be followed.
     #[error("{}{}: {place}: {source}", file.display(), line.map(|l| format!(":{l}")).unwrap_or_default())]
@@ -105,7 +105,12 @@ impl OnlineScenario {
         let refused = |place: &str, key: &str, source| {
             let (source, unit) = in_degrees(source);
             let line = self.settings.check().line_of(key);
-            ScenarioError::Refused { file: self.settings.file.clone(), line, place: format!("{place}{unit}"), source }
+            ScenarioError::Refused {
+                file: self.settings.file.clone(),
+                line,
+                place: format!("{place}{unit}"),
+                source: Box::new(source),
+            }
         };
         let mut rates = JointRates::from(limits);
         let mut target = self.states::<N>("target", &self.target)?;
