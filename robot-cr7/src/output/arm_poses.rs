@@ -29,6 +29,7 @@ pub struct Pose {
 
 impl Pose {
     /// The points one by one, m; the last one is the tip.
+    #[cfg(any(feature = "plot", test))]
     pub(crate) fn places(&self) -> impl DoubleEndedIterator<Item = Vector3<f64>> + '_ {
         self.points.chunks_exact(3).map(|p| Vector3::new(p[0], p[1], p[2]))
     }
