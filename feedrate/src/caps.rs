@@ -7,7 +7,7 @@
 //! cannot be judged must not move.
 
 #[cfg(not(feature = "std"))]
-use crate::float::Float;
+use num_traits::Float;
 
 /// An interval of admissible values; empty if `lo > hi`.
 #[derive(Debug, Clone, Copy, PartialEq)]

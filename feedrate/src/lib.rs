@@ -74,8 +74,6 @@ mod conic_program;
 #[cfg(feature = "std")]
 pub mod constraint;
 mod error;
-#[cfg(not(feature = "std"))]
-mod float;
 #[cfg(feature = "std")]
 mod jerk_limited;
 mod limits;

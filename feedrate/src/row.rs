@@ -1,7 +1,7 @@
 //! The one shape of every limit along a path, and where each limit comes from.
 
 #[cfg(not(feature = "std"))]
-use crate::float::Float;
+use num_traits::Float;
 use std::fmt;
 
 /// The quantity that is limited.

@@ -1,7 +1,5 @@
 //! Denavit-Hartenberg parameters, in both conventions, as a way to describe a [`Chain`].
 
-#[cfg(not(feature = "std"))]
-use crate::float::Float;
 use crate::{
     chain::Chain,
     error::KinematicsError,
@@ -9,6 +7,8 @@ use crate::{
     traits::ForwardKinematics,
 };
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
+#[cfg(not(feature = "std"))]
+use num_traits::Float;
 
 /// One row of a Denavit-Hartenberg table (m, rad). Which row `a` and `alpha` belong to is a matter of the convention.
 #[derive(Debug, Clone, Copy, PartialEq)]

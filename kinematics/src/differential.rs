@@ -12,8 +12,6 @@
 //! J is factored once; the terms on the right come from [`Configuration`](crate::Configuration)'s forward recursion, so
 //! no difference quotient is taken anywhere.
 
-#[cfg(not(feature = "std"))]
-use crate::float::Float;
 use crate::{
     error::KinematicsError,
     jacobian::Twist,
@@ -22,6 +20,8 @@ use crate::{
     singularity::{condition_number, smallest_singular_value},
     traits::ForwardKinematics,
 };
+#[cfg(not(feature = "std"))]
+use num_traits::Float;
 
 /// Derivatives of a tool path by one parameter s: linear x y z, then angular x y z, base-aligned, at the tool point.
 #[derive(Debug, Clone, Copy, PartialEq)]

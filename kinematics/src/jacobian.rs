@@ -11,10 +11,10 @@
 //! and for the vector r from this joint to the next, which turns with the link,
 //! `r' = w+ x r`, `r'' = a+ x r + w+ x r'`, `r''' = g+ x r + 2 a+ x r' + w+ x r''`.
 
-#[cfg(not(feature = "std"))]
-use crate::float::Float;
 use crate::joint::{JointKind, Joints};
 use nalgebra::{Isometry3, Matrix3, Quaternion, SMatrix, Translation3, UnitQuaternion, Vector3, Vector6};
+#[cfg(not(feature = "std"))]
+use num_traits::Float;
 
 /// Geometric Jacobian: rows linear x y z (m/s per joint unit/s), then angular x y z; base-aligned, at the tool point.
 pub type Jacobian<const N: usize> = SMatrix<f64, 6, N>;

@@ -64,8 +64,6 @@ mod dh;
 mod differential;
 mod dynamics;
 mod error;
-#[cfg(not(feature = "std"))]
-mod float;
 mod jacobian;
 mod joint;
 #[cfg(feature = "json")]

@@ -1,13 +1,13 @@
 //! The form of a chain in which its arithmetic is cheapest.
 
-#[cfg(not(feature = "std"))]
-use crate::float::Float;
 use crate::{
     jacobian::Configuration,
     joint::{Joint, JointKind, Joints},
     trig::sin_cos,
 };
 use nalgebra::{Isometry3, Matrix3, Vector3};
+#[cfg(not(feature = "std"))]
+use num_traits::Float;
 
 /// The chain rewritten so that every joint moves about or along +z and successive axes differ by a turn about x only:
 /// `start * Rz(q_1 + offset_1) * [t_2, Rx(alpha_2)] * Rz(q_2 + offset_2) * ... * end`.

@@ -6,8 +6,6 @@
 //! min |x - q|^2 subject to c(x) = 0, step by step with c replaced by its tangent at the step before,
 //! `x = q + G^+ (G (p - q) - c)` (Hasofer, Lind, Rackwitz, Fiessler; G the gradients of c at p).
 
-#[cfg(not(feature = "std"))]
-use crate::float::Float;
 use crate::{
     chain::Chain,
     jacobian::{Configuration, Jacobian, Twist},
@@ -18,6 +16,8 @@ use crate::{
     traits::ForwardKinematics,
 };
 use nalgebra::Vector3;
+#[cfg(not(feature = "std"))]
+use num_traits::Float;
 
 /// Smallest singular value, relative to the largest, that counts as 0.
 const SINGULAR: f64 = 1e-9;

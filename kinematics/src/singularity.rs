@@ -3,11 +3,11 @@
 //! The rows of the Jacobian are in metres and radians and are not scaled against each other, so singular values mix the
 //! two: compare them between poses of one arm, not between arms of different size.
 
-#[cfg(not(feature = "std"))]
-use crate::float::Float;
 use crate::jacobian::Jacobian;
 use crate::singularity_kind::SingularityKind;
 use nalgebra::Vector3;
+#[cfg(not(feature = "std"))]
+use num_traits::Float;
 
 /// Distances of a six-joint arm from its singular poses, kind by kind.
 #[derive(Debug, Clone, Copy, PartialEq)]

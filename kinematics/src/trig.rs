@@ -7,7 +7,7 @@
 #![allow(clippy::excessive_precision)]
 
 #[cfg(not(feature = "std"))]
-use crate::float::Float;
+use num_traits::Float;
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
 /// Angles up to here are reduced here, rad; for larger ones the library reduces.

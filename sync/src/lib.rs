@@ -32,8 +32,6 @@ extern crate core as std;
 
 mod bounded;
 mod error;
-#[cfg(not(feature = "std"))]
-mod float;
 mod generator;
 mod joint_state;
 mod limits;

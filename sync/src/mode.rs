@@ -2,7 +2,7 @@
 
 use crate::error::SyncError;
 #[cfg(not(feature = "std"))]
-use crate::float::Float;
+use num_traits::Float;
 
 /// Synchronisation of the axes of a motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -4,7 +4,7 @@ use arcfeed_feedrate::AxisLimits;
 
 use crate::error::SyncError;
 #[cfg(not(feature = "std"))]
-use crate::float::Float;
+use num_traits::Float;
 
 /// The least share of an axis, relative to the largest that one axis can have.
 const LEAST_SHARE: f64 = 0.2;
@@ -34,7 +34,7 @@ const LEAST_SHARE: f64 = 0.2;
 /// let norm = NormLimits::new(&[0, 1, 2], 1.0, 5.0)?;
 /// let rest = [AxisState::rest(0.0); 3];
 /// let mut generator =
-///     OnlineGenerator::new(rest, norm.limits_along(&axes, &[2.0, 1.0, 0.0]), 1e-3, Synchronisation::Time)?;
+///     OnlineGenerator::new(rest, norm.limits_along(&axes, &[2.0, 1.0, 0.0])?, 1e-3, Synchronisation::Time)?;
 /// generator.set_target([2.0, 1.0, 0.0].map(AxisState::rest))?;
 /// let mut fastest = 0.0_f64;
 /// loop {
@@ -79,13 +79,20 @@ impl<const N: usize> NormLimits<N> {
     }
 
     /// Limits of the axes that keep the norms, with equal shares. Limits that are lower already stay.
-    pub fn limits(&self, limits: &[AxisLimits; N]) -> [AxisLimits; N] {
+    ///
+    /// # Errors
+    /// [`SyncError::State`] naming an axis that cannot be given its share: one that may move in one direction only and faster
+    /// than that at the least, or whose share is too small a number.
+    pub fn limits(&self, limits: &[AxisLimits; N]) -> Result<[AxisLimits; N], SyncError> {
         self.shared(limits, [1.0; N])
     }
 
     /// Limits of the axes that keep the norms, with shares for a straight motion along `direction`,
     /// of any length; a direction that is zero or not finite counts as equal shares.
-    pub fn limits_along(&self, limits: &[AxisLimits; N], direction: &[f64; N]) -> [AxisLimits; N] {
+    ///
+    /// # Errors
+    /// As [`NormLimits::limits`].
+    pub fn limits_along(&self, limits: &[AxisLimits; N], direction: &[f64; N]) -> Result<[AxisLimits; N], SyncError> {
         let length = self.norm(direction);
         if !(length.is_finite() && length > 0.0) {
             return self.limits(limits);
@@ -104,18 +111,18 @@ impl<const N: usize> NormLimits<N> {
         vector.iter().zip(&self.axes).filter(|(_, is_one)| **is_one).map(|(x, _)| *x)
     }
 
-    fn shared(&self, limits: &[AxisLimits; N], shares: [f64; N]) -> [AxisLimits; N] {
+    fn shared(&self, limits: &[AxisLimits; N], shares: [f64; N]) -> Result<[AxisLimits; N], SyncError> {
         let all = self.norm(&shares) * ROUND_UP;
         let mut lowered = *limits;
-        for (k, l) in lowered.iter_mut().enumerate().filter(|(k, _)| self.axes[*k]) {
-            let (v, a) = (self.speed * shares[k] / all, self.acceleration * shares[k] / all);
+        for (axis, l) in lowered.iter_mut().enumerate().filter(|(axis, _)| self.axes[*axis]) {
+            let [v, a] = [self.speed, self.acceleration].map(|bound| bound * shares[axis] / all);
             let inside = |(lower, upper): (f64, f64), most: f64| (lower.max(-most), upper.min(most));
             let velocity = inside((l.v_min(), l.v_max()), v);
             let acceleration = inside((l.a_min(), l.a_max()), a);
-            // Positive bounds stay so, short of numbers that are no longer finite.
-            *l = AxisLimits::new(velocity, acceleration, (l.j_min(), l.j_max())).unwrap_or(*l);
+            *l = AxisLimits::new(velocity, acceleration, (l.j_min(), l.j_max()))
+                .map_err(|source| SyncError::State { axis, source })?;
         }
-        lowered
+        Ok(lowered)
     }
 }
 

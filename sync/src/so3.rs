@@ -5,9 +5,9 @@
 //! with `R = exp(phi(t)) R0` the angular velocity is `omega = J(phi) phi'`, `J` the left Jacobian.
 //! Nothing is singular at zero.
 
-#[cfg(not(feature = "std"))]
-use crate::float::Float;
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+#[cfg(not(feature = "std"))]
+use num_traits::Float;
 
 /// The rotation by `|phi|` (rad) about `phi`.
 ///

@@ -1,11 +1,11 @@
 //! One axis that follows a moving target, given cycle by cycle.
 
 use crate::error::{FeedError, finite, positive};
-#[cfg(not(feature = "std"))]
-use crate::float::Float;
 use crate::limits::AxisLimits;
 use crate::state::{AxisState, MotionState};
 use crate::state_to_state::{AxisProblem, StateToState};
+#[cfg(not(feature = "std"))]
+use num_traits::Float;
 
 /// Steps of the search for the meeting: forwards, and halvings after that.
 const STEPS: usize = 12;

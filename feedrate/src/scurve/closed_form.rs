@@ -13,7 +13,7 @@
 //! signs.) A change that falls is the mirror image.
 
 #[cfg(not(feature = "std"))]
-use crate::float::Float;
+use num_traits::Float;
 
 /// Jerk limits of a frame, as positive numbers, and what follows from them.
 #[derive(Debug, Clone, Copy)]

@@ -6,9 +6,9 @@
 //! that Newton's method closes in from one side; no tolerance is absolute.
 
 use crate::error::{FeedError, not_negative};
-#[cfg(not(feature = "std"))]
-use crate::float::Float;
 use crate::limits::AxisLimits;
+#[cfg(not(feature = "std"))]
+use num_traits::Float;
 
 /// [`Change`](super::closed_form::Change) between two zero accelerations under symmetric limits,
 /// which the scans solve most. The two times of one acceleration leg: `ramp` for each jerk phase,

@@ -9,9 +9,9 @@
 use super::cruise::Changes;
 use super::displacement_function::Problem;
 use super::shape::Shape;
-#[cfg(not(feature = "std"))]
-use crate::float::Float;
 use crate::scurve::closed_form::Peak;
+#[cfg(not(feature = "std"))]
+use num_traits::Float;
 
 pub(super) fn solve(p: &Problem) -> Shape {
     let changes = Changes::new(p);

@@ -3,7 +3,7 @@
 
 use super::displacement_function::{DisplacementFunction, MAX_STEPS};
 #[cfg(not(feature = "std"))]
-use crate::float::Float;
+use num_traits::Float;
 
 impl DisplacementFunction {
     /// Duration of the extremal at `s`.

@@ -15,9 +15,9 @@
 
 use super::displacement_function::Problem;
 use super::shape::Shape;
-#[cfg(not(feature = "std"))]
-use crate::float::Float;
 use crate::scurve::closed_form::{Jerks, Peak};
+#[cfg(not(feature = "std"))]
+use num_traits::Float;
 
 /// Shortest changes of one direction from a fixed state to a velocity without acceleration, in the
 /// frame in which they rise.

@@ -16,9 +16,9 @@
 //! `s < 0` the very same formulas describe the extremals in which the acceleration never passes
 //! through zero (the middle phase ends before it gets there, or starts after).
 
-#[cfg(not(feature = "std"))]
-use crate::float::Float;
 use crate::scurve::closed_form::{Jerks, Peak};
+#[cfg(not(feature = "std"))]
+use num_traits::Float;
 
 /// A problem in the frame in which it moves up. `d` is the displacement wanted; `a_min` is stored
 /// as the positive `fall`.

@@ -3,10 +3,10 @@
 use super::problem::AxisProblem;
 use super::profile::StateToState;
 use crate::error::FeedError;
-#[cfg(not(feature = "std"))]
-use crate::float::Float;
 use crate::limits::AxisLimits;
 use crate::state::{AxisState, MotionLaw};
+#[cfg(not(feature = "std"))]
+use num_traits::Float;
 
 /// Relative difference of positions that counts as round-off.
 const ROUND_OFF: f64 = 64.0 * f64::EPSILON;

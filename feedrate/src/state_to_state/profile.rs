@@ -2,12 +2,12 @@
 
 use super::scale::Units;
 use crate::error::FeedError;
-#[cfg(not(feature = "std"))]
-use crate::float::Float;
 use crate::scurve::phase::Phase;
 use crate::scurve::phases::Phases;
 use crate::state::AxisState;
 use crate::state::{MotionLaw, MotionState};
+#[cfg(not(feature = "std"))]
+use num_traits::Float;
 
 /// At most three phases to bring acceleration and velocity inside their limits, and thirteen of the
 /// mean of two motions with seven each.

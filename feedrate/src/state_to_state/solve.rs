@@ -15,10 +15,10 @@
 use super::brake_to_limits;
 use super::displacement_function::{DisplacementFunction, Peaks, Problem};
 use super::shape::Shape;
-#[cfg(not(feature = "std"))]
-use crate::float::Float;
 use crate::limits::SLACK;
 use crate::scurve::closed_form::{Change, Peak};
+#[cfg(not(feature = "std"))]
+use num_traits::Float;
 
 /// The shortest change of velocity and acceleration, wherever it ends.
 pub(super) struct Direct {

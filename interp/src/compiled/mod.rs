@@ -18,6 +18,7 @@ mod sampling;
 mod steps;
 mod table_certificate;
 mod tool_certificate;
+mod tool_search;
 
 pub use certificate::{Certificate, CertifiedBound, CertifiedJump, certify};
 pub use error::{CompileError, JointTrajectoryError};
@@ -26,4 +27,5 @@ pub use plan::CompiledPlan;
 pub use points::JointPoint;
 pub use sampling::{JointCursor, JointSetpoints};
 pub use table_certificate::{TableBound, TableCertificate};
-pub use tool_certificate::{ToolBound, ToolCertificate};
+pub use tool_certificate::ToolCertificate;
+pub use tool_search::ToolBound;

@@ -4,14 +4,14 @@
 //! Both work in the frame F = (u, v, n): v along axis 1, n along axis 2, u = v x n, origin on axis 1.
 
 use super::Solutions;
-#[cfg(not(feature = "std"))]
-use crate::float::Float;
 use crate::{
     error::{KinematicsError, ReachSide},
     jacobian::Configuration,
     trig::{atan2, sin_cos},
 };
 use nalgebra::{Matrix3, Vector2, Vector3};
+#[cfg(not(feature = "std"))]
+use num_traits::Float;
 use std::f64::consts::PI;
 
 /// Excess of reach, relative to the arm's size, that is taken as rounding and clamped, ...

@@ -19,14 +19,14 @@ use super::planar::TwoLink;
 use super::rules::{Rules, WRIST_SINGULAR, distances};
 use super::{ClosedForm, Solutions};
 use crate::error::KinematicsError;
-#[cfg(not(feature = "std"))]
-use crate::float::Float;
 use crate::jacobian::Configuration;
 use crate::joint::Joints;
 use crate::posture::Posture;
 use crate::singularity::SingularityDistances;
 use crate::trig::{atan2, principal, sin_cos};
 use nalgebra::{Isometry3, Matrix3, Vector2};
+#[cfg(not(feature = "std"))]
+use num_traits::Float;
 use std::f64::consts::PI;
 
 /// The numbers of one arm with a spherical wrist.

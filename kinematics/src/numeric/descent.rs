@@ -1,14 +1,14 @@
 //! One search from one place: damped steps until the target is met or nothing is gained any more.
 
 use super::arm::{NullSpace, NumericArm};
-#[cfg(not(feature = "std"))]
-use crate::float::Float;
 use crate::{
     jacobian::{Configuration, Jacobian, Target, Twist},
     joint::Joints,
     lu::solve_positive,
     traits::ForwardKinematics,
 };
+#[cfg(not(feature = "std"))]
+use num_traits::Float;
 
 /// Steps without gain after which an attempt is given up.
 const PATIENCE: usize = 8;

@@ -8,9 +8,9 @@ use super::course::Course;
 use super::following::Following;
 use super::time_scale::{HIGHEST, Pace};
 use crate::error::SyncError;
-#[cfg(not(feature = "std"))]
-use crate::float::Float;
 use crate::state_to_state::Trajectory;
+#[cfg(not(feature = "std"))]
+use num_traits::Float;
 
 impl<const N: usize> OnlineGenerator<N> {
     /// Brings every axis to rest in the shortest way of its own, and gives up the targets. The

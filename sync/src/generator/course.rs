@@ -1,8 +1,8 @@
 //! What an axis has before it, and whether it keeps its limits when time is scaled.
 
-#[cfg(not(feature = "std"))]
-use crate::float::Float;
 use arcfeed_feedrate::{AxisLimits, MotionLaw, Phase, StateToState};
+#[cfg(not(feature = "std"))]
+use num_traits::Float;
 
 /// Bounds of velocity, acceleration and jerk, in this order.
 type Hull = [(f64, f64); 3];

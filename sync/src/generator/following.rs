@@ -5,10 +5,10 @@ use arcfeed_feedrate::{AxisLimits, AxisState, FeedError, MotionLaw, MotionState,
 use super::coast::Coast;
 use super::course::Course;
 use crate::error::SyncError;
-#[cfg(not(feature = "std"))]
-use crate::float::Float;
 use crate::sampler::Window;
 use crate::state_to_state::Trajectory;
+#[cfg(not(feature = "std"))]
+use num_traits::Float;
 
 /// Every axis on the way to its target, or going on without one.
 #[derive(Debug, Clone, Copy)]

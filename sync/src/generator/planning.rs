@@ -7,10 +7,10 @@ use super::course::Course;
 use super::following::Following;
 use super::{OnlineGenerator, is_outside};
 use crate::error::SyncError;
-#[cfg(not(feature = "std"))]
-use crate::float::Float;
 use crate::mode::Synchronisation;
 use crate::state_to_state::{Trajectory, keeps};
+#[cfg(not(feature = "std"))]
+use num_traits::Float;
 
 impl<const N: usize> OnlineGenerator<N> {
     /// Sets the state to reach.

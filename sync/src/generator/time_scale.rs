@@ -13,9 +13,9 @@
 //! ([`Course::keeps`]); while no ramp is possible the scale stays what it is. Every cycle tries a
 //! few ramps that are better than the one that is followed.
 
-#[cfg(not(feature = "std"))]
-use crate::float::Float;
 use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, MotionState, StateToState};
+#[cfg(not(feature = "std"))]
+use num_traits::Float;
 
 use super::course::Course;
 

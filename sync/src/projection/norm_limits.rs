@@ -27,7 +27,7 @@ use super::feasible_set::{FeasibleSet, NONE, Order, SLACK, ScalarBounds, WIDEST}
 use super::transverse_brake::{BrakeLimits, Ranges};
 use crate::error::SyncError;
 #[cfg(not(feature = "std"))]
-use crate::float::Float;
+use num_traits::Float;
 
 /// Bounds of the norm of velocity, acceleration and jerk of a tool.
 #[derive(Debug, Clone, Copy, PartialEq)]

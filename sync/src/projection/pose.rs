@@ -8,9 +8,9 @@ use super::line::{LinePlan, Start};
 use super::norm_limits::PoseLimits;
 use super::status::ProjectionStatus;
 use crate::error::SyncError;
-#[cfg(not(feature = "std"))]
-use crate::float::Float;
 use crate::so3;
+#[cfg(not(feature = "std"))]
+use num_traits::Float;
 
 /// Pose of a tool and its first two derivatives; rows linear x y z, then angular x y z, in base
 /// axes, at the tool point.

@@ -1,8 +1,8 @@
 //! Back inside the limits, and to zero acceleration, one coordinate at a time.
 
-#[cfg(not(feature = "std"))]
-use crate::float::Float;
 use arcfeed_feedrate::{AxisLimits, MotionLaw, MotionState, SpeedChange};
+#[cfg(not(feature = "std"))]
+use num_traits::Float;
 
 /// A change of velocity to zero acceleration, by the largest jerk; the velocity goes on from there.
 #[derive(Debug, Clone, Copy)]

@@ -7,7 +7,7 @@
 use super::rows::Lanes;
 use super::{NODES, SECTIONS};
 #[cfg(not(feature = "std"))]
-use crate::float::Float;
+use num_traits::Float;
 
 type Vector<const N: usize> = [Lanes<N>; 2];
 type Matrix<const N: usize> = [[Lanes<N>; 2]; 2];

@@ -1,6 +1,6 @@
 //! Motion through way-points, one control cycle at a time.
 
-use arcfeed_feedrate::{AxisLimits, AxisState, StateToState};
+use arcfeed_feedrate::{AxisState, StateToState};
 
 use super::planner::WayPointPlanner;
 use super::route::Route;
@@ -49,7 +49,6 @@ pub struct WayPointStep<const N: usize> {
 pub struct WayPointGenerator<const N: usize> {
     planner: WayPointPlanner<N>,
     motion: WayPointTrajectory<N>,
-    limits: [AxisLimits; N],
     cycle: f64,
     /// The section under way, and the time since it began (s).
     section: usize,
@@ -77,7 +76,6 @@ impl<const N: usize> WayPointGenerator<N> {
             planner,
             last: motion.section_durations().len() == 1,
             motion,
-            limits: *route.limits(route.sections()),
             cycle,
             section: 0,
             current,
@@ -96,21 +94,21 @@ impl<const N: usize> WayPointGenerator<N> {
         self.current = motion.section(0)?;
         self.last = motion.section_durations().len() == 1;
         self.motion = motion;
-        self.limits = *route.limits(route.sections());
         (self.section, self.since, self.reached) = (0, 0.0, false);
         Ok(())
     }
 
-    /// Brings every axis to rest in the shortest way of its own, within the limits of the last
-    /// section, and gives up the route.
+    /// Brings every axis to rest in the shortest way of its own, within the limits of the
+    /// section under way, and gives up the route.
     ///
     /// # Errors
     /// [`SyncError::State`] naming an axis whose stop has no finite numbers. The motion goes on as
     /// it is then.
     pub fn stop(&mut self) -> Result<(), SyncError> {
+        let limits = &self.motion.limits[self.section];
         let mut motions = [StateToState::default(); N];
         for (axis, motion) in motions.iter_mut().enumerate() {
-            *motion = StateToState::stop(&self.state[axis], &self.limits[axis])
+            *motion = StateToState::stop(&self.state[axis], &limits[axis])
                 .map_err(|source| SyncError::State { axis, source })?;
         }
         self.current = Trajectory::of(motions);

@@ -6,7 +6,7 @@ use super::program::Program;
 use super::route::Route;
 use super::{NODES, SECTIONS};
 #[cfg(not(feature = "std"))]
-use crate::float::Float;
+use num_traits::Float;
 
 /// The first durations, relative to what the limits demand one by one.
 const GENEROUS: f64 = 1.2;

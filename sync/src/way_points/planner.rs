@@ -9,7 +9,7 @@ use super::trajectory::{WayPointTrajectory, section};
 use super::{NODES, SECTIONS};
 use crate::error::SyncError;
 #[cfg(not(feature = "std"))]
-use crate::float::Float;
+use num_traits::Float;
 
 /// Plans motions through way-points. Holds the memory of the computation, some 420 kB for six axes:
 /// nothing else is allocated.

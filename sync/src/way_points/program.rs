@@ -9,7 +9,7 @@ use super::rows::{Lanes, ROWS, Rows, combine, ends, order};
 use super::sums::Sums;
 use super::{NODES, SECTIONS};
 #[cfg(not(feature = "std"))]
-use crate::float::Float;
+use num_traits::Float;
 
 /// A duration may change by this part of itself in one step.
 const TRUST: f64 = 0.4;

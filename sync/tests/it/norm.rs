@@ -12,7 +12,7 @@ fn free() -> [AxisLimits; 4] {
 #[test]
 fn the_norms_hold_while_targets_change_in_any_cycle() {
     let norm = NormLimits::new(&[0, 1, 3], 1.0, 6.0).unwrap();
-    let limits = norm.limits(&free());
+    let limits = norm.limits(&free()).unwrap();
     assert_eq!(limits[2], free()[2]);
     let mut generator = OnlineGenerator::new([AxisState::rest(0.0); 4], limits, 1e-3, Synchronisation::Time).unwrap();
     let (mut rng, mut fastest, mut hardest) = (Random::new(3), 0.0_f64, 0.0_f64);
@@ -45,7 +45,7 @@ fn a_straight_motion_loses_what_the_documentation_says() {
                 .map(|&k| limits[k].v_max() * length / d[k].abs())
                 .fold(f64::INFINITY, f64::min)
         };
-        let (along, equal) = (norm.limits_along(&free(), &d), norm.limits(&free()));
+        let (along, equal) = (norm.limits_along(&free(), &d).unwrap(), norm.limits(&free()).unwrap());
         for limits in [along, equal] {
             let sum: f64 = [0, 1, 3].iter().map(|&k| limits[k].v_max().powi(2)).sum();
             let hard: f64 = [0, 1, 3].iter().map(|&k| limits[k].a_max().powi(2)).sum();
@@ -68,4 +68,19 @@ fn what_bounds_nothing_is_refused_by_name() {
     assert!(matches!(e, SyncError::Tool { what: "number of axes of the point", .. }), "{e}");
     let e = NormLimits::<4>::new(&[0, 4], 1.0, 1.0).unwrap_err();
     assert!(matches!(e, SyncError::NoSuchAxis { axis: 4, count: 4 }), "{e}");
+}
+
+#[test]
+fn limits_that_cannot_be_lowered_are_refused_by_axis() {
+    let mut limits = free();
+    // Forward only: lowered like the others, or refused, but never left as it is.
+    limits[3] = AxisLimits::forward(5.0, (-40.0, 40.0), (-800.0, 800.0)).unwrap();
+    let norm = NormLimits::new(&[0, 1, 3], 1.0, 6.0).unwrap();
+    match norm.limits(&limits) {
+        Ok(lowered) => assert!(lowered[3].v_max() <= 1.0, "{:?}", lowered[3]),
+        Err(error) => assert!(matches!(error, SyncError::State { axis: 3, .. }), "{error}"),
+    }
+    // A bound whose shares are no numbers above 0.
+    let norm = NormLimits::new(&[0, 1, 2, 3], f64::from_bits(1), 6.0).unwrap();
+    assert!(matches!(norm.limits(&free()), Err(SyncError::State { axis: 0, .. })));
 }

@@ -237,6 +237,27 @@ fn planning_allocates_nothing() {
 }
 
 /// Checks a step by differences: the jerk, and velocity and acceleration at its end.
+/// A stop keeps the limits of the section under way, however much the later ones allow.
+#[test]
+fn a_stop_keeps_the_limits_of_its_section() {
+    let fast = [AxisLimits::symmetric(2.0, 20.0, 400.0).unwrap(); 2];
+    let calm = [AxisLimits::symmetric(0.5, 1.0, 10.0).unwrap(); 2];
+    let points = [WayPoint::new([1.0, 0.5]).with_limits(calm)];
+    let route = Route::new(&points, [2.0, 1.0].map(AxisState::rest), fast);
+    let mut generator = WayPointGenerator::new([AxisState::rest(0.0); 2], &route, 1e-3).unwrap();
+    (0..900).for_each(|_| assert_eq!(generator.step().passed, 0));
+    generator.stop().unwrap();
+    loop {
+        let step = generator.step();
+        for k in 0..2 {
+            assert!(step.state.qdd[k].abs() <= 1.0 + 1e-9, "{:?}", step.state);
+        }
+        if step.reached {
+            break;
+        }
+    }
+}
+
 fn check_step(was: &[AxisState], now: &[AxisState], limits: &[AxisLimits], cycle: f64) {
     for ((was, now), l) in was.iter().zip(now).zip(limits) {
         let (jerk, most) = ((now.a - was.a) / cycle, l.j_max().max(-l.j_min()));

@@ -28,7 +28,6 @@ pub struct PageFile<'a, const N: usize> {
 
 impl<'a, const N: usize> PageFile<'a, N> {
     /// Begins the page of a motion of `samples` samples, where it is asked for.
-    #[cfg(feature = "html")]
     pub fn new(
         args: &Args,
         robot: &Robot,
@@ -36,24 +35,22 @@ impl<'a, const N: usize> PageFile<'a, N> {
         torque: Option<&'a TorqueLimits<'a, N>>,
         samples: usize,
     ) -> Self {
-        if !args.format.contains(&Format::Html) {
-            return Self { page: None, limited_by: Vec::new() };
+        #[cfg(feature = "html")]
+        {
+            let facts = || PageFacts {
+                robot: robot.description().name.clone(),
+                joint_names: robot.any().joint_names().to_vec(),
+                joints,
+                torque,
+            };
+            let page = args.format.contains(&Format::Html).then(|| MotionPage::new(facts(), samples));
+            Self { page, limited_by: Vec::new() }
         }
-        let names = robot.any().joint_names().to_vec();
-        let facts = PageFacts { robot: robot.description().name.clone(), joint_names: names, joints, torque };
-        Self { page: Some(MotionPage::new(facts, samples)), limited_by: Vec::new() }
-    }
-
-    /// There is no page to begin.
-    #[cfg(not(feature = "html"))]
-    pub fn new(
-        _args: &Args,
-        _robot: &Robot,
-        joints: &'a JointLimits<N>,
-        _torque: Option<&'a TorqueLimits<'a, N>>,
-        _samples: usize,
-    ) -> Self {
-        Self { _limits: joints }
+        #[cfg(not(feature = "html"))]
+        {
+            let _ = (args, robot, torque, samples);
+            Self { _limits: joints }
+        }
     }
 
     /// The next sample, with its place on the path (m) and the speed there (m/s).
