@@ -1,5 +1,6 @@
 //! A problem made ready: checked, split next to rest, cut at its stops.
 
+use std::borrow::Cow;
 use std::cell::OnceCell;
 use std::ops::Range;
 
@@ -96,7 +97,7 @@ pub(super) struct Prepared<'a> {
     pub original: &'a FeedProblem,
     scanned: OnceCell<Option<SpeedLaw>>,
     /// With the intervals next to rest split.
-    pub problem: FeedProblem,
+    pub problem: Cow<'a, FeedProblem>,
     /// Squared speeds of a second-order planner.
     pub fastest: Vec<f64>,
     pub parts: Vec<Part>,

@@ -1,5 +1,7 @@
 //! Grid points next to rest, where the acceleration builds up.
 
+use std::borrow::Cow;
+
 use crate::constraint::Within;
 use crate::problem::FeedProblem;
 use crate::row::{JerkRow, Row};
@@ -14,7 +16,7 @@ const LAST: f64 = 0.6;
 
 /// The problem with its intervals next to rest split where the acceleration has built up, and
 /// coarser beyond: rows in between are interpolated, exactly so on a piecewise cubic path.
-pub(super) fn refined(problem: &FeedProblem) -> FeedProblem {
+pub(super) fn refined(problem: &FeedProblem) -> Cow<'_, FeedProblem> {
     let n = problem.intervals();
     let mut cuts = Vec::new();
     for k in 0..n {
@@ -33,7 +35,7 @@ pub(super) fn refined(problem: &FeedProblem) -> FeedProblem {
             cuts.push((k, fractions));
         }
     }
-    if cuts.is_empty() { problem.clone() } else { problem.split(&cuts) }
+    if cuts.is_empty() { Cow::Borrowed(problem) } else { Cow::Owned(problem.split(&cuts)) }
 }
 
 /// Places at which to split interval `k`, in parts of its length from the end at rest.
