@@ -30,6 +30,8 @@ pub(super) struct ThirdRow {
     pub step: f64,
     /// That part, at most 1; the rest is a margin for what happens between the knots.
     pub part: f64,
+    /// That part is no more than this, which is what a check of the converged iterate asked for.
+    pub at_most: f64,
     /// Index of the jerk row in the problem.
     pub id: u32,
 }
@@ -158,7 +160,8 @@ impl BarrierProblem {
             points: Vec::with_capacity((b - a + 1) * problem.rows(a).len()),
             first: Vec::with_capacity(b - a + 2),
             caps: Vec::with_capacity(b - a + 1),
-            inner: Vec::with_capacity(2 * (b - a) * problem.rows(a).len()),
+            // Those of the speed too: five, one that it is positive, one for a cap.
+            inner: Vec::with_capacity((b - a) * (2 * problem.rows(a).len() + 7)),
             inner_first: vec![0],
             thirds: Vec::with_capacity(2 * (b - a) * problem.jerk_rows(a, Within::Start).len()),
             thirds_first: vec![0],
@@ -202,6 +205,7 @@ impl BarrierProblem {
                     gamma: row.gamma / row.limit,
                     step: row.step / row.limit,
                     part: 1.0,
+                    at_most: 1.0,
                     id,
                 }));
                 barrier_problem.thirds_first.push(barrier_problem.thirds.len());

@@ -112,8 +112,8 @@ impl BarrierProblem {
         /// Jerk is no parabola: one that rises this much may be beyond its limit from this part below it on.
         const LARGE: f64 = 2e-5;
         const SURE: f64 = 2e-5;
-        /// The motion changes a little once more.
-        const MARGIN: f64 = 1.3;
+        /// The motion changes a little once more; the margin stays as it does.
+        const MARGIN: f64 = 1.1;
         let mut exceeded = false;
         let mut tighter = vec![0.0_f64; self.knots.intervals() + 1];
         for p in 0..2 * self.knots.intervals() {
@@ -130,7 +130,8 @@ impl BarrierProblem {
                 if beyond || (over > LARGE && peak > self.most * (1.0 - SURE)) {
                     exceeded = true;
                     let before = row.part;
-                    row.use_part((self.most - MARGIN * over - SURE).max(LEAST_PART * before).min(before));
+                    row.at_most = (self.most - MARGIN * over - SURE).max(LEAST_PART * before).min(before);
+                    row.use_part(row.at_most);
                     let end = k + p % 2;
                     tighter[end] = tighter[end].max(before / row.part - 1.0);
                 }
@@ -163,7 +164,7 @@ impl BarrierProblem {
                 let [low, high] = parabola_overshoot(value);
                 let stated = &rows[end][row.id as usize];
                 let here = value[end].abs() + stated.step * states[end].1 / stated.limit;
-                let part = (self.most - low.max(high)).max(least(here, row.part)).min(self.most);
+                let part = (self.most - low.max(high)).max(least(here, row.part)).min(self.most.min(row.at_most));
                 row.use_part(part);
             }
         }

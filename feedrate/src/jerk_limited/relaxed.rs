@@ -50,7 +50,7 @@ impl BarrierProblem {
                         step += weight * row.limit * (row.step / row.limit).powf(1.5);
                     }
                 }
-                let row = ThirdRow { alpha, beta, gamma, step: 0.0, part: 1.0, id: id as u32 };
+                let row = ThirdRow { alpha, beta, gamma, step: 0.0, part: 1.0, at_most: 1.0, id: id as u32 };
                 if step == 0.0 {
                     self.thirds.push(row);
                 } else {
