@@ -83,6 +83,12 @@ impl JerkLimited {
         Self { tolerance: part * self.tolerance }.plan_from(problem, Some(law))
     }
 
+    /// The law, if there is one. Nothing is spent on the reasons where there is none.
+    pub(super) fn plan_if_any(&self, problem: &FeedProblem) -> Option<SpeedLaw> {
+        let passes = Passes { tolerance: self.tolerance, near: None, rough: false };
+        passes.plan(problem).ok().map(|plan| plan.law)
+    }
+
     fn plan_from(&self, problem: &FeedProblem, near: Option<&SpeedLaw>) -> Result<JerkLimitedPlan, FeedError> {
         let passes = Passes { tolerance: self.tolerance, near, rough: false };
         passes.plan(problem).map_err(|why| explain(&passes, problem, why))
