@@ -9,6 +9,7 @@ use arcfeed_feedrate::constraint::{
 use arcfeed_feedrate::{FeedError, FeedPlanner, FeedProblem, JerkLimited, SpeedLaw, WindowedJerkLimited, WindowedPlan};
 use arcfeed_testing::{Random, most_bytes_in};
 
+use crate::row_families_cases::{Case, FAMILIES, Path, judge};
 use crate::spline_paths::{A_MAX, JOINTS, Spline, V_A, worst};
 
 const J_MAX: [f64; JOINTS] = [30.6, 23.1, 34.7, 37.4, 37.4, 55.0];
@@ -69,6 +70,31 @@ fn windows_are_as_fast_as_the_whole_and_keep_all_limits() {
         (windows, stops) = (windows + plan.windows, stops + plan.stops.len());
     }
     assert!(windows > 60 && stops == 0, "{windows} windows, {stops} stops");
+}
+
+/// Problems of all families, between their points too: windows keep what the whole keeps.
+#[test]
+fn random_problems_in_windows_keep_their_limits() {
+    let (mut planned, mut stops) = (0, 0);
+    for index in 0..400 {
+        let family = index as usize % FAMILIES.len();
+        let case = Case::numbered(23, family, index);
+        let path = Path::new(&case);
+        let n = path.grid.len() - 1;
+        let whole = path.problem(true, true).and_then(|problem| JerkLimited::default().plan(&problem));
+        let (Ok(whole), true) = (whole, n > 128) else { continue };
+        let planner = WindowedJerkLimited::new(JerkLimited::default(), 80).unwrap();
+        let plan = match planner.plan(n, |range| path.problem_on(range, true, true)) {
+            // Standing still is not possible everywhere.
+            Err(FeedError::StaticallyInfeasible { .. }) => continue,
+            plan => plan.unwrap_or_else(|error| panic!("{error}: {}", case.literal())),
+        };
+        let excess = judge(&path, &plan.law, true);
+        assert!(excess.at_grid <= 1e-7 && excess.between <= 1e-6, "{excess:?}: {}", case.literal());
+        assert!(plan.law.duration() > 0.99 * whole.duration(), "{}", case.literal());
+        (planned, stops) = (planned + 1, stops + plan.stops.len());
+    }
+    assert!(planned > 100 && stops < planned / 4, "{planned} problems, {stops} stops");
 }
 
 /// Limits on the path alone, with a feed that changes, and stops at some points; `ends` are the speeds at both ends.
