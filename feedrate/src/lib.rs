@@ -34,7 +34,7 @@
 //! | speed limits from the path and the joints | [`caps`] |
 //! | limits as rows on a grid | [`constraint`], [`Row`], [`JerkRow`], [`IntervalBound`], [`FeedProblem`] |
 //! | planners for segments | [`Segment`], [`plan_per_segment`], [`plan_windowed`], [`plan_continuous`] |
-//! | planners for rows ([`FeedPlanner`]) | [`ForwardBackwardScan`], [`Reachability`], [`InterpolatedReachability`], [`JerkLimited`] |
+//! | planners for rows ([`FeedPlanner`]) | [`ForwardBackwardScan`], [`Reachability`], [`InterpolatedReachability`], [`JerkLimited`]; in windows [`WindowedJerkLimited`] |
 //! | reference optimum (feature `clarabel`) | `ClarabelBaseline` |
 //! | the result of every planner | [`SpeedLaw`], sampled by time or by position |
 //! | limits that change while the motion runs | [`FeedScheduler`] |
