@@ -94,7 +94,8 @@ fn random_problems_in_windows_keep_their_limits() {
         assert!(plan.law.duration() > 0.99 * whole.duration(), "{}", case.literal());
         (planned, stops) = (planned + 1, stops + plan.stops.len());
     }
-    assert!(planned > 100 && stops < planned / 4, "{planned} problems, {stops} stops");
+    // There are 8 if a window has to begin at a speed that a scan with constant accelerations can go on from.
+    assert!(planned > 100 && stops <= 3, "{planned} problems, {stops} stops");
 }
 
 /// Limits on the path alone, with a feed that changes, and stops at some points; `ends` are the speeds at both ends.
