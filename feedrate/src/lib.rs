@@ -34,7 +34,7 @@
 //! | speed limits from the path and the joints | [`caps`] |
 //! | limits as rows on a grid | [`constraint`], [`Row`], [`JerkRow`], [`IntervalBound`], [`FeedProblem`] |
 //! | planners for segments | [`Segment`], [`plan_per_segment`], [`plan_windowed`], [`plan_continuous`] |
-//! | planners for rows ([`FeedPlanner`]) | [`ForwardBackwardScan`], [`Reachability`], [`InterpolatedReachability`], [`JerkLimited`] |
+//! | planners for rows ([`FeedPlanner`]) | [`ForwardBackwardScan`], [`Reachability`], [`InterpolatedReachability`], [`JerkLimited`]; in windows [`WindowedJerkLimited`] |
 //! | reference optimum (feature `clarabel`) | `ClarabelBaseline` |
 //! | the result of every planner | [`SpeedLaw`], sampled by time or by position |
 //! | limits that change while the motion runs | [`FeedScheduler`] |
@@ -97,7 +97,7 @@ mod state_to_state;
 pub use baseline::{Bounded, ClarabelBaseline};
 pub use error::{FeedError, PathEnd};
 #[cfg(feature = "std")]
-pub use jerk_limited::{JerkLimited, JerkLimitedPlan, LowerBound};
+pub use jerk_limited::{JerkLimited, JerkLimitedPlan, LowerBound, WindowedJerkLimited, WindowedPlan};
 pub use limits::AxisLimits;
 #[cfg(feature = "std")]
 pub use live::{FeedOverride, LiveSection, LiveStatus, LiveStep, MAX_SECTIONS, VelocityLimitCurve};

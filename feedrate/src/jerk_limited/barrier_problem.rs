@@ -148,8 +148,8 @@ impl BarrierProblem {
     /// `fastest` are squared speeds at all grid points that the solution is not expected to exceed
     /// by much.
     pub fn new(problem: &FeedProblem, [from, to]: [usize; 2], speeds: [f64; 2], fastest: &[f64]) -> Self {
-        let end = |speed: f64, h: f64| if speed > 0.0 { End::Moving { x: speed * speed } } else { End::Rest { h } };
-        let ends = [end(speeds[0], problem.h(from)), end(speeds[1], problem.h(to - 1))];
+        let end = |v: f64, u: f64, h: f64| if v > 0.0 { End::Moving { x: v * v, u } } else { End::Rest { h } };
+        let ends = [end(speeds[0], problem.a_start(), problem.h(from)), end(speeds[1], 0.0, problem.h(to - 1))];
         let (a, b) = (from + ends[0].rest_intervals(), to - ends[1].rest_intervals());
         let knots = Knots::new((a..b).map(|k| problem.h(k)).collect());
         let mut barrier_problem = Self {

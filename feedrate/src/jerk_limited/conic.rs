@@ -62,7 +62,7 @@ fn sequence(prepared: &Prepared<'_>, part: &Part) -> Result<(Solution, bool), Fe
         c = variables[..m].iter().map(|c| c * units.x).collect();
         let ratios = barrier_problem.ratios();
         for (i, (outer, inner)) in [(0, 1), (m - 1, m - 2)].into_iter().enumerate() {
-            if let End::Moving { x } = barrier_problem.ends[i] {
+            if let End::Moving { x, .. } = barrier_problem.ends[i] {
                 c[outer] = x;
             }
             c[inner] = c[outer] * ratios[i];
@@ -207,7 +207,7 @@ fn demand_ends(program: &mut Program, barrier_problem: &BarrierProblem, columns:
         program.equal(0.0, &[(inner, 1.0), (outer, -ratios[i])]);
         let inverse = columns.inverse(2 * m + i);
         match barrier_problem.ends[i] {
-            End::Moving { x } => {
+            End::Moving { x, .. } => {
                 program.equal(x / units.x, &[(outer, 1.0)]);
                 program.equal(0.0, &[(inverse, 1.0)]);
             }

@@ -54,7 +54,9 @@ mod side;
 mod solution;
 mod spline;
 mod start;
+mod windowed;
 
 pub use lower_bound::LowerBound;
 pub use planner::JerkLimited;
 pub use solution::JerkLimitedPlan;
+pub use windowed::{WindowedJerkLimited, WindowedPlan};

@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use super::refine::refined;
 use crate::constraint::Within;
-use crate::error::FeedError;
+use crate::error::{FeedError, PathEnd};
 use crate::problem::{FeedPlanner, FeedProblem};
 use crate::scan::forward_backward::{moves, squared_speeds};
 use crate::scan::on_problem::ContinuousAccelerationScan;
@@ -110,6 +110,26 @@ impl Prepared<'_> {
     }
 }
 
+/// Squared speeds of a second-order planner.
+fn fastest(problem: &FeedProblem) -> Result<Vec<f64>, FeedError> {
+    let of = |problem: &FeedProblem| {
+        squared_speeds(problem).or_else(|error| match error {
+            // Reachability passes points at which standing still is impossible.
+            FeedError::StaticallyInfeasible { .. } => Reachability.squared_speeds(problem),
+            error => Err(error),
+        })
+    };
+    match of(problem) {
+        // A motion with constant acceleration between the points cannot always go on as one can whose acceleration changes there.
+        Err(FeedError::SpeedOutOfReach { end: PathEnd::Start, highest, .. }) if problem.a_start() != 0.0 => {
+            let mut speeds = of(&problem.clone().with_end_speeds((1.0 - 1e-9) * highest, problem.v_end())?)?;
+            speeds[0] = problem.v_start().powi(2);
+            Ok(speeds)
+        }
+        speeds => speeds,
+    }
+}
+
 pub(super) fn prepare(original: &FeedProblem) -> Result<Prepared<'_>, FeedError> {
     if !original.is_between_points() {
         return Err(FeedError::Empty { what: "rows between the grid points (FeedProblem::between_points)" });
@@ -119,11 +139,7 @@ pub(super) fn prepare(original: &FeedProblem) -> Result<Prepared<'_>, FeedError>
     }
     fits(original)?;
     let problem = refined(original);
-    let fastest = squared_speeds(&problem).or_else(|error| match error {
-        // Reachability passes points at which standing still is impossible.
-        FeedError::StaticallyInfeasible { .. } => Reachability.squared_speeds(&problem),
-        error => Err(error),
-    })?;
+    let fastest = fastest(&problem)?;
     moves(&problem, &fastest)?;
     let parts = parts(&problem)?;
     for part in &parts {

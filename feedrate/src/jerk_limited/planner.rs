@@ -27,7 +27,8 @@ const NEAR_PART_FROM: f64 = 4000.0;
 /// Time and memory grow with the number of rows. A grid of more than 800 intervals is planned on a part
 /// of its points first, so that the iterations on all of them are 12 to 17, however many there are. More than 200 000 intervals or five
 /// million rows (some 160 000 intervals of a six-axis arm) are refused: such a path is better
-/// planned on a coarser grid, which keeps the limits between its points as well.
+/// planned on a coarser grid, which keeps the limits between its points as well, or in windows
+/// ([`WindowedJerkLimited`](crate::WindowedJerkLimited)).
 ///
 /// ```
 /// use arcfeed_feedrate::constraint::{Feed, TangentialAcceleration, TangentialJerk};
@@ -81,6 +82,12 @@ impl JerkLimited {
         // An iteration or two more do not cost much then, least of all on a short grid.
         let part = NEAR_PART * (problem.intervals() as f64 / NEAR_PART_FROM).min(1.0);
         Self { tolerance: part * self.tolerance }.plan_from(problem, Some(law))
+    }
+
+    /// The law, if there is one. Nothing is spent on the reasons where there is none.
+    pub(super) fn plan_if_any(&self, problem: &FeedProblem) -> Option<SpeedLaw> {
+        let passes = Passes { tolerance: self.tolerance, near: None, rough: false };
+        passes.plan(problem).ok().map(|plan| plan.law)
     }
 
     fn plan_from(&self, problem: &FeedProblem, near: Option<&SpeedLaw>) -> Result<JerkLimitedPlan, FeedError> {

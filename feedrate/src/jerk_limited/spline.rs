@@ -10,10 +10,12 @@ pub(super) enum End {
         /// Length of that interval.
         h: f64,
     },
-    /// At this squared speed, without acceleration.
+    /// At this squared speed and acceleration.
     Moving {
         /// Squared speed.
         x: f64,
+        /// Acceleration at the start; at the end of the path it is 0.
+        u: f64,
     },
 }
 
@@ -26,12 +28,12 @@ impl End {
         }
     }
 
-    /// `c[1] / c[0]` of the spline behind a rest interval: its slope continues that of the
-    /// interval, `u = 2 x / 3 h`.
+    /// `c[1] / c[0]` of the spline. Behind a rest interval its slope continues that of the interval,
+    /// `u = 2 x / 3 h`.
     pub fn ratio(self, h_next: f64) -> f64 {
         match self {
             Self::Rest { h } => 1.0 + 2.0 * h_next / (3.0 * h),
-            Self::Moving { .. } => 1.0,
+            Self::Moving { x, u } => 1.0 + u * h_next / x,
         }
     }
 }

@@ -124,7 +124,7 @@ fn shape(problem: &FeedProblem, barrier_problem: &BarrierProblem, limit: &[f64],
         x.iter_mut().zip(&departure).for_each(|(x, most)| *x /= (1.0 + (*x / most).powi(2)).sqrt());
         let mut c: Vec<f64> = (0..m + 2).map(|i| 0.5 * (x[i.saturating_sub(1).min(m)] + x[i.min(m)])).collect();
         for (i, (outer, inner)) in [(0, 1), (m + 1, m)].into_iter().enumerate() {
-            if let End::Moving { x } = barrier_problem.ends[i] {
+            if let End::Moving { x, .. } = barrier_problem.ends[i] {
                 c[outer] = x;
             }
             c[inner] = c[outer] * ratios[i];

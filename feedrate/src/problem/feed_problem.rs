@@ -6,6 +6,7 @@ use crate::constraint::{PathConstraint, Place, Within};
 use crate::error::{FeedError, not_negative};
 use crate::row::{JerkRow, LimitId, Quantity, Row};
 use crate::speed_law::SpeedLaw;
+use crate::state::MotionState;
 
 /// Squared speeds of axes over an interval in units of their limits: Bernstein coefficients of a
 /// polynomial of degree 4 in `s` that is above each of them, so that its product with `x(s)` must
@@ -30,6 +31,8 @@ pub struct FeedProblem {
     pub(super) jerk_rows_per_place: usize,
     pub(super) bounds: BoundTable,
     pub(super) v_start: f64,
+    /// Acceleration at the start; 0 unless the problem goes on from a motion.
+    pub(super) a_start: f64,
     pub(super) v_end: f64,
 }
 
@@ -87,6 +90,7 @@ impl FeedProblem {
             jerk_rows_per_place: 0,
             bounds: BoundTable::default(),
             v_start: 0.0,
+            a_start: 0.0,
             v_end: 0.0,
         };
         problem.collect_jerk(constraints)?;
@@ -140,6 +144,12 @@ impl FeedProblem {
         self.v_start = not_negative("start speed", v_start)?;
         self.v_end = not_negative("end speed", v_end)?;
         Ok(self)
+    }
+
+    /// Asks for a state at the start that a motion along the same path has there.
+    pub(crate) fn going_on_from(mut self, state: MotionState) -> Self {
+        (self.v_start, self.a_start) = (state.v, state.a);
+        self
     }
 
     /// The grid, `intervals() + 1` points.
@@ -206,6 +216,11 @@ impl FeedProblem {
     /// Speed asked for at the start (m/s).
     pub fn v_start(&self) -> f64 {
         self.v_start
+    }
+
+    /// Acceleration asked for at the start (m/s^2).
+    pub(crate) fn a_start(&self) -> f64 {
+        self.a_start
     }
 
     /// Speed asked for at the end (m/s).

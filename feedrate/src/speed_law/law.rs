@@ -76,6 +76,17 @@ impl SpeedLaw {
         })
     }
 
+    /// The motion up to the knot at position `s` (m).
+    pub(crate) fn until(mut self, s: f64) -> Self {
+        let i = self.pieces.partition_point(|piece| piece.s < s);
+        if let Some(knot) = self.pieces.get(i) {
+            (self.end, self.duration) = (knot.after(0.0), knot.t);
+            self.pieces.truncate(i);
+            self.pieces.shrink_to_fit();
+        }
+        self
+    }
+
     /// Duration of the motion (s).
     pub const fn duration(&self) -> f64 {
         self.duration

@@ -27,6 +27,7 @@ mod stream;
 mod time_constrained;
 mod tracker;
 mod velocity_targets;
+mod windowed;
 
 #[path = "common/row_families.rs"]
 mod row_families_cases;

@@ -4,6 +4,6 @@ mod counting;
 mod phases;
 mod random;
 
-pub use counting::{Counting, allocations_in};
+pub use counting::{Counting, allocations_in, most_bytes_in};
 pub use phases::{Phase, Wanted};
 pub use random::Random;

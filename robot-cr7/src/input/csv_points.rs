@@ -248,7 +248,7 @@ fn csv_rows(text: &str) -> impl Iterator<Item = (u64, Vec<String>)> {
 }
 
 /// The cells of a row, trimmed.
-fn cells_of(row: &str) -> Vec<String> {
+pub(super) fn cells_of(row: &str) -> Vec<String> {
     if !row.contains('"') {
         return row.split(',').map(|cell| cell.trim().to_owned()).collect();
     }

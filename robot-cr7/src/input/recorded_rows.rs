@@ -1,10 +1,11 @@
 //! Joint trajectories of any source in CSV: columns are known by their names.
 
-use std::io::{Read, Seek};
+use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use arcfeed_kinematics::Joints;
 
+use super::csv_points::cells_of;
 use super::error::InputError;
 
 const RULE: &str = "the columns are t_s or t_ms, and of every joint q1_rad or q1_deg; also known are qd1_rad_s, qd1_deg_s, \
@@ -37,9 +38,15 @@ pub struct RecordedRounding<const N: usize> {
 /// Reads a trajectory row by row, in memory that does not grow with it. The file is read twice: first for the digits of each column.
 ///
 /// The header names the columns, in any order: `t_s` or `t_ms`; `q1_rad` or `q1_deg` and so on for every joint; velocities
-/// (`qd1_rad_s`, `qd1_deg_s`) and accelerations (`qdd1_rad_s2`, `qdd1_deg_s2`) of all joints or of none. Other columns are passed over.
+/// (`qd1_rad_s`, `qd1_deg_s`) and accelerations (`qdd1_rad_s2`, `qdd1_deg_s2`) of all joints or of none. Other columns are passed over,
+/// and so are blank lines, which count in the line numbers of messages.
 pub struct RecordedRows<R, const N: usize> {
-    reader: csv::Reader<R>,
+    reader: BufReader<R>,
+    /// The last line that was read.
+    text: String,
+    /// Its number, from 1.
+    line: u64,
+    /// Its cells.
     record: csv::StringRecord,
     file: PathBuf,
     columns: Columns<N>,
@@ -49,6 +56,8 @@ pub struct RecordedRows<R, const N: usize> {
 
 /// Where the values stand, and what they are multiplied with.
 struct Columns<const N: usize> {
+    /// The line of the header.
+    line: u64,
     count: usize,
     t: (usize, f64),
     joints: [Option<[(usize, f64); N]>; 3],
@@ -61,19 +70,20 @@ impl<R: Read + Seek, const N: usize> RecordedRows<R, N> {
     /// # Errors
     /// [`InputError::Empty`], [`InputError::Column`] for a column that is missing or there twice, [`InputError::Read`].
     pub fn new(reader: R, file: &Path) -> Result<Self, InputError> {
-        let reader =
-            csv::ReaderBuilder::new().has_headers(false).flexible(true).trim(csv::Trim::All).from_reader(reader);
-        let columns = Columns { count: 0, t: (0, 1.0), joints: [None; 3], ignored: Vec::new() };
+        let (reader, text) = (BufReader::new(reader), String::new());
+        let columns = Columns { line: 0, count: 0, t: (0, 1.0), joints: [None; 3], ignored: Vec::new() };
         let record = csv::StringRecord::new();
         let rounding = RecordedRounding { t: 0.0, joints: [Joints::zeros(); 3] };
-        let mut rows = Self { reader, record, file: file.to_owned(), columns, rounding, before: None };
+        let mut rows = Self { reader, text, line: 0, record, file: file.to_owned(), columns, rounding, before: None };
         if !rows.read()? {
             return Err(InputError::Empty { file: file.to_owned(), expected: "a trajectory with its header" });
         }
-        rows.columns = Columns::of(&rows.record, file)?;
-        let data = rows.reader.position().clone();
+        rows.columns = Columns::of(&rows.record, rows.line, file)?;
+        let line = rows.line;
+        let data = rows.reader.stream_position().map_err(|error| rows.unreadable(error))?;
         rows.rounding = rows.digits()?;
-        rows.reader.seek(data).map_err(|error| rows.unreadable(&error))?;
+        rows.reader.seek(SeekFrom::Start(data)).map_err(|error| rows.unreadable(error))?;
+        rows.line = line;
         Ok(rows)
     }
 
@@ -99,17 +109,8 @@ impl<R: Read + Seek, const N: usize> RecordedRows<R, N> {
         Ok(RecordedRounding { t: self.columns.t.1 * t.rounding(), joints: std::array::from_fn(of_joints) })
     }
 
-    fn unreadable(&self, error: &csv::Error) -> InputError {
-        InputError::Read {
-            file: self.file.clone(),
-            source: std::io::Error::other(error.to_string()),
-            remedy: "give a CSV file in UTF-8",
-        }
-    }
-
-    /// The line of the record, from 1.
-    fn line(&self) -> u64 {
-        self.record.position().map_or(1, csv::Position::line)
+    fn unreadable(&self, source: std::io::Error) -> InputError {
+        InputError::Read { file: self.file.clone(), source, remedy: "give a CSV file in UTF-8" }
     }
 
     /// Names of the columns that are passed over.
@@ -117,15 +118,33 @@ impl<R: Read + Seek, const N: usize> RecordedRows<R, N> {
         &self.columns.ignored
     }
 
+    /// Reads the cells of the next line that is not blank.
     fn read(&mut self) -> Result<bool, InputError> {
-        self.reader.read_record(&mut self.record).map_err(|error| self.unreadable(&error))
+        loop {
+            self.text.clear();
+            if self.reader.read_line(&mut self.text).map_err(|error| self.unreadable(error))? == 0 {
+                return Ok(false);
+            }
+            self.line += 1;
+            let row = self.text.trim();
+            if row.is_empty() {
+                continue;
+            }
+            self.record.clear();
+            if row.contains('"') {
+                self.record.extend(cells_of(row));
+            } else {
+                self.record.extend(row.split(',').map(str::trim));
+            }
+            return Ok(true);
+        }
     }
 
     fn number(&self, (column, factor): (usize, f64)) -> Result<f64, InputError> {
         let cell = self.record.get(column).unwrap_or_default();
         cell.parse::<f64>().ok().filter(|v| v.is_finite()).map(|v| v * factor).ok_or_else(|| InputError::Cell {
             file: self.file.clone(),
-            line: self.line(),
+            line: self.line,
             column: column + 1,
             cell: cell.to_owned(),
             remedy: "write a finite number",
@@ -133,7 +152,7 @@ impl<R: Read + Seek, const N: usize> RecordedRows<R, N> {
     }
 
     fn row(&mut self) -> Result<RecordedRow<N>, InputError> {
-        let (file, line) = (self.file.clone(), self.line());
+        let (file, line) = (self.file.clone(), self.line);
         if self.record.len() != self.columns.count {
             let (found, expected) = (self.record.len(), self.columns.count);
             return Err(InputError::ColumnCount {
@@ -141,7 +160,7 @@ impl<R: Read + Seek, const N: usize> RecordedRows<R, N> {
                 line,
                 found,
                 expected,
-                first_line: 1,
+                first_line: self.columns.line,
                 rule: "a cell a column",
             });
         }
@@ -184,10 +203,11 @@ impl<R: Read + Seek, const N: usize> Iterator for RecordedRows<R, N> {
 }
 
 impl<const N: usize> Columns<N> {
-    fn of(header: &csv::StringRecord, file: &Path) -> Result<Self, InputError> {
+    /// The columns that a header names, which is at `line`.
+    fn of(header: &csv::StringRecord, line: u64, file: &Path) -> Result<Self, InputError> {
         let wrong = |column: usize, name: &str, rule| InputError::Column {
             file: file.to_owned(),
-            line: 1,
+            line,
             column: column + 1,
             name: name.to_owned(),
             rule,
@@ -229,7 +249,7 @@ impl<const N: usize> Columns<N> {
                 "the arm has fewer joints: name the one that the file is of with --robot",
             ));
         }
-        Ok(Self { count: header.len(), t, joints, ignored })
+        Ok(Self { line, count: header.len(), t, joints, ignored })
     }
 }
 
@@ -301,6 +321,25 @@ mod tests {
         assert!((t - 0.0005).abs() < 1e-12 && (q[0] - 0.5e-7).abs() < 1e-20, "{t} {q}");
         assert!((q[1] - 0.05f64.to_radians()).abs() < 1e-12 && qd[0] == 0.0, "{q} {qd}");
         assert_eq!(rows.count(), 3);
+    }
+
+    #[test]
+    fn blank_lines_count() {
+        for end in ["\n", "\r\n"] {
+            let text =
+                ["", "t_s,q1_rad,q2_rad,\"a, b\"", "  ", "0,1,1,", "", "", "1,1,1,\"x, y\"", "", "1,2,2,"].join(end);
+            let rows = RecordedRows::<_, 2>::new(std::io::Cursor::new(&text), Path::new("a.csv")).expect("a header");
+            assert_eq!(rows.ignored(), ["a, b"]);
+            let rows: Vec<_> = rows.collect();
+            let lines: Vec<u64> = rows.iter().flatten().map(|row| row.line).collect();
+            assert_eq!(lines, [4, 7], "{text:?}");
+            let error = rows[2].as_ref().expect_err("the time stands").to_string();
+            assert!(error.contains(":9"), "{error}");
+            let error = read(&text.replace("0,1,1,", "0,1")).expect_err("cells are missing").to_string();
+            assert!(error.contains(":4") && error.contains("line 2"), "{error}");
+            let error = read(&text.replace("q2_rad", "q3_rad")).expect_err("no q2").to_string();
+            assert!(error.contains(":2"), "{error}");
+        }
     }
 
     #[test]

@@ -4,7 +4,7 @@ use arcfeed_geometry::KeptJoint;
 use serde::Serialize;
 
 use super::limit_table::line_words;
-use crate::run::outline::{CornerLine, MarkerLine, Outline, Smoothed, Stop};
+use crate::run::outline::{CornerLine, MarkerLine, Outline, OutlinePiece, Smoothed, Stop};
 use crate::text::number;
 
 /// What became of the corners of a program or a polyline, and where its codes stand in time.
@@ -37,7 +37,7 @@ pub struct StopLine {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LineTime {
     /// The line of the file, or the two whose corner is blended. A line of a curve that stands for many ends at the place of the curve
-    /// that is nearest to its end.
+    /// that is nearest to its end. A line that blends left nothing of has no length.
     pub line: String,
     /// The N word, where there is one.
     pub n: Option<u32>,
@@ -134,11 +134,17 @@ pub(crate) fn lines_from(outline: &Outline, from: [f64; 2], time: impl Fn(f64) -
     let mut rows = Rows { outline, from, at: from, time, lines };
     let mut corners = outline.corners.iter().filter_map(|corner| corner.blend.ok());
     let mut inside = outline.inside.iter().peekable();
+    let mut before: Option<&OutlinePiece> = None;
     for piece in &outline.pieces {
-        // Lines of a curve that blends left nothing of.
+        let swallowed = before.filter(|before| before.blend && piece.blend && before.lines[1] == piece.lines[0]);
+        before = Some(piece);
+        // Lines of a curve that blends left nothing of, or the line between two blends.
         let own = piece.lines[usize::from(piece.blend)];
+        if let (Some(blend), false) = (swallowed, inside.peek().is_some_and(|end| end.line < own)) {
+            rows.push([blend.lines[1]; 2], blend.to, blend.feed, None);
+        }
         while let Some(end) = inside.next_if(|end| end.line < own) {
-            rows.push([end.line; 2], end.s, None, Some(end.deviation));
+            rows.push([end.line; 2], end.s, end.feed, Some(end.deviation));
         }
         if piece.blend {
             rows.push(outline.ends_of(piece), piece.to, piece.feed, corners.next());

@@ -22,6 +22,8 @@ pub(crate) struct LineEnd {
     /// The place of the curve that is nearest to it, m.
     pub s: f64,
     pub line: usize,
+    /// Programmed feed, m/s.
+    pub feed: Option<f64>,
     /// Largest distance of the curve from its lines that is possible, m.
     pub deviation: f64,
 }
@@ -52,6 +54,7 @@ pub(crate) struct OutlinePiece {
 /// A corner of the programmed path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct CornerLine {
+    /// The lines that meet there: of a curve that stands for many, the last or the first.
     pub lines: [usize; 2],
     /// rad.
     pub angle: f64,

@@ -165,8 +165,9 @@ impl Programmed {
         let mut inside: Vec<LineEnd> = Vec::with_capacity(self.inside.len());
         for lines in self.inside.chunk_by(|a, b| a.curve == b.curve) {
             let ends = dense_lines::ends_along(lines, curve_range(&pieces, lines[0].curve), curve, workpiece);
+            let feed = self.step(lines[0].curve).and_then(|step| step.feed);
             let ends = ends.into_iter().zip(lines);
-            inside.extend(ends.map(|(s, line)| LineEnd { s, line: line.line, deviation: line.deviation }));
+            inside.extend(ends.map(|(s, line)| LineEnd { s, line: line.line, feed, deviation: line.deviation }));
         }
         let end_of = |(i, line): (usize, usize)| {
             let step = self.steps.get(i)?;
@@ -179,8 +180,10 @@ impl Programmed {
         });
         let markers = markers.collect();
         let corner = |(joint, outcome): &(Joint, JointOutcome)| {
-            let (lines, angle) = (joint.sources, joint.angle);
-            let asked = self.step(lines[0]).is_some_and(|step| step.stop) && lines[0] != lines[1];
+            let ([first, second], angle) = (joint.sources, joint.angle);
+            let before = self.step(first).filter(|_| first != second);
+            let lines = [before.map_or(first, |step| step.last), second];
+            let asked = before.is_some_and(|step| step.stop);
             match outcome {
                 JointOutcome::Kept(_) if asked => Some(CornerLine { lines, angle, blend: Err(Stop::Asked) }),
                 JointOutcome::Kept(_) if angle < CORNER => None,

@@ -171,6 +171,66 @@ fn rounded_coordinates_do_not_turn_into_jerk() {
     assert!((rounded / exact - 1.0).abs() < 0.01 && exact < 3.2, "{rounded} s, {exact} s");
 }
 
+/// The rows of lines.csv, without those of blends: the line, its length and its feed.
+fn rows_of_lines(desk: &Desk) -> Vec<(usize, f64, f64)> {
+    let table = std::fs::read_to_string(desk.folder.join("out/lines.csv")).expect("written");
+    let row = |row: &str| {
+        let cells: Vec<&str> = row.split(',').collect();
+        let number = |i: usize| cells[i].parse().unwrap_or_else(|_| panic!("no number in cell {i} of {row}"));
+        let feed = number(6);
+        cells[0].parse().ok().map(|line| (line, number(3) - number(2), feed))
+    };
+    table.lines().skip(1).filter_map(row).collect()
+}
+
+#[test]
+fn lines_that_blends_leave_nothing_of_keep_their_row_and_feed() {
+    let desk = Desk::new("swallowed");
+    desk.write("job.toml", JOB);
+    let plan = || desk.run(&["plan", "p.ngc", "--job", "job.toml", "--json"]).done();
+    // Twenty lines of 50 um between two corners: blends of their one curve meet in its middle.
+    let mut program = String::from("G64 P0.5 Q0.01\nG21 G90 G0 X50 Y0\nF6000\n");
+    (1..=40).for_each(|i| writeln!(program, "G1 X{:.2} Y0", 50.0 + 0.75 * f64::from(i)).expect("memory"));
+    (1..=20).for_each(|i| writeln!(program, "G1 X80 Y{:.2}", 0.05 * f64::from(i)).expect("memory"));
+    (1..=40).for_each(|i| writeln!(program, "G1 X{:.2} Y1", 80.0 + 0.75 * f64::from(i)).expect("memory"));
+    desk.write("p.ngc", &program);
+    plan();
+    let rows = rows_of_lines(&desk);
+    assert_eq!(rows.iter().map(|row| row.0).collect::<Vec<_>>(), (4..=103).collect::<Vec<_>>());
+    assert!(rows.iter().all(|row| row.2 == 0.1), "{rows:?}");
+    assert!(rows[40..60].iter().all(|row| row.1.abs() < 1e-15), "{rows:?}");
+    // The same of a line of its own, with another feed.
+    desk.write("p.ngc", "G64 P0.5\nG21 G90 G0 X50 Y0\nF6000 G1 X80\nF4500 Y0.05\nF3000 X110\n");
+    plan();
+    let rows = rows_of_lines(&desk);
+    assert_eq!(rows.iter().map(|&(line, _, feed)| (line, feed)).collect::<Vec<_>>(), [(3, 0.1), (4, 0.075), (5, 0.05)]);
+    assert!(rows[1].1 == 0.0 && rows[0].1 > 0.029, "{rows:?}");
+}
+
+#[test]
+fn a_stop_behind_a_curve_names_the_last_line_of_the_curve() {
+    let desk = Desk::new("stop_behind_curve");
+    desk.write("job.toml", JOB);
+    let mut program = String::from("G64 P0.05 Q0.01\nG21 G90 G0 X50 Y0\nF6000\n");
+    // Forty lines along an arc, from its end straight back along the tangent, and ahead again.
+    for i in 1..=40 {
+        let a = 0.01 * f64::from(i);
+        writeln!(program, "G1 X{:.4} Y{:.4}", 50.0 * a.cos(), 50.0 * a.sin()).expect("memory");
+    }
+    let (x, y) = (50.0 * 0.4f64.cos(), 50.0 * 0.4f64.sin());
+    let [back, ahead] = [20.0, 1.0].map(|way| (x + way * 0.4f64.sin(), y - way * 0.4f64.cos()));
+    for (x, y) in [back, ahead] {
+        writeln!(program, "G1 X{x:.4} Y{y:.4}").expect("memory");
+    }
+    desk.write("p.ngc", &program);
+    let report = desk.run(&["plan", "p.ngc", "--job", "job.toml", "--json"]).done().json();
+    let stops = report["program"]["stops"].as_array().expect("a list");
+    let lines: Vec<_> = stops.iter().map(|stop| (stop["lines"][0].as_u64(), stop["lines"][1].as_u64())).collect();
+    assert_eq!(lines, [(Some(43), Some(44)), (Some(44), Some(45))], "{stops:?}");
+    let text = std::fs::read_to_string(desk.folder.join("out/report.txt")).expect("written");
+    assert!(text.contains("2 stops, the first at line 43-44"), "{text}");
+}
+
 #[test]
 fn a_program_with_more_lines_than_a_path_may_have_pieces_is_refused_by_line() {
     let desk = Desk::new("many_lines");

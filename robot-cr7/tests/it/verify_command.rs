@@ -131,7 +131,9 @@ fn bad_files_are_refused() {
     desk.write("none.csv", "");
     desk.write("one.csv", "t_s,q1_rad,q2_rad\n0,0,0\n");
     desk.write("back.csv", "t_s,q1_rad,q2_rad\n0,0,0\n0.1,0,0\n0.05,0,0\n");
+    desk.write("blank.csv", "\n\nt_s,q1_rad,q2_rad\n0,0,0\n\n0.1,0,0\n\n0.05,0,0\n");
     let args = |file| ["verify", file, "--robot", "planar_2r"];
+    desk.run(&args("blank.csv")).refused(2, &["blank.csv:8", "increase"]);
     desk.run(&args("none.csv")).refused(2, &["none.csv", "header"]);
     desk.run(&args("one.csv")).refused(2, &["one.csv", "two rows"]);
     desk.run(&args("back.csv")).refused(2, &["back.csv", "4", "increase"]);

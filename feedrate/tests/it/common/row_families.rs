@@ -4,6 +4,8 @@
 //! further rows have coefficients that are quadratic in `s`, so that three places of an interval determine them.
 #![allow(dead_code, clippy::unwrap_used, clippy::neg_cmp_op_on_partial_ord, missing_docs)]
 
+use std::ops::Range;
+
 use arcfeed_feedrate::constraint::{
     Feed, JointAcceleration, JointJerk, JointVelocity, PathConstraint, PathDerivatives, Place, RowSink, Within,
 };
@@ -218,16 +220,22 @@ impl<'a> Path<'a> {
 
     /// What the planners are given.
     pub fn problem(&self, between: bool, jerk: bool) -> Result<FeedProblem, FeedError> {
-        let (case, grid) = (self.case, &self.grid);
+        self.problem_on(0..self.grid.len() - 1, between, jerk)
+    }
+
+    /// The same on a range of the intervals.
+    pub fn problem_on(&self, range: Range<usize>, between: bool, jerk: bool) -> Result<FeedProblem, FeedError> {
+        let (case, from) = (self.case, range.start);
+        let grid = &self.grid[from..=range.end];
         let (n, m) = (grid.len(), case.y.len());
         let (mut d, mut before, mut mid) = ([vec![], vec![], vec![]], vec![], [vec![], vec![]]);
         for i in 0..n {
             for k in 0..m {
-                let jet = self.jet(k, self.span(i), grid[i]);
+                let jet = self.jet(k, self.span(from + i), grid[i]);
                 (0..3).for_each(|o| d[o].push(jet[o]));
-                before.push(self.jet(k, self.span(i.saturating_sub(1)), grid[i])[2]);
+                before.push(self.jet(k, self.span((from + i).saturating_sub(1)), grid[i])[2]);
                 if i + 1 < n {
-                    let jet = self.jet(k, self.span(i), 0.5 * (grid[i] + grid[i + 1]));
+                    let jet = self.jet(k, self.span(from + i), 0.5 * (grid[i] + grid[i + 1]));
                     (0..2).for_each(|o| mid[o].push(jet[o]));
                 }
             }
@@ -239,14 +247,16 @@ impl<'a> Path<'a> {
         let feeds = vec![case.feed; n - 1];
         let (velocity, acceleration, feed) =
             (JointVelocity::new(path, &case.v)?, JointAcceleration::new(path, &case.a)?, Feed::new(&feeds)?);
-        let (joint_jerk, further) = (JointJerk::new(path, &case.j)?, Further { path: self, jerk });
+        let (joint_jerk, further) = (JointJerk::new(path, &case.j)?, Further { path: self, jerk, from });
         let mut all: Vec<&dyn PathConstraint> = vec![&velocity, &acceleration, &feed, &further];
         if jerk {
             all.push(&joint_jerk);
         }
         let problem =
             if between { FeedProblem::between_points(grid, &all) } else { FeedProblem::at_points(grid, &all) };
-        problem?.with_end_speeds(case.ends[0], case.ends[1])
+        let start = if from == 0 { case.ends[0] } else { 0.0 };
+        let end = if range.end + 1 == self.grid.len() { case.ends[1] } else { 0.0 };
+        problem?.with_end_speeds(start, end)
     }
 
     fn coefficients(&self, row: &[f64], s: f64) -> [f64; 4] {
@@ -275,6 +285,8 @@ fn natural_spline(y: &[f64], h: f64) -> Vec<f64> {
 struct Further<'a> {
     path: &'a Path<'a>,
     jerk: bool,
+    /// The first interval.
+    from: usize,
 }
 
 impl PathConstraint for Further<'_> {
@@ -284,8 +296,8 @@ impl PathConstraint for Further<'_> {
 
     fn rows(&self, place: Place, out: &mut RowSink<'_>) {
         let s = match place {
-            Place::Point(i) => self.path.grid[i],
-            Place::Middle { k, h } => self.path.grid[k] + 0.5 * h,
+            Place::Point(i) => self.path.grid[self.from + i],
+            Place::Middle { k, h } => self.path.grid[self.from + k] + 0.5 * h,
         };
         for (id, row) in self.path.case.rows.iter().enumerate() {
             let [a, b, c, d] = self.path.coefficients(row, s);
@@ -294,7 +306,7 @@ impl PathConstraint for Further<'_> {
     }
 
     fn jerk_rows(&self, k: usize, h: f64, within: Within, out: &mut Vec<JerkRow>) {
-        let s = self.path.grid[k] + [0.0, 0.5, 1.0][within as usize] * h;
+        let s = self.path.grid[self.from + k] + [0.0, 0.5, 1.0][within as usize] * h;
         for (id, row) in self.path.case.thirds.iter().enumerate().filter(|_| self.jerk) {
             let [alpha, beta, gamma, _] = self.path.coefficients(&row[..9], s);
             out.push(JerkRow {

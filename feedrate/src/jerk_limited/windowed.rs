@@ -1,0 +1,167 @@
+//! Long paths, window by window.
+
+use std::ops::Range;
+
+use super::planner::JerkLimited;
+use crate::error::FeedError;
+use crate::problem::FeedProblem;
+use crate::speed_law::SpeedLaw;
+
+/// Windows of fewer intervals than this leave no room to look ahead.
+const LEAST: usize = 64;
+
+/// Where a window is left for the next one, in sixteenths of it: the first that a motion goes on from.
+const CUTS: [usize; 6] = [8, 7, 9, 6, 10, 4];
+
+/// A jerk-limited planner for paths of any number of intervals, in memory that does not grow with
+/// the rows of the path.
+///
+/// A window of the grid is planned to rest at its end, by [`JerkLimited`]. About the first half of
+/// the motion is kept. The next window begins where that half ends, at the speed and acceleration
+/// reached there, so that both are continuous along the whole path.
+///
+/// # It always has a motion
+/// The rest of a window leads to standstill within all limits. If no motion is found that goes on
+/// from the middle of the window, other points of it are tried. If none is found from these either,
+/// the window is taken as a whole, and the path goes on from rest: [`WindowedPlan::stops`] names
+/// these places.
+///
+/// # Choice of the window
+/// The half that is not kept only has to be longer than the way in which the motion brakes to rest
+/// from its highest speed. Then the rest at its end does not slow down what is kept. A window of
+/// four times that way loses little. Longer windows need more memory, shorter ones lose time.
+///
+/// Standing still must be possible at the end of every window.
+///
+/// ```
+/// use arcfeed_feedrate::constraint::{Feed, TangentialAcceleration, TangentialJerk};
+/// use arcfeed_feedrate::{FeedPlanner, FeedProblem, JerkLimited, WindowedJerkLimited};
+///
+/// let (acceleration, jerk) = (TangentialAcceleration::new(2.0)?, TangentialJerk::new(40.0)?);
+/// // 2 m in steps of 1 mm, with a feed that changes. Only rows of one window exist at a time.
+/// let stretch = |range: std::ops::Range<usize>| {
+///     let grid: Vec<f64> = (range.start..=range.end).map(|i| 0.001 * i as f64).collect();
+///     let feeds: Vec<f64> = range.map(|k| if k / 250 % 2 == 0 { 0.2 } else { 0.1 }).collect();
+///     FeedProblem::between_points(&grid, &[&Feed::new(&feeds)?, &acceleration, &jerk])
+/// };
+/// let plan = WindowedJerkLimited::new(JerkLimited::default(), 400)?.plan(2000, stretch)?;
+/// let whole = JerkLimited::default().plan(&stretch(0..2000)?)?;
+/// assert!(plan.stops.is_empty() && plan.law.duration() < 1.005 * whole.duration());
+/// # Ok::<(), arcfeed_feedrate::FeedError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WindowedJerkLimited {
+    planner: JerkLimited,
+    window: usize,
+}
+
+/// A law of [`WindowedJerkLimited`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct WindowedPlan {
+    /// The law.
+    pub law: SpeedLaw,
+    /// Number of windows that were planned.
+    pub windows: usize,
+    /// Positions (m) at which the motion rests because no motion was found that goes on.
+    pub stops: Vec<f64>,
+}
+
+impl WindowedJerkLimited {
+    /// Plans windows of so many grid intervals, 64 at the least.
+    ///
+    /// # Errors
+    /// [`FeedError::LengthMismatch`] for a shorter window.
+    pub fn new(planner: JerkLimited, window: usize) -> Result<Self, FeedError> {
+        if window < LEAST {
+            return Err(FeedError::LengthMismatch { what: "a window (intervals)", got: window, expected: LEAST });
+        }
+        Ok(Self { planner, window })
+    }
+
+    /// The plan for a path of so many grid intervals. `stretch` yields the problem of a range of
+    /// them, built by [`FeedProblem::between_points`] on their grid points, both ends included.
+    /// Speeds at both ends of the path are those of the first and the last such problem.
+    ///
+    /// # Errors
+    /// Those of `stretch`, and those of [`JerkLimited`] for a window that begins at rest.
+    pub fn plan(
+        &self,
+        intervals: usize,
+        mut stretch: impl FnMut(Range<usize>) -> Result<FeedProblem, FeedError>,
+    ) -> Result<WindowedPlan, FeedError> {
+        let mut parts = Vec::new();
+        let (mut windows, mut stops, mut from) = (0, Vec::new(), 0);
+        while from < intervals {
+            let (problem, to) = self.problem(from, intervals, &mut stretch)?;
+            let law = self.planner.plan_noting_convergence(&problem)?.law;
+            let mut window = Window::new(&problem, from..to, law);
+            windows += 1;
+            while window.range.end < intervals && !window.rests {
+                let Some((next, s)) = self.next(&window, intervals, &mut stretch)? else {
+                    stops.push(window.law.end().p);
+                    break;
+                };
+                parts.push(window.law.until(s));
+                window = next;
+                windows += 1;
+            }
+            parts.push(window.law);
+            from = window.range.end;
+        }
+        let start = parts.first().map_or(0.0, SpeedLaw::start);
+        Ok(WindowedPlan { law: SpeedLaw::chain(start, parts), windows, stops })
+    }
+
+    /// The window that goes on from another one, and where it does so (m); none where no motion is found.
+    fn next(
+        &self,
+        window: &Window,
+        intervals: usize,
+        stretch: &mut impl FnMut(Range<usize>) -> Result<FeedProblem, FeedError>,
+    ) -> Result<Option<(Window, f64)>, FeedError> {
+        for cut in CUTS {
+            let i = window.range.len() * cut / 16;
+            let (from, state) = (window.range.start + i, window.law.at_position(window.grid[i]));
+            let (problem, to) = self.problem(from, intervals, stretch)?;
+            let problem = problem.going_on_from(state);
+            if let Some(law) = self.planner.plan_if_any(&problem) {
+                return Ok(Some((Window::new(&problem, from..to, law), state.p)));
+            }
+        }
+        Ok(None)
+    }
+
+    /// The problem from an interval on, and where it ends: at the last stop inside the window, where the motion rests anyway, else at
+    /// the end of the window. No short window is left for the end of the path.
+    fn problem(
+        &self,
+        from: usize,
+        intervals: usize,
+        stretch: &mut impl FnMut(Range<usize>) -> Result<FeedProblem, FeedError>,
+    ) -> Result<(FeedProblem, usize), FeedError> {
+        let left = intervals - from;
+        let to = if left <= self.window + self.window / 2 { intervals } else { from + self.window };
+        let problem = stretch(from..to)?;
+        let stop = (1..problem.intervals()).rev().find(|&i| problem.cap(i).0 == 0.0);
+        match stop {
+            Some(stop) => Ok((stretch(from..from + stop)?, from + stop)),
+            None => Ok((problem, to)),
+        }
+    }
+}
+
+/// A window with its motion.
+struct Window {
+    range: Range<usize>,
+    grid: Vec<f64>,
+    law: SpeedLaw,
+    /// True if the motion rests at its end whatever follows.
+    rests: bool,
+}
+
+impl Window {
+    fn new(problem: &FeedProblem, range: Range<usize>, law: SpeedLaw) -> Self {
+        let rests = problem.cap(problem.intervals()).0 == 0.0;
+        Self { range, grid: problem.grid().to_vec(), law, rests }
+    }
+}
