@@ -113,7 +113,7 @@ impl BarrierProblem {
         const LARGE: f64 = 2e-5;
         const SURE: f64 = 2e-5;
         /// The motion changes a little once more; the margin stays as it does.
-        const MARGIN: f64 = 1.1;
+        const MARGIN: f64 = 1.05;
         let mut exceeded = false;
         let mut tighter = vec![0.0_f64; self.knots.intervals() + 1];
         for p in 0..2 * self.knots.intervals() {
