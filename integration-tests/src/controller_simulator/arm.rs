@@ -165,8 +165,7 @@ impl SimulatedArm {
             Some(brake) => {
                 brake.elapsed = (brake.elapsed + STEP).min(brake.duration);
                 let (e, d) = (brake.elapsed, brake.duration);
-                self.reference =
-                    std::array::from_fn(|k| brake.from[k] + brake.velocity[k] * (e - 0.5 * e * e / d));
+                self.reference = std::array::from_fn(|k| brake.from[k] + brake.velocity[k] * (e - 0.5 * e * e / d));
                 self.reference_velocity = std::array::from_fn(|k| brake.velocity[k] * (1.0 - e / d));
                 if e >= d {
                     self.settle();

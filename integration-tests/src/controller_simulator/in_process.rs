@@ -1,6 +1,8 @@
 //! The simulated controller as a wire without a network, as fast as the machine is.
 
+use std::cell::Cell;
 use std::collections::VecDeque;
+use std::rc::Rc;
 
 use arcfeed_testing::Random;
 use robot_cr7::controller::{Channel, FEEDBACK_BYTES, LinkError, Wire};
@@ -23,19 +25,30 @@ pub struct InProcess {
     out: Travelling,
     back: Travelling,
     stalled: bool,
+    clock: Rc<Cell<u64>>,
 }
 
 impl InProcess {
     /// A link to a controller, with up to `jitter` ms in each direction; `fault` begins at `fault_at` (ms).
-    pub fn new(controller: SimulatedController, jitter: usize, (fault, fault_at): (Disturbance, u64), seed: u64) -> Self {
+    pub fn new(
+        controller: SimulatedController,
+        jitter: usize,
+        (fault, fault_at): (Disturbance, u64),
+        seed: u64,
+    ) -> Self {
         let random = Random::new(seed);
         let (out, back) = Default::default();
-        Self { controller, fault, fault_at, random, jitter, out, back, stalled: false }
+        Self { controller, fault, fault_at, random, jitter, out, back, stalled: false, clock: Rc::default() }
     }
 
     /// The controller.
     pub fn controller(&self) -> &SimulatedController {
         &self.controller
+    }
+
+    /// The time in ms, for those who cannot see the link.
+    pub fn clock(&self) -> Rc<Cell<u64>> {
+        self.clock.clone()
     }
 
     /// Lets time pass, ms.
@@ -64,6 +77,7 @@ impl InProcess {
     fn step(&mut self) {
         self.controller.step();
         let now = self.controller.time();
+        self.clock.set(now);
         while self.out.front().is_some_and(|(at, ..)| *at <= now) {
             if let Some((_, channel, bytes)) = self.out.pop_front() {
                 self.controller.hear(channel == Channel::Motion, &bytes);

@@ -9,6 +9,7 @@
 //! * Where setpoints stay out while the arm moves, it brakes within its limits and raises an alarm. `Stop` brakes it in the same way.
 
 mod arm;
+mod case;
 mod command;
 mod controller;
 mod disturbance;
@@ -17,6 +18,7 @@ mod over_tcp;
 mod packet;
 
 pub use arm::{ArmLimits, Excess, SimulatedArm};
+pub use case::{Case, Judged, STATED, cr7_limits, long_motion, random_motion};
 pub use controller::{Record, SimulatedController, Version};
 pub use disturbance::Disturbance;
 pub use in_process::InProcess;
