@@ -54,6 +54,7 @@ pub struct SimulatedArm {
     /// End, duration and elapsed time of the line that is played, and its start.
     line: Option<([f64; 6], f64, f64)>,
     line_start: [f64; 6],
+    line_velocity: [f64; 6],
     on_line: [f64; 6],
     window: VecDeque<[f64; 6]>,
     reference: [f64; 6],
@@ -76,6 +77,7 @@ impl SimulatedArm {
             countdown: None,
             line: None,
             line_start: q,
+            line_velocity: [0.0; 6],
             on_line: q,
             window: VecDeque::from([q]),
             reference: q,
@@ -109,7 +111,7 @@ impl SimulatedArm {
         self.excess
     }
 
-    /// True if setpoints stayed out while it moved; asked once.
+    /// True if setpoints stayed out while it moved, or one asked for too much acceleration; asked once.
     pub fn take_starved(&mut self) -> bool {
         std::mem::take(&mut self.starved)
     }
@@ -161,6 +163,9 @@ impl SimulatedArm {
     /// The next millisecond.
     pub fn step(&mut self) {
         let before = self.reference;
+        if self.brake.is_none() {
+            self.play();
+        }
         match &mut self.brake {
             Some(brake) => {
                 brake.elapsed = (brake.elapsed + STEP).min(brake.duration);
@@ -171,10 +176,7 @@ impl SimulatedArm {
                     self.settle();
                 }
             }
-            None => {
-                self.play();
-                self.reference_velocity = std::array::from_fn(|k| (self.reference[k] - before[k]) / STEP);
-            }
+            None => self.reference_velocity = std::array::from_fn(|k| (self.reference[k] - before[k]) / STEP),
         }
         self.drive();
     }
@@ -182,7 +184,7 @@ impl SimulatedArm {
     /// Rests at the reference.
     fn settle(&mut self) {
         self.brake = None;
-        self.reference_velocity = [0.0; 6];
+        (self.reference_velocity, self.line_velocity) = ([0.0; 6], [0.0; 6]);
         (self.on_line, self.line_start) = (self.reference, self.reference);
         self.window = VecDeque::from([self.reference]);
     }
@@ -191,14 +193,19 @@ impl SimulatedArm {
     fn play(&mut self) {
         if let Some(left) = &mut self.countdown {
             *left -= STEP;
-            if *left > 0.5 * STEP {
-                return;
+            if *left <= 0.5 * STEP {
+                self.countdown = None;
             }
-            self.countdown = None;
         }
-        if self.line.is_none() {
+        if self.line.is_none() && self.countdown.is_none() {
             if let Some((end, period)) = self.waiting.pop_front() {
-                self.line_start = self.on_line;
+                let velocity: [f64; 6] = std::array::from_fn(|k| (end[k] - self.on_line[k]) / period);
+                let most = |k: usize| self.limits.acceleration[k] * period * (1.0 + ROUNDING) + 1e-3;
+                if (0..6).any(|k| (velocity[k] - self.line_velocity[k]).abs() > most(k)) {
+                    self.starved = true;
+                    return self.stop();
+                }
+                (self.line_start, self.line_velocity) = (self.on_line, velocity);
                 self.line = Some((end, period, 0.0));
                 let count = ((period / STEP).round() as usize).max(1);
                 while self.window.len() < count {
@@ -212,13 +219,15 @@ impl SimulatedArm {
             let part = (*elapsed / *period).min(1.0);
             self.on_line = std::array::from_fn(|k| self.line_start[k] + (end[k] - self.line_start[k]) * part);
             if part >= 1.0 - 1e-9 {
-                let speed = |k: usize| (end[k] - self.line_start[k]).abs() / *period;
-                let fast = (0..6).any(|k| speed(k) > 0.5 * self.limits.acceleration[k] * *period);
+                let fast = (0..6).any(|k| self.line_velocity[k].abs() > 0.5 * self.limits.acceleration[k] * *period);
                 self.on_line = *end;
                 self.line = None;
-                if fast && self.waiting.is_empty() {
-                    self.starved = true;
-                    return self.stop();
+                if self.waiting.is_empty() {
+                    if fast {
+                        self.starved = true;
+                        return self.stop();
+                    }
+                    self.line_velocity = [0.0; 6];
                 }
             }
         }

@@ -28,6 +28,8 @@ pub enum Version {
 pub struct Record {
     /// All setpoints, degrees.
     pub setpoints: Vec<[f64; 6]>,
+    /// Time of the first one, ms.
+    pub first_setpoint: Option<u64>,
     /// Number of stops.
     pub stops: usize,
     /// Time of the first one, ms.
@@ -268,6 +270,7 @@ impl SimulatedController {
             return -60001;
         }
         self.record.setpoints.push(*q);
+        self.record.first_setpoint.get_or_insert(self.time);
         if let Some(code) = self.forbidden() {
             return code;
         }

@@ -6,7 +6,8 @@
 //! * Setpoints are played two periods after they come, on straight lines, which a mean over one period rounds off. A stream whose
 //!   second differences keep an acceleration limit moves the arm within it.
 //! * Each drive follows with a lag of first order.
-//! * Where setpoints stay out while the arm moves, it brakes within its limits and raises an alarm. `Stop` brakes it in the same way.
+//! * Where setpoints stay out while the arm moves, or one of them asks for more acceleration than the arm has, it brakes within its limits
+//!   and raises an alarm. `Stop` brakes it in the same way.
 
 mod arm;
 mod case;

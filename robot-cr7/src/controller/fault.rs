@@ -113,6 +113,12 @@ pub enum Fault {
         /// The time waited, s.
         waited: f64,
     },
+    /// The arm was at its end and was stopped, but it is not seen at rest.
+    #[error("the motion is done, but the arm is not seen at rest {:.1} s after the stop: look at it", waited)]
+    NotResting {
+        /// The time waited, s.
+        waited: f64,
+    },
 }
 
 /// The meaning of the codes that the maker lists.

@@ -185,7 +185,10 @@ impl<'m, const N: usize> Session<'m, N> {
     /// Ends it because the link does not work. Where even a stop cannot be sent, nothing else is tried.
     pub fn lose(&mut self, now: f64, words: &str) {
         match self.phase {
-            Phase::Stop { .. } => self.phase = Phase::Over,
+            Phase::Stop { .. } => {
+                self.outcome.fault.get_or_insert_with(|| Fault::Link(words.to_owned()));
+                self.phase = Phase::Over;
+            }
             _ => self.fail(now, Fault::Link(words.to_owned())),
         }
     }
@@ -205,14 +208,14 @@ impl<'m, const N: usize> Session<'m, N> {
     }
 
     fn wait(&mut self, now: f64, since: f64, longest: f64, fault: Fault) {
-        if now - since >= longest {
+        if now >= since + longest {
             self.fail(now, fault);
         }
     }
 
     fn check_silence(&mut self, now: f64) {
         let Some((at, _)) = self.last else { return };
-        if now - at >= self.settings.feedback_timeout {
+        if now >= at + self.settings.feedback_timeout {
             self.fail(now, Fault::Silence { silence: now - at });
         }
     }
@@ -239,7 +242,8 @@ impl<'m, const N: usize> Session<'m, N> {
     /// The stop that is due. It is repeated until the arm rests.
     fn stop_due(&mut self, now: f64) -> Option<Order<N>> {
         let Phase::Stop { since, again } = self.phase else { return None };
-        if now - since >= STOP_TIME {
+        if now >= since + STOP_TIME {
+            self.outcome.fault.get_or_insert(Fault::NotResting { waited: now - since });
             self.phase = Phase::Over;
             return None;
         }
@@ -347,7 +351,7 @@ impl<'m, const N: usize> Session<'m, N> {
         let waited = now - since;
         if there && waited >= self.settings.period {
             self.end(now);
-        } else if waited >= self.settings.lag + ARRIVE_TIME {
+        } else if now >= since + self.settings.lag + ARRIVE_TIME {
             self.fail(now, Fault::NotArrived { joint, off: distance[joint], waited });
         }
     }
