@@ -198,20 +198,9 @@ impl SimulatedArm {
             }
         }
         if self.line.is_none() && self.countdown.is_none() {
-            if let Some((end, period)) = self.waiting.pop_front() {
-                let velocity: [f64; 6] = std::array::from_fn(|k| (end[k] - self.on_line[k]) / period);
-                let most = |k: usize| self.limits.acceleration[k] * period * (1.0 + ROUNDING) + 1e-3;
-                if (0..6).any(|k| (velocity[k] - self.line_velocity[k]).abs() > most(k)) {
-                    self.starved = true;
-                    return self.stop();
-                }
-                (self.line_start, self.line_velocity) = (self.on_line, velocity);
-                self.line = Some((end, period, 0.0));
-                let count = ((period / STEP).round() as usize).max(1);
-                while self.window.len() < count {
-                    self.window.push_front(self.window[0]);
-                }
-                self.window.drain(..self.window.len() - count);
+            self.begin_line();
+            if self.brake.is_some() {
+                return;
             }
         }
         if let Some((end, period, elapsed)) = &mut self.line {
@@ -235,6 +224,24 @@ impl SimulatedArm {
         self.window.pop_front();
         let count = self.window.len() as f64;
         self.reference = std::array::from_fn(|k| self.window.iter().map(|q| q[k]).sum::<f64>() / count);
+    }
+
+    /// Takes the next setpoint, unless it asks for too much.
+    fn begin_line(&mut self) {
+        let Some((end, period)) = self.waiting.pop_front() else { return };
+        let velocity: [f64; 6] = std::array::from_fn(|k| (end[k] - self.on_line[k]) / period);
+        let most = |k: usize| self.limits.acceleration[k] * period * (1.0 + ROUNDING) + 1e-3;
+        if (0..6).any(|k| (velocity[k] - self.line_velocity[k]).abs() > most(k)) {
+            self.starved = true;
+            return self.stop();
+        }
+        (self.line_start, self.line_velocity) = (self.on_line, velocity);
+        self.line = Some((end, period, 0.0));
+        let count = ((period / STEP).round() as usize).max(1);
+        while self.window.len() < count {
+            self.window.push_front(self.window[0]);
+        }
+        self.window.drain(..self.window.len() - count);
     }
 
     /// The drives follow the reference, and the limits are looked at.

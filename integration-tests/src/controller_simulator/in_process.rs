@@ -66,10 +66,8 @@ impl InProcess {
     fn arrival(&mut self, last: Option<u64>) -> u64 {
         let now = self.controller.time();
         let mut at = now + self.random.below(self.jitter + 1) as u64;
-        if let Disturbance::Delayed(duration) = self.fault {
-            if self.faulty() {
-                at = at.max(self.fault_at + duration);
-            }
+        if let (Disturbance::Delayed(duration), true) = (self.fault, self.faulty()) {
+            at = at.max(self.fault_at + duration);
         }
         at.max(last.unwrap_or(0))
     }
@@ -119,11 +117,11 @@ impl Wire for InProcess {
             if self.fault == Disturbance::Lost && self.faulty() {
                 return Err(LinkError::Closed(Channel::Feedback));
             }
-            if self.back.front().is_some_and(|(at, ..)| *at <= self.controller.time()) {
-                if let Some((_, channel, piece)) = self.back.pop_front() {
-                    bytes[..piece.len()].copy_from_slice(&piece);
-                    return Ok(Some((channel, piece.len())));
-                }
+            let now = self.controller.time();
+            let due = self.back.front().is_some_and(|(at, ..)| *at <= now);
+            if let Some((_, channel, piece)) = if due { self.back.pop_front() } else { None } {
+                bytes[..piece.len()].copy_from_slice(&piece);
+                return Ok(Some((channel, piece.len())));
             }
             if self.now() >= until {
                 return Ok(None);

@@ -136,3 +136,60 @@ impl<W: Wire> Drop for DobotLink<W> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::cell::RefCell;
+    use std::rc::Rc;
+
+    use arcfeed_kinematics::Joints;
+
+    use super::*;
+
+    /// Keeps what is sent.
+    #[derive(Default)]
+    struct Paper(Rc<RefCell<Vec<String>>>);
+
+    impl Wire for Paper {
+        fn now(&self) -> f64 {
+            0.0
+        }
+
+        fn send(&mut self, channel: Channel, bytes: &[u8]) -> Result<(), LinkError> {
+            let name = String::from_utf8_lossy(bytes).split('(').next().unwrap_or_default().to_owned();
+            self.0.borrow_mut().push(format!("{channel} {name}"));
+            Ok(())
+        }
+
+        fn receive(&mut self, _: f64, _: &mut [u8; FEEDBACK_BYTES]) -> Result<Option<(Channel, usize)>, LinkError> {
+            Ok(None)
+        }
+    }
+
+    const SETPOINT: Order<6> = Order::Setpoint { q: Joints::<6>::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), period: 0.03 };
+
+    #[test]
+    fn after_a_stop_no_setpoint_leaves_the_link() {
+        let paper = Paper::default();
+        let said = paper.0.clone();
+        let mut link = DobotLink::new(paper, Dialect::V3);
+        for order in [SETPOINT, Order::Stop, SETPOINT, Order::Stop] {
+            let sent = link.send(&order);
+            assert_eq!(matches!(sent, Err(LinkError::AfterStop)), said.borrow().len() == 2 && order == SETPOINT);
+        }
+        drop(link);
+        assert_eq!(*said.borrow(), ["motion ServoJ", "dashboard ResetRobot", "dashboard ResetRobot"]);
+    }
+
+    #[test]
+    fn an_arm_that_is_led_is_stopped_when_the_link_goes() {
+        for (orders, expected) in [(&[SETPOINT][..], vec!["dashboard ServoJ", "dashboard Stop"]), (&[], vec![])] {
+            let paper = Paper::default();
+            let said = paper.0.clone();
+            let mut link = DobotLink::new(paper, Dialect::V4);
+            orders.iter().for_each(|order| link.send(order).expect("paper"));
+            drop(link);
+            assert_eq!(*said.borrow(), expected);
+        }
+    }
+}

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use arcfeed_interp::{JointTrajectory, PathArm};
 use robot_cr7::controller::VerifiedMotion;
-use robot_cr7::{Cr7Error, InputError, OnProgram, OnToolPath, ProgramTask, Robot, Task};
+use robot_cr7::{InputError, OnProgram, OnToolPath, ProgramTask, Robot, Task};
 
 use crate::Failure;
 use crate::send::Args;
@@ -95,7 +95,7 @@ impl OnProgram for Compile<'_> {
         task: ProgramTask<A, N>,
         _: Vec<String>,
     ) -> Result<(String, JointTrajectory), Failure> {
-        let (motion, compiled) = task.plan_compiled(TOLERANCE).map_err(Cr7Error::from)?;
+        let (motion, compiled) = task.plan_compiled(TOLERANCE)?;
         self.warnings.extend(motion.warnings().iter().cloned());
         Ok((motion.name().to_owned(), of_six(&compiled.joints)?))
     }
