@@ -1,6 +1,7 @@
 //! Orders and events of a session as the bytes of Dobot's controllers.
 
-use super::dialect::{Channel, Dialect};
+use super::channel::Channel;
+use super::dialect::Dialect;
 use super::feedback::{FEEDBACK_BYTES, FeedbackReader, decode_feedback};
 use super::reply::{CommandName, Reply, ReplyReader};
 use super::stream::{Event, JointStream, LinkError, Order};

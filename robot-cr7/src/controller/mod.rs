@@ -6,6 +6,7 @@
 //! [`Wire`]; [`TcpWire`] is the wire of the real controller. [`drive`] joins session and stream.
 
 mod arm_state;
+mod channel;
 mod deadlines;
 mod dialect;
 mod drive;
@@ -16,14 +17,17 @@ mod link;
 mod log;
 mod reply;
 mod session;
+#[cfg(test)]
+mod session_tests;
 mod settings;
 mod stream;
 mod tcp;
 mod verified_motion;
 
 pub use arm_state::{ArmMode, ArmState};
+pub use channel::Channel;
 pub use deadlines::Deadlines;
-pub use dialect::{Channel, Dialect};
+pub use dialect::Dialect;
 pub use drive::{Survey, drive, survey};
 pub use fault::Fault;
 pub use feedback::{FEEDBACK_BYTES, FEEDBACK_PERIOD, FeedbackReader, decode_feedback};

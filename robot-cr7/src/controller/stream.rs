@@ -6,7 +6,7 @@ use arcfeed_kinematics::Joints;
 use thiserror::Error;
 
 use super::arm_state::ArmState;
-use super::dialect::Channel;
+use super::channel::Channel;
 
 /// What a session asks of a controller.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,7 +5,8 @@ use std::net::{IpAddr, SocketAddr, TcpStream};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::time::{Duration, Instant};
 
-use super::dialect::{Channel, Dialect};
+use super::channel::Channel;
+use super::dialect::Dialect;
 use super::feedback::FEEDBACK_BYTES;
 use super::link::Wire;
 use super::stream::LinkError;
