@@ -23,7 +23,7 @@ fn what_is_not_certified_for_the_arm_is_not_sent() {
     desk.run(&["plan", "--compile-rad", "1e-6", "--out", "plan"]).done();
     desk.write("slow.toml", "[joints]\nvelocity_deg_s = 30\n");
     let arguments = ["send", "plan/joint_trajectory.json", "--job", "slow.toml"];
-    desk.run(&arguments).refused(1, &["not certified", "joint velocity", "plan it under the limits"]);
+    desk.run(&arguments).refused(1, &["not certified", "velocity of joint 3", "plan it under the limits"]);
     assert!(!desk.folder.join("out/setpoints.csv").exists());
 }
 
