@@ -11,6 +11,8 @@ struct Crates;
 pub mod blend_corner;
 pub mod blended_polylines;
 pub mod cnc_curves;
+#[cfg(feature = "controller")]
+pub mod controller_simulator;
 pub mod hybrid_scenario;
 pub mod on_cr7;
 pub mod raised_limits;

@@ -4,6 +4,8 @@
 //! pictures (`output`). [`reproduce`] sets the figures of the papers beside ours.
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "controller")]
+pub mod controller;
 mod input;
 mod output;
 pub mod reproduce;

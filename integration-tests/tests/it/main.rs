@@ -7,6 +7,8 @@ mod blend_shape;
 mod blended_polylines;
 mod cnc_curves;
 mod conformance;
+#[cfg(feature = "controller")]
+mod controller;
 mod hybrid;
 #[cfg(feature = "oracle")]
 mod large_fits;

@@ -77,6 +77,9 @@ fn every_command_runs_and_every_job_is_one() {
         for line in blocks(&page, "console").into_iter().flat_map(str::lines) {
             let Some(command) = line.strip_prefix("$ cr7 ") else { continue };
             let arguments: Vec<&str> = command.split_whitespace().collect();
+            if arguments.first() == Some(&"send") && !cfg!(feature = "controller") {
+                continue;
+            }
             let run = desk.run(&arguments);
             assert_eq!(run.code, 0, "{}: {line}\n{run:?}", file.display());
             commands += 1;

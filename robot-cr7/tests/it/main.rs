@@ -59,6 +59,8 @@ mod sabotage;
 mod scenarios;
 #[cfg(feature = "cli")]
 mod schedule;
+#[cfg(all(feature = "cli", feature = "controller"))]
+mod send_command;
 mod tool_targets;
 mod trajectory_csv;
 #[cfg(feature = "cli")]

@@ -21,6 +21,10 @@ mod robots;
 mod ros;
 mod run;
 mod schedule;
+#[cfg(feature = "controller")]
+mod send;
+#[cfg(feature = "controller")]
+mod send_motion;
 mod shell;
 mod tool_path;
 mod verify;
@@ -95,6 +99,9 @@ enum Command {
     Schedule(schedule::Args),
     /// A tool path with events, holds, overrides and other feeds while it runs
     Run(run::Args),
+    /// Lead a Dobot CR along a verified motion; without --address and --really only say what would be sent
+    #[cfg(feature = "controller")]
+    Send(send::Args),
     /// Hold a joint trajectory of any source against the limits of an arm and a job
     Verify(verify::Args),
     /// Reproduce a paper's numbers beside ours, and check our guarantees
@@ -111,6 +118,9 @@ enum Failure {
     Undoable(String),
     /// Bad usage or input: exit code 2.
     BadInput(String),
+    /// Ctrl-C, after an arm was stopped: exit code 130.
+    #[cfg(feature = "controller")]
+    Interrupted,
 }
 
 impl From<Cr7Error> for Failure {
@@ -148,9 +158,18 @@ impl From<robot_cr7::InputError> for Failure {
 /// The exit code of a program that Ctrl-C ended.
 const INTERRUPTED: i32 = 130;
 
+/// Ends the program, unless an arm is led: that is stopped first.
+fn on_interrupt() {
+    #[cfg(feature = "controller")]
+    if send::stop_is_asked() {
+        return;
+    }
+    robot_cr7::interrupt(INTERRUPTED)
+}
+
 fn main() -> ExitCode {
     let command = Cli::parse().command;
-    if let Err(error) = ctrlc::set_handler(|| robot_cr7::interrupt(INTERRUPTED)) {
+    if let Err(error) = ctrlc::set_handler(on_interrupt) {
         eprintln!("cr7: no handler for Ctrl-C: {error}; an interrupted run may leave hidden files");
     }
     let outcome = match command {
@@ -169,6 +188,8 @@ fn main() -> ExitCode {
         Command::Online(args) => online::run(&args),
         Command::Schedule(args) => schedule::run(&args),
         Command::Run(args) => run::run(&args),
+        #[cfg(feature = "controller")]
+        Command::Send(args) => send::run(&args),
         Command::Verify(args) => verify::run(&args),
         Command::Reproduce(args) => reproduce::run(&args),
         Command::Completions(args) => shell::completions(&args),
@@ -183,6 +204,11 @@ fn main() -> ExitCode {
         Err(Failure::BadInput(message)) => {
             eprintln!("cr7: {message}");
             ExitCode::from(2)
+        }
+        #[cfg(feature = "controller")]
+        Err(Failure::Interrupted) => {
+            eprintln!("cr7: interrupted; the arm was stopped");
+            ExitCode::from(INTERRUPTED as u8)
         }
     }
 }

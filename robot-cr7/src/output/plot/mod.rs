@@ -13,6 +13,8 @@ mod run;
 mod run_space;
 mod run_states;
 mod schedule;
+#[cfg(feature = "controller")]
+mod sent;
 mod speed;
 
 use std::io::{self, Write};
@@ -26,6 +28,8 @@ pub use motion::motion_picture;
 pub use paper::paper_picture;
 pub use run::{Picture, run_pictures};
 pub use schedule::{joint_panels_picture, shares_picture, speed_picture};
+#[cfg(feature = "controller")]
+pub use sent::sent_picture;
 pub use speed::speed_path_picture;
 
 use canvas::{Anchor, Canvas, LIMIT, PALETTE, Pen, page};

@@ -1,0 +1,320 @@
+//! `cr7 send`: a Dobot CR is led along a verified motion.
+
+use std::net::IpAddr;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use arcfeed_kinematics::Joints;
+use robot_cr7::controller::{
+    Dialect, DobotLink, JointStream, Order, Outcome, Ports, SendLog, SendSettings, Session, TcpWire, VerifiedMotion,
+    drive, lead_in, survey,
+};
+use robot_cr7::plot::sent_picture;
+use robot_cr7::{JointReport, LimitsHold, Staging};
+
+use crate::Failure;
+use crate::output::{REPORTS, show};
+use crate::progress::Progress;
+use crate::robots::RobotArgs;
+use crate::send_motion::{self, SendMotion};
+
+/// Numbers of the models that are a CR7: CR7, CR7A, CR7V.
+const CR7_MODELS: &[u8] = &[7, 117, 207];
+/// The files of the command.
+const FILES: [&str; 5] = [SETPOINTS, SENT, PICTURE, REPORTS[0], REPORTS[1]];
+const SETPOINTS: &str = "setpoints.csv";
+const SENT: &str = "sent.csv";
+const PICTURE: &str = "sent.svg";
+
+/// True while an arm is led.
+static LEADING: AtomicBool = AtomicBool::new(false);
+/// True once the operator wants it to end.
+static ASKED: AtomicBool = AtomicBool::new(false);
+
+/// Called on Ctrl-C: true if an arm is led, which is then stopped.
+pub fn stop_is_asked() -> bool {
+    let leading = LEADING.load(Ordering::SeqCst);
+    if leading {
+        ASKED.store(true, Ordering::SeqCst);
+    }
+    leading
+}
+
+/// Arguments of `cr7 send`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  cr7 send                                          a dry run: what would be sent, and the setpoints as a file
+  cr7 send joint_trajectory.json --address 192.168.5.1
+                                                    looks at mode, errors and joints; orders nothing
+  cr7 send joint_trajectory.json --address 192.168.5.1 --really
+                                                    leads the arm; Ctrl-C stops it
+  cr7 send --job job.toml --address 192.168.5.1 --really --enable --approach
+                                                    switches the drives on, and leads the arm to the start first
+
+Read docs/send.md before an arm moves. An emergency stop has to be in reach.
+Exit code 0: done. 1: refused, or the arm was stopped on a doubt. 130: Ctrl-C.")]
+pub struct Args {
+    #[command(flatten)]
+    pub robot: RobotArgs,
+    /// joint_trajectory.json of `cr7 plan --compile-rad`, or a path as for `cr7 plan`. Without it: the path of the job, else an embedded butterfly
+    pub motion: Option<PathBuf>,
+    /// Job file (TOML): limits of the joints; for a path all the rest, too
+    #[arg(long)]
+    pub job: Option<PathBuf>,
+    /// Unit of a path file that names none: mm, cm, m or in
+    #[arg(long)]
+    pub unit: Option<String>,
+    /// Address of the controller. Without --really it is looked at, and no motion is ordered
+    #[arg(long, value_name = "IP")]
+    address: Option<IpAddr>,
+    /// Lead the arm
+    #[arg(long, requires = "address")]
+    really: bool,
+    /// Switch the drives on where they are off
+    #[arg(long, requires = "really")]
+    enable: bool,
+    /// Lead the arm to the start of the motion from wherever it stands, with a fifth of its limits. Collisions are not looked at
+    #[arg(long, requires = "address")]
+    approach: bool,
+    /// Version of the protocol
+    #[arg(long, value_enum, default_value = "v4")]
+    dialect: Version,
+    /// Time between two setpoints, ms. The maker recommends 30
+    #[arg(long, value_name = "MS", default_value_t = 30.0)]
+    period_ms: f64,
+    /// Distance of a joint from the start up to which the arm is led there without --approach, deg
+    #[arg(long, value_name = "DEG", default_value_t = 0.5)]
+    start_tolerance_deg: f64,
+    /// Distance of a joint from what was asked of it within the lag, deg; beyond it the arm is stopped
+    #[arg(long, value_name = "DEG", default_value_t = 2.0)]
+    following_deg: f64,
+    /// How long the arm may be behind, ms
+    #[arg(long, value_name = "MS", default_value_t = 300.0)]
+    lag_ms: f64,
+    /// Ports of dashboard, motion (version 3) and feedback
+    #[arg(long, value_name = "PORT", num_args = 3, default_values_t = [29999, 30003, 30004])]
+    ports: Vec<u16>,
+    /// Folder for setpoints, log, picture and report; created when missing
+    #[arg(long, default_value = "out")]
+    out: PathBuf,
+    /// Print the report as one JSON object on stdout, and nothing else there
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum Version {
+    /// Controllers 3.5.5 and later
+    V3,
+    /// Controllers 4.6.0 and later
+    V4,
+}
+
+impl Args {
+    fn dialect(&self) -> Dialect {
+        match self.dialect {
+            Version::V3 => Dialect::V3,
+            Version::V4 => Dialect::V4,
+        }
+    }
+
+    fn settings(&self, models: &'static [u8]) -> Result<SendSettings, Failure> {
+        let wrong = |e: robot_cr7::controller::SettingsError| Failure::BadInput(e.to_string());
+        let settings = SendSettings::new(self.period_ms * 1e-3).map_err(wrong)?;
+        let settings = SendSettings {
+            following_tolerance: self.following_deg.to_radians(),
+            lag: self.lag_ms * 1e-3,
+            enable: self.enable,
+            models,
+            ..settings
+        };
+        settings.check().map_err(wrong)?;
+        let least = self.dialect().least_period();
+        if settings.period < least {
+            let (given, least) = (self.period_ms, 1e3 * least);
+            let words = format!("--period-ms {given}: {} takes {least} ms and more", self.dialect());
+            return Err(Failure::BadInput(words));
+        }
+        if !(0.0..=400.0).contains(&self.start_tolerance_deg) {
+            let words = format!("--start-tolerance-deg {}: give 0 to 400 degrees", self.start_tolerance_deg);
+            return Err(Failure::BadInput(words));
+        }
+        Ok(settings)
+    }
+}
+
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let inputs: Vec<&Path> = [&args.motion, &args.job].into_iter().filter_map(|file| file.as_deref()).collect();
+    let mut staging = Staging::new(&args.out, &FILES, &inputs)?;
+    let robot = args.robot.load()?;
+    if robot.joints() != 6 {
+        let words = format!(
+            "the arms of Dobot's CR series have six joints, and {} has {}",
+            robot.description().name,
+            robot.joints()
+        );
+        return Err(Failure::BadInput(words));
+    }
+    let settings = args.settings(if robot.is_cr7() { CR7_MODELS } else { &[] })?;
+    let progress = Progress::new("planning and certifying");
+    let planned = send_motion::load(args, &robot)?;
+    drop(progress);
+    staging.clear()?;
+
+    let mut facts = Vec::new();
+    let mut fact = |name: &str, value: String| facts.push((name.to_owned(), value));
+    let mut motion = planned.motion.clone();
+    let mut outcome = None;
+    match args.address {
+        None => fact("dry run", "nothing is sent; --address looks at a controller, --really leads its arm".to_owned()),
+        Some(address) => {
+            let mut link = connect(args, address)?;
+            motion = look(args, &mut link, &planned, &mut fact)?;
+            if args.really {
+                outcome = Some(lead(&motion, &settings, &mut link, &mut staging)?);
+            } else {
+                fact("dry run", "no motion is ordered; --really leads the arm".to_owned());
+            }
+        }
+    }
+    let count = describe(args, &motion, &settings, &mut fact);
+    if let Some(outcome) = &outcome {
+        tell(outcome, &mut fact);
+    }
+    write_setpoints(&motion, &settings, count, &mut staging)?;
+    let report = JointReport {
+        name: planned.name,
+        duration_s: motion.trajectory().duration(),
+        samples: count,
+        period_s: settings.period,
+        facts,
+        events: Vec::new(),
+        limits: motion.limit_lines(),
+        warnings: planned.warnings,
+        files: Vec::new(),
+    };
+    finish(args, report, staging, outcome)
+}
+
+/// The connections to the controller.
+fn connect(args: &Args, address: IpAddr) -> Result<DobotLink<TcpWire>, Failure> {
+    let [dashboard, motion, feedback] = [0, 1, 2].map(|i| args.ports.get(i).copied().unwrap_or_default());
+    let wire = TcpWire::connect(address, Ports { dashboard, motion, feedback }, args.dialect());
+    Ok(DobotLink::new(wire.map_err(|e| Failure::Undoable(format!("{address}: {e}")))?, args.dialect()))
+}
+
+/// Looks at the controller, and puts the way to the start before the motion.
+fn look(
+    args: &Args,
+    link: &mut DobotLink<TcpWire>,
+    planned: &SendMotion,
+    fact: &mut impl FnMut(&str, String),
+) -> Result<VerifiedMotion, Failure> {
+    let seen = survey(link).map_err(|e| Failure::Undoable(e.to_string()))?;
+    let (state, start) = (seen.state, planned.motion.start());
+    fact(
+        "controller",
+        format!("{}, arm {}, model {}, {} errors", args.dialect(), state.mode, state.model, seen.errors),
+    );
+    let off: Joints<6> = (state.q - start).abs();
+    let joint = off.imax();
+    let degrees = off[joint].to_degrees();
+    fact("at the start", format!("to {degrees:.3} deg (joint {})", joint + 1));
+    if degrees > args.start_tolerance_deg && !args.approach {
+        let words = format!(
+            "joint {} is at {:.3} deg, and the motion starts at {:.3} deg: bring it there, or let this program do so with --approach",
+            joint + 1,
+            state.q[joint].to_degrees(),
+            start[joint].to_degrees()
+        );
+        return Err(Failure::Undoable(words));
+    }
+    let whole = lead_in(&planned.motion, &state.q).map_err(|e| Failure::Undoable(e.to_string()))?;
+    let way = whole.trajectory().duration() - planned.motion.trajectory().duration();
+    fact("way there", format!("{way:.3} s, with a fifth of the limits"));
+    Ok(whole)
+}
+
+/// Leads the arm, and writes what came back.
+fn lead(
+    motion: &VerifiedMotion,
+    settings: &SendSettings,
+    link: &mut DobotLink<TcpWire>,
+    staging: &mut Staging,
+) -> Result<Outcome, Failure> {
+    let mut log = SendLog::new(motion.trajectory().duration());
+    LEADING.store(true, Ordering::SeqCst);
+    let mut session = Session::new(motion, settings, link.now());
+    drive(&mut session, link, &mut log, || ASKED.load(Ordering::SeqCst));
+    LEADING.store(false, Ordering::SeqCst);
+    let outcome = session.outcome().clone();
+    let file = staging.create(SENT)?;
+    log.write_csv(file).map_err(|source| staging.failed(SENT, source))?;
+    let facts = format!("{} setpoints; {}", outcome.sent, outcome.deadlines);
+    let svg = sent_picture("sent and actual joints", &facts, log.rows()).map_err(|e| staging.failed(PICTURE, e))?;
+    staging.write(PICTURE, &svg)?;
+    Ok(outcome)
+}
+
+/// Says what is sent, and returns the number of setpoints.
+fn describe(
+    args: &Args,
+    motion: &VerifiedMotion,
+    settings: &SendSettings,
+    fact: &mut impl FnMut(&str, String),
+) -> usize {
+    let count = Session::new(motion, settings, 0.0).outcome().setpoints;
+    fact("setpoints", format!("{count}, one every {} ms, {}", args.period_ms, args.dialect()));
+    let end = motion.trajectory().at(motion.trajectory().duration()).q;
+    for (name, q) in [("first", motion.start()), ("last", end)] {
+        let mut text = String::new();
+        args.dialect().write(&Order::Setpoint { q, period: settings.period }, &mut text);
+        fact(name, text);
+    }
+    count
+}
+
+/// Says what became of it.
+fn tell(outcome: &Outcome, fact: &mut impl FnMut(&str, String)) {
+    fact("sent", format!("{} of {} setpoints", outcome.sent, outcome.setpoints));
+    fact("deadlines", outcome.deadlines.to_string());
+    let (joint, off) = outcome.off;
+    fact("behind", format!("{:.3} deg at most (joint {})", off.to_degrees(), joint + 1));
+    let stop = match (outcome.stopped_at, outcome.rests_at) {
+        (Some(stop), Some(rest)) => format!("sent; the arm rests {:.0} ms later", 1e3 * (rest - stop)),
+        (Some(_), None) => "sent; WHETHER THE ARM RESTS IS NOT KNOWN".to_owned(),
+        (None, _) => "not sent: the arm was not touched".to_owned(),
+    };
+    fact("stop", stop);
+}
+
+fn write_setpoints(
+    motion: &VerifiedMotion,
+    settings: &SendSettings,
+    count: usize,
+    staging: &mut Staging,
+) -> Result<(), Failure> {
+    let mut text = String::from("t_s,q1_rad,q2_rad,q3_rad,q4_rad,q5_rad,q6_rad\n");
+    for i in 0..count {
+        let t = i as f64 * settings.period;
+        let q = motion.trajectory().at(t).q;
+        let values: Vec<String> = q.iter().map(|q| format!("{q}")).collect();
+        text.push_str(&format!("{t},{}\n", values.join(",")));
+    }
+    Ok(staging.write(SETPOINTS, &text)?)
+}
+
+/// Publishes the files, and ends with the doubt where there was one.
+fn finish(args: &Args, mut report: JointReport, mut staging: Staging, outcome: Option<Outcome>) -> Result<(), Failure> {
+    let hold = LimitsHold::of(&report.limits).map_err(|e| Failure::Undoable(e.to_string()))?;
+    report.files = staging.files_with(&REPORTS);
+    staging.write(REPORTS[0], &(report.to_json() + "\n"))?;
+    staging.write(REPORTS[1], &report.to_string())?;
+    staging.publish(&hold)?;
+    show(&report, args.json.then(|| report.to_json()));
+    match outcome.and_then(|outcome| outcome.fault) {
+        None => Ok(()),
+        Some(robot_cr7::controller::Fault::Interrupted) => Err(Failure::Interrupted),
+        Some(fault) => Err(Failure::Undoable(format!("the motion was ended: {fault}"))),
+    }
+}

@@ -1,0 +1,108 @@
+//! The motion that `cr7 send` leads an arm along: read or planned, and certified.
+
+use std::any::Any;
+use std::path::Path;
+
+use arcfeed_interp::{JointTrajectory, PathArm};
+use robot_cr7::controller::VerifiedMotion;
+use robot_cr7::{InputError, OnProgram, OnToolPath, ProgramTask, Robot, Task};
+
+use crate::Failure;
+use crate::send::Args;
+use crate::tool_path::{read_job, read_path};
+
+/// Tolerance of planned motions against their plan, rad.
+const TOLERANCE: f64 = 1e-6;
+/// The key and the value by which a compiled motion is known.
+const FORMAT: &str = "joint-trajectory/1";
+
+/// The motion with its name and what was assumed for it.
+pub struct SendMotion {
+    pub name: String,
+    pub motion: VerifiedMotion,
+    pub warnings: Vec<String>,
+}
+
+/// Reads the motion of a file, or plans the path of a file or a job.
+pub fn load(args: &Args, robot: &Robot) -> Result<SendMotion, Failure> {
+    let job = read_job(args.job.as_deref())?;
+    let (limits, mut warnings) = robot.limits::<6>(&job.joints)?;
+    let (name, trajectory) = match args.motion.as_deref() {
+        Some(file) if is_compiled(file)? => (file.display().to_string(), read(file)?),
+        path => {
+            let file = read_path(path.or(job.path_file.as_deref()), args.unit.as_deref(), &job)?;
+            let compile = Compile { warnings: &mut warnings };
+            if ProgramTask::is_needed(&job, &file) {
+                robot.on_program(&job, &file, compile)?
+            } else {
+                robot.on_tool_path(&job, &file, compile)?
+            }
+        }
+    };
+    let motion = VerifiedMotion::new(trajectory, &limits).map_err(|e| Failure::Undoable(format!("{name}: {e}")))?;
+    Ok(SendMotion { name, motion, warnings })
+}
+
+fn text(file: &Path) -> Result<String, Failure> {
+    let failed = |source| InputError::Read {
+        file: file.to_owned(),
+        source,
+        remedy: "give joint_trajectory.json of `cr7 plan --compile-rad`, a path, or nothing for the path of the job",
+    };
+    Ok(std::fs::read_to_string(file).map_err(failed)?)
+}
+
+fn is_compiled(file: &Path) -> Result<bool, Failure> {
+    if !file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json")) {
+        return Ok(false);
+    }
+    let value: Option<serde_json::Value> = serde_json::from_str(&text(file)?).ok();
+    Ok(value.and_then(|value| value.get("format")?.as_str().map(|format| format == FORMAT)).unwrap_or(false))
+}
+
+fn read(file: &Path) -> Result<JointTrajectory, Failure> {
+    let (trajectory, _) =
+        JointTrajectory::from_json(&text(file)?).map_err(|e| Failure::BadInput(format!("{}: {e}", file.display())))?;
+    Ok(trajectory)
+}
+
+/// Plans a path as polynomials.
+struct Compile<'w> {
+    warnings: &'w mut Vec<String>,
+}
+
+impl OnToolPath for Compile<'_> {
+    type Output = (String, JointTrajectory);
+    type Error = Failure;
+
+    fn run<A: PathArm<N>, const N: usize>(
+        self,
+        task: Task<A, N>,
+        _: Vec<String>,
+    ) -> Result<(String, JointTrajectory), Failure> {
+        let (motion, compiled, _) = task.plan_compiled(TOLERANCE)?;
+        self.warnings.extend(motion.warnings().iter().cloned());
+        Ok((motion.name().to_owned(), of_six(&compiled)?))
+    }
+}
+
+impl OnProgram for Compile<'_> {
+    type Output = (String, JointTrajectory);
+    type Error = Failure;
+
+    fn run<A: PathArm<N> + Clone, const N: usize>(
+        self,
+        task: ProgramTask<A, N>,
+        _: Vec<String>,
+    ) -> Result<(String, JointTrajectory), Failure> {
+        let (motion, compiled) = task.plan_compiled(TOLERANCE)?;
+        self.warnings.extend(motion.warnings().iter().cloned());
+        Ok((motion.name().to_owned(), of_six(&compiled.joints)?))
+    }
+}
+
+/// The motion of an arm of six joints.
+fn of_six<const N: usize>(motion: &JointTrajectory<N>) -> Result<JointTrajectory, Failure> {
+    let six = (motion as &dyn Any).downcast_ref::<JointTrajectory<6>>().cloned();
+    six.ok_or_else(|| Failure::BadInput(format!("the arms of Dobot's CR series have six joints, and this one has {N}")))
+}

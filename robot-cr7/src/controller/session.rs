@@ -1,0 +1,368 @@
+//! The course of one motion on a controller: look, switch on, lead, arrive, stop. A state machine without a clock.
+
+use arcfeed_kinematics::Joints;
+
+use super::arm_state::{ArmMode, ArmState};
+use super::deadlines::Deadlines;
+use super::fault::Fault;
+use super::settings::{MOST_RECENT, SendSettings};
+use super::stream::{Event, Order};
+use super::verified_motion::VerifiedMotion;
+
+/// How long the answer to a question may take, s.
+const ANSWER_TIME: f64 = 2.0;
+/// How long the drives may take to come on, s.
+const ENABLE_TIME: f64 = 10.0;
+/// How long the arm may take to its end after the last setpoint and the lag, s.
+const ARRIVE_TIME: f64 = 1.0;
+/// The time after which a stop is repeated, s.
+const STOP_AGAIN: f64 = 0.2;
+/// How long the arm may take to come to rest after the first stop, s.
+const STOP_TIME: f64 = 2.0;
+/// A joint that is slower rests, rad/s.
+const REST: f64 = 2e-3;
+/// New states in a row with all joints at rest that make the arm rest.
+const RESTING_STATES: u32 = 3;
+
+/// Where a session is. Times in s.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Phase {
+    /// Waits for the first state of the arm.
+    Look { since: f64 },
+    /// The question about errors is due, then waits for its answer.
+    Ask { since: f64, asked: bool },
+    /// The order to switch the drives on is due, then waits for it to be carried out.
+    SwitchOn { since: f64, ordered: bool },
+    /// Setpoint `next` is due at `begin` plus that number of periods.
+    Lead { begin: f64, next: usize },
+    /// Waits for the arm to be at the end.
+    Arrive { since: f64 },
+    /// A stop is due at `again`.
+    Stop { since: f64, again: f64 },
+    /// Nothing is sent any more.
+    Over,
+}
+
+/// What became of a session.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outcome {
+    /// The doubt that ended it; `None` if the arm is at the end of the motion.
+    pub fault: Option<Fault>,
+    /// Number of setpoints sent.
+    pub sent: usize,
+    /// Number of setpoints of the motion.
+    pub setpoints: usize,
+    /// When they were sent.
+    pub deadlines: Deadlines,
+    /// The time at which the first stop was sent, s; `None` if the arm was not touched or the link was down.
+    pub stopped_at: Option<f64>,
+    /// The time at which the arm was seen at rest after it, s; `None` if that is not known.
+    pub rests_at: Option<f64>,
+    /// The largest following error: joint from 0, rad.
+    pub off: (usize, f64),
+}
+
+/// The course of one motion. It allocates nothing while the arm moves.
+#[derive(Debug)]
+pub struct Session<'m, const N: usize = 6> {
+    motion: &'m VerifiedMotion<N>,
+    settings: SendSettings,
+    phase: Phase,
+    /// The last new state, and when it came.
+    last: Option<(f64, ArmState<N>)>,
+    resting: u32,
+    /// True once the drives were switched on or a setpoint was sent: from then on it ends with a stop.
+    touched: bool,
+    /// The last setpoints with the times at which they were sent; a ring.
+    recent: [(f64, Joints<N>); MOST_RECENT],
+    outcome: Outcome,
+}
+
+impl<'m, const N: usize> Session<'m, N> {
+    /// A session that begins at time `now`, s.
+    pub fn new(motion: &'m VerifiedMotion<N>, settings: &SendSettings, now: f64) -> Self {
+        let setpoints = (motion.trajectory().duration() / settings.period).ceil() as usize + 1;
+        Self {
+            motion,
+            settings: *settings,
+            phase: Phase::Look { since: now },
+            last: None,
+            resting: 0,
+            touched: false,
+            recent: [(f64::NEG_INFINITY, motion.start()); MOST_RECENT],
+            outcome: Outcome {
+                fault: None,
+                sent: 0,
+                setpoints,
+                deadlines: Deadlines::default(),
+                stopped_at: None,
+                rests_at: None,
+                off: (0, 0.0),
+            },
+        }
+    }
+
+    /// True once nothing is sent any more.
+    pub fn is_over(&self) -> bool {
+        self.phase == Phase::Over
+    }
+
+    /// What has become of it so far.
+    pub fn outcome(&self) -> &Outcome {
+        &self.outcome
+    }
+
+    /// The setpoint that was sent last, rad; the start before the first one.
+    pub fn setpoint(&self) -> &Joints<N> {
+        &self.recent[self.outcome.sent.saturating_sub(1) % MOST_RECENT].1
+    }
+
+    /// The time by which [`Session::next_order`] has to be called again, s.
+    pub fn due(&self) -> f64 {
+        let silence = self.last.map_or(f64::INFINITY, |(at, _)| at + self.settings.feedback_timeout);
+        match self.phase {
+            Phase::Look { since } => since + ANSWER_TIME,
+            Phase::Ask { asked: false, .. } | Phase::SwitchOn { ordered: false, .. } | Phase::Over => f64::NEG_INFINITY,
+            Phase::Ask { since, .. } => silence.min(since + ANSWER_TIME),
+            Phase::SwitchOn { since, .. } => silence.min(since + ENABLE_TIME),
+            Phase::Lead { begin, next } => silence.min(begin + next as f64 * self.settings.period),
+            Phase::Arrive { since } => silence.min(since + self.settings.lag + ARRIVE_TIME),
+            Phase::Stop { since, again } => again.min(since + STOP_TIME),
+        }
+    }
+
+    /// The order that is due at time `now` (s), to be sent at once; to be called until there is none.
+    pub fn next_order(&mut self, now: f64) -> Option<Order<N>> {
+        self.check_silence(now);
+        match self.phase {
+            Phase::Look { since } => self.wait(now, since, ANSWER_TIME, Fault::Silence { silence: now - since }),
+            Phase::Ask { since, asked: false } => {
+                self.phase = Phase::Ask { since, asked: true };
+                return Some(Order::AskErrors);
+            }
+            Phase::Ask { since, .. } => {
+                self.wait(now, since, ANSWER_TIME, Fault::NoAnswer { order: "GetErrorID", waited: now - since });
+            }
+            Phase::SwitchOn { since, ordered: false } => {
+                self.phase = Phase::SwitchOn { since, ordered: true };
+                self.touched = true;
+                return Some(Order::Enable);
+            }
+            Phase::SwitchOn { since, .. } => {
+                self.wait(now, since, ENABLE_TIME, Fault::NotEnabled { waited: now - since });
+            }
+            Phase::Lead { begin, next } => {
+                let setpoint = self.setpoint_due(now, begin, next);
+                if setpoint.is_some() {
+                    return setpoint;
+                }
+            }
+            Phase::Arrive { since } => self.arrive(now, since),
+            Phase::Stop { .. } | Phase::Over => {}
+        }
+        self.stop_due(now)
+    }
+
+    /// Takes an event that came at time `now`, s.
+    pub fn see(&mut self, now: f64, event: &Event<N>) {
+        match event {
+            Event::State(state) => self.see_state(now, state),
+            Event::Errors { count: 0, .. } => {
+                if let (Phase::Ask { .. }, Some((_, state))) = (self.phase, self.last) {
+                    self.errors_are_clear(now, &state);
+                }
+            }
+            Event::Errors { count, first } => self.fail(now, Fault::Errors { count: *count, first: *first }),
+            Event::Refused { order, code } => self.fail(now, Fault::Refused { order, code: *code }),
+        }
+    }
+
+    /// Ends it because the operator wants so.
+    pub fn interrupt(&mut self, now: f64) {
+        self.fail(now, Fault::Interrupted);
+    }
+
+    /// Ends it because the link does not work. Where even a stop cannot be sent, nothing else is tried.
+    pub fn lose(&mut self, now: f64, words: &str) {
+        match self.phase {
+            Phase::Stop { .. } => {
+                self.outcome.fault.get_or_insert_with(|| Fault::Link(words.to_owned()));
+                self.phase = Phase::Over;
+            }
+            _ => self.fail(now, Fault::Link(words.to_owned())),
+        }
+    }
+
+    /// The session has found a doubt. An arm that was touched is stopped.
+    fn fail(&mut self, now: f64, fault: Fault) {
+        if matches!(self.phase, Phase::Stop { .. } | Phase::Over) {
+            return;
+        }
+        self.outcome.fault = Some(fault);
+        self.end(now);
+    }
+
+    fn end(&mut self, now: f64) {
+        self.resting = 0;
+        self.phase = if self.touched { Phase::Stop { since: now, again: now } } else { Phase::Over };
+    }
+
+    fn wait(&mut self, now: f64, since: f64, longest: f64, fault: Fault) {
+        if now >= since + longest {
+            self.fail(now, fault);
+        }
+    }
+
+    fn check_silence(&mut self, now: f64) {
+        let Some((at, _)) = self.last else { return };
+        if now >= at + self.settings.feedback_timeout {
+            self.fail(now, Fault::Silence { silence: now - at });
+        }
+    }
+
+    fn setpoint_due(&mut self, now: f64, begin: f64, next: usize) -> Option<Order<N>> {
+        let late = now - (begin + next as f64 * self.settings.period);
+        if late < 0.0 {
+            return None;
+        }
+        if late > self.settings.lateness {
+            self.fail(now, Fault::Late { index: next, late });
+            return None;
+        }
+        let q = self.motion.trajectory().at(next as f64 * self.settings.period).q;
+        self.recent[next % MOST_RECENT] = (now, q);
+        self.touched = true;
+        self.outcome.sent = next + 1;
+        self.outcome.deadlines.see(late);
+        let last = next + 1 == self.outcome.setpoints;
+        self.phase = if last { Phase::Arrive { since: now } } else { Phase::Lead { begin, next: next + 1 } };
+        Some(Order::Setpoint { q, period: self.settings.period })
+    }
+
+    /// The stop that is due. It is repeated until the arm rests.
+    fn stop_due(&mut self, now: f64) -> Option<Order<N>> {
+        let Phase::Stop { since, again } = self.phase else { return None };
+        if now >= since + STOP_TIME {
+            self.outcome.fault.get_or_insert(Fault::NotResting { waited: now - since });
+            self.phase = Phase::Over;
+            return None;
+        }
+        if now < again {
+            return None;
+        }
+        self.phase = Phase::Stop { since, again: now + STOP_AGAIN };
+        self.outcome.stopped_at.get_or_insert(now);
+        Some(Order::Stop)
+    }
+
+    fn see_state(&mut self, now: f64, state: &ArmState<N>) {
+        // The same clock again: the controller repeats itself.
+        if self.last.is_some_and(|(_, last)| last.clock_ms == state.clock_ms) {
+            return;
+        }
+        self.last = Some((now, *state));
+        self.resting = if state.qd.amax() <= REST { self.resting + 1 } else { 0 };
+        match self.phase {
+            Phase::Look { .. } => self.phase = Phase::Ask { since: now, asked: false },
+            Phase::SwitchOn { .. } if state.enabled && state.mode == ArmMode::Idle => self.begin(now, state),
+            Phase::SwitchOn { .. } if state.alarm || state.mode == ArmMode::Alarm => {
+                self.fail(now, Fault::Mode { mode: ArmMode::Alarm });
+            }
+            Phase::Lead { .. } | Phase::Arrive { .. } => {
+                if let Some(fault) = wrong_mode(state).or_else(|| self.not_following(now, state)) {
+                    self.fail(now, fault);
+                }
+            }
+            Phase::Stop { .. } if self.outcome.stopped_at.is_some() && self.resting >= RESTING_STATES => {
+                self.outcome.rests_at = Some(now);
+                self.phase = Phase::Over;
+            }
+            _ => {}
+        }
+    }
+
+    fn errors_are_clear(&mut self, now: f64, state: &ArmState<N>) {
+        let models = self.settings.models;
+        if state.model != 0 && !models.is_empty() && !models.contains(&state.model) {
+            return self.fail(now, Fault::Model { found: state.model, expected: models });
+        }
+        match state.mode {
+            ArmMode::Idle if state.enabled && !state.alarm => self.begin(now, state),
+            ArmMode::Disabled if self.settings.enable && !state.alarm => {
+                self.phase = Phase::SwitchOn { since: now, ordered: false };
+            }
+            ArmMode::Disabled => self.fail(now, Fault::Disabled),
+            mode => self.fail(now, Fault::Mode { mode: if state.alarm { ArmMode::Alarm } else { mode } }),
+        }
+    }
+
+    /// Begins to lead the arm if it rests at the start.
+    fn begin(&mut self, now: f64, state: &ArmState<N>) {
+        let start = self.motion.start();
+        for joint in 0..N {
+            let (actual, velocity) = (state.q[joint], state.qd[joint]);
+            // Not `>`: a NaN has to show.
+            let there = (actual - start[joint]).abs() <= self.settings.start_tolerance;
+            if !there {
+                return self.fail(now, Fault::Elsewhere { joint, actual, start: start[joint] });
+            }
+            let rests = velocity.abs() <= REST;
+            if !rests {
+                return self.fail(now, Fault::Moving { joint, velocity });
+            }
+        }
+        self.phase = Phase::Lead { begin: now, next: 0 };
+    }
+
+    /// Looks whether each joint is where it was asked to be at some time within the lag.
+    fn not_following(&mut self, now: f64, state: &ArmState<N>) -> Option<Fault> {
+        let start = self.motion.start();
+        let (mut least, mut most) = (*self.setpoint(), *self.setpoint());
+        // The setpoint in force when the lag began counts, too.
+        let mut before = (f64::NEG_INFINITY, start);
+        for (at, q) in &self.recent {
+            if *at >= now - self.settings.lag {
+                (least, most) = (least.inf(q), most.sup(q));
+            } else if *at > before.0 {
+                before = (*at, *q);
+            }
+        }
+        (least, most) = (least.inf(&before.1), most.sup(&before.1));
+        for joint in 0..N {
+            let off = (least[joint] - state.q[joint]).max(state.q[joint] - most[joint]);
+            let error = (state.q[joint] - self.setpoint()[joint]).abs();
+            if error > self.outcome.off.1 {
+                self.outcome.off = (joint, error);
+            }
+            let follows = off <= self.settings.following_tolerance;
+            if !follows {
+                return Some(Fault::Following { joint, off });
+            }
+        }
+        None
+    }
+
+    /// Ends it once the arm rests at the end of the motion.
+    fn arrive(&mut self, now: f64, since: f64) {
+        let Some((_, state)) = self.last else { return };
+        let distance = (state.q - self.setpoint()).abs();
+        let joint = distance.imax();
+        let there = distance[joint] <= self.settings.start_tolerance && self.resting >= RESTING_STATES;
+        let waited = now - since;
+        if there && waited >= self.settings.period {
+            self.end(now);
+        } else if now >= since + self.settings.lag + ARRIVE_TIME {
+            self.fail(now, Fault::NotArrived { joint, off: distance[joint], waited });
+        }
+    }
+}
+
+/// The doubt in what the arm does while it is led.
+fn wrong_mode<const N: usize>(state: &ArmState<N>) -> Option<Fault> {
+    match state.mode {
+        _ if state.alarm => Some(Fault::Mode { mode: ArmMode::Alarm }),
+        ArmMode::Disabled => Some(Fault::Disabled),
+        ArmMode::Idle | ArmMode::Running => (!state.enabled).then_some(Fault::Disabled),
+        mode => Some(Fault::Mode { mode }),
+    }
+}

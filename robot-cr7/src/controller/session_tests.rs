@@ -1,0 +1,236 @@
+//! Sessions with an arm of one joint that does what a test wants.
+
+use arcfeed_interp::{Interpolation, JointTrajectory};
+use arcfeed_kinematics::{JointRange, Joints};
+
+use super::arm_state::{ArmMode, ArmState};
+use super::fault::Fault;
+use super::session::Session;
+use super::settings::SendSettings;
+use super::stream::{Event, Order};
+use super::verified_motion::VerifiedMotion;
+
+/// One joint from 0 to 1 rad in 1 s.
+fn motion() -> VerifiedMotion<1> {
+    let piece = [0.0, 0.0, 0.0, 10.0, -15.0, 6.0].map(Joints::<1>::repeat);
+    let motion = JointTrajectory::from_pieces(vec![0.0, 1.0], vec![piece], Interpolation::Quintic).expect("a motion");
+    let range = JointRange::new(Joints::repeat(-2.0), Joints::repeat(2.0)).expect("a range");
+    let limits = [2.0, 6.0, 60.0].map(Joints::repeat);
+    VerifiedMotion::new(motion, &range.with_rates(limits[0], limits[1], limits[2]).expect("limits"))
+        .expect("it keeps them")
+}
+
+/// An arm that follows at once, or does what a test wants.
+struct Bench<'m> {
+    session: Session<'m, 1>,
+    now: f64,
+    state: ArmState<1>,
+    orders: Vec<Order<1>>,
+}
+
+impl<'m> Bench<'m> {
+    fn new(motion: &'m VerifiedMotion<1>, enable: bool) -> Self {
+        let settings = SendSettings { enable, models: &[7], ..SendSettings::new(0.03).expect("a period") };
+        let state = ArmState {
+            mode: ArmMode::Idle,
+            enabled: true,
+            alarm: false,
+            clock_ms: 0,
+            model: 7,
+            q: Joints::zeros(),
+            qd: Joints::zeros(),
+            q_target: Joints::zeros(),
+        };
+        Self { session: Session::new(motion, &settings, 0.0), now: 0.0, state, orders: Vec::new() }
+    }
+
+    /// Runs until `until`, s; `change` may change what the arm says.
+    fn run(&mut self, until: f64, mut change: impl FnMut(f64, &mut ArmState<1>)) -> &mut Self {
+        while self.now < until && !self.session.is_over() {
+            self.now += 0.008;
+            while let Some(order) = self.session.next_order(self.now) {
+                match order {
+                    Order::Setpoint { q, .. } => self.state.q = q,
+                    Order::Enable => (self.state.mode, self.state.enabled) = (ArmMode::Idle, true),
+                    Order::AskErrors => self.session.see(self.now, &Event::Errors { count: 0, first: 0 }),
+                    Order::Stop => {}
+                }
+                self.orders.push(order);
+            }
+            self.state.clock_ms += 8;
+            let mut state = self.state;
+            change(self.now, &mut state);
+            self.session.see(self.now, &Event::State(state));
+        }
+        self
+    }
+
+    fn fault(&self) -> Option<&Fault> {
+        self.session.outcome().fault.as_ref()
+    }
+
+    /// Setpoints and stops that were ordered; no setpoint follows a stop.
+    fn counts(&self) -> (usize, usize) {
+        let is_setpoint = |order: &&Order<1>| matches!(order, Order::Setpoint { .. });
+        let stops = self.orders.iter().skip_while(|order| **order != Order::Stop);
+        assert_eq!(stops.clone().find(is_setpoint), None);
+        (self.orders.iter().filter(is_setpoint).count(), stops.filter(|order| **order == Order::Stop).count())
+    }
+}
+
+#[test]
+fn a_motion_without_doubt_is_led_to_its_end_and_ends_with_a_stop() {
+    let motion = motion();
+    let mut bench = Bench::new(&motion, false);
+    bench.run(5.0, |_, _| {});
+    assert_eq!((bench.fault(), bench.session.is_over()), (None, true));
+    assert_eq!(bench.counts(), (35, 1));
+    assert!(bench.session.outcome().rests_at > bench.session.outcome().stopped_at);
+    assert!((bench.state.q[0] - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn every_doubt_on_the_way_stops_the_arm_at_once() {
+    let motion = motion();
+    type Change = fn(f64, &mut ArmState<1>);
+    let cases: [(&str, Change, f64); 8] = [
+        (
+            "Mode",
+            |t, state| {
+                if t > 0.5 {
+                    state.mode = ArmMode::Alarm
+                }
+            },
+            0.02,
+        ),
+        ("Mode", |t, state| state.alarm = t > 0.5, 0.02),
+        (
+            "Mode",
+            |t, state| {
+                if t > 0.5 {
+                    state.mode = ArmMode::Other("paused")
+                }
+            },
+            0.02,
+        ),
+        (
+            "Disabled",
+            |t, state| {
+                if t > 0.5 {
+                    state.mode = ArmMode::Disabled
+                }
+            },
+            0.02,
+        ),
+        ("Disabled", |t, state| state.enabled = t <= 0.5, 0.02),
+        // 2 deg behind, of 1.875 rad/s at most, and what was asked 0.3 s ago counts.
+        (
+            "Following",
+            |t, state| {
+                if t > 0.5 {
+                    state.q[0] = 0.4
+                }
+            },
+            0.4,
+        ),
+        (
+            "Following",
+            |t, state| {
+                if t > 0.5 {
+                    state.q[0] = f64::NAN
+                }
+            },
+            0.02,
+        ),
+        (
+            "Silence",
+            |t, state| {
+                if t > 0.5 {
+                    state.clock_ms = 496
+                }
+            },
+            0.13,
+        ),
+    ];
+    for (name, change, within) in cases {
+        let mut bench = Bench::new(&motion, false);
+        bench.run(0.5, change).run(0.5 + within, change);
+        let fault = format!("{:?}", bench.fault());
+        assert!(fault.contains(name), "{name}: {fault}");
+        bench.run(bench.now + 0.02, change);
+        assert_eq!(bench.counts().1, 1, "{name}");
+        assert!(bench.session.outcome().sent < 35, "{name}");
+    }
+}
+
+#[test]
+fn what_is_refused_late_or_unwanted_stops_the_arm() {
+    let motion = motion();
+    type Happening = fn(&mut Bench<'_>);
+    let events: [(&str, Happening); 4] = [
+        ("Refused", |bench| bench.session.see(bench.now, &Event::Refused { order: "ServoJ", code: -1 })),
+        ("Interrupted", |bench| bench.session.interrupt(bench.now)),
+        ("Link", |bench| bench.session.lose(bench.now, "down")),
+        ("Late", |bench| bench.now += 0.05),
+    ];
+    for (name, event) in events {
+        let mut bench = Bench::new(&motion, false);
+        bench.run(0.5, |_, _| {});
+        event(&mut bench);
+        bench.run(bench.now + 0.02, |_, _| {});
+        let fault = format!("{:?}", bench.fault());
+        assert!(fault.contains(name), "{name}: {fault}");
+        assert_eq!(bench.counts().1, 1, "{name}");
+    }
+}
+
+#[test]
+fn an_arm_that_is_not_ready_is_left_alone() {
+    let motion = motion();
+    type Change = fn(f64, &mut ArmState<1>);
+    let cases: [(&str, Change); 6] = [
+        ("Disabled", |_, state| (state.mode, state.enabled) = (ArmMode::Disabled, false)),
+        ("Mode", |_, state| state.mode = ArmMode::Running),
+        ("Mode", |_, state| state.alarm = true),
+        ("Model", |_, state| state.model = 10),
+        ("Elsewhere", |_, state| state.q[0] = 0.001),
+        ("Moving", |_, state| state.qd[0] = 0.01),
+    ];
+    for (name, change) in cases {
+        let mut bench = Bench::new(&motion, false);
+        bench.run(5.0, change);
+        let fault = format!("{:?}", bench.fault());
+        assert!(fault.contains(name), "{name}: {fault}");
+        assert_eq!((bench.orders.as_slice(), bench.session.is_over()), (&[Order::AskErrors][..], true), "{name}");
+    }
+}
+
+#[test]
+fn drives_are_switched_on_only_where_that_is_allowed() {
+    let motion = motion();
+    for enable in [false, true] {
+        let mut bench = Bench::new(&motion, enable);
+        (bench.state.mode, bench.state.enabled) = (ArmMode::Disabled, false);
+        bench.run(5.0, |_, _| {});
+        assert_eq!(bench.orders.contains(&Order::Enable), enable);
+        assert_eq!(bench.fault().is_none(), enable);
+    }
+}
+
+#[test]
+fn a_stop_is_repeated_until_the_arm_rests_and_unrest_is_told() {
+    let motion = motion();
+    let mut bench = Bench::new(&motion, false);
+    bench.run(0.5, |_, _| {});
+    bench.session.interrupt(bench.now);
+    bench.run(9.0, |_, state| state.qd[0] = 0.5);
+    assert_eq!((bench.counts().1, bench.session.outcome().rests_at), (10, None));
+
+    let mut bench = Bench::new(&motion, false);
+    bench.run(9.0, |t, state| {
+        if t > 1.07 {
+            state.qd[0] = 0.5
+        }
+    });
+    assert!(matches!(bench.fault(), Some(Fault::NotResting { .. })), "{:?}", bench.session.outcome());
+}

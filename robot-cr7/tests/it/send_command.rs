@@ -1,0 +1,44 @@
+//! `cr7 send` without a controller: a dry run, and what is refused. With one: `integration-tests/controller`.
+
+use std::net::TcpListener;
+
+use crate::common::Desk;
+
+#[test]
+fn a_dry_run_says_what_would_be_sent_and_its_setpoints_keep_the_limits() {
+    let desk = Desk::new("send");
+    let run = desk.run(&["send", "--out", "dry"]).done();
+    assert!(run.stdout.contains("nothing is sent") && run.stdout.contains("ServoJ("), "{run:?}");
+    desk.run(&["verify", "dry/setpoints.csv"]).done();
+    desk.run(&["plan", "--compile-rad", "1e-6", "--out", "plan"]).done();
+    let again = desk.run(&["send", "plan/joint_trajectory.json", "--json", "--out", "again"]).done();
+    assert_eq!(again.json()["duration_s"], desk.run(&["send", "--json"]).done().json()["duration_s"]);
+    let read = |name: &str| std::fs::read_to_string(desk.folder.join(name)).expect(name);
+    assert_eq!(read("dry/setpoints.csv"), read("again/setpoints.csv"));
+}
+
+#[test]
+fn what_is_not_certified_for_the_arm_is_not_sent() {
+    let desk = Desk::new("send_slow");
+    desk.run(&["plan", "--compile-rad", "1e-6", "--out", "plan"]).done();
+    desk.write("slow.toml", "[joints]\nvelocity_deg_s = 30\n");
+    let arguments = ["send", "plan/joint_trajectory.json", "--job", "slow.toml"];
+    desk.run(&arguments).refused(1, &["not certified", "velocity of joint 3", "plan it under the limits"]);
+    assert!(!desk.folder.join("out/setpoints.csv").exists());
+}
+
+#[test]
+fn wrong_usage_is_refused_with_the_way_out() {
+    let desk = Desk::new("send_usage");
+    desk.run(&["send", "--really"]).refused(2, &["--address"]);
+    desk.run(&["send", "--enable", "--address", "127.0.0.1"]).refused(2, &["--really"]);
+    desk.run(&["send", "--period-ms", "3"]).refused(2, &["period", "0.004"]);
+    desk.run(&["send", "--period-ms", "10", "--dialect", "v3"]).refused(2, &["20 ms and more"]);
+    desk.run(&["send", "--robot", "panda"]).refused(2, &["six joints"]);
+    // A port on which nobody listens.
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let port = listener.local_addr().expect("its number").port().to_string();
+    drop(listener);
+    let arguments = ["send", "--address", "127.0.0.1", "--ports", &port, &port, &port, "--really"];
+    desk.run(&arguments).refused(1, &["dashboard connection", "check the address"]);
+}
