@@ -73,7 +73,7 @@ pub use arm::{MIN_SINGULAR_VALUE, PathArm};
 pub use compiled::{
     Certificate, CertifiedBound, CertifiedJump, CompileError, CompiledPlan, Deviation, Interpolation, JointCursor,
     JointPoint, JointSetpoint, JointSetpoints, JointTrajectory, JointTrajectoryError, TableBound, TableCertificate,
-    ToolBound, ToolCertificate, certify,
+    ToolBound, ToolCertificate, TorqueBound, TorqueCertificate, certify,
 };
 pub use error::{Cause, Infeasibility, LimitError, PathEnd, PathError, PlanError, SpeedError};
 pub use limits::{

@@ -19,6 +19,7 @@ mod steps;
 mod table_certificate;
 mod tool_certificate;
 mod tool_search;
+mod torque_certificate;
 
 pub use certificate::{Certificate, CertifiedBound, CertifiedJump, certify};
 pub use error::{CompileError, JointTrajectoryError};
@@ -29,3 +30,4 @@ pub use sampling::{JointCursor, JointSetpoints};
 pub use table_certificate::{TableBound, TableCertificate};
 pub use tool_certificate::ToolCertificate;
 pub use tool_search::ToolBound;
+pub use torque_certificate::{TorqueBound, TorqueCertificate};

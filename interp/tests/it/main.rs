@@ -23,6 +23,7 @@ mod sampling;
 mod singular;
 mod singular_passages;
 mod six_joints;
+mod torque_certificate;
 mod verify;
 mod vibration;
 
