@@ -1,5 +1,7 @@
 //! Limits of joints by tables of speed or position, on every piece of a joint trajectory.
 
+use arcfeed_feedrate::Quantity;
+
 use super::bernstein::Bernstein;
 use super::certificate::Motion;
 use super::joint_trajectory::JointTrajectory;
@@ -84,10 +86,10 @@ impl<const N: usize> JointTrajectory<N> {
         let motion = Motion { times: self.times(), pieces: self.coefficients() };
         let mut bounds = Vec::new();
         for kind in TableKind::ALL {
-            let order = match kind {
-                TableKind::AccelerationBySpeed | TableKind::AccelerationByPosition => 2,
-                TableKind::JerkBySpeed | TableKind::JerkByPosition => 3,
-                TableKind::TorqueBySpeed => continue,
+            let order = match kind.quantity() {
+                Quantity::JointAcceleration => 2,
+                Quantity::JointJerk => 3,
+                _ => continue,
             };
             for joint in 0..N {
                 let Some(table) = tables.of(kind, joint) else { continue };

@@ -4,6 +4,7 @@ mod allocation;
 mod certificate;
 mod common;
 mod compiled;
+mod compiled_plan;
 mod excursions;
 mod joint_check;
 mod joint_lines;

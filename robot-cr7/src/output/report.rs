@@ -278,14 +278,15 @@ impl Display for Report {
         )?;
         let of_program = self.program_lines(f)?;
         let compiled = self.compiled.as_ref().map(CompiledReport::lines);
-        for (name, line) in ["compiled", "", ""].into_iter().zip(compiled.iter().flatten()) {
+        for (i, line) in compiled.iter().flatten().take(LINES).enumerate() {
+            let name = if i == 0 { "compiled" } else { "" };
             writeln!(f, "  {name:<11}{}", clip(line, WIDTH - 13))?;
         }
 
         limit_table(f, &self.limits)?;
         let taken = usize::from(second)
             + usize::from(self.bound.is_some())
-            + LINES * usize::from(compiled.is_some())
+            + compiled.as_ref().map_or(0, Vec::len)
             + usize::from(self.stream.is_some())
             + of_program;
         ending(
@@ -386,7 +387,8 @@ mod tests {
         r.warnings = vec!["w".repeat(500); 50];
         r.files = vec!["f".repeat(500).into(); 50];
         r.fallback = Some("because ".repeat(50));
-        let worst = CertifiedRatio { name: "q".repeat(50), joint: 9, ratio: f64::INFINITY, at_t_s: f64::NAN };
+        let worst =
+            CertifiedRatio { name: "q".repeat(50), joint: 9, seen: f64::NAN, ratio: f64::INFINITY, at_t_s: f64::NAN };
         r.bound = Some(BoundReport {
             lower_bound_s: f64::MIN_POSITIVE,
             gap: f64::NAN,
