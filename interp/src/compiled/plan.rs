@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use super::certified_limit::CertifiedLimit;
 use super::error::CompileError;
 use super::joint_trajectory::JointTrajectory;
 use super::motion_certificate::MotionCertificate;
@@ -16,8 +15,23 @@ const TOLERANCE: f64 = 1e-6;
 /// Pieces that exceed a limit by more than this, relative, are made closer to the plan: that costs pieces. Those that exceed it by less
 /// are mended by a slower plan.
 const COARSE: f64 = 1e-2;
+/// So are pieces of a slower plan that exceed limits by more than this part of what those before did.
+const STUCK: f64 = 0.5;
 /// Parts of the tolerance that are tried.
-const CLOSER: [f64; 3] = [1.0, 1.0 / 16.0, 1.0 / 256.0];
+const CLOSER: [f64; 4] = [1.0, 1.0 / 16.0, 1.0 / 256.0, 1.0 / 4096.0];
+
+/// By how many times its excess a limit is lowered where that is slight, and by how much more: less of a limit lowers by less what pieces
+/// add to it.
+const MORE: f64 = 1.5;
+const MARGIN: f64 = 1e-5;
+
+/// How close to a plan its pieces are made.
+struct Closeness {
+    /// Which of [`CLOSER`].
+    closer: usize,
+    /// By how much the pieces of the last plan exceeded limits at most, relative.
+    last: f64,
+}
 
 /// Polynomials, and what they make of the limits.
 type Made<const N: usize> = (JointTrajectory<N>, MotionCertificate);
@@ -56,15 +70,17 @@ impl<'a, const N: usize> Planner<'a, N> {
         'a: 'p,
     {
         let mut last = None;
-        let mut closer = 0;
+        let mut closeness = Closeness { closer: 0, last: f64::INFINITY };
         let trajectory = self.plan_until::<CompileError>(Held::Shared(path), |trajectory| {
-            let made = self.make_close(trajectory, tolerance, &mut closer)?;
+            let made = self.make_close(trajectory, tolerance, &mut closeness)?;
             let mut ratios: Vec<_> = Vec::new();
             for limit in made.1.exceeded(TOLERANCE) {
+                let excess = limit.ratio() - 1.0;
+                let less = 1.0 + if excess > COARSE { excess } else { MORE * excess } + MARGIN;
                 // A constant limit and a table of the same quantity are one limit to the planner.
                 match ratios.iter_mut().find(|(id, _)| *id == limit.id) {
-                    Some((_, ratio)) => *ratio = limit.ratio().max(*ratio),
-                    None => ratios.push((limit.id, limit.ratio())),
+                    Some((_, ratio)) => *ratio = less.max(*ratio),
+                    None => ratios.push((limit.id, less)),
                 }
             }
             // What has no bound is mended by no lower limit.
@@ -76,7 +92,7 @@ impl<'a, const N: usize> Planner<'a, N> {
         })?;
         let (compiled, certificate) = match last {
             Some(made) => made,
-            None => self.make_close(&trajectory, tolerance, &mut closer)?,
+            None => self.make_close(&trajectory, tolerance, &mut closeness)?,
         };
         if let Some(limit) = certificate.exceeded(TOLERANCE).next() {
             return Err(CompileError::Exceeded { limit: *limit });
@@ -84,30 +100,38 @@ impl<'a, const N: usize> Planner<'a, N> {
         Ok(CompiledPlan { trajectory, compiled, certificate })
     }
 
-    /// Polynomials that deviate from a plan by the part [`CLOSER`]`[closer]` of `tolerance`, or by less where they exceed a limit by far.
+    /// Polynomials that deviate from a plan by a part of `tolerance`: by less than before where they exceed a limit by far, or where the
+    /// plan that was made slower did not help.
     fn make_close(
         &self,
         plan: &Trajectory<'_, N>,
         tolerance: f64,
-        closer: &mut usize,
+        closeness: &mut Closeness,
     ) -> Result<Made<N>, CompileError> {
         let make = |part: f64| -> Result<(f64, Made<N>), CompileError> {
             let compiled = plan.compile(tolerance * part)?;
             let certificate = MotionCertificate::of(self.settings().arm, plan, &compiled)?;
-            let worst = certificate.exceeded(TOLERANCE).map(CertifiedLimit::ratio).fold(1.0, f64::max);
-            Ok((worst, (compiled, certificate)))
+            let excess = certificate.exceeded(TOLERANCE).map(|limit| limit.ratio() - 1.0).fold(0.0, f64::max);
+            Ok((excess, (compiled, certificate)))
         };
-        let mut best = make(CLOSER[*closer])?;
-        for (i, part) in CLOSER.into_iter().enumerate().skip(*closer + 1) {
-            if best.0 <= 1.0 + COARSE {
+        // Pieces that close may not exist for this plan.
+        let mut best = loop {
+            match make(CLOSER[closeness.closer]) {
+                Err(_) if closeness.closer > 0 => closeness.closer -= 1,
+                made => break made?,
+            }
+        };
+        let enough = COARSE.min(STUCK * closeness.last);
+        for (i, part) in CLOSER.into_iter().enumerate().skip(closeness.closer + 1) {
+            if best.0 <= enough {
                 break;
             }
-            // Pieces that close may not exist.
             match make(part) {
-                Ok(made) if made.0 < best.0 => (best, *closer) = (made, i),
+                Ok(made) if made.0 < best.0 => (best, closeness.closer) = (made, i),
                 _ => break,
             }
         }
+        closeness.last = best.0;
         Ok(best.1)
     }
 }

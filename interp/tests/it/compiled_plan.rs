@@ -91,7 +91,10 @@ fn a_compiled_plan_keeps_every_limit() {
             let [bound, seen] = worst.fold([0.0f64; 2], |m, x| [m[0].max(x[0]), m[1].max(x[1])]);
             assert!(bound >= ratio && seen <= bound && seen >= 0.999 * ratio, "{at}: {bound} {seen} {ratio}");
             assert!(bound > 0.85, "{at}: {bound} does not bind");
-            assert!(plan.trajectory.duration() < 1.05 * ordinary.duration(), "{at}: much slower");
+            // Quintics exceed a jump of the jerk by a part of it: limits on jerk cost more.
+            let most = if matches!(kind.quantity(), Quantity::JointJerk | Quantity::ToolJerk) { 1.2 } else { 1.02 };
+            let slower = plan.trajectory.duration() / ordinary.duration();
+            assert!(slower < most, "{at}: {slower} times as long");
         }
     }
     assert!(exceeded > 3, "pieces of {exceeded} ordinary plans exceed a limit: nothing to mend");

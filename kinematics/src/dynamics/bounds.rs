@@ -179,11 +179,11 @@ mod tests {
         };
         for j in 0..3 {
             let (mut size, mut second) = (0.0, 0.0);
-            for b in j..3 {
+            for (b, mass) in masses.iter().enumerate().skip(j) {
                 let (partial, p) = (sum(j, b), sum(0, b));
                 let pull = [2.0 * p[2] + 9.81, 6.0 * p[3], 12.0 * p[4]];
-                size += masses[b] * partial[0] * pull[0];
-                second += 2.0 * masses[b] * (0..3).map(|k| partial[k] * pull[2 - k]).sum::<f64>();
+                size += mass * partial[0] * pull[0];
+                second += 2.0 * mass * (0..3).map(|k| partial[k] * pull[2 - k]).sum::<f64>();
             }
             assert!((bounds.size[j] - size).abs() < 1e-10 * size, "{} is not {size}", bounds.size[j]);
             let bound = bounds.second_derivative[j];
