@@ -6,8 +6,8 @@ use serde::Serialize;
 
 use crate::text::percent;
 
-/// Lines of a report for a terminal, at most.
-pub(crate) const LINES: usize = 4;
+/// Lines of a report for a terminal.
+pub(crate) const LINES: usize = 3;
 /// Position, velocity, acceleration and jerk.
 const RATES: usize = 4;
 
@@ -123,19 +123,20 @@ impl CompiledReport {
         whole
     }
 
-    /// The lines of a report for a terminal: at most [`LINES`].
-    pub(crate) fn lines(&self) -> Vec<String> {
+    /// The lines of a report for a terminal. What is too long for one is in the JSON form alone.
+    pub(crate) fn lines(&self) -> [String; LINES] {
         let joint = |line: &CertifiedRatio| {
             format!("{} {}", line.name.trim_start_matches("joint "), between(line.seen, line.ratio))
         };
         let (rates, others) = self.certified.split_at(RATES.min(self.certified.len()));
         let list = |lines: &[CertifiedRatio]| lines.iter().map(joint).collect::<Vec<_>>().join(", ");
+        let drives = if others.is_empty() { String::new() } else { format!("{}; ", list(others)) };
         let tool: Vec<String> = self
             .certified_tool
             .iter()
             .map(|line| format!("{} {}", line.name, between(line.seen, line.ratio)))
             .collect();
-        let mut lines = vec![
+        [
             format!(
                 "{} pieces, {:.3e} rad from the plan at most, the tool {:.3e} mm",
                 self.pieces,
@@ -143,12 +144,8 @@ impl CompiledReport {
                 1e3 * self.tool_deviation_bound_m
             ),
             format!("certified: {}", list(rates)),
-        ];
-        if !others.is_empty() {
-            lines.push(format!("drives: {}", list(others)));
-        }
-        lines.push(format!("tool: {}", if tool.is_empty() { "no limit".to_owned() } else { tool.join(", ") }));
-        lines
+            format!("{drives}tool: {}", if tool.is_empty() { "no limit".to_owned() } else { tool.join(", ") }),
+        ]
     }
 }
 

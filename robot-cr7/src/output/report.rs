@@ -278,15 +278,14 @@ impl Display for Report {
         )?;
         let of_program = self.program_lines(f)?;
         let compiled = self.compiled.as_ref().map(CompiledReport::lines);
-        for (i, line) in compiled.iter().flatten().take(LINES).enumerate() {
-            let name = if i == 0 { "compiled" } else { "" };
+        for (name, line) in ["compiled", "", ""].into_iter().zip(compiled.iter().flatten()) {
             writeln!(f, "  {name:<11}{}", clip(line, WIDTH - 13))?;
         }
 
         limit_table(f, &self.limits)?;
         let taken = usize::from(second)
             + usize::from(self.bound.is_some())
-            + compiled.as_ref().map_or(0, Vec::len)
+            + LINES * usize::from(compiled.is_some())
             + usize::from(self.stream.is_some())
             + of_program;
         ending(
