@@ -19,6 +19,7 @@
 //! | compile the butterfly to 1e-6 rad: 202 pieces | 17.4 ms |
 //! | certificate of the joints | 0.80 ms |
 //! | certificate of the tool | 2.6 ms |
+//! | certificate of the torques, with friction | 2.4 ms |
 //! | one sample of six joints by a cursor, in order | 20 ns |
 //! | the same at any time | 27 ns |
 
@@ -28,7 +29,7 @@ use std::time::Duration;
 use arcfeed_feedrate::{AxisLimits, SProfile};
 use arcfeed_geometry::{ArcLengthCurve, NurbsCurve, OrientationPath, PosePath};
 use arcfeed_interp::{Limits, Method, Planner, ToolLimits, ToolPath, Trajectory};
-use arcfeed_kinematics::ForwardKinematics;
+use arcfeed_kinematics::{ForwardKinematics, Friction, Joints, models};
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use robot_cr7::{Cr7, Job, PathGeometry, ToolOrientation, butterfly};
 
@@ -117,6 +118,12 @@ fn compiled(c: &mut Criterion, plan: &Trajectory<'_>, arm: &dyn ForwardKinematic
         b.iter(|| black_box(&compiled).certify(limits.range(), &limits.into()));
     });
     c.bench_function("certificate of the tool", |b| b.iter(|| black_box(&compiled).certify_tool(arm)));
+    let robot = models::description("cr7").and_then(|arm| arm.build::<6>().ok()).expect("built in");
+    let friction = Friction::new(Joints::repeat(5.0), Joints::repeat(8.0), Joints::repeat(8.0)).expect("friction");
+    let dynamics = robot.dynamics().expect("known").with_friction(friction);
+    c.bench_function("certificate of the torques, with friction", |b| {
+        b.iter(|| black_box(&compiled).certify_torque(&dynamics));
+    });
 
     // A thousand cycles, and a thousand times all over the motion, none near the last one.
     let in_order: Vec<f64> = (0..1024).map(|i| f64::from(i) * 1e-3).collect();

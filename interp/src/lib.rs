@@ -71,9 +71,9 @@ mod vibration;
 pub use arcfeed_feedrate::{LimitId, Quantity};
 pub use arm::{MIN_SINGULAR_VALUE, PathArm};
 pub use compiled::{
-    Certificate, CertifiedBound, CertifiedJump, CompileError, CompiledPlan, Deviation, Interpolation, JointCursor,
-    JointPoint, JointSetpoint, JointSetpoints, JointTrajectory, JointTrajectoryError, TableBound, TableCertificate,
-    ToolBound, ToolCertificate, certify,
+    Certificate, CertifiedBound, CertifiedJump, CertifiedLimit, CompileError, CompiledPlan, Deviation, Interpolation,
+    JointCursor, JointPoint, JointSetpoint, JointSetpoints, JointTrajectory, JointTrajectoryError, MotionCertificate,
+    TableBound, TableCertificate, ToolBound, ToolCertificate, TorqueBound, TorqueCertificate, certify,
 };
 pub use error::{Cause, Infeasibility, LimitError, PathEnd, PathError, PlanError, SpeedError};
 pub use limits::{

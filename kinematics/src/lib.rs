@@ -27,7 +27,7 @@
 //! | the inverse of any geometry, redundant joints | [`NumericArm`], [`Arm::locked`] |
 //! | q', q'', q''' along a tool path | [`joint_derivatives`], [`least_norm_derivatives`] |
 //! | the distance from singular poses | [`SingularityDistances`], [`Arm::nearest_singular_pose`], [`weakest_motion`], [`smallest_singular_value`], [`condition_number`], [`manipulability`] |
-//! | torques, masses, what torque limits need along a path | [`Dynamics`], [`ArmDynamics`], [`PathTorque`] |
+//! | torques, masses, what torque limits need along a path | [`Dynamics`], [`ArmDynamics`], [`PathTorque`], [`TorqueBounds`] |
 //!
 //! Nothing allocates once an arm is made, except [`AnyArm`], whose results are vectors. Without the feature `std`, which is
 //! on by default, the crate needs neither standard library nor heap: arms of a fixed number of joints are there, descriptions
@@ -98,7 +98,7 @@ pub use dh::{DhRow, DhTable};
 pub use differential::{
     JointDerivatives, MIN_SINGULAR_VALUE, ToolDerivatives, joint_derivatives, least_norm_derivatives,
 };
-pub use dynamics::{ArmDynamics, Dynamics, Friction, GRAVITY, Inertial, PathTorque};
+pub use dynamics::{ArmDynamics, Dynamics, Friction, GRAVITY, Inertial, PathTorque, TorqueBounds};
 pub use error::{KinematicsError, Part, ReachSide};
 pub use jacobian::{Configuration, Jacobian, Twist};
 pub use joint::{Joint, JointKind, JointLimits, JointRange, Joints};

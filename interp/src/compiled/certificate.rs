@@ -274,7 +274,7 @@ impl<const N: usize> Motion<'_, N> {
 
     /// What rounding explains of a derivative at a border of a piece: coefficients come from differences of positions over powers
     /// of the duration, and the clock has a resolution.
-    fn rounding(&self, piece: usize, joint: usize, order: usize) -> f64 {
+    pub fn rounding(&self, piece: usize, joint: usize, order: usize) -> f64 {
         let powers = self.powers(piece, joint, 0, 0.0);
         let moved: f64 = powers[1..].iter().map(|a| a.abs()).sum();
         let stands = if order == 0 { powers[0].abs() } else { 0.0 };

@@ -3,6 +3,7 @@
 use arcfeed_feedrate::{LimitId, Quantity};
 use thiserror::Error;
 
+use super::certified_limit::CertifiedLimit;
 use crate::error::{LimitError, PlanError};
 
 /// Why a trajectory was not compiled.
@@ -53,22 +54,18 @@ pub enum CompileError {
         /// The time, s.
         t: f64,
     },
-    /// The tool of the compiled motion exceeds a limit, however slow the plan was made.
-    #[error(
-        "{limit} of the tool may reach {value:.6e} near t = {t:.6} s, {:.5} % of its limit {allowed:.6e}: allow less deviation, \
-         so that the pieces follow the plan more closely",
-        100.0 * value / allowed
-    )]
-    Tool {
-        /// Which limit.
-        limit: LimitId,
-        /// What is not exceeded, SI.
-        value: f64,
-        /// The limit, SI.
-        allowed: f64,
-        /// The time of the largest value found, s.
-        t: f64,
+    /// The compiled motion exceeds a limit, however slow the plan was made.
+    #[error("{limit}: allow less deviation, so that the pieces follow the plan more closely, or raise the limit")]
+    Exceeded {
+        /// Which limit, and what the motion does to it.
+        limit: CertifiedLimit,
     },
+    /// The torque is limited, and the dynamics state no bounds of it between two samples.
+    #[error(
+        "the torque is limited, but its dynamics state no bounds (Dynamics::torque_bounds), so that no certificate can be made: \
+         implement them, use ArmDynamics, or plan without polynomials"
+    )]
+    UnboundedTorque,
     /// The pieces do not make a joint trajectory.
     #[error(transparent)]
     Pieces(#[from] JointTrajectoryError),

@@ -1,44 +1,66 @@
-//! Plans whose compiled motion keeps the limits of the tool as well.
+//! Plans whose compiled motion keeps every limit.
 
 use std::sync::Arc;
 
-use arcfeed_feedrate::{LimitId, Quantity};
-
 use super::error::CompileError;
 use super::joint_trajectory::JointTrajectory;
-use super::tool_certificate::ToolCertificate;
+use super::motion_certificate::MotionCertificate;
 use crate::path::MotionPath;
-use crate::place::PathParameter;
 use crate::planner::Planner;
 use crate::problem::Held;
 use crate::trajectory::Trajectory;
 
 /// By how much a limit may seem to be exceeded through rounding.
 const TOLERANCE: f64 = 1e-6;
+/// Pieces that exceed a limit by more than this, relative, are made closer to the plan: that costs pieces. Those that exceed it by less
+/// are mended by a slower plan.
+const COARSE: f64 = 1e-2;
+/// So are pieces of a slower plan that exceed limits by more than this part of what those before did.
+const STUCK: f64 = 0.5;
+/// Parts of the tolerance that are tried.
+const CLOSER: [f64; 4] = [1.0, 1.0 / 16.0, 1.0 / 256.0, 1.0 / 4096.0];
 
-/// A plan, its compiled motion, and what the tool of that does.
+/// By how many times its excess a limit is lowered where that is slight, and by how much more: less of a limit lowers by less what pieces
+/// add to it.
+const MORE: f64 = 1.5;
+const MARGIN: f64 = 1e-5;
+
+/// How close to a plan its pieces are made.
+struct Closeness {
+    /// Which of [`CLOSER`].
+    closer: usize,
+    /// By how much the pieces of the last plan exceeded limits at most, relative.
+    last: f64,
+}
+
+/// Polynomials, and what they make of the limits.
+type Made<const N: usize> = (JointTrajectory<N>, MotionCertificate);
+
+/// A plan, its compiled motion, and what that makes of the limits.
 #[derive(Debug, Clone)]
 pub struct CompiledPlan<'p, const N: usize = 6> {
     /// The plan.
     pub trajectory: Trajectory<'p, N>,
     /// Its motion as polynomials of the time.
     pub compiled: JointTrajectory<N>,
-    /// Bounds on the motion of the tool that these polynomials make.
-    pub tool: ToolCertificate,
+    /// For each limit the largest value found, and the value that these polynomials do not exceed.
+    pub certificate: MotionCertificate,
 }
 
 impl<'a, const N: usize> Planner<'a, N> {
     /// Plans the motion along `path` and compiles it with quintic pieces, no joint of which deviates from the plan by more than
     /// `tolerance`, rad.
     ///
-    /// The compiled motion was certified. At all times it keeps the limits on position, velocity, acceleration and jerk of the joints,
-    /// and those on feed, angular speed, tangential and normal acceleration of the tool. Where the pieces would exceed a limit of the
-    /// tool, the motion is planned again with less of it. Limits on tangential and normal jerk, torque and chord error are those of
-    /// the plan alone, and feeds of sections are.
+    /// The compiled motion was certified. At all times it keeps the limits that a [`MotionCertificate`] lists: those of the joints,
+    /// constant or by tables, of their torques, and of the tool. Where the pieces would exceed a limit of the tool, a torque or a table
+    /// by more than 1 %, they are made closer to the plan than `tolerance` asks for; what is exceeded by less, or still, is planned again with
+    /// less of that limit. Limits on tangential and normal jerk and on the chord error are those of the plan alone,
+    /// and feeds of sections are.
     ///
     /// # Errors
-    /// [`CompileError::Plan`] as [`Planner::plan`], others as [`Trajectory::compile_with`]; [`CompileError::Tool`] where the tool still
-    /// exceeds a limit after the last round.
+    /// [`CompileError::Plan`] as [`Planner::plan`], others as [`Trajectory::compile_with`]; [`CompileError::Exceeded`] where the motion
+    /// still exceeds a limit after the last round; [`CompileError::UnboundedTorque`] for a limit on the torque of dynamics that state no
+    /// bounds.
     pub fn plan_compiled<'p>(
         &self,
         path: Arc<dyn MotionPath<N> + 'p>,
@@ -47,53 +69,69 @@ impl<'a, const N: usize> Planner<'a, N> {
     where
         'a: 'p,
     {
-        let arm = self.settings().arm;
-        let make = |trajectory: &Trajectory<'p, N>| -> Result<_, CompileError> {
-            let compiled = trajectory.compile(tolerance)?;
-            let tool = compiled.certify_tool(arm);
-            Ok((compiled, tool))
-        };
         let mut last = None;
+        let mut closeness = Closeness { closer: 0, last: f64::INFINITY };
         let trajectory = self.plan_until::<CompileError>(Held::Shared(path), |trajectory| {
-            let made = make(trajectory)?;
-            let ratios =
-                exceeded(trajectory, &made.1).into_iter().map(|(id, value, limit)| (id, value / limit)).collect();
+            let made = self.make_close(trajectory, tolerance, &mut closeness)?;
+            let mut ratios: Vec<_> = Vec::new();
+            for limit in made.1.exceeded(TOLERANCE) {
+                let excess = limit.ratio() - 1.0;
+                let less = 1.0 + if excess > COARSE { excess } else { MORE * excess } + MARGIN;
+                // A constant limit and a table of the same quantity are one limit to the planner.
+                match ratios.iter_mut().find(|(id, _)| *id == limit.id) {
+                    Some((_, ratio)) => *ratio = less.max(*ratio),
+                    None => ratios.push((limit.id, less)),
+                }
+            }
+            // What has no bound is mended by no lower limit.
+            if ratios.iter().any(|(_, ratio)| !ratio.is_finite()) {
+                ratios.clear();
+            }
             last = Some(made);
             Ok(ratios)
         })?;
-        let (compiled, tool) = match last {
+        let (compiled, certificate) = match last {
             Some(made) => made,
-            None => make(&trajectory)?,
+            None => self.make_close(&trajectory, tolerance, &mut closeness)?,
         };
-        if let Some((limit, value, allowed)) = exceeded(&trajectory, &tool).into_iter().next() {
-            let t = tool.of(limit.quantity).map_or(0.0, |bound| bound.t);
-            return Err(CompileError::Tool { limit, value, allowed, t });
+        if let Some(limit) = certificate.exceeded(TOLERANCE).next() {
+            return Err(CompileError::Exceeded { limit: *limit });
         }
-        Ok(CompiledPlan { trajectory, compiled, tool })
+        Ok(CompiledPlan { trajectory, compiled, certificate })
     }
-}
 
-/// The limits of the tool that the bounds exceed: which, the bound and the limit, SI.
-fn exceeded<const N: usize>(trajectory: &Trajectory<'_, N>, tool: &ToolCertificate) -> Vec<(LimitId, f64, f64)> {
-    let limits = trajectory.limits().tool();
-    let by_length = |limit: Option<f64>| limit.filter(|_| trajectory.path().parameter() == PathParameter::ArcLength);
-    let fastest = trajectory
-        .sections()
-        .iter()
-        .map(|section| section.feed)
-        .fold(limits.feed(), |most, feed| Some(most.map_or(feed, |most| most.max(feed))));
-    let one = |(quantity, limit): (Quantity, Option<f64>)| {
-        let (bound, limit) = (tool.of(quantity)?.bound, limit?);
-        let within = bound <= limit * (1.0 + TOLERANCE);
-        (!within).then_some((LimitId::path(quantity), bound, limit))
-    };
-    [
-        (Quantity::Feed, fastest),
-        (Quantity::AngularSpeed, limits.angular_speed()),
-        (Quantity::TangentialAcceleration, by_length(limits.tangential_acceleration())),
-        (Quantity::NormalAcceleration, by_length(limits.normal_acceleration())),
-    ]
-    .into_iter()
-    .filter_map(one)
-    .collect()
+    /// Polynomials that deviate from a plan by a part of `tolerance`: by less than before where they exceed a limit by far, or where the
+    /// plan that was made slower did not help.
+    fn make_close(
+        &self,
+        plan: &Trajectory<'_, N>,
+        tolerance: f64,
+        closeness: &mut Closeness,
+    ) -> Result<Made<N>, CompileError> {
+        let make = |part: f64| -> Result<(f64, Made<N>), CompileError> {
+            let compiled = plan.compile(tolerance * part)?;
+            let certificate = MotionCertificate::of(self.settings().arm, plan, &compiled)?;
+            let excess = certificate.exceeded(TOLERANCE).map(|limit| limit.ratio() - 1.0).fold(0.0, f64::max);
+            Ok((excess, (compiled, certificate)))
+        };
+        // Pieces that close may not exist for this plan.
+        let mut best = loop {
+            match make(CLOSER[closeness.closer]) {
+                Err(_) if closeness.closer > 0 => closeness.closer -= 1,
+                made => break made?,
+            }
+        };
+        let enough = COARSE.min(STUCK * closeness.last);
+        for (i, part) in CLOSER.into_iter().enumerate().skip(closeness.closer + 1) {
+            if best.0 <= enough {
+                break;
+            }
+            match make(part) {
+                Ok(made) if made.0 < best.0 => (best, closeness.closer) = (made, i),
+                _ => break,
+            }
+        }
+        closeness.last = best.0;
+        Ok(best.1)
+    }
 }

@@ -1,5 +1,7 @@
 //! Limits of joints by tables of speed or position, on every piece of a joint trajectory.
 
+use arcfeed_feedrate::Quantity;
+
 use super::bernstein::Bernstein;
 use super::certificate::Motion;
 use super::joint_trajectory::JointTrajectory;
@@ -29,14 +31,19 @@ pub struct TableBound {
     pub bound: f64,
 }
 
-/// Which parts of the limits by tables a motion uses at most, at all times; see [`JointTrajectory::certify_tables`].
+/// Which parts of the limits by tables a motion uses at most, at all times; see [`JointTrajectory::certify_tables`] and
+/// [`JointTrajectory::certify_torque_tables`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct TableCertificate {
     bounds: Vec<TableBound>,
 }
 
 impl TableCertificate {
-    /// One for each table on acceleration or jerk, kind by kind.
+    pub(super) fn of_bounds(bounds: Vec<TableBound>) -> Self {
+        Self { bounds }
+    }
+
+    /// One for each table that was looked at, kind by kind.
     pub fn bounds(&self) -> &[TableBound] {
         &self.bounds
     }
@@ -53,7 +60,8 @@ impl TableCertificate {
 }
 
 impl<const N: usize> JointTrajectory<N> {
-    /// Holds acceleration and jerk against tables of speed or position, at all times. Tables on torque are not looked at.
+    /// Holds acceleration and jerk against tables of speed or position, at all times. For tables on torque see
+    /// [`JointTrajectory::certify_torque_tables`].
     ///
     /// On an interval on which the argument stays on one straight line of a table, value over limit is a rational function, and lies
     /// within the ratios of the Bernstein coefficients of both. On any other interval the largest value counts against the least
@@ -78,10 +86,10 @@ impl<const N: usize> JointTrajectory<N> {
         let motion = Motion { times: self.times(), pieces: self.coefficients() };
         let mut bounds = Vec::new();
         for kind in TableKind::ALL {
-            let order = match kind {
-                TableKind::AccelerationBySpeed | TableKind::AccelerationByPosition => 2,
-                TableKind::JerkBySpeed | TableKind::JerkByPosition => 3,
-                TableKind::TorqueBySpeed => continue,
+            let order = match kind.quantity() {
+                Quantity::JointAcceleration => 2,
+                Quantity::JointJerk => 3,
+                _ => continue,
             };
             for joint in 0..N {
                 let Some(table) = tables.of(kind, joint) else { continue };
@@ -95,14 +103,14 @@ impl<const N: usize> JointTrajectory<N> {
 }
 
 /// A limit as straight lines through points, constant outside of them.
-struct Law {
+pub(super) struct Law {
     points: Vec<[f64; 2]>,
     /// The argument is the size of the speed.
     by_speed: bool,
 }
 
 impl Law {
-    fn new(table: &LimitTable, by_speed: bool) -> Self {
+    pub fn new(table: &LimitTable, by_speed: bool) -> Self {
         let points = if by_speed { falling(table.points()) } else { table.points().to_vec() };
         Self { points, by_speed }
     }
@@ -136,6 +144,12 @@ impl Law {
         inside.fold(self.at(low).min(self.at(high)), f64::min)
     }
 
+    /// The same, less what rounding may have done to the limits of the table.
+    pub fn certain_least(&self, range: [f64; 2]) -> f64 {
+        let greatest = self.points.iter().map(|point| point[1]).fold(0.0, f64::max);
+        self.least(range) - 4.0 * ROUNDINGS * greatest
+    }
+
     /// The range of the argument, and the sign that makes the argument of it.
     fn range(&self, x: &Bernstein) -> ([f64; 2], f64) {
         let [low, high] = x.range();
@@ -149,9 +163,7 @@ impl Law {
     /// The part of the limit that `value` does not exceed where the argument is `x`.
     fn bound(&self, value: &Bernstein, x: &Bernstein) -> f64 {
         let (range, sign) = self.range(x);
-        // Values on a line are off by roundings of the limits of the table.
-        let greatest = self.points.iter().map(|point| point[1]).fold(0.0, f64::max);
-        let least = self.least(range) - 4.0 * ROUNDINGS * greatest;
+        let least = self.certain_least(range);
         let coarse = if least > 0.0 { value.bound() / least } else { f64::INFINITY };
         let place = self.place(range[0]);
         if sign == 0.0 || place != self.place(range[1]) {

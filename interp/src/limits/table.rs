@@ -1,5 +1,7 @@
 //! Limits that depend on speed, position or payload, as tables.
 
+use arcfeed_feedrate::Quantity;
+
 use crate::error::LimitError;
 
 /// A limit as a function of one argument: straight lines through points, constant before the first and after the last one.
@@ -186,6 +188,15 @@ impl TableKind {
         Self::AccelerationByPosition,
         Self::JerkByPosition,
     ];
+
+    /// What the table limits.
+    pub const fn quantity(self) -> Quantity {
+        match self {
+            Self::AccelerationBySpeed | Self::AccelerationByPosition => Quantity::JointAcceleration,
+            Self::JerkBySpeed | Self::JerkByPosition => Quantity::JointJerk,
+            Self::TorqueBySpeed => Quantity::JointTorque,
+        }
+    }
 
     /// True if the argument is a speed.
     pub const fn is_by_speed(self) -> bool {

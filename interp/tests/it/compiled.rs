@@ -313,7 +313,7 @@ fn the_tool_of_a_compiled_plan_keeps_its_limits() {
     let plan = planner.plan_compiled(path(), 1e-5).expect("compiles");
     assert!(steepest(&plan.compiled) < most * (1.0 + 1e-5), "{}", steepest(&plan.compiled) / most);
     assert!(plan.compiled.certify(arm.range(), &(&limits(arm)).into()).holds(1e-6));
-    let bound = plan.tool.of(Quantity::TangentialAcceleration).expect("is bounded");
+    let bound = plan.certificate.tool().of(Quantity::TangentialAcceleration).expect("is bounded");
     assert!(bound.bound <= most * (1.0 + 1e-6) && bound.bound > 0.99 * most, "{bound:?}");
     assert!(plan.trajectory.duration() < 1.02 * ordinary.duration());
 }

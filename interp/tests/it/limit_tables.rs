@@ -18,20 +18,20 @@ const RAISED: f64 = 1.01;
 
 /// What a planner is told.
 #[derive(Debug, Clone)]
-struct Told {
-    rates: [f64; 3],
-    torque: Option<f64>,
-    tool: ToolLimits,
-    tables: JointTables<6>,
+pub(crate) struct Told {
+    pub rates: [f64; 3],
+    pub torque: Option<f64>,
+    pub tool: ToolLimits,
+    pub tables: JointTables<6>,
 }
 
 impl Told {
-    fn loose() -> Self {
+    pub fn loose() -> Self {
         let tool = ToolLimits::new().with_feed(1.0).expect("above 0");
         Self { rates: [3.0, 60.0, 2000.0], torque: None, tool, tables: JointTables::new() }
     }
 
-    fn planner<'a>(&'a self, arm: &'a Arm<6>) -> Planner<'a> {
+    pub fn planner<'a>(&'a self, arm: &'a Arm<6>) -> Planner<'a> {
         let [v, a, j] = self.rates.map(Joints::repeat);
         let mut limits = Limits::new(arm.range().with_rates(v, a, j).expect("valid limits"));
         if let Some(part) = self.torque {
@@ -45,7 +45,7 @@ impl Told {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
+pub(crate) enum Kind {
     AccelerationBySpeed,
     AccelerationByPosition,
     JerkBySpeed,
@@ -56,7 +56,7 @@ enum Kind {
 }
 
 impl Kind {
-    const ALL: [Self; 7] = [
+    pub const ALL: [Self; 7] = [
         Self::AccelerationBySpeed,
         Self::AccelerationByPosition,
         Self::JerkBySpeed,
@@ -66,7 +66,7 @@ impl Kind {
         Self::ToolJerk,
     ];
 
-    fn quantity(self) -> Quantity {
+    pub fn quantity(self) -> Quantity {
         match self {
             Self::AccelerationBySpeed | Self::AccelerationByPosition => Quantity::JointAcceleration,
             Self::JerkBySpeed | Self::JerkByPosition => Quantity::JointJerk,
@@ -77,7 +77,7 @@ impl Kind {
     }
 
     /// Limits among which this one binds, it being `factor` times as high; without it for an infinite factor.
-    fn told(self, factor: f64) -> Told {
+    pub fn told(self, factor: f64) -> Told {
         let mut told = Told::loose();
         if self == Self::TorqueBySpeed {
             told.torque = Some(1.0);

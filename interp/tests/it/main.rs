@@ -4,6 +4,7 @@ mod allocation;
 mod certificate;
 mod common;
 mod compiled;
+mod compiled_plan;
 mod excursions;
 mod joint_check;
 mod joint_lines;
@@ -23,6 +24,7 @@ mod sampling;
 mod singular;
 mod singular_passages;
 mod six_joints;
+mod torque_certificate;
 mod verify;
 mod vibration;
 

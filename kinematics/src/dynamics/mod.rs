@@ -7,10 +7,12 @@
 //! M includes the rotors where this module says "mass matrix". Torques are those at the joints (N m; N for prismatic
 //! joints), gravity is a vector of the working frame.
 
+mod bounds;
 mod friction;
 mod inertial;
 mod recursion;
 
+pub use bounds::TorqueBounds;
 pub use friction::Friction;
 pub use inertial::Inertial;
 
@@ -43,6 +45,16 @@ pub trait Dynamics<const N: usize> {
 
     /// The coefficients of the torque along a path with first and second derivatives `d1` and `d2` at `q`.
     fn along_path(&self, q: &Joints<N>, d1: &Joints<N>, d2: &Joints<N>) -> PathTorque<N>;
+
+    /// What the torques, and their second derivatives by time, do not exceed in any motion in which joint values, velocities,
+    /// accelerations, jerks and derivatives of jerks are at most `sizes`, as magnitudes.
+    ///
+    /// `None` where nothing is known, as by default. A certificate of torques between samples needs the bounds. The torque less
+    /// [`Dynamics::friction_torque`] at a speed near zero of the same sign has to be differentiable twice.
+    fn torque_bounds(&self, sizes: &[Joints<N>; 5]) -> Option<TorqueBounds<N>> {
+        let _ = sizes;
+        None
+    }
 
     /// The joint accelerations that `torque` causes: forward dynamics.
     ///
@@ -286,6 +298,12 @@ impl<const N: usize> Dynamics<N> for ArmDynamics<N> {
 
     fn friction_torque(&self, qd: &Joints<N>) -> Joints<N> {
         self.friction.torque(qd)
+    }
+
+    /// Sums of the sizes of all terms, by the lengths between the axes; see the module `bounds`.
+    fn torque_bounds(&self, sizes: &[Joints<N>; 5]) -> Option<TorqueBounds<N>> {
+        let (chain, bodies, rotor, friction) = (&self.chain, &self.bodies, &self.rotor, &self.friction);
+        Some(bounds::Arm { chain, bodies, rotor, friction, gravity: self.lift.norm() }.torque_bounds(sizes))
     }
 
     fn along_path(&self, q: &Joints<N>, d1: &Joints<N>, d2: &Joints<N>) -> PathTorque<N> {

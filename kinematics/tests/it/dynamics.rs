@@ -208,6 +208,57 @@ fn a_payload_is_a_part_of_the_last_link() {
     assert!((carried.gravity_torque(&q) - bare.gravity_torque(&q) - weight).amax() < 1e-12);
 }
 
+/// Arms in space, one with joints that slide and one whose identified bodies cannot exist: the second derivative of the torque of random
+/// motions, by differences, within the bounds.
+#[test]
+fn torques_of_random_motions_keep_their_bounds() {
+    fn holds<const N: usize>(arm: &ArmDynamics<N>, seed: u64) -> [f64; 2] {
+        let mut seed = seed;
+        let mut random = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        };
+        let mut most = [0.0; 2];
+        for case in 0..4000 {
+            let scale = [3.0, 1.0, 2.0, 3.0, 4.0].map(|size| size * 10f64.powf(random()));
+            let c = scale.map(|size| Joints::<N>::from_fn(|_, _| size * random()));
+            let torque = |t: f64| {
+                let q = c[0] + c[1] * t + c[2] * (t * t / 2.0) + c[3] * (t.powi(3) / 6.0) + c[4] * (t.powi(4) / 24.0);
+                let qd = c[1] + c[2] * t + c[3] * (t * t / 2.0) + c[4] * (t.powi(3) / 6.0);
+                let qdd = c[2] + c[3] * t + c[4] * (t * t / 2.0);
+                (arm.torque(&q, &qd, &qdd), arm.friction_torque(&qd.map(|speed| 1e-200 * speed.signum())))
+            };
+            let smooth = |t: f64| torque(t).0 - torque(t).1;
+            let h = 1e-4;
+            let second = (smooth(h) + smooth(-h) - smooth(0.0) * 2.0) / (h * h);
+            let bounds = arm.torque_bounds(&c.map(|c| c.abs())).unwrap();
+            for j in 0..N {
+                let size = torque(0.0).0[j].abs() / bounds.size[j];
+                // Rounding and the fourth derivative of the torque.
+                let noise = 1e-15 * bounds.size[j] / (h * h) + 1e-5 * bounds.second_derivative[j];
+                let curved = (second[j].abs() - noise) / bounds.second_derivative[j];
+                assert!(size <= 1.0 && curved <= 1.0, "case {case}, joint {j}: {size} {curved}, {c:?}");
+                most = [size.max(most[0]), curved.max(most[1])];
+            }
+        }
+        most
+    }
+    let friction = |n: f64| Friction::new(Joints::repeat(n), Joints::repeat(2.0 * n), Joints::repeat(n)).unwrap();
+    let (_, mixed) = mixed_arm();
+    let ur5e = ArmDynamics::new(&chain::<6>("ur5e"), inertials("ur5e")).unwrap();
+    let puma = ArmDynamics::new(&chain::<6>("puma560"), inertials("puma560")).unwrap();
+    let rotors = Joints::repeat(0.4);
+    for most in [
+        holds(&mixed.with_rotor_inertia(Joints::repeat(0.4)).unwrap(), 1),
+        holds(&ur5e.with_friction(friction(3.0)), 2),
+        holds(&puma.with_rotor_inertia(rotors).unwrap(), 3),
+        holds(&ArmDynamics::new(&chain::<7>("panda"), inertials("panda")).unwrap(), 4),
+    ] {
+        // The bounds say something.
+        assert!(most[0] > 0.3 && most[1] > 0.3, "{most:?}");
+    }
+}
+
 #[test]
 fn gravity_follows_the_base() {
     // An arm hung from the ceiling feels what the standing one feels under gravity upwards.

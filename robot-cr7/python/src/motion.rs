@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use arcfeed_feedrate::SpeedLaw;
-use arcfeed_interp::{JointTrajectory as Pieces, LimitPoint, Setpoint, ToolCertificate};
+use arcfeed_interp::{JointTrajectory as Pieces, LimitPoint, MotionCertificate, Setpoint};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -90,7 +90,7 @@ impl PlanData {
     /// Where the lower bound is asked for and there is none.
     pub fn of_motion<const N: usize>(
         motion: &robot_cr7::Motion<'_, N>,
-        compiled: Option<(f64, Pieces<N>, ToolCertificate)>,
+        compiled: Option<(f64, Pieces<N>, MotionCertificate)>,
         names: &[String],
         bound: bool,
     ) -> PyResult<Self> {
@@ -113,8 +113,8 @@ impl PlanData {
         curve(&plan.limit_curve().map_err(failed)?, 0.0, &mut limit_curve);
         report.bound = bound;
         report.program = motion.outline().map(|outline| ProgramReport::new(outline, &samples.t, &samples.s));
-        let compiled = compiled.map(|(tolerance, pieces, tool)| {
-            report.compiled = Some(CompiledReport::new(tolerance, plan, &pieces, &tool));
+        let compiled = compiled.map(|(tolerance, pieces, certificate)| {
+            report.compiled = Some(CompiledReport::new(tolerance, &pieces, &certificate));
             JointTrajectory::of(pieces, names)
         });
         let (duration, period) = (plan.duration(), plan.period());

@@ -55,8 +55,8 @@ impl OnToolPath for Plan<'_> {
         few_enough(task.least_duration(), task.period(), LEVERS).map_err(other)?;
         let (mut motion, compiled) = match self.compile {
             Some(tolerance) => {
-                let (motion, compiled, tool) = task.plan_compiled(tolerance)?;
-                (motion, Some((tolerance, compiled, tool)))
+                let (motion, compiled, certificate) = task.plan_compiled(tolerance)?;
+                (motion, Some((tolerance, compiled, certificate)))
             }
             None => (task.plan()?, None),
         };

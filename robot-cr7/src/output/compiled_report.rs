@@ -1,6 +1,6 @@
 //! The compiled motion of a plan, as its report states it.
 
-use arcfeed_interp::{JointTrajectory, Quantity, ToolCertificate, Trajectory};
+use arcfeed_interp::{CertifiedLimit, JointTrajectory, MotionCertificate};
 use arcfeed_kinematics::JointLimits;
 use serde::Serialize;
 
@@ -8,28 +8,34 @@ use crate::text::percent;
 
 /// Lines of a report for a terminal.
 pub(crate) const LINES: usize = 3;
+/// Position, velocity, acceleration and jerk.
+const RATES: usize = 4;
 
-/// The largest part of one kind of limit that a compiled motion certainly does not exceed.
+/// The largest part of one kind of limit of the joints that a compiled motion uses.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CertifiedRatio {
-    /// Name of the quantity.
+    /// Name of the quantity, and of the kind of table where one limits it.
     pub name: String,
     /// The joint that uses most of its limit, from 1.
     pub joint: usize,
-    /// What is not exceeded, divided by the limit.
+    /// The largest value found, divided by the limit.
+    pub seen: f64,
+    /// What is certainly not exceeded, divided by the limit.
     pub ratio: f64,
-    /// The time at which it is attained, in s.
+    /// The time at which the largest value was found, in s.
     pub at_t_s: f64,
 }
 
-/// The largest part of one limit of the tool that a compiled motion certainly does not exceed.
+/// The largest part of one limit of the tool that a compiled motion uses.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CertifiedToolRatio {
     /// Name of the quantity.
     pub name: String,
-    /// What is not exceeded, divided by the limit.
+    /// The largest value found, divided by the limit.
+    pub seen: f64,
+    /// What is certainly not exceeded, divided by the limit.
     pub ratio: f64,
-    /// The time of the largest value found, in s.
+    /// The time at which the largest value was found, in s.
     pub at_t_s: f64,
 }
 
@@ -44,32 +50,24 @@ pub struct CompiledReport {
     pub deviation_bound_rad: f64,
     /// Largest deviation of any joint at a sample, in rad.
     pub deviation_measured_rad: f64,
-    /// Position, velocity, acceleration and jerk, each with the joint that uses most of its limit.
+    /// Position, velocity, acceleration, jerk and torque, and tables, as far as they limit: each with the joint that uses most.
     pub certified: Vec<CertifiedRatio>,
-    /// Feed, angular speed, tangential and normal acceleration of the tool, as far as they are limited.
+    /// Feed, angular speed, tangential and normal acceleration of the tool, and magnitudes of its acceleration and jerk, as far as they
+    /// are limited.
     pub certified_tool: Vec<CertifiedToolRatio>,
     /// Distance of the tool from where the plan has it at the same time that is not exceeded, in m.
     pub tool_deviation_bound_m: f64,
 }
 
 impl CompiledReport {
-    /// The report of `compiled`, made of `plan` for `tolerance` (rad), whose tool does what `tool` says.
-    pub fn new<const N: usize>(
-        tolerance: f64,
-        plan: &Trajectory<'_, N>,
-        compiled: &JointTrajectory<N>,
-        tool: &ToolCertificate,
-    ) -> Self {
-        let limits = plan.limits().tool();
-        let of_tool = [
-            (Quantity::Feed, limits.feed()),
-            (Quantity::AngularSpeed, limits.angular_speed()),
-            (Quantity::TangentialAcceleration, limits.tangential_acceleration()),
-            (Quantity::NormalAcceleration, limits.normal_acceleration()),
-        ];
-        let certified_tool = of_tool.into_iter().filter_map(|(quantity, limit)| {
-            let bound = tool.of(quantity)?;
-            Some(CertifiedToolRatio { name: quantity.to_string(), ratio: bound.bound / limit?, at_t_s: bound.t })
+    /// The report of `compiled`, made for `tolerance` (rad), which makes of the limits what `certificate` says.
+    pub fn new<const N: usize>(tolerance: f64, compiled: &JointTrajectory<N>, certificate: &MotionCertificate) -> Self {
+        let tool = certificate.limits().iter().filter(|line| line.id.joint.is_none());
+        let certified_tool = tool.map(|line| CertifiedToolRatio {
+            name: line.id.quantity.to_string(),
+            seen: line.attained / line.limit,
+            ratio: line.ratio(),
+            at_t_s: line.t,
         });
         let deviation = compiled.deviation();
         Self {
@@ -77,15 +75,15 @@ impl CompiledReport {
             pieces: compiled.len(),
             deviation_bound_rad: deviation.map_or(f64::NAN, |deviation| deviation.bound),
             deviation_measured_rad: deviation.map_or(f64::NAN, |deviation| deviation.measured),
-            certified: certified(compiled, plan.limits().joints()),
+            certified: worst_of_joints(certificate.limits().iter().copied()),
             certified_tool: certified_tool.collect(),
-            tool_deviation_bound_m: tool.deviation().map_or(f64::NAN, |[distance, _]| distance),
+            tool_deviation_bound_m: certificate.tool().deviation().map_or(f64::NAN, |[distance, _]| distance),
         }
     }
 
     /// The report of `compiled`, the motion of all parts of a program, from those of its paths: each with its begin, s.
     ///
-    /// Of the tool it says what it does on the paths.
+    /// Of tool, torques and tables it says what they do on the paths.
     pub(crate) fn of_parts<const N: usize>(
         tolerance: f64,
         compiled: &JointTrajectory<N>,
@@ -98,12 +96,21 @@ impl CompiledReport {
             pieces: compiled.len(),
             deviation_bound_rad: deviation.map_or(f64::NAN, |deviation| deviation.bound),
             deviation_measured_rad: deviation.map_or(f64::NAN, |deviation| deviation.measured),
-            certified: certified(compiled, joints),
+            certified: worst_of_joints(rates(compiled, joints)),
             certified_tool: Vec::new(),
             tool_deviation_bound_m: 0.0,
         };
+        let of_whole = whole.certified.len();
         for (begin, path) in paths {
             whole.tool_deviation_bound_m = whole.tool_deviation_bound_m.max(path.tool_deviation_bound_m);
+            for line in path.certified {
+                let line = CertifiedRatio { at_t_s: begin + line.at_t_s, ..line };
+                match whole.certified.iter().position(|other| other.name == line.name) {
+                    Some(known) if known < of_whole || whole.certified[known].ratio >= line.ratio => {}
+                    Some(known) => whole.certified[known] = line,
+                    None => whole.certified.push(line),
+                }
+            }
             for line in path.certified_tool {
                 let line = CertifiedToolRatio { at_t_s: begin + line.at_t_s, ..line };
                 match whole.certified_tool.iter_mut().find(|other| other.name == line.name) {
@@ -116,15 +123,19 @@ impl CompiledReport {
         whole
     }
 
-    /// The lines of a report for a terminal.
+    /// The lines of a report for a terminal. What is too long for one is in the JSON form alone.
     pub(crate) fn lines(&self) -> [String; LINES] {
-        let parts: Vec<String> = self
-            .certified
+        let joint = |line: &CertifiedRatio| {
+            format!("{} {}", line.name.trim_start_matches("joint "), between(line.seen, line.ratio))
+        };
+        let (rates, others) = self.certified.split_at(RATES.min(self.certified.len()));
+        let list = |lines: &[CertifiedRatio]| lines.iter().map(joint).collect::<Vec<_>>().join(", ");
+        let drives = if others.is_empty() { String::new() } else { format!("{}; ", list(others)) };
+        let tool: Vec<String> = self
+            .certified_tool
             .iter()
-            .map(|line| format!("{} {}", line.name.trim_start_matches("joint "), percent(line.ratio)))
+            .map(|line| format!("{} {}", line.name, between(line.seen, line.ratio)))
             .collect();
-        let tool: Vec<String> =
-            self.certified_tool.iter().map(|line| format!("{} {}", line.name, percent(line.ratio))).collect();
         [
             format!(
                 "{} pieces, {:.3e} rad from the plan at most, the tool {:.3e} mm",
@@ -132,22 +143,50 @@ impl CompiledReport {
                 self.deviation_bound_rad,
                 1e3 * self.tool_deviation_bound_m
             ),
-            format!("certified: {}", parts.join(", ")),
-            format!("tool: {}", if tool.is_empty() { "no limit".to_owned() } else { tool.join(", ") }),
+            format!("certified: {}", list(rates)),
+            format!("{drives}tool: {}", if tool.is_empty() { "no limit".to_owned() } else { tool.join(", ") }),
         ]
     }
 }
 
-/// Position, velocity, acceleration and jerk, each with the joint that uses most of its limit.
-fn certified<const N: usize>(compiled: &JointTrajectory<N>, joints: &JointLimits<N>) -> Vec<CertifiedRatio> {
+/// The largest ratio that was seen and the one that is certain, in one word where they look the same.
+fn between(seen: f64, certain: f64) -> String {
+    let (seen, certain) = (percent(seen), percent(certain));
+    if seen == certain { certain } else { format!("{} .. {certain}", seen.trim_end_matches(" %")) }
+}
+
+/// Of each kind of limit of the joints the one that is used most, in the order of the first of each.
+fn worst_of_joints(limits: impl Iterator<Item = CertifiedLimit>) -> Vec<CertifiedRatio> {
+    let mut worst: Vec<CertifiedRatio> = Vec::new();
+    for limit in limits {
+        let Some(joint) = limit.id.joint else { continue };
+        let by = match limit.table {
+            Some(table) if table.is_by_speed() => " by its table of speed",
+            Some(_) => " by its table of position",
+            None => "",
+        };
+        let line = CertifiedRatio {
+            name: format!("{}{by}", limit.id.quantity),
+            joint: usize::from(joint) + 1,
+            seen: limit.attained / limit.limit,
+            ratio: limit.ratio(),
+            at_t_s: limit.t,
+        };
+        match worst.iter_mut().find(|other| other.name == line.name) {
+            Some(other) if other.ratio >= line.ratio => {}
+            Some(other) => *other = line,
+            None => worst.push(line),
+        }
+    }
+    worst
+}
+
+/// Position, velocity, acceleration and jerk of the joints.
+fn rates<const N: usize>(
+    compiled: &JointTrajectory<N>,
+    joints: &JointLimits<N>,
+) -> impl Iterator<Item = CertifiedLimit> {
     let certificate = compiled.certify(joints.range(), &joints.into());
-    let quantities =
-        [Quantity::JointPosition, Quantity::JointVelocity, Quantity::JointAcceleration, Quantity::JointJerk];
-    let worst = |quantity: Quantity| {
-        let bounds = certificate.bounds().iter().filter(|bound| bound.id.quantity == quantity);
-        let worst = bounds.max_by(|a, b| a.ratio().total_cmp(&b.ratio()))?;
-        let joint = worst.id.joint.map_or(0, usize::from) + 1;
-        Some(CertifiedRatio { name: quantity.to_string(), joint, ratio: worst.ratio(), at_t_s: worst.t })
-    };
-    quantities.into_iter().filter_map(worst).collect()
+    let limits: Vec<_> = certificate.bounds().iter().map(|bound| CertifiedLimit::from(*bound)).collect();
+    limits.into_iter()
 }

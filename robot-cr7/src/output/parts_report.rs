@@ -76,9 +76,9 @@ impl<const N: usize> ProgramMotion<'_, N> {
 
     /// The report of the compiled motion, made for `tolerance` (rad).
     pub fn compiled_report(&self, tolerance: f64, compiled: &CompiledProgram<N>) -> CompiledReport {
-        let paths = compiled.paths.iter().filter_map(|(index, pieces, tool)| {
+        let paths = compiled.paths.iter().filter_map(|(index, pieces, certificate)| {
             let part = self.parts().get(*index)?;
-            Some((part.begin(), CompiledReport::new(tolerance, part.trajectory()?, pieces, tool)))
+            Some((part.begin(), CompiledReport::new(tolerance, pieces, certificate)))
         });
         CompiledReport::of_parts(tolerance, &compiled.joints, self.joint_limits(), paths)
     }

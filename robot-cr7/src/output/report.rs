@@ -386,7 +386,8 @@ mod tests {
         r.warnings = vec!["w".repeat(500); 50];
         r.files = vec!["f".repeat(500).into(); 50];
         r.fallback = Some("because ".repeat(50));
-        let worst = CertifiedRatio { name: "q".repeat(50), joint: 9, ratio: f64::INFINITY, at_t_s: f64::NAN };
+        let worst =
+            CertifiedRatio { name: "q".repeat(50), joint: 9, seen: f64::NAN, ratio: f64::INFINITY, at_t_s: f64::NAN };
         r.bound = Some(BoundReport {
             lower_bound_s: f64::MIN_POSITIVE,
             gap: f64::NAN,

@@ -2,7 +2,7 @@
 
 use arcfeed_geometry::GeometryError;
 use arcfeed_interp::{
-    CompileError, JointTrajectory, JointTrajectoryError, PathArm, PlanError, ToolCertificate, Trajectory,
+    CompileError, JointTrajectory, JointTrajectoryError, MotionCertificate, PathArm, PlanError, Trajectory,
 };
 use arcfeed_kinematics::{Joints, KinematicsError};
 
@@ -24,8 +24,8 @@ const ROUNDING: f64 = 1e-6;
 pub struct CompiledProgram<const N: usize = 6> {
     /// All parts one after the other.
     pub joints: JointTrajectory<N>,
-    /// What the tool does on each path: the index of the part, its polynomials, and bounds on the motion of the tool.
-    pub paths: Vec<(usize, JointTrajectory<N>, ToolCertificate)>,
+    /// What the limits allow on each path: the index of the part, its polynomials, and what these make of the limits.
+    pub paths: Vec<(usize, JointTrajectory<N>, MotionCertificate)>,
 }
 
 impl<A: PathArm<N> + Clone, const N: usize> ProgramTask<A, N> {
@@ -89,7 +89,7 @@ impl<A: PathArm<N> + Clone, const N: usize> ProgramTask<A, N> {
 /// A path with the polynomials that were asked for.
 struct PlannedPath<'t, const N: usize> {
     motion: Motion<'t, N>,
-    compiled: Option<(JointTrajectory<N>, ToolCertificate)>,
+    compiled: Option<(JointTrajectory<N>, MotionCertificate)>,
     /// Joints at its start and at its end.
     ends: [Joints<N>; 2],
 }
@@ -105,7 +105,7 @@ struct Planning<'t, A, const N: usize> {
     ahead: Option<PlannedPath<'t, N>>,
     /// Polynomials of the parts, where they were asked for.
     pieces: Vec<JointTrajectory<N>>,
-    paths: Vec<(usize, JointTrajectory<N>, ToolCertificate)>,
+    paths: Vec<(usize, JointTrajectory<N>, MotionCertificate)>,
 }
 
 impl<'t, A: PathArm<N> + Clone, const N: usize> Planning<'t, A, N> {
@@ -143,8 +143,8 @@ impl<'t, A: PathArm<N> + Clone, const N: usize> Planning<'t, A, N> {
             let (motion, compiled) = match self.tolerance {
                 None => (path.plan_near(near)?, None),
                 Some(tolerance) => {
-                    let (motion, pieces, tool) = path.plan_compiled_near(near, tolerance)?;
-                    (motion, Some((pieces, tool)))
+                    let (motion, pieces, certificate) = path.plan_compiled_near(near, tolerance)?;
+                    (motion, Some((pieces, certificate)))
                 }
             };
             let ends = ends(motion.trajectory()).map_err(|source| path.error(source))?;
@@ -178,9 +178,9 @@ impl<'t, A: PathArm<N> + Clone, const N: usize> Planning<'t, A, N> {
             let way = WayPoints { joints: vec![*at, *at], reconfigured: false }.ending_in(planned.ends[0]);
             self.joint_move(&turn, &way)?;
         }
-        if let Some((pieces, tool)) = planned.compiled {
+        if let Some((pieces, certificate)) = planned.compiled {
             self.pieces.push(pieces.clone());
-            self.paths.push((self.parts.len(), pieces, tool));
+            self.paths.push((self.parts.len(), pieces, certificate));
         }
         let part = ProgramPart::of_path(self.parts.last(), planned.motion, lines);
         self.parts.push(part);

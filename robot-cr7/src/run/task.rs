@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 use arcfeed_feedrate::{FeedError, FeedPlanner, StreamedScan};
 use arcfeed_geometry::PosePath;
 use arcfeed_interp::{
-    CompileError, CompiledPlan, JointTrajectory, LimitError, Method, MotionPath, PathArm, PathError, PlanError,
-    ToolCertificate, ToolLimits, ToolPath, Trajectory,
+    CompileError, CompiledPlan, JointTrajectory, LimitError, Method, MotionCertificate, MotionPath, PathArm, PathError,
+    PlanError, ToolLimits, ToolPath, Trajectory,
 };
 use arcfeed_kinematics::{AnalyticInverse, JointLimits, Joints, ParallelAxisArm};
 
@@ -312,15 +312,15 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
         Ok(motion)
     }
 
-    /// The same with its motion as polynomials of the time, which keep the limits of joints and tool and deviate from the plan by no more
-    /// than `tolerance` (rad).
+    /// The same with its motion as polynomials of the time, which keep the limits that the certificate lists, and deviate from the plan by
+    /// no more than `tolerance` (rad).
     ///
     /// # Errors
     /// As [`Task::plan`]; [`Cr7Error::Compile`] where no such polynomials are found.
     pub fn plan_compiled(
         &self,
         tolerance: f64,
-    ) -> Result<(Motion<'_, N>, JointTrajectory<N>, ToolCertificate), Cr7Error> {
+    ) -> Result<(Motion<'_, N>, JointTrajectory<N>, MotionCertificate), Cr7Error> {
         self.plan_compiled_near(&self.start, tolerance)
     }
 
@@ -332,7 +332,7 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
         &self,
         near: &Joints<N>,
         tolerance: f64,
-    ) -> Result<(Motion<'_, N>, JointTrajectory<N>, ToolCertificate), Cr7Error> {
+    ) -> Result<(Motion<'_, N>, JointTrajectory<N>, MotionCertificate), Cr7Error> {
         let path: Arc<dyn MotionPath<N> + '_> = Arc::new(self.tool_path_near(near)?);
         let calm = self.vibrations.iter().any(|vibration| vibration.limit.is_some());
         let jerk = if calm { self.calm_trajectory(&path)?.1 } else { 1.0 };
@@ -341,17 +341,13 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
             CompileError::Plan(source) => self.error(source),
             source => Cr7Error::Compile { file: self.name.clone(), source: Box::new(source) },
         })?;
-        let CompiledPlan { trajectory, compiled, tool } = plan;
+        let CompiledPlan { trajectory, compiled, certificate } = plan;
         let mut motion = self.motion(trajectory, None)?;
         if motion.vibration().iter().any(|line| !line.holds()) {
             return Err(self.residual("the motion was made slower for its polynomials, which shakes more: raise the limit, or leave out --compile-rad"));
         }
-        let by_vectors = self.limits.tool.acceleration().is_some() || self.limits.tool.jerk().is_some();
-        if by_vectors || !self.limits.tables.is_empty() {
-            motion.warnings.push(UNCERTIFIED.to_owned());
-        }
         motion.warnings.extend(calm_words(jerk));
-        Ok((motion, compiled, tool))
+        Ok((motion, compiled, certificate))
     }
 
     fn motion<'t>(
@@ -405,7 +401,3 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
         self.motion(trajectory, Some(stream))
     }
 }
-
-/// What is said where a certificate leaves limits out.
-const UNCERTIFIED: &str =
-    "the plan keeps [[tables]], tool_acceleration and tool_jerk; the certificate of the polynomials leaves them out";

@@ -133,8 +133,8 @@ impl OnToolPath for Plan<'_> {
                 (task.plan_streamed(&path, ahead as usize, args.stream_gap_ms * 1e-3)?, None)
             }
             (None, Some(tolerance)) => {
-                let (motion, pieces, tool) = task.plan_compiled(tolerance)?;
-                (motion, Some((tolerance, pieces, tool)))
+                let (motion, pieces, certificate) = task.plan_compiled(tolerance)?;
+                (motion, Some((tolerance, pieces, certificate)))
             }
             (None, None) => (task.plan()?, None),
         };
@@ -180,10 +180,10 @@ impl OnToolPath for Plan<'_> {
             staging.write(name, &svg.map_err(|source| staging.failed(name, source))?)?;
         }
         let compiled = match compiled {
-            Some((tolerance, pieces, tool)) => {
+            Some((tolerance, pieces, certificate)) => {
                 let names = std::array::from_fn(|k| robot.any().joint_names().get(k).cloned().unwrap_or_default());
                 staging.write(COMPILED, &(pieces.to_json(&names) + "\n"))?;
-                Some(CompiledReport::new(tolerance, motion.trajectory(), &pieces, &tool))
+                Some(CompiledReport::new(tolerance, &pieces, &certificate))
             }
             None => None,
         };
