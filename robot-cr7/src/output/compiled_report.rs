@@ -123,19 +123,16 @@ impl CompiledReport {
         whole
     }
 
-    /// The lines of a report for a terminal. What is too long for one is in the JSON form alone.
+    /// The lines of a report for a terminal: what is certainly not exceeded. What was seen, and what is too long for a line, is in the
+    /// JSON form alone.
     pub(crate) fn lines(&self) -> [String; LINES] {
-        let joint = |line: &CertifiedRatio| {
-            format!("{} {}", line.name.trim_start_matches("joint "), between(line.seen, line.ratio))
-        };
+        let joint =
+            |line: &CertifiedRatio| format!("{} {}", line.name.trim_start_matches("joint "), percent(line.ratio));
         let (rates, others) = self.certified.split_at(RATES.min(self.certified.len()));
         let list = |lines: &[CertifiedRatio]| lines.iter().map(joint).collect::<Vec<_>>().join(", ");
         let drives = if others.is_empty() { String::new() } else { format!("{}; ", list(others)) };
-        let tool: Vec<String> = self
-            .certified_tool
-            .iter()
-            .map(|line| format!("{} {}", line.name, between(line.seen, line.ratio)))
-            .collect();
+        let tool: Vec<String> =
+            self.certified_tool.iter().map(|line| format!("{} {}", line.name, percent(line.ratio))).collect();
         [
             format!(
                 "{} pieces, {:.3e} rad from the plan at most, the tool {:.3e} mm",
@@ -147,12 +144,6 @@ impl CompiledReport {
             format!("{drives}tool: {}", if tool.is_empty() { "no limit".to_owned() } else { tool.join(", ") }),
         ]
     }
-}
-
-/// The largest ratio that was seen and the one that is certain, in one word where they look the same.
-fn between(seen: f64, certain: f64) -> String {
-    let (seen, certain) = (percent(seen), percent(certain));
-    if seen == certain { certain } else { format!("{} .. {certain}", seen.trim_end_matches(" %")) }
 }
 
 /// Of each kind of limit of the joints the one that is used most, in the order of the first of each.
