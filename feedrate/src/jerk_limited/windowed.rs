@@ -7,8 +7,9 @@ use crate::error::FeedError;
 use crate::problem::FeedProblem;
 use crate::speed_law::SpeedLaw;
 
-/// Windows of fewer intervals than this leave no room to look ahead.
+/// Windows of fewer intervals than this leave no room to look ahead; of more than that the last one is too long for the planner.
 const LEAST: usize = 64;
+const MOST: usize = 100_000;
 
 /// Where a window is left for the next one, in sixteenths of it: the first that a motion goes on from.
 const CUTS: [usize; 6] = [8, 7, 9, 6, 10, 4];
@@ -31,7 +32,8 @@ const CUTS: [usize; 6] = [8, 7, 9, 6, 10, 4];
 /// from its highest speed. Then the rest at its end does not slow down what is kept. A window of
 /// four times that way loses little. Longer windows need more memory, shorter ones lose time.
 ///
-/// Standing still must be possible at the end of every window.
+/// Standing still must be possible at the end of every window. A stop of the path fewer than four
+/// intervals behind such a place cannot be planned from rest.
 ///
 /// ```
 /// use arcfeed_feedrate::constraint::{Feed, TangentialAcceleration, TangentialJerk};
@@ -67,23 +69,28 @@ pub struct WindowedPlan {
 }
 
 impl WindowedJerkLimited {
-    /// Plans windows of so many grid intervals, 64 at the least.
+    /// Plans windows of so many grid intervals, 64 at the least and 100 000 at the most.
     ///
     /// # Errors
-    /// [`FeedError::LengthMismatch`] for a shorter window.
+    /// [`FeedError::LengthMismatch`] for a shorter window, [`FeedError::TooMany`] for a longer one.
     pub fn new(planner: JerkLimited, window: usize) -> Result<Self, FeedError> {
         if window < LEAST {
             return Err(FeedError::LengthMismatch { what: "a window (intervals)", got: window, expected: LEAST });
+        }
+        if window > MOST {
+            return Err(FeedError::TooMany { what: "intervals of a window", got: window, most: MOST });
         }
         Ok(Self { planner, window })
     }
 
     /// The plan for a path of so many grid intervals. `stretch` yields the problem of a range of
     /// them, built by [`FeedProblem::between_points`] on their grid points, both ends included.
-    /// Speeds at both ends of the path are those of the first and the last such problem.
+    /// The speed at the start is that of the first such problem, the speed at the end that of the
+    /// last one; the others are not used.
     ///
     /// # Errors
-    /// Those of `stretch`, and those of [`JerkLimited`] for a window that begins at rest.
+    /// Those of `stretch`, and those of [`JerkLimited`] for a window that begins at rest; an `index`
+    /// in them counts from the start of that window.
     pub fn plan(
         &self,
         intervals: usize,
@@ -141,10 +148,16 @@ impl WindowedJerkLimited {
     ) -> Result<(FeedProblem, usize), FeedError> {
         let left = intervals - from;
         let to = if left <= self.window + self.window / 2 { intervals } else { from + self.window };
-        let problem = stretch(from..to)?;
+        let mut at_rest = |range: Range<usize>| {
+            let problem = stretch(range.clone())?;
+            let start = if range.start == 0 { problem.v_start() } else { 0.0 };
+            let end = if range.end == intervals { problem.v_end() } else { 0.0 };
+            problem.with_end_speeds(start, end)
+        };
+        let problem = at_rest(from..to)?;
         let stop = (1..problem.intervals()).rev().find(|&i| problem.cap(i).0 == 0.0);
         match stop {
-            Some(stop) => Ok((stretch(from..from + stop)?, from + stop)),
+            Some(stop) => Ok((at_rest(from..from + stop)?, from + stop)),
             None => Ok((problem, to)),
         }
     }

@@ -91,7 +91,9 @@ fn random_problems_in_windows_keep_their_limits() {
         };
         let excess = judge(&path, &plan.law, true);
         assert!(excess.at_grid <= 1e-7 && excess.between <= 1e-6, "{excess:?}: {}", case.literal());
-        assert!(plan.law.duration() > 0.99 * whole.duration(), "{}", case.literal());
+        let ratio = plan.law.duration() / whole.duration();
+        // Windows of 80 intervals may be shorter than the way to brake.
+        assert!(ratio > 0.99 && (ratio < 2.0 || !plan.stops.is_empty()), "{ratio}: {}", case.literal());
         (planned, stops) = (planned + 1, stops + plan.stops.len());
     }
     // There are 8 if a window has to begin at a speed that a scan with constant accelerations can go on from.
@@ -160,10 +162,17 @@ fn a_window_that_cannot_be_left_is_taken_to_its_end() {
     assert_eq!(plan.stops, [0.3]);
     assert_eq!((plan.law.at_position(0.3).v, plan.law.end().p), (0.0, 1.0));
     assert!(plan.law.at_position(0.15).v > 0.19 && plan.law.at_position(0.6).v > 0.19);
+    // Speeds at the ends of the path hold at these alone, not at the stop.
+    let plan = planner.plan(1000, |range| slow(range).and_then(|problem| problem.with_end_speeds(0.1, 0.15))).unwrap();
+    assert_eq!((plan.stops.as_slice(), plan.law.at_position(0.3).v), ([0.3].as_slice(), 0.0));
+    let speeds = [plan.law.at_position(0.0).v, plan.law.at_position(0.3 - 1e-12).v, plan.law.end().v];
+    assert!((speeds[0] - 0.1).abs() < 1e-9 && speeds[1] < 1e-3 && (speeds[2] - 0.15).abs() < 1e-9, "{speeds:?}");
     // What cannot be planned at all says why.
     let error = planner.plan(1000, |range| slow(range).and_then(|problem| problem.with_end_speeds(0.5, 0.0)));
     assert!(matches!(error, Err(FeedError::SpeedOutOfReach { .. })), "{error:?}");
-    assert!(WindowedJerkLimited::new(JerkLimited::default(), 63).is_err());
+    for window in [63, 100_001] {
+        assert!(WindowedJerkLimited::new(JerkLimited::default(), window).is_err(), "{window}");
+    }
 }
 
 /// Beside the law itself, eight times as many intervals need no more memory.

@@ -10,7 +10,7 @@ use super::table_certificate::{TableBound, TableCertificate};
 use super::tool_certificate::ToolCertificate;
 use super::tool_search::ToolBound;
 use super::torque_certificate::TorqueBound;
-use crate::limits::{TableKind, TorqueLimits};
+use crate::limits::{Section, TableKind, TorqueLimits};
 use crate::place::PathParameter;
 use crate::trajectory::Trajectory;
 use crate::verify::JointRates;
@@ -126,18 +126,25 @@ fn of_tables<const N: usize>(
 fn of_tool<const N: usize>(plan: &Trajectory<'_, N>, tool: &ToolCertificate) -> Vec<CertifiedLimit> {
     let limits = plan.limits().tool();
     let by_length = |limit: Option<f64>| limit.filter(|_| plan.path().parameter() == PathParameter::ArcLength);
-    let fastest = plan
-        .sections()
-        .iter()
-        .map(|section| section.feed)
-        .fold(limits.feed(), |most, feed| Some(most.map_or(feed, |most| most.max(feed))));
     let all = [
-        (Quantity::Feed, fastest),
+        (Quantity::Feed, highest_feed(plan)),
         (Quantity::AngularSpeed, limits.angular_speed()),
         (Quantity::TangentialAcceleration, by_length(limits.tangential_acceleration())),
         (Quantity::NormalAcceleration, by_length(limits.normal_acceleration())),
     ];
     all.into_iter().filter_map(|(quantity, limit)| Some(tool_line(tool.of(quantity)?, limit?))).collect()
+}
+
+/// The highest feed that is programmed anywhere: sections take the place of the feed of the limits.
+fn highest_feed<const N: usize>(plan: &Trajectory<'_, N>) -> Option<f64> {
+    // A gap this small between sections is rounding.
+    const GAP: f64 = 1e-9;
+    let (sections, slack) = (plan.sections(), GAP * plan.path().length());
+    let follows = |to: f64, section: &Section| (section.from <= to + slack).then_some(section.to);
+    let covered = sections.iter().try_fold(0.0, follows).is_some_and(|to| to >= plan.path().length() - slack);
+    let elsewhere = plan.limits().tool().feed();
+    let highest = sections.iter().map(|section| section.feed).reduce(f64::max);
+    if covered { highest } else { [elsewhere, highest].into_iter().flatten().reduce(f64::max) }
 }
 
 fn of_magnitudes<const N: usize>(

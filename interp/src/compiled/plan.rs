@@ -1,4 +1,4 @@
-//! Plans whose compiled motion keeps every limit.
+//! Plans whose compiled motion keeps every limit that its certificate lists.
 
 use std::sync::Arc;
 

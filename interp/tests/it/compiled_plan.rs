@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use arcfeed_interp::{
-    CompileError, JointTrajectory, LimitId, Limits, MotionPath, Planner, Quantity, TableKind, TableKind::TorqueBySpeed,
+    CompileError, Extent, FeedSection, JointTrajectory, LimitId, Limits, MotionPath, Planner, Quantity, TableKind,
+    TableKind::TorqueBySpeed, ToolLimits,
 };
 use arcfeed_kinematics::{Arm, Joints};
 
@@ -98,6 +99,30 @@ fn a_compiled_plan_keeps_every_limit() {
         }
     }
     assert!(exceeded > 3, "pieces of {exceeded} ordinary plans exceed a limit: nothing to mend");
+}
+
+/// Sections take the place of the feed of the limits: where they leave no gap, it is nowhere programmed.
+#[test]
+fn the_feed_that_is_certified_is_the_highest_programmed_one() {
+    let arm = qb::arm();
+    let path = Arc::new(half_circle(&arm));
+    let length = path.length();
+    let tool = ToolLimits::new().with_feed(0.2).expect("positive");
+    let planner = Planner::new(&arm, Limits::new(qb::joints(&arm, 300.0)).with_tool(tool));
+    let section = |from: f64, to: f64, feed: f64| FeedSection {
+        extent: Extent::Length { from: from * length, to: to * length },
+        feed,
+    };
+    for (sections, feed) in [
+        (vec![], 0.2),
+        (vec![section(0.0, 0.5, 0.04), section(0.5, 1.0, 0.05)], 0.05),
+        (vec![section(0.0, 0.5, 0.04), section(0.6, 1.0, 0.05)], 0.2),
+        (vec![section(0.0, 0.5, 0.04), section(0.6, 1.0, 0.25)], 0.25),
+    ] {
+        let plan = planner.clone().with_sections(sections).plan_compiled(path.clone(), DEVIATION).expect("compiles");
+        let line = plan.certificate.of_limit(LimitId::path(Quantity::Feed)).expect("certified");
+        assert!(line.limit == feed && line.attained > 0.9 * feed && line.holds(TOLERANCE), "{feed}: {line:?}");
+    }
 }
 
 /// A constant limit on the torque has a line for each joint.

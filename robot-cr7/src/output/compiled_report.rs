@@ -81,14 +81,12 @@ impl CompiledReport {
         }
     }
 
-    /// The report of `compiled`, the motion of all parts of a program, from those of its paths: each with its begin, s.
-    ///
-    /// Of tool, torques and tables it says what they do on the paths.
+    /// The report of `compiled`, the motion of all parts of a program, from those of its moving parts: each with its begin, s.
     pub(crate) fn of_parts<const N: usize>(
         tolerance: f64,
         compiled: &JointTrajectory<N>,
         joints: &JointLimits<N>,
-        paths: impl Iterator<Item = (f64, Self)>,
+        parts: impl Iterator<Item = (f64, Self)>,
     ) -> Self {
         let deviation = compiled.deviation();
         let mut whole = Self {
@@ -101,9 +99,9 @@ impl CompiledReport {
             tool_deviation_bound_m: 0.0,
         };
         let of_whole = whole.certified.len();
-        for (begin, path) in paths {
-            whole.tool_deviation_bound_m = whole.tool_deviation_bound_m.max(path.tool_deviation_bound_m);
-            for line in path.certified {
+        for (begin, part) in parts {
+            whole.tool_deviation_bound_m = whole.tool_deviation_bound_m.max(part.tool_deviation_bound_m);
+            for line in part.certified {
                 let line = CertifiedRatio { at_t_s: begin + line.at_t_s, ..line };
                 match whole.certified.iter().position(|other| other.name == line.name) {
                     Some(known) if known < of_whole || whole.certified[known].ratio >= line.ratio => {}
@@ -111,7 +109,7 @@ impl CompiledReport {
                     None => whole.certified.push(line),
                 }
             }
-            for line in path.certified_tool {
+            for line in part.certified_tool {
                 let line = CertifiedToolRatio { at_t_s: begin + line.at_t_s, ..line };
                 match whole.certified_tool.iter_mut().find(|other| other.name == line.name) {
                     Some(other) if other.ratio >= line.ratio => {}

@@ -76,11 +76,11 @@ impl<const N: usize> ProgramMotion<'_, N> {
 
     /// The report of the compiled motion, made for `tolerance` (rad).
     pub fn compiled_report(&self, tolerance: f64, compiled: &CompiledProgram<N>) -> CompiledReport {
-        let paths = compiled.paths.iter().filter_map(|(index, pieces, certificate)| {
+        let parts = compiled.moving.iter().filter_map(|(index, pieces, certificate)| {
             let part = self.parts().get(*index)?;
             Some((part.begin(), CompiledReport::new(tolerance, pieces, certificate)))
         });
-        CompiledReport::of_parts(tolerance, &compiled.joints, self.joint_limits(), paths)
+        CompiledReport::of_parts(tolerance, &compiled.joints, self.joint_limits(), parts)
     }
 
     /// Where limits bind, by the way along the program.

@@ -24,8 +24,8 @@ const ROUNDING: f64 = 1e-6;
 pub struct CompiledProgram<const N: usize = 6> {
     /// All parts one after the other.
     pub joints: JointTrajectory<N>,
-    /// What the limits allow on each path: the index of the part, its polynomials, and what these make of the limits.
-    pub paths: Vec<(usize, JointTrajectory<N>, MotionCertificate)>,
+    /// The parts that move: the index of each, its polynomials, and what these make of the limits.
+    pub moving: Vec<(usize, JointTrajectory<N>, MotionCertificate)>,
 }
 
 impl<A: PathArm<N> + Clone, const N: usize> ProgramTask<A, N> {
@@ -105,13 +105,13 @@ struct Planning<'t, A, const N: usize> {
     ahead: Option<PlannedPath<'t, N>>,
     /// Polynomials of the parts, where they were asked for.
     pieces: Vec<JointTrajectory<N>>,
-    paths: Vec<(usize, JointTrajectory<N>, MotionCertificate)>,
+    moving: Vec<(usize, JointTrajectory<N>, MotionCertificate)>,
 }
 
 impl<'t, A: PathArm<N> + Clone, const N: usize> Planning<'t, A, N> {
     fn new(task: &'t ProgramTask<A, N>, tolerance: Option<f64>) -> Self {
         let at = task.first().map(|first| *first.start());
-        Self { task, tolerance, parts: Vec::new(), at, ahead: None, pieces: Vec::new(), paths: Vec::new() }
+        Self { task, tolerance, parts: Vec::new(), at, ahead: None, pieces: Vec::new(), moving: Vec::new() }
     }
 
     fn run(mut self) -> Result<(ProgramMotion<'t, N>, Option<CompiledProgram<N>>), Cr7Error> {
@@ -125,10 +125,10 @@ impl<'t, A: PathArm<N> + Clone, const N: usize> Planning<'t, A, N> {
                 ProgramStep::Dwell(line, seconds, marks) => self.wait([*line; 2], *seconds, marks, &at)?,
             }
         }
-        let Self { parts, pieces, paths, .. } = self;
+        let Self { parts, pieces, moving, .. } = self;
         let joints = joined(pieces).map_err(|source| task.compile_error(source.into()))?;
         let motion = ProgramMotion::new(task, first, parts);
-        Ok((motion, joints.map(|joints| CompiledProgram { joints, paths })))
+        Ok((motion, joints.map(|joints| CompiledProgram { joints, moving })))
     }
 
     /// The motion along a path, from the joints nearest to `near` or, where the arm cannot follow it from these and `may_change`, from
@@ -178,10 +178,7 @@ impl<'t, A: PathArm<N> + Clone, const N: usize> Planning<'t, A, N> {
             let way = WayPoints { joints: vec![*at, *at], reconfigured: false }.ending_in(planned.ends[0]);
             self.joint_move(&turn, &way)?;
         }
-        if let Some((pieces, certificate)) = planned.compiled {
-            self.pieces.push(pieces.clone());
-            self.paths.push((self.parts.len(), pieces, certificate));
-        }
+        self.compiled(planned.compiled);
         let part = ProgramPart::of_path(self.parts.last(), planned.motion, lines);
         self.parts.push(part);
         self.at = Some(planned.ends[1]);
@@ -220,10 +217,18 @@ impl<'t, A: PathArm<N> + Clone, const N: usize> Planning<'t, A, N> {
             source => task.compile_error(source),
         })?;
         let Some((planned, pieces)) = planned else { return Ok(false) };
-        self.pieces.extend(pieces);
+        self.compiled(pieces);
         self.at = Some(*way.end());
         self.parts.push(ProgramPart::of_joints(self.parts.last(), planned, lines));
         Ok(true)
+    }
+
+    /// Keeps the polynomials of the part to come.
+    fn compiled(&mut self, part: Option<(JointTrajectory<N>, MotionCertificate)>) {
+        if let Some((pieces, certificate)) = part {
+            self.pieces.push(pieces.clone());
+            self.moving.push((self.parts.len(), pieces, certificate));
+        }
     }
 
     fn wait(&mut self, lines: [usize; 2], seconds: f64, marks: &Marks, at: &Joints<N>) -> Result<(), Cr7Error> {

@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use arcfeed_interp::{CompileError, CompiledPlan, JointLines, JointTrajectory, MotionPath, PathArm, PlanError};
+use arcfeed_interp::{
+    CompileError, CompiledPlan, JointLines, JointTrajectory, MotionCertificate, MotionPath, PathArm, PlanError,
+};
 use arcfeed_kinematics::{Joints, KinematicsError};
 use nalgebra::{Isometry3, Vector3};
 
@@ -61,6 +63,9 @@ pub(crate) struct WayPoints<const N: usize> {
     pub reconfigured: bool,
 }
 
+/// Polynomials of a motion, and what they make of its limits.
+type Compiled<const N: usize> = (JointTrajectory<N>, MotionCertificate);
+
 impl RapidRun {
     /// A change of the joints at one place, before a line of the file.
     pub fn turn(pose: Isometry3<f64>, line: usize) -> Self {
@@ -90,14 +95,14 @@ impl RapidRun {
         Ok(WayPoints { joints, reconfigured })
     }
 
-    /// The motion through the way-points; `None` where the joints do not move. With a tolerance (rad) as polynomials too, which keep the
-    /// limits of the joints and of the angular speed of the tool.
+    /// The motion through the way-points; `None` where the joints do not move. With a tolerance (rad) as polynomials too, with what these
+    /// make of the limits.
     pub fn plan<'t, A: PathArm<N>, const N: usize>(
         &self,
         task: &'t Task<A, N>,
         way: &WayPoints<N>,
         tolerance: Option<f64>,
-    ) -> Result<Option<(JointMove<'t, N>, Option<JointTrajectory<N>>)>, CompileError> {
+    ) -> Result<Option<(JointMove<'t, N>, Option<Compiled<N>>)>, CompileError> {
         let Some((path, place)) = self.joint_lines(task.arm(), &way.joints)? else { return Ok(None) };
         let at: Vec<f64> = place.iter().map(|&i| path.parameters()[i]).collect();
         let seen = self.look(task.arm(), &path, &at)?;
@@ -105,8 +110,8 @@ impl RapidRun {
         let (trajectory, pieces) = match tolerance {
             None => (planner.plan_shared(path)?, None),
             Some(tolerance) => {
-                let CompiledPlan { trajectory, compiled, .. } = planner.plan_compiled(path, tolerance)?;
-                (trajectory, Some(compiled))
+                let CompiledPlan { trajectory, compiled, certificate } = planner.plan_compiled(path, tolerance)?;
+                (trajectory, Some((compiled, certificate)))
             }
         };
         let ends = self.ends.iter().zip(&seen.nearest).zip(&at[1..]);
