@@ -120,6 +120,11 @@ impl Entry {
         writer.finish(duration);
     }
 
+    /// Where the shortest change of velocity and acceleration ends.
+    pub fn direct_end(&self) -> f64 {
+        self.from + Direct::new(&self.problem).displacement
+    }
+
     /// The shortest change of velocity and acceleration; where it ends.
     pub fn direct(&self, out: &mut StateToState) -> f64 {
         let p = &self.problem;

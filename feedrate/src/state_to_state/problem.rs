@@ -88,6 +88,15 @@ impl AxisProblem {
         motion.check_sound().map(|()| motion)
     }
 
+    /// How far the motion of [`AxisProblem::direct`] goes.
+    pub(super) fn direct_displacement(s: &AxisState, t: &AxisState, l: &AxisLimits) -> Result<f64, FeedError> {
+        let Some(u) = Units::choose(s, t, l) else {
+            return Entry::new(s, t, l).map(|entry| entry.direct_end() - s.p);
+        };
+        let entry = Entry::new(&u.state_into(s), &u.state_into(t), &u.limits_into(l));
+        entry.map(|entry| u.back(entry.direct_end(), 0) - s.p).map_err(|e| rescaled_error(e, u))
+    }
+
     /// The shortest motion.
     pub fn shortest(&self) -> StateToState {
         let mut motion = StateToState::default();
