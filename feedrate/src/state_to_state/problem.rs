@@ -164,7 +164,9 @@ impl AxisProblem {
                 return Err(FeedError::DurationImpossible { duration, below, above });
             }
             if !self.entry.between(inside, out) {
-                return Err(FeedError::OutOfRange { what: "duration of the motion" });
+                // At an end of the possible durations, but for round-off.
+                let (below, above) = (durations.at_most(duration * (1.0 - BESIDE)), duration * (1.0 + BESIDE));
+                return Err(FeedError::DurationImpossible { duration, below, above });
             }
         }
         out.set_target(&self.target, self.jerk);
@@ -176,6 +178,9 @@ impl AxisProblem {
         Ok(())
     }
 }
+
+/// Relative distance of a duration beside an end of the possible ones.
+const BESIDE: f64 = 1e-9;
 
 impl StateToState {
     /// The shortest motion from `start` to `target` within `limits`.

@@ -10,11 +10,11 @@ pub(super) const MOST_ROOTS: usize = 3;
 const GOLDEN: f64 = 0.381_966_011_250_105_1;
 
 /// A change of the place that is not looked at any more.
-const LEAST_STEP: f64 = 1e-8;
+const LEAST_STEP: f64 = 1e-6;
 
 /// The first step to a place beyond, as a part of it, and the steps after that.
 const PROBE: f64 = 1e-3;
-const SECANTS: usize = 10;
+const SECANTS: usize = 6;
 
 /// A boundary as near as this is found.
 const LEAST_WIDTH: f64 = 1e-14;

@@ -26,16 +26,18 @@ const ROUND_OFF: f64 = 1.0 + 1e-14;
 /// Relative distance of a place beside another one.
 const BESIDE: f64 = 1e-9;
 
-/// Durations computed to improve one touch.
-const STEPS: usize = 16;
+/// Durations computed to improve one touch, and places tried for a boundary.
+const STEPS: usize = 12;
+const BOUNDARY_STEPS: usize = 10;
 
 /// Rounds that improve two touches in turn, and durations computed for each.
 const ROUNDS: usize = 2;
 const STEPS_OF_ROUND: usize = 8;
 
-/// Two touches are improved if their duration on the grid is not above this part of the shortest
-/// one.
-const PROMISING: f64 = 1.2;
+/// Two touches are improved if their duration on the grid is not above this part of the shortest one, and
+/// the touches of an end if it is not above that part.
+const PROMISING: f64 = 1.08;
+const PROMISING_END: f64 = 2.0;
 
 /// A problem, as given or mirrored.
 #[derive(Debug, Clone, Copy)]
@@ -204,9 +206,11 @@ impl Frame {
     pub fn search(&self) -> Option<Touched> {
         let frames = [*self, self.mirrored()];
         let sides = [Side::new(&frames[0]), Side::new(&frames[1])];
+        let most = PROMISING_END * sides[0].least().min(sides[1].least());
         let mut best = Touched::NONE;
         for i in 0..2 {
-            best = best.shorter(Touched { mirrored: i == 1, ..sides[i].improved(&frames[i]) });
+            let improved = sides[i].improved(&frames[i], most);
+            best = best.shorter(Touched { mirrored: i == 1, ..improved });
         }
         for i in 0..2 {
             let pair = Pair { frame: &frames[i], other: &frames[1 - i] };
@@ -278,16 +282,24 @@ impl Side {
         (below, above)
     }
 
-    /// The best touch alone, improved.
-    fn improved(&self, frame: &Frame) -> Touched {
+    /// The shortest duration with one of the touches.
+    fn least(&self) -> f64 {
+        self.lead.iter().zip(&self.go).fold(f64::INFINITY, |least, (lead, go)| least.min(lead + go))
+    }
+
+    /// The best touch alone, improved; none if it lasts longer than `most`.
+    fn improved(&self, frame: &Frame, most: f64) -> Touched {
         let tried = (0..TOUCHES).map(|i| Value { at: self.roots[i], value: self.lead[i] + self.go[i] });
         let best = tried.min_by(|x, y| x.value.total_cmp(&y.value)).filter(|best| best.value.is_finite());
         let Some(mut best) = best.or_else(|| self.between(frame)) else { return Touched::NONE };
+        if best.value > most {
+            return Touched::NONE;
+        }
         let (root, (below, above)) = (best.at, self.around(best.at));
-        let most = |x: f64| frame.lead_overshoot(x).max(frame.go_overshoot(x));
+        let overshoot = |x: f64| frame.lead_overshoot(x).max(frame.go_overshoot(x));
         for beside in [below, above] {
             if frame.time_with(beside) == f64::INFINITY {
-                best = best.or(boundary(most, (root, beside), STEPS), |x| frame.time_with(x));
+                best = best.or(boundary(overshoot, (root, beside), BOUNDARY_STEPS), |x| frame.time_with(x));
             }
         }
         let best = minimise(|x| frame.time_with(x), best, (below, above), STEPS);
@@ -307,8 +319,8 @@ impl Side {
             .find_map(|i| (0..TOUCHES).filter(left).find(|k| beside(i, *k)).map(|k| (self.roots[i], self.roots[k])))?;
         let none = Value { at: to, value: f64::INFINITY };
         let best = none
-            .or(boundary(|x| frame.lead_overshoot(x), (to, from), STEPS), |x| frame.time_with(x))
-            .or(boundary(|x| frame.go_overshoot(x), (from, to), STEPS), |x| frame.time_with(x));
+            .or(boundary(|x| frame.lead_overshoot(x), (to, from), BOUNDARY_STEPS), |x| frame.time_with(x))
+            .or(boundary(|x| frame.go_overshoot(x), (from, to), BOUNDARY_STEPS), |x| frame.time_with(x));
         best.value.is_finite().then_some(best)
     }
 }
