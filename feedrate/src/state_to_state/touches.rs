@@ -34,8 +34,8 @@ const BOUNDARY_STEPS: usize = 10;
 const ROUNDS: usize = 2;
 const STEPS_OF_ROUND: usize = 8;
 
-/// Two touches are improved if their duration on the grid is not above this part of the shortest one, and
-/// the touches of an end if it is not above that part.
+/// Touches are improved if their duration on the grid is not above this part of the shortest one:
+/// two touches, and those of one end.
 const PROMISING: f64 = 1.08;
 const PROMISING_END: f64 = 2.0;
 
@@ -164,7 +164,6 @@ impl Frame {
     fn lead_overshoot(&self, root: f64) -> f64 {
         self.overshoot(&self.start, &self.touch(root))
     }
-
     fn go_overshoot(&self, root: f64) -> f64 {
         self.overshoot(&self.touch(root), &self.target)
     }
