@@ -45,18 +45,20 @@ impl<const N: usize> Trajectory<N> {
             }
         }
         let mut duration = options.round_up(shortest);
+        let mut last = 0;
         for _ in 0..ROUNDS * (N + 1) {
             match lasting(&problems, duration) {
                 Ok(axes) => return Ok(Self::of(axes)),
-                Err(SyncError::State { source: FeedError::DurationImpossible { above, .. }, .. })
+                Err(SyncError::State { axis, source: FeedError::DurationImpossible { above, .. } })
                     if above > duration && above.is_finite() =>
                 {
+                    last = axis;
                     duration = options.round_up(above);
                 }
                 Err(e) => return Err(e),
             }
         }
-        Err(SyncError::State { axis: 0, source: FeedError::OutOfRange { what: "duration of the motion" } })
+        Err(SyncError::State { axis: last, source: FeedError::OutOfRange { what: "duration of the motion" } })
     }
 }
 

@@ -71,12 +71,19 @@ impl MotionOptions {
         self.cycle
     }
 
-    /// The first duration allowed by these choices from `t` on.
+    /// The first duration allowed by these choices from `t` on, never below `t`. Numbers of 2^53 cycles and more are farther
+    /// apart than a cycle: each of them counts as a multiple.
     pub(crate) fn round_up(&self, t: f64) -> f64 {
         let t = t.max(self.least_duration);
         let Some(cycle) = self.cycle else { return t };
         let n = (t / cycle).ceil();
+        if n >= COUNTABLE {
+            return t;
+        }
         let rounded = n * cycle;
         if rounded < t { (n + 1.0) * cycle } else { rounded }
     }
 }
+
+/// Integers from here on have no neighbours: adding 1 changes nothing.
+const COUNTABLE: f64 = (1_u64 << 53) as f64;

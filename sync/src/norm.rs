@@ -81,8 +81,9 @@ impl<const N: usize> NormLimits<N> {
     /// Limits of the axes that keep the norms, with equal shares. Limits that are lower already stay.
     ///
     /// # Errors
-    /// [`SyncError::State`] naming an axis that cannot be given its share: one that may move in one direction only and faster
-    /// than that at the least, or whose share is too small a number.
+    /// [`SyncError::State`] naming an axis that cannot be given its share: one whose limits are those of a forward motion
+    /// ([`AxisLimits::forward`], `v_min` is 0), with which no motion to a target can be planned either, or whose share is too small a
+    /// number. Give such an axis limits in both directions, or use larger units.
     pub fn limits(&self, limits: &[AxisLimits; N]) -> Result<[AxisLimits; N], SyncError> {
         self.shared(limits, [1.0; N])
     }

@@ -170,18 +170,20 @@ impl<const N: usize> Trajectory<N> {
         let mut all =
             Self { axes: [StateToState::default(); N], duration: options.round_up(shortest), straight: false };
         // Every axis has a few blocked intervals at most, and every round passes one.
+        let mut last = 0;
         for _ in 0..ROUNDS * (N + 1) {
             match all.fill(&problems) {
                 Ok(()) => return Ok(all),
-                Err(SyncError::State { source: FeedError::DurationImpossible { above, .. }, .. })
+                Err(SyncError::State { axis, source: FeedError::DurationImpossible { above, .. } })
                     if above > all.duration =>
                 {
+                    last = axis;
                     all.duration = options.round_up(above);
                 }
                 Err(e) => return Err(e),
             }
         }
-        Err(SyncError::State { axis: 0, source: FeedError::OutOfRange { what: "duration of the motion" } })
+        Err(SyncError::State { axis: last, source: FeedError::OutOfRange { what: "duration of the motion" } })
     }
 
     /// Every axis in the common duration.

@@ -9,7 +9,7 @@ use super::extremal::Extremals;
 use super::mean::Mean;
 use super::phase_writer::Writer;
 use super::profile::StateToState;
-use super::shape::{Shape, end_of};
+use super::shape::{Shape, displacement, end_of};
 use super::solve::{Direct, solve, starts_too_fast};
 use crate::error::FeedError;
 use crate::limits::{AxisLimits, SLACK};
@@ -120,6 +120,11 @@ impl Entry {
         writer.finish(duration);
     }
 
+    /// Where the shortest change of velocity and acceleration ends.
+    pub fn direct_end(&self) -> f64 {
+        self.from + Direct::new(&self.problem).displacement
+    }
+
     /// The shortest change of velocity and acceleration; where it ends.
     pub fn direct(&self, out: &mut StateToState) -> f64 {
         let p = &self.problem;
@@ -201,9 +206,13 @@ fn gaps_inside(p: &Problem, shortest: f64, solved_mirrored: Option<bool>) -> Gap
 
 fn between(p: &Problem, t: f64, noise: f64, ends: (f64, f64), writer: &mut Writer<'_>) -> bool {
     let rises = Direct::new(p).up;
+    let mirrored = p.mirrored();
     let up = Extremals::new(p, rises).at(t);
-    let down = Extremals::new(&p.mirrored(), !rises).at(t);
+    let down = Extremals::new(&mirrored, !rises).at(t);
     let (Some(up), Some(down)) = (up, down) else { return false };
+    // Beside a short way round-off of the formula would be a jump of the position.
+    let up = (displacement(p, &up.1) - p.d, up.1);
+    let down = (displacement(&mirrored, &down.1) - mirrored.d, down.1);
     // Round-off of the ends of the possible durations, and of the displacement.
     let slow = p.j.up.min(p.j.down);
     let lead = |v: f64, a: f64| a.abs() / slow * (v.abs() + a * a / slow);

@@ -51,8 +51,10 @@ mod positions;
 mod problem;
 mod profile;
 mod scale;
+mod search;
 mod shape;
 mod solve;
+mod touches;
 mod velocity;
 
 pub use bounded::BoundedProblem;

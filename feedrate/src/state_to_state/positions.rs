@@ -65,6 +65,14 @@ impl PositionLimits {
         self.check(motion).is_ok()
     }
 
+    /// How far a motion leaves the range (m), 0 if it does not but for round-off.
+    pub(super) fn overshoot(&self, motion: &StateToState) -> f64 {
+        match self.check(motion) {
+            Err(FeedError::LeavesPositions { position, limit, .. }) => (position - limit).abs(),
+            _ => 0.0,
+        }
+    }
+
     /// As [`PositionLimits::contain_all_of`].
     ///
     /// # Errors

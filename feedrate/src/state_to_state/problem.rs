@@ -88,6 +88,15 @@ impl AxisProblem {
         motion.check_sound().map(|()| motion)
     }
 
+    /// How far the motion of [`AxisProblem::direct`] goes.
+    pub(super) fn direct_displacement(s: &AxisState, t: &AxisState, l: &AxisLimits) -> Result<f64, FeedError> {
+        let Some(u) = Units::choose(s, t, l) else {
+            return Entry::new(s, t, l).map(|entry| entry.direct_end() - s.p);
+        };
+        let entry = Entry::new(&u.state_into(s), &u.state_into(t), &u.limits_into(l));
+        entry.map(|entry| u.back(entry.direct_end(), 0) - s.p).map_err(|e| rescaled_error(e, u))
+    }
+
     /// The shortest motion.
     pub fn shortest(&self) -> StateToState {
         let mut motion = StateToState::default();
@@ -155,7 +164,9 @@ impl AxisProblem {
                 return Err(FeedError::DurationImpossible { duration, below, above });
             }
             if !self.entry.between(inside, out) {
-                return Err(FeedError::OutOfRange { what: "duration of the motion" });
+                // At an end of the possible durations, but for round-off.
+                let (below, above) = (durations.at_most(duration * (1.0 - BESIDE)), duration * (1.0 + BESIDE));
+                return Err(FeedError::DurationImpossible { duration, below, above });
             }
         }
         out.set_target(&self.target, self.jerk);
@@ -167,6 +178,9 @@ impl AxisProblem {
         Ok(())
     }
 }
+
+/// Relative distance of a duration beside an end of the possible ones.
+const BESIDE: f64 = 1e-9;
 
 impl StateToState {
     /// The shortest motion from `start` to `target` within `limits`.

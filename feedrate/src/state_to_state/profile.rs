@@ -86,15 +86,6 @@ impl StateToState {
         Some(all)
     }
 
-    /// The same motion the other way round.
-    pub(super) fn mirrored(mut self) -> Self {
-        self.phases.map(|p, dt| (Phase { t: p.t, s: -p.s, v: -p.v, a: -p.a, j: -p.j }, dt));
-        let end = self.phases.end;
-        self.phases.end = MotionState { p: -end.p, v: -end.v, a: -end.a, j: 0.0 };
-        self.release_jerk = -self.release_jerk;
-        self
-    }
-
     /// The same motion, whose duration is this but for round-off.
     pub(super) const fn lasting(mut self, duration: f64) -> Self {
         self.phases.duration = duration;

@@ -51,3 +51,23 @@ pub(super) fn end_of(p: &Problem, shape: &Shape, mirrored: bool, t: f64) -> f64 
     let times = if mirrored { times(&p.mirrored(), shape) } else { times(p, shape) };
     times.into_iter().fold(t, |sum, dt| sum + dt)
 }
+
+/// How far a shape goes that is given in the frame of the problem: the sum of its phases, whose round-off is that of the
+/// distances covered, where the formula of an extremal has that of ramps from zero acceleration.
+pub(super) fn displacement(p: &Problem, shape: &Shape) -> f64 {
+    let [t1, t2, t3, t4, t5, t6, t7] = times(p, shape);
+    let (a1, a2) = (shape.first.a, shape.second.a);
+    // Forward from the start, and backward from the target.
+    let v1 = p.v0 + 0.5 * t1 * (p.a0 + a1);
+    let v2 = v1 + a1 * t2;
+    let before = t1 * (p.v0 + t1 * (2.0 * p.a0 + a1) / 6.0) + 0.5 * t2 * (v1 + v2);
+    let v7 = p.vf - 0.5 * t7 * (p.af + a2);
+    let v6 = v7 - a2 * t6;
+    let after = t7 * (p.vf - t7 * (2.0 * p.af + a2) / 6.0) + 0.5 * t6 * (v6 + v7);
+    let between = if shape.joined {
+        t3 * (v2 + t3 * (2.0 * a1 + a2) / 6.0)
+    } else {
+        t3 * (v2 + t3 * a1 / 3.0) + t4 * shape.v_peak + t5 * (shape.v_peak + t5 * a2 / 6.0)
+    };
+    before + between + after
+}

@@ -153,6 +153,34 @@ fn longer_durations_stay_inside() {
     assert!(done > 500);
 }
 
+/// No touch among many accelerations gives a shorter motion, at either end.
+#[test]
+fn a_dense_search_over_one_touch_finds_nothing_shorter() {
+    const DENSE: u32 = 1500;
+    let mut rng = Random::new(85);
+    for i in 0..100 {
+        let (case, positions) = ranged_case(&mut rng);
+        let limits = case.limits();
+        let ours = BoundedProblem::new(&case.start, &case.target, &limits, &positions).unwrap().shortest_duration();
+        let leg = |from: &AxisState, to: &AxisState| {
+            let motion = StateToState::new(from, to, &limits).ok().filter(|m| positions.contain_all_of(m));
+            motion.map_or(f64::INFINITY, |m| m.duration())
+        };
+        for (end, strongest) in [(positions.upper(), case.a.0), (positions.lower(), case.a.1)] {
+            for k in 0..=DENSE {
+                // Denser at the weak ones.
+                let part = (f64::from(k) / f64::from(DENSE)).powi(2);
+                let touch = AxisState::new(end, 0.0, part * strongest);
+                let time = leg(&case.start, &touch) + leg(&touch, &case.target);
+                assert!(
+                    ours <= time * (1.0 + 1e-9),
+                    "case {i}: {ours} not {time} with {touch:?}: {case:?} {positions:?}"
+                );
+            }
+        }
+    }
+}
+
 #[test]
 fn nothing_allocates() {
     let mut rng = Random::new(83);

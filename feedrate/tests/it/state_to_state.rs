@@ -1,6 +1,6 @@
 //! State to state of one axis: reference durations, exact ends, limits, symmetries, scales, refusals.
 #![allow(clippy::unwrap_used, clippy::neg_cmp_op_on_partial_ord)]
-use arcfeed_feedrate::{AxisLimits, AxisState, FeedError, MotionLaw, StateToState};
+use arcfeed_feedrate::{AxisLimits, AxisProblem, AxisState, FeedError, MotionLaw, StateToState};
 
 use crate::common;
 use arcfeed_testing::Random;
@@ -435,4 +435,26 @@ fn already_there_with_a_negative_acceleration_took_16_s() {
             motion.duration()
         );
     }
+}
+
+/// At full acceleration a moment is much shorter than the ramps from zero acceleration that the formulas add up: their round-off
+/// was a jump of 9e-16 where the way is 1e-18.
+#[test]
+fn a_moment_at_full_acceleration_had_a_jump_of_the_position() {
+    let limits = AxisLimits::new((-8.0, 8.0), (-8.0, 8.0), (-4.0, 4.0)).unwrap();
+    let start = AxisState::new(0.0, -5.3357027850489806e-11, -7.999999999972972);
+    let target = AxisState::new(0.0, -6.603150212335418e-9, -7.999999998834919);
+    let problem = AxisProblem::new(&start, &target, &limits).unwrap();
+    let t = 8.187237568245084e-10;
+    assert!(problem.durations().contains(t));
+    let motion = problem.with_duration(t).unwrap();
+    let mut end = (start.p, start.v, start.a);
+    for (phase, dt) in motion.phases() {
+        let gap = ((phase.s - end.0).abs(), (phase.v - end.1).abs(), (phase.a - end.2).abs());
+        assert!(gap.0 <= 1e-17 && gap.1 <= 1e-14 && gap.2 <= 1e-14, "{gap:?} at {}", phase.t);
+        let s = phase.after(dt);
+        end = (s.p, s.v, s.a);
+    }
+    assert!((end.0 - target.p).abs() <= 1e-17 && (end.1 - target.v).abs() <= 1e-14, "{end:?}");
+    assert!((end.2 - target.a).abs() <= 1e-14, "{end:?}");
 }

@@ -73,12 +73,14 @@ pub unsafe fn held<'a, T>(what: &str, pointer: *const T) -> Outcome<&'a T> {
     Ok(unsafe { &*pointer })
 }
 
-/// Writes one value.
+/// Writes one value. The memory may hold none yet: no reference to it is made.
 ///
 /// # Safety
-/// As [`place`].
-pub unsafe fn put<T>(what: &str, pointer: *mut T, value: T) -> Outcome {
-    *unsafe { place(what, pointer) }? = value;
+/// The pointer is NULL, not aligned, or points to memory that nothing else uses during the call.
+pub unsafe fn put<T: Copy>(what: &str, pointer: *mut T, value: T) -> Outcome {
+    check(what, pointer.cast_const())?;
+    // SAFETY: checked above, and promised by the caller.
+    unsafe { pointer.write(value) };
     Ok(())
 }
 

@@ -17,6 +17,7 @@ mod planner;
 mod program;
 mod route;
 mod rows;
+mod slow_down;
 mod sums;
 mod trajectory;
 

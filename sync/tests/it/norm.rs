@@ -1,7 +1,7 @@
 //! Limits on the norms of velocity and acceleration.
 #![allow(clippy::unwrap_used)]
 
-use arcfeed_sync::feedrate::{AxisLimits, AxisState};
+use arcfeed_sync::feedrate::{AxisLimits, AxisState, FeedError};
 use arcfeed_sync::{NormLimits, OnlineGenerator, SyncError, Synchronisation};
 use arcfeed_testing::Random;
 
@@ -73,12 +73,18 @@ fn what_bounds_nothing_is_refused_by_name() {
 #[test]
 fn limits_that_cannot_be_lowered_are_refused_by_axis() {
     let mut limits = free();
-    // Forward only: lowered like the others, or refused, but never left as it is.
-    limits[3] = AxisLimits::forward(5.0, (-40.0, 40.0), (-800.0, 800.0)).unwrap();
-    let norm = NormLimits::new(&[0, 1, 3], 1.0, 6.0).unwrap();
-    match norm.limits(&limits) {
-        Ok(lowered) => assert!(lowered[3].v_max() <= 1.0, "{:?}", lowered[3]),
-        Err(error) => assert!(matches!(error, SyncError::State { axis: 3, .. }), "{error}"),
+    // Forward only: refused with the bound that is to blame, also where it is below its share already.
+    for fastest in [5.0, 0.1] {
+        limits[3] = AxisLimits::forward(fastest, (-40.0, 40.0), (-800.0, 800.0)).unwrap();
+        let norm = NormLimits::new(&[0, 1, 3], 1.0, 6.0).unwrap();
+        for error in [norm.limits(&limits).unwrap_err(), norm.limits_along(&limits, &[0.0, 0.0, 0.0, 1.0]).unwrap_err()]
+        {
+            let source = FeedError::NotBelowZero { what: "v_min", value: 0.0 };
+            assert_eq!(error, SyncError::State { axis: 3, source });
+            assert_eq!(error.to_string(), "axis 4: v_min is 0; it must be less than 0");
+        }
+        // An axis that is none of the point stays as it is.
+        assert_eq!(NormLimits::new(&[0, 1], 1.0, 6.0).unwrap().limits(&limits).unwrap()[3], limits[3]);
     }
     // A bound whose shares are no numbers above 0.
     let norm = NormLimits::new(&[0, 1, 2, 3], f64::from_bits(1), 6.0).unwrap();

@@ -15,3 +15,21 @@ fn random_motions_pass_their_judges() {
         assert!(failures.is_empty(), "{}", failures.join("\n"));
     }
 }
+
+/// A duration at an end of the possible ones, but for round-off, was refused as one that is not representable.
+#[test]
+fn durations_at_the_end_of_the_possible_ones_are_passed_over() {
+    for seed in [35304, 34940] {
+        let failure = (FAMILIES[1].case)(seed).failure;
+        assert!(failure.is_none(), "seed {seed}: {}", failure.map_or_else(String::new, |(kind, _)| kind));
+    }
+}
+
+/// What long runs found once: the position jumped in a move of 1e-9 s; starts far outside the limits were refused.
+#[test]
+fn what_long_runs_found_once_passes() {
+    for (family, seed) in [(0, 6083481), (1, 25597), (1, 31327), (1, 35195), (1, 44000), (1, 15092)] {
+        let failure = (FAMILIES[family].case)(seed).failure;
+        assert!(failure.is_none(), "seed {seed}: {}", failure.map_or_else(String::new, |(kind, _)| kind));
+    }
+}

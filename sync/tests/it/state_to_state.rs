@@ -144,6 +144,69 @@ fn duration_is_a_multiple_of_the_cycle_and_not_below_the_least() {
     }
 }
 
+/// Starts so far outside the limits that the way back takes more than 2^53 cycles, where the next multiple of the cycle is no other
+/// number: the duration was rounded down, and tried until the motion was refused as not representable.
+#[test]
+fn more_cycles_than_numbers_can_count() {
+    let asymmetric = |v, a, j| AxisLimits::new(v, a, j).unwrap();
+    let cases = [
+        (
+            AxisState::new(196.50991985591324, 2049.667976032321, 10732.557350999641),
+            0.20542918120663067,
+            AxisLimits::symmetric(0.126455534280041, 0.777992151724994, 2.2058694310355427).unwrap(),
+            1e-3,
+        ),
+        (
+            AxisState::new(-10618.182111046339, -16577.738627866165, -12939.160034652481),
+            -0.9834201099053872,
+            asymmetric(
+                (-0.03658653447034571, 0.04519111737496433),
+                (-7007.344555634209, 6365.596064913367),
+                (-2.545376821429532, 1.1501436924562656),
+            ),
+            1e-3,
+        ),
+        (
+            AxisState::new(-148.0731917930151, -3161.4971368481874, -33947.53482580323),
+            -0.28459758682723946,
+            asymmetric(
+                (-0.026024325998462938, 0.016276131641911808),
+                (-1.056438530313729, 1.6800140368793741),
+                (-16.4880301335024, 7.168323754637861),
+            ),
+            1e-3,
+        ),
+        (
+            AxisState::new(-179847.54122827703, -73102.68558906796, -14854.311462014655),
+            0.6500785453084355,
+            AxisLimits::symmetric(0.007865241818031204, 17767.661748913073, 1.243118707550245).unwrap(),
+            0.008,
+        ),
+        (
+            AxisState::new(-25623.042148257944, -15526.710521316269, -4703.644338649821),
+            1.1608921802972678,
+            AxisLimits::symmetric(0.0018002534099585442, 2362.366952533289, 0.3749518070262952).unwrap(),
+            0.004,
+        ),
+    ];
+    for (i, (start, goal, limits, cycle)) in cases.into_iter().enumerate() {
+        let target = AxisState::rest(goal);
+        let shortest = AxisProblem::new(&start, &target, &limits).unwrap().shortest_duration();
+        assert!(shortest > 9e15 * cycle, "case {i}: {shortest}");
+        for mode in [Synchronisation::None, Synchronisation::Time] {
+            let options = MotionOptions::new(mode).with_cycle(cycle).unwrap();
+            let motion =
+                Trajectory::new(&[start], &[target], &[limits], &options).unwrap_or_else(|e| panic!("{i}: {e}"));
+            assert!((shortest..=shortest * (1.0 + 1e-15)).contains(&motion.duration()), "case {i}: {shortest}");
+        }
+    }
+    // A number of cycles that is none.
+    let options = MotionOptions::default().with_cycle(1e-300).unwrap();
+    let limits = [AxisLimits::symmetric(1.0, 1.0, 1.0).unwrap()];
+    let far = Trajectory::new(&[AxisState::rest(0.0)], &[AxisState::rest(1e15)], &limits, &options).unwrap();
+    assert_eq!(far.duration(), 1e15 + 2.0);
+}
+
 /// Both states of every axis in proportion to those of the first.
 fn on_a_line(rng: &mut Random, moving: f64) -> Problem<4> {
     let mut p = moving_problem::<4>(rng, moving);

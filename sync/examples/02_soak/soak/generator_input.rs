@@ -124,6 +124,15 @@ impl Scene {
         AxisState::new(p, v, if rng.chance(0.5) { 0.0 } else { rng.between(l.a_min(), l.a_max()) })
     }
 
+    /// A target for all axes, at rest or moving.
+    pub fn target(&self, rest: bool, limits: &Limits, rng: &mut Random) -> States {
+        std::array::from_fn(
+            |k| {
+                if rest { AxisState::rest(self.place(k, rng)) } else { self.moving(k, &limits[k], rng) }
+            },
+        )
+    }
+
     /// The wave at time `t`, as far as the limits allow it to be followed.
     pub fn on_wave(&self, limits: &Limits, t: f64) -> States {
         let (w, mut size) = self.wave;

@@ -89,13 +89,7 @@ impl Play {
         match which {
             0 | 1 => {
                 let rest = rng.chance(0.6);
-                let target: States = std::array::from_fn(|k| {
-                    if rest {
-                        AxisState::rest(self.scene.place(k, rng))
-                    } else {
-                        self.scene.moving(k, &self.limits[k], rng)
-                    }
-                });
+                let target = self.scene.target(rest, &self.limits, rng);
                 text = format!("set_target {target:?}");
                 done = g.set_target(target);
                 if done.is_ok() {
