@@ -201,6 +201,19 @@ static void way_points(void) {
     /* Nothing that was refused has moved an axis: this is the first cycle of the route. */
     MUST(arcfeed_way_points_step(w, 2, states, &progress));
     EXPECT(progress.passed == 0 && !progress.reached && states[0].position > 0 && states[0].position < 1e-7);
+    /* The last section has a duration and limits of its own. */
+    route.last_least_duration = 3;
+    MUST(arcfeed_way_points_set_route(w, 2, &route));
+    MUST(arcfeed_way_points_section_durations(w, 3, seconds));
+    EXPECT(seconds[0] < 3 && seconds[1] < 3 && seconds[2] > 3 - 1e-9);
+    section[0] = section[1] = (ArcfeedAxisLimits){-0.1, 0.1, -1, 1, -10, 10};
+    route.last_limits = section;
+    route.last_least_duration = 0;
+    MUST(arcfeed_way_points_set_route(w, 2, &route));
+    MUST(arcfeed_way_points_section_durations(w, 3, seconds));
+    MUST(arcfeed_way_points_duration(w, &seconds[3]));
+    EXPECT(seconds[2] > 4 && fabs(seconds[0] + seconds[1] + seconds[2] - seconds[3]) < 1e-12); /* 0.4 at 0.1 / s */
+    route.last_limits = NULL;
     /* As many points as there can be, and none. */
     for (size_t i = 0; i < ARCFEED_MAX_WAY_POINTS; i++) {
         points[i] = (ArcfeedWayPoint){.position = {0.1 * (double)(i + 1), i % 2 == 0 ? 0.1 : 0.0}};
