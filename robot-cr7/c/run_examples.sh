@@ -22,6 +22,7 @@ wrap="-Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=posix_memalign"
   gcc -std=c11 $warnings examples/control_loop.c "$library" $system -o "$out/control_loop"
   gcc -std=c11 $warnings examples/pass_and_follow.c "$library" $system -o "$out/pass_and_follow"
   gcc -std=c11 $warnings tests/refusals.c "$library" $system -o "$out/refusals"
+  gcc -std=c11 $warnings tests/refusals_routes.c "$library" $system -o "$out/refusals_routes"
   gcc -std=c11 $warnings $wrap tests/no_heap.c "$library" $system -o "$out/no_heap"
   g++ -std=c++17 $warnings examples/moves.cpp "$library" $system -o "$out/moves"
   # The shared library, found beside the program.
@@ -37,6 +38,7 @@ run() {
 }
 
 run "$out/refusals"
+run "$out/refusals_routes"
 run "$out/no_heap"
 run "$out/control_loop" --fast "$files"
 run "$out/pass_and_follow"

@@ -600,7 +600,7 @@ enum ArcfeedStatus arcfeed_trajectory_at(const struct ArcfeedTrajectory *traject
                                          struct ArcfeedMotionState *states);
 
 // A motion from `start`, which has `axes` entries, along `route`; `cycle` is the control cycle (s). A start outside the
-// limits is brought back inside. On success `*out` holds the motion, else NULL.
+// limits is brought back inside. On success `*out` holds the motion, else NULL. Takes up to 2 MB of stack.
 //
 // Pointers, those of the route, too, are NULL or point to what their names say.
 enum ArcfeedStatus arcfeed_way_points_new(size_t axes,
@@ -614,7 +614,8 @@ enum ArcfeedStatus arcfeed_way_points_new(size_t axes,
 // The motion is not used again.
 void arcfeed_way_points_free(struct ArcfeedWayPoints *way_points);
 
-// Goes along another route from the state of the last step on. Plans it, in a time bounded by the number of its points.
+// Goes along another route from the state of the last step on. Plans it, in a time bounded by the number of its points and with up
+// to 0.4 MB of stack.
 //
 // Pointers, those of the route, too, are NULL or point to what their names say.
 enum ArcfeedStatus arcfeed_way_points_set_route(struct ArcfeedWayPoints *way_points,

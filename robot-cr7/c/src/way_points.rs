@@ -78,7 +78,7 @@ unsafe fn make<const N: usize>(start: &All<AxisState>, route: &ArcfeedRoute, cyc
 }
 
 /// A motion from `start`, which has `axes` entries, along `route`; `cycle` is the control cycle (s). A start outside the
-/// limits is brought back inside. On success `*out` holds the motion, else NULL.
+/// limits is brought back inside. On success `*out` holds the motion, else NULL. Takes up to 2 MB of stack.
 ///
 /// # Safety
 /// Pointers, those of the route, too, are NULL or point to what their names say.
@@ -108,7 +108,8 @@ pub unsafe extern "C" fn arcfeed_way_points_free(way_points: *mut ArcfeedWayPoin
     unsafe { take_back(way_points) };
 }
 
-/// Goes along another route from the state of the last step on. Plans it, in a time bounded by the number of its points.
+/// Goes along another route from the state of the last step on. Plans it, in a time bounded by the number of its points and with up
+/// to 0.4 MB of stack.
 ///
 /// # Safety
 /// Pointers, those of the route, too, are NULL or point to what their names say.
