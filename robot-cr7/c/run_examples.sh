@@ -20,7 +20,9 @@ wrap="-Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=posix_memalign"
 # shellcheck disable=SC2086
 {
   gcc -std=c11 $warnings examples/control_loop.c "$library" $system -o "$out/control_loop"
+  gcc -std=c11 $warnings examples/pass_and_follow.c "$library" $system -o "$out/pass_and_follow"
   gcc -std=c11 $warnings tests/refusals.c "$library" $system -o "$out/refusals"
+  gcc -std=c11 $warnings tests/refusals_routes.c "$library" $system -o "$out/refusals_routes"
   gcc -std=c11 $warnings $wrap tests/no_heap.c "$library" $system -o "$out/no_heap"
   g++ -std=c++17 $warnings examples/moves.cpp "$library" $system -o "$out/moves"
   # The shared library, found beside the program.
@@ -36,8 +38,10 @@ run() {
 }
 
 run "$out/refusals"
+run "$out/refusals_routes"
 run "$out/no_heap"
 run "$out/control_loop" --fast "$files"
+run "$out/pass_and_follow"
 run "$out/moves" examples/data/there_and_back.json examples/data/arm.urdf
 "$out/shared" --fast "$out" >/dev/null
 command -v valgrind >/dev/null || echo "valgrind is not installed: memory was not checked"

@@ -17,6 +17,9 @@
 // The greatest number of axes or joints.
 #define ARCFEED_MAX_AXES 8
 
+// The most way-points of a route.
+#define ARCFEED_MAX_WAY_POINTS 64
+
 // The result of a call. `arcfeed_last_error` explains every value but `ARCFEED_OK`.
 typedef enum ArcfeedStatus {
   // Done.
@@ -72,8 +75,16 @@ typedef struct ArcfeedJointTrajectory ArcfeedJointTrajectory;
 // uses it at a time.
 typedef struct ArcfeedProjection ArcfeedProjection;
 
+// Follows a moving target with 1 to 8 axes, each within its own limits: a conveyor, a teleoperator. One thread uses it at
+// a time.
+typedef struct ArcfeedTracking ArcfeedTracking;
+
 // The shortest motion of 1 to 8 axes from a state to a state. It does not change: several threads may read it.
 typedef struct ArcfeedTrajectory ArcfeedTrajectory;
+
+// Moves 1 to 8 axes through way-points without a stop, one control cycle at a time, along a route that may be replaced in
+// any cycle. One thread uses it at a time.
+typedef struct ArcfeedWayPoints ArcfeedWayPoints;
 
 // The range of positions of an axis; infinite ends for none.
 typedef struct ArcfeedRange {
@@ -171,6 +182,16 @@ typedef struct ArcfeedPoseLimits {
   double angular[3];
 } ArcfeedPoseLimits;
 
+// What the axes do in a cycle. Bit k of a mask belongs to axis k.
+typedef struct ArcfeedTrackingStatus {
+  // The axes that are in the state of the target exactly.
+  uint32_t following;
+  // The axes that do what their limits allow, because the target exceeds them.
+  uint32_t saturated;
+  // Every axis is in the state of its target. Axes in neither mask are on their way.
+  bool is_following;
+} ArcfeedTrackingStatus;
+
 // Choices for a motion from state to state.
 typedef struct ArcfeedMotionOptions {
   // An ArcfeedSynchronisation.
@@ -180,6 +201,45 @@ typedef struct ArcfeedMotionOptions {
   // The duration is a multiple of this (s), the shortest that is possible. 0 for any duration.
   double cycle;
 } ArcfeedMotionOptions;
+
+// A position that all axes pass at the same time, and what holds on the section that ends there. Entries past the number
+// of axes are not read; with 0 in all fields but the position, velocity, limits and duration are free.
+typedef struct ArcfeedWayPoint {
+  // The position of each axis (rad or m).
+  double position[ARCFEED_MAX_AXES];
+  // The velocity of each axis whose bit is in `has_velocity` (rad/s or m/s).
+  double velocity[ARCFEED_MAX_AXES];
+  // Bit k: axis k passes with `velocity[k]`. The others pass as is best.
+  uint32_t has_velocity;
+  // Limits of the section that ends here, one entry for each axis; NULL for those of the route.
+  const struct ArcfeedAxisLimits *limits;
+  // Least duration of the section that ends here (s); 0 for the shortest.
+  double least_duration;
+} ArcfeedWayPoint;
+
+// Way-points, the target after them, and limits. A call copies what it points to.
+typedef struct ArcfeedRoute {
+  // Number of way-points, from 0 to `ARCFEED_MAX_WAY_POINTS`.
+  size_t count;
+  // The way-points; may be NULL if there are none.
+  const struct ArcfeedWayPoint *points;
+  // The state of each axis at the end.
+  const struct ArcfeedAxisState *target;
+  // The limits of each axis.
+  const struct ArcfeedAxisLimits *limits;
+  // Limits of the section that ends in the target, one entry for each axis; NULL for those of the route.
+  const struct ArcfeedAxisLimits *last_limits;
+  // Least duration of the section that ends in the target (s); 0 for the shortest.
+  double last_least_duration;
+} ArcfeedRoute;
+
+// How far a motion along a route has come.
+typedef struct ArcfeedProgress {
+  // Number of way-points of the route that have been passed.
+  size_t passed;
+  // The end was reached in this cycle: the target, or the rest after a stop.
+  bool reached;
+} ArcfeedProgress;
 
 #ifdef __cplusplus
 extern "C" {
@@ -464,6 +524,45 @@ enum ArcfeedStatus arcfeed_projection_time_left(const struct ArcfeedProjection *
 // rule. The text belongs to the library and changes with the next error of this thread; calls that succeed leave it.
 const char *arcfeed_last_error(void);
 
+// Axes at `start` that follow a target. `start` and `limits` have `axes` entries; `cycle` is the control cycle (s). A start
+// outside the limits is brought back inside. On success `*out` holds the axes, else NULL.
+//
+// Pointers are NULL or point to what their names say.
+enum ArcfeedStatus arcfeed_tracking_new(size_t axes,
+                                        const struct ArcfeedAxisState *start,
+                                        const struct ArcfeedAxisLimits *limits,
+                                        double cycle,
+                                        struct ArcfeedTracking **out);
+
+// Frees axes that follow; NULL is nothing to free.
+//
+// The value is not used again.
+void arcfeed_tracking_free(struct ArcfeedTracking *tracking);
+
+// Sets the limits of all axes from the next cycle on.
+//
+// Pointers are NULL or point to what their names say.
+enum ArcfeedStatus arcfeed_tracking_set_limits(struct ArcfeedTracking *tracking,
+                                               size_t axes,
+                                               const struct ArcfeedAxisLimits *limits);
+
+// Moves on by one cycle, at whose end the target is in the state `target`. `states` gets what to command then; `status`,
+// if it is not NULL, what the axes do. A call that is refused moves no axis.
+//
+// Pointers are NULL or point to what their names say; `target` has `axes` entries, and `states` room for as many.
+enum ArcfeedStatus arcfeed_tracking_step(struct ArcfeedTracking *tracking,
+                                         size_t axes,
+                                         const struct ArcfeedAxisState *target,
+                                         struct ArcfeedMotionState *states,
+                                         struct ArcfeedTrackingStatus *status);
+
+// Copies the state of the last step.
+//
+// Pointers are NULL or point to what their names say; `states` has room for `axes` entries.
+enum ArcfeedStatus arcfeed_tracking_state(const struct ArcfeedTracking *tracking,
+                                          size_t axes,
+                                          struct ArcfeedAxisState *states);
+
 // The shortest motion from `start` to `target` within `limits`, each with `axes` entries. On success `*out` holds the
 // motion, else NULL.
 //
@@ -496,6 +595,71 @@ enum ArcfeedStatus arcfeed_trajectory_is_straight(const struct ArcfeedTrajectory
 //
 // Pointers are NULL or point to what their names say; `states` has room for `axes` entries.
 enum ArcfeedStatus arcfeed_trajectory_at(const struct ArcfeedTrajectory *trajectory,
+                                         double t,
+                                         size_t axes,
+                                         struct ArcfeedMotionState *states);
+
+// A motion from `start`, which has `axes` entries, along `route`; `cycle` is the control cycle (s). A start outside the
+// limits is brought back inside. On success `*out` holds the motion, else NULL. Takes up to 2 MB of stack.
+//
+// Pointers, those of the route, too, are NULL or point to what their names say.
+enum ArcfeedStatus arcfeed_way_points_new(size_t axes,
+                                          const struct ArcfeedAxisState *start,
+                                          const struct ArcfeedRoute *route,
+                                          double cycle,
+                                          struct ArcfeedWayPoints **out);
+
+// Frees a motion through way-points; NULL is nothing to free.
+//
+// The motion is not used again.
+void arcfeed_way_points_free(struct ArcfeedWayPoints *way_points);
+
+// Goes along another route from the state of the last step on. Plans it, in a time bounded by the number of its points and with up
+// to 0.4 MB of stack.
+//
+// Pointers, those of the route, too, are NULL or point to what their names say.
+enum ArcfeedStatus arcfeed_way_points_set_route(struct ArcfeedWayPoints *way_points,
+                                                size_t axes,
+                                                const struct ArcfeedRoute *route);
+
+// Brings every axis to rest in the shortest way of its own, and gives up the route.
+//
+// The motion is NULL or one that is in use nowhere else.
+enum ArcfeedStatus arcfeed_way_points_stop(struct ArcfeedWayPoints *way_points);
+
+// Moves on by one cycle. `states` gets what to command at its end, one entry for each axis; `progress`, if it is not
+// NULL, how far the motion has come. After the end the axes go on with the velocity of the target.
+//
+// Pointers are NULL or point to what their names say; `states` has room for `axes` entries.
+enum ArcfeedStatus arcfeed_way_points_step(struct ArcfeedWayPoints *way_points,
+                                           size_t axes,
+                                           struct ArcfeedMotionState *states,
+                                           struct ArcfeedProgress *progress);
+
+// Copies the state of the last step.
+//
+// Pointers are NULL or point to what their names say; `states` has room for `axes` entries.
+enum ArcfeedStatus arcfeed_way_points_state(const struct ArcfeedWayPoints *way_points,
+                                            size_t axes,
+                                            struct ArcfeedAxisState *states);
+
+// Duration of the motion along the route set last, from its beginning (s).
+//
+// Pointers are NULL or point to what their names say.
+enum ArcfeedStatus arcfeed_way_points_duration(const struct ArcfeedWayPoints *way_points, double *seconds);
+
+// Durations of the sections of the route set last (s): one more than it has way-points, which `count` must be.
+//
+// Pointers are NULL or point to what their names say; `seconds` has room for `count` entries.
+enum ArcfeedStatus arcfeed_way_points_section_durations(const struct ArcfeedWayPoints *way_points,
+                                                        size_t count,
+                                                        double *seconds);
+
+// The state of the motion along the route set last at time `t` (s) from its beginning, one entry of `states` for each
+// axis, without regard to cycles and stops. Computes the section of `t` anew.
+//
+// Pointers are NULL or point to what their names say; `states` has room for `axes` entries.
+enum ArcfeedStatus arcfeed_way_points_at(const struct ArcfeedWayPoints *way_points,
                                          double t,
                                          size_t axes,
                                          struct ArcfeedMotionState *states);

@@ -1,6 +1,7 @@
 //! Reading of arguments: pointers that are not NULL, numbers that are finite, counts that fit.
 
 use std::ffi::{CStr, c_char};
+use std::fmt::Display;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use crate::status::ArcfeedStatus::{ArcfeedInvalid, ArcfeedNull};
@@ -12,7 +13,7 @@ pub const ARCFEED_MAX_AXES: usize = 8;
 /// A value for each axis; those past the number of axes repeat the first one.
 pub type All<T> = [T; ARCFEED_MAX_AXES];
 
-fn check<T>(what: &str, pointer: *const T) -> Outcome {
+fn check<T>(what: impl Display, pointer: *const T) -> Outcome {
     if pointer.is_null() {
         return Err(refuse(ArcfeedNull, format_args!("{what} is NULL; it must point to a value")));
     }
@@ -37,15 +38,15 @@ pub unsafe fn read<T: Copy>(what: &str, pointer: *const T) -> Outcome<T> {
 /// # Safety
 /// The pointer is NULL, not aligned, or points to `count` values.
 pub unsafe fn read_all<T: Copy, U: Copy>(
-    what: &'static str,
+    what: impl Display,
     pointer: *const T,
     count: usize,
     convert: impl Fn(&Item, T) -> Outcome<U>,
 ) -> Outcome<All<U>> {
-    check(what, pointer)?;
+    check(&what, pointer)?;
     check_count(count)?;
     // SAFETY: checked above, and promised by the caller.
-    let value = |index: usize| convert(&Item { what, index }, unsafe { *pointer.add(index) });
+    let value = |index: usize| convert(&Item { what: &what, index }, unsafe { *pointer.add(index) });
     let mut all = [value(0)?; ARCFEED_MAX_AXES];
     for (index, place) in all.iter_mut().enumerate().take(count).skip(1) {
         *place = value(index)?;
@@ -138,23 +139,31 @@ pub unsafe fn optional_text<'a>(what: &str, pointer: *const c_char) -> Outcome<O
 }
 
 /// An entry of an array, by its name in C.
-pub struct Item {
-    what: &'static str,
+pub struct Item<'a> {
+    what: &'a dyn Display,
     index: usize,
 }
 
-impl std::fmt::Display for Item {
+impl Display for Item<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}[{}]", self.what, self.index)
     }
 }
 
 /// A field of an argument that must be finite.
-pub fn finite(of: &impl std::fmt::Display, field: &str, value: f64) -> Outcome<f64> {
+pub fn finite(of: &impl Display, field: &str, value: f64) -> Outcome<f64> {
     if value.is_finite() {
         return Ok(value);
     }
     Err(refuse(ArcfeedInvalid, format_args!("{of}{field} is {value}; it must be finite")))
+}
+
+/// As [`finite`], and not negative.
+pub fn not_negative(of: &impl Display, field: &str, value: f64) -> Outcome<f64> {
+    if finite(of, field, value)? >= 0.0 {
+        return Ok(value);
+    }
+    Err(refuse(ArcfeedInvalid, format_args!("{of}{field} is {value}; it must not be negative")))
 }
 
 /// A number of axes.

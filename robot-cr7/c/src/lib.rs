@@ -15,5 +15,8 @@ mod input;
 mod joint_trajectory;
 mod pose;
 mod projection;
+mod route;
 mod status;
+mod tracking;
 mod trajectory;
+mod way_points;

@@ -94,6 +94,8 @@ pub fn of_sync(error: SyncError) -> ArcfeedStatus {
         | SyncError::CannotStop { .. }
         | SyncError::NotStraight { .. }
         | SyncError::LineExceeds { .. }
+        | SyncError::WayPoint { .. }
+        | SyncError::SectionExceeds { .. }
         | SyncError::OutOfRange => ArcfeedRefused,
         _ => ArcfeedInvalid,
     };
