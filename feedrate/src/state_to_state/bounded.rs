@@ -181,7 +181,7 @@ impl Frame {
         let slow = |i: usize| {
             let time = legs[i].duration() + duration - total;
             let leg = AxisProblem::new(&states[i], &states[i + 1], &self.limits).ok()?.with_duration(time).ok()?;
-            self.positions.contain_all_of(&leg).then_some(leg)
+            self.permits(&states[i], &leg).then_some(leg)
         };
         (0..count).rev().find_map(|slower| {
             let leg = slow(slower)?;

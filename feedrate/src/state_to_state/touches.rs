@@ -138,7 +138,7 @@ impl Frame {
     }
 
     /// Returns true if a leg stays inside, and inside the velocity limits unless it is the first.
-    fn permits(&self, from: &AxisState, leg: &StateToState) -> bool {
+    pub(super) fn permits(&self, from: &AxisState, leg: &StateToState) -> bool {
         self.positions.contain_all_of(leg) && (*from == self.start || self.keeps_velocity(from, leg))
     }
 
