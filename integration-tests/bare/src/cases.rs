@@ -8,19 +8,20 @@ use arcfeed_kinematics::{ForwardKinematics, InverseKinematics, Joints, models};
 use arcfeed_sync::nalgebra::{Isometry3, Vector3};
 use arcfeed_sync::{
     MotionOptions, OnlineGenerator, PoseLimits, PoseProjectionSync, PoseState, ProjectionStatus, Synchronisation,
-    Trajectory,
+    TrackingGenerator, Trajectory, WayPointGenerator,
 };
 
+use crate::routes::routes;
 use crate::stack;
 
-const CYCLE: f64 = 1e-3;
+pub const CYCLE: f64 = 1e-3;
 
 /// Runs everything and prints a table. Returns true if every motion ended where it should.
 pub fn run(out: &mut dyn Write) -> core::result::Result<bool, core::fmt::Error> {
     sizes(out)?;
     let limits = AxisLimits::symmetric(1.0, 5.0, 50.0);
     let Ok(limits) = limits else { return Ok(false) };
-    Ok(online(out, limits)? && axes(out, limits)? && tool(out)? && arm(out)?)
+    Ok(online(out, limits)? && axes(out, limits)? && routes(out, limits)? && tool(out)? && arm(out)?)
 }
 
 fn sizes(out: &mut dyn Write) -> Result {
@@ -28,6 +29,8 @@ fn sizes(out: &mut dyn Write) -> Result {
     writeln!(out, "size of Trajectory<6>           {:6} bytes", size_of::<Trajectory<6>>())?;
     writeln!(out, "size of OnlineGenerator<1>      {:6} bytes", size_of::<OnlineGenerator<1>>())?;
     writeln!(out, "size of OnlineGenerator<6>      {:6} bytes", size_of::<OnlineGenerator<6>>())?;
+    writeln!(out, "size of WayPointGenerator<6>    {:6} bytes", size_of::<WayPointGenerator<6>>())?;
+    writeln!(out, "size of TrackingGenerator<6>    {:6} bytes", size_of::<TrackingGenerator<6>>())?;
     writeln!(out, "size of PoseProjectionSync      {:6} bytes", size_of::<PoseProjectionSync>())?;
     writeln!(out, "size of TargetTracker           {:6} bytes", size_of::<TargetTracker>())?;
     writeln!(out, "size of ParallelAxisArm         {:6} bytes", size_of::<arcfeed_kinematics::ParallelAxisArm>())

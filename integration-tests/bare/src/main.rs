@@ -6,6 +6,7 @@
 #![no_main]
 
 mod cases;
+mod routes;
 mod stack;
 
 use core::ffi::{c_char, c_int};

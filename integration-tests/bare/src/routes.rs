@@ -1,0 +1,64 @@
+//! Cases of way-points and of targets that move.
+
+use core::fmt::{Error, Write};
+
+use arcfeed_feedrate::{AxisLimits, AxisState};
+use arcfeed_sync::{MOST_WAY_POINTS, Route, TrackingGenerator, WayPoint, WayPointGenerator};
+
+use crate::cases::CYCLE;
+use crate::stack;
+
+/// Six axes through way-points, and behind a target that moves. Returns true if both end where they should.
+pub fn routes(out: &mut dyn Write, limits: AxisLimits) -> Result<bool, Error> {
+    Ok(way_points(out, limits)? && tracking(out, limits)?)
+}
+
+/// Passes points, takes the longest route that there can be on the way, and stops.
+fn way_points(out: &mut dyn Write, limits: AxisLimits) -> Result<bool, Error> {
+    let at = |k: usize| [0, 1, 2, 3, 4, 5].map(|axis| ((k * 7 + axis * 37) % 19) as f64 / 16.0 - 0.6);
+    let points: [_; MOST_WAY_POINTS] = core::array::from_fn(|k| WayPoint::new(at(k)));
+    let target = [0.5; 6].map(AxisState::rest);
+    let short = Route::new(&points[..5], target, [limits; 6]);
+    let long = Route::new(&points, target, [limits; 6]);
+    let mut made = None;
+    let new = stack::used_deep(|| made = WayPointGenerator::new([AxisState::rest(0.0); 6], &short, CYCLE).ok());
+    let Some(generator) = &mut made else { return Ok(false) };
+    let (mut step, mut good, mut passed) = (0, true, 0);
+    let mut go = |generator: &mut WayPointGenerator<6>, cycles: usize| {
+        let mut reached = false;
+        for _ in 0..cycles {
+            step = step.max(stack::used(|| {
+                let after = generator.step();
+                passed = after.passed;
+                reached |= after.reached;
+                good &= after.state.qd.iter().all(|v| v.abs() <= 1.0 + 1e-9);
+            }));
+        }
+        (passed, reached)
+    };
+    let on_the_way = go(generator, 3000);
+    let mut set = true;
+    let set_route = stack::used_deep(|| set &= generator.set_route(&long).is_ok());
+    let under_way = go(generator, 4000);
+    let stop = stack::used(|| set &= generator.stop().is_ok());
+    let at_rest = go(generator, 1000);
+    writeln!(out, "stack of new way-points, 6 axes {new:6} bytes")?;
+    writeln!(out, "stack of set_route, 6 axes      {set_route:6} bytes")?;
+    writeln!(out, "stack of their step, 6 axes     {step:6} bytes")?;
+    writeln!(out, "stack of their stop, 6 axes     {stop:6} bytes")?;
+    let ends = on_the_way.0 > 0 && under_way.0 > 0 && !under_way.1 && at_rest.1;
+    Ok(good && set && ends && generator.state().iter().all(|s| s.v.abs() < 1e-12))
+}
+
+/// Six axes behind one target.
+fn tracking(out: &mut dyn Write, limits: AxisLimits) -> Result<bool, Error> {
+    let made = TrackingGenerator::new(&[AxisState::rest(0.0); 6], &[limits; 6], CYCLE);
+    let Ok(mut tracking) = made else { return Ok(false) };
+    let (mut used, mut following) = (0, false);
+    for cycle in 0..2000_u32 {
+        let conveyor = AxisState::new(0.2 + 0.3 * CYCLE * f64::from(cycle + 1), 0.3, 0.0);
+        used = used.max(stack::used(|| following = tracking.step(&[conveyor; 6]).is_ok_and(|s| s.is_following())));
+    }
+    writeln!(out, "stack of tracking, 6 axes       {used:6} bytes")?;
+    Ok(following)
+}
