@@ -213,7 +213,7 @@ fn check(i: u64, case: &Input, name: &str, rng: &mut Random) -> Result<(), Strin
         Ok(m) if !l.contain(&case.start) => judge(case, &m).map_err(|e| format!("in {longer} s: {e}"))?,
         Err(_) if !possible => {}
         // Phases have the round-off of acceleration over jerk; the motion is refused where that is all there is.
-        Err(FeedError::OutOfRange { what: "duration of the motion" })
+        Err(FeedError::DurationImpossible { .. })
             if 1e-7 * longer < f64::EPSILON * (case.a.1 - case.a.0) / case.j.1.min(-case.j.0) => {}
         other => return Err(format!("in {longer} s: possible is {possible}, but {:?}", other.map(|m| m.duration()))),
     }
