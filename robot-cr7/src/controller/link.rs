@@ -20,7 +20,7 @@ pub trait Wire {
     /// The next bytes of any connection: their number and where they are from; `None` if there are none until the time `until` (s).
     ///
     /// # Errors
-    /// The fault of the connection.
+    /// The fault of the connection. One that lasts is told at the time `until`, so that those who ask again do not keep the processor busy.
     fn receive(&mut self, until: f64, bytes: &mut [u8; FEEDBACK_BYTES]) -> Result<Option<(Channel, usize)>, LinkError>;
 }
 
@@ -124,6 +124,10 @@ impl<W: Wire> JointStream<6> for DobotLink<W> {
                 Channel::Feedback => self.left = (0, count),
                 Channel::Dashboard => self.replies.push(&self.bytes[..count])?,
                 Channel::Motion => self.motion_replies.push(&self.bytes[..count])?,
+            }
+            // Bytes may come without end and mean nothing.
+            if self.now() >= until {
+                return self.held_event();
             }
         }
     }

@@ -95,10 +95,13 @@ impl ReplyReader {
     /// Takes bytes as they come.
     ///
     /// # Errors
-    /// [`LinkError::Unreadable`] where more bytes come than a reply has.
+    /// [`LinkError::Unreadable`] where more bytes come than a reply has. All bytes are forgotten then.
     pub fn push(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
         let end = self.held + bytes.len();
-        let Some(place) = self.bytes.get_mut(self.held..end) else { return Err(unreadable(bytes)) };
+        let Some(place) = self.bytes.get_mut(self.held..end) else {
+            self.held = 0;
+            return Err(unreadable(bytes));
+        };
         place.copy_from_slice(bytes);
         self.held = end;
         Ok(())
@@ -107,8 +110,16 @@ impl ReplyReader {
     /// The next whole reply; `None` until it is there.
     ///
     /// # Errors
-    /// [`LinkError::Unreadable`] for a text that is no reply.
+    /// [`LinkError::Unreadable`] for a text that is no reply. All bytes are forgotten then.
     pub fn next_reply(&mut self) -> Result<Option<Reply>, LinkError> {
+        let next = self.cut_reply();
+        if next.is_err() {
+            self.held = 0;
+        }
+        next
+    }
+
+    fn cut_reply(&mut self) -> Result<Option<Reply>, LinkError> {
         let held = &self.bytes[..self.held];
         let begin = held.iter().position(|b| !b.is_ascii_whitespace()).unwrap_or(held.len());
         // A reply begins with a number; refusals of another kind do not end with a semicolon.

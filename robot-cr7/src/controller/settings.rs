@@ -2,8 +2,7 @@
 
 use thiserror::Error;
 
-/// Most setpoints that lie within the lag.
-pub(super) const MOST_RECENT: usize = 128;
+use super::recent::MOST_RECENT;
 
 /// Times in s, angles in rad.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -119,7 +119,11 @@ impl Wire for TcpWire {
         let piece = match self.pieces.recv_timeout(wait) {
             Ok(piece) => piece,
             Err(RecvTimeoutError::Timeout) => return Ok(None),
-            Err(RecvTimeoutError::Disconnected) => return Err(LinkError::Closed(Channel::Dashboard)),
+            Err(RecvTimeoutError::Disconnected) => {
+                // No thread reads any more.
+                std::thread::sleep(wait);
+                return Err(LinkError::Closed(Channel::Dashboard));
+            }
         };
         match piece.read {
             Ok(0) => Err(LinkError::Closed(piece.channel)),
