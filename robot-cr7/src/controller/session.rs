@@ -231,9 +231,14 @@ impl<'m, const N: usize> Session<'m, N> {
     }
 
     fn see_state(&mut self, now: f64, state: &ArmState<N>) {
-        // The same clock again: the controller repeats itself.
-        if self.last.is_some_and(|(_, last)| last.clock_ms == state.clock_ms) {
-            return;
+        if let Some((_, last)) = self.last {
+            if state.clock_ms < last.clock_ms {
+                return self.fail(now, Fault::Clock { back_ms: last.clock_ms - state.clock_ms });
+            }
+            // The same clock again: the controller repeats itself.
+            if state.clock_ms == last.clock_ms {
+                return;
+            }
         }
         let gap = self.last.is_some_and(|(at, _)| now > at + self.settings.feedback_timeout);
         self.last = Some((now, *state));

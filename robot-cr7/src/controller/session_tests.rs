@@ -97,7 +97,7 @@ fn a_motion_without_doubt_is_led_to_its_end_and_ends_with_a_stop() {
 fn every_doubt_on_the_way_stops_the_arm_at_once() {
     let motion = motion();
     type Change = fn(f64, &mut ArmState<1>);
-    let cases: [(&str, Change, f64); 8] = [
+    let cases: [(&str, Change, f64); 9] = [
         (
             "Mode",
             |t, state| {
@@ -142,6 +142,15 @@ fn every_doubt_on_the_way_stops_the_arm_at_once() {
             |t, state| {
                 if t > 0.5 {
                     state.q[0] = f64::NAN
+                }
+            },
+            0.02,
+        ),
+        (
+            "Clock",
+            |t, state| {
+                if t > 0.5 {
+                    state.clock_ms -= 100
                 }
             },
             0.02,
