@@ -21,9 +21,9 @@ const REPEATED: usize = 10;
 pub struct Judged {
     /// As the session sees it.
     pub outcome: Outcome,
-    /// From the fault to rest of the simulated arm, ms.
+    /// From the fault to rest of the simulated arm, a delay of the link not counted, ms.
     pub fault_to_rest: u64,
-    /// From the first stop that arrived to rest, ms.
+    /// From the first stop that arrived to rest, a delay of the link not counted, ms.
     pub stop_to_rest: u64,
 }
 
@@ -57,16 +57,16 @@ impl Judge<'_> {
             Disturbance::Overtaken(time) => time + 200,
             _ => 0,
         };
-        let stop_to_rest = record.first_stop.map_or(0, |stop| record.moved.saturating_sub(stop));
-        if stop_to_rest > BRAKING + delay {
+        let stop_to_rest = record.first_stop.map_or(0, |stop| record.moved.saturating_sub(stop + delay));
+        if stop_to_rest > BRAKING {
             return Err(format!("{stop_to_rest} ms from the stop to rest"));
         }
-        let fault_to_rest = record.moved.saturating_sub(self.case.fault_at);
+        let fault_to_rest = record.moved.saturating_sub(self.case.fault_at + delay);
         match (&self.outcome.fault, self.must_fail(record.first_setpoint)) {
             (None, false) => self.arrived(wire)?,
             (None, true) => return Err("the fault is not noticed".to_owned()),
             (Some(fault), _) if !self.explains(fault) => return Err(format!("a fault for another reason: {fault:?}")),
-            (Some(_), _) => self.stopped(record, fault_to_rest, delay)?,
+            (Some(_), _) => self.stopped(record, fault_to_rest)?,
         }
         Ok(Judged { outcome: self.outcome, fault_to_rest, stop_to_rest })
     }
@@ -132,7 +132,7 @@ impl Judge<'_> {
     }
 
     /// The arm is stopped in time, and told so if it can be; an arm that may not be led gets no setpoint.
-    fn stopped(&self, record: &Record, fault_to_rest: u64, delay: u64) -> Result<(), String> {
+    fn stopped(&self, record: &Record, fault_to_rest: u64) -> Result<(), String> {
         let fault = self.case.fault;
         // Where the arm stands is looked at with the drives on.
         let touched = record.enables > 0 && !matches!(fault, Disturbance::WrongStart(..));
@@ -151,7 +151,7 @@ impl Judge<'_> {
         if fault == Disturbance::ForeignReply && !record.setpoints.is_empty() && record.stops < 4 {
             return Err(format!("only {} stops", record.stops));
         }
-        if self.case.shows_at_once() && fault_to_rest > STATED + delay {
+        if self.case.shows_at_once() && fault_to_rest > STATED {
             return Err(format!("{fault_to_rest} ms from the fault to rest"));
         }
         Ok(())
