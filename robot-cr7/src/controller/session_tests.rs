@@ -296,3 +296,20 @@ fn a_stop_that_cannot_be_sent_is_tried_again() {
     let outcome = bench.session.outcome();
     assert!(outcome.stopped_at > Some(1.5) && outcome.rests_at.is_some(), "{outcome:?}");
 }
+
+#[test]
+fn a_gap_in_what_is_seen_is_not_rest() {
+    let motion = motion();
+    let mut bench = Bench::new(&motion, false);
+    bench.run(0.5, |_, _| {});
+    bench.session.interrupt(bench.now);
+    // Nothing new comes from 0.9 to 1.3 s.
+    let clock = bench.state.clock_ms + 400;
+    bench.run(9.0, |t, state| {
+        if (0.9..1.3).contains(&t) {
+            state.clock_ms = clock
+        }
+    });
+    let outcome = bench.session.outcome();
+    assert!(outcome.rests_at > Some(1.29), "{outcome:?}");
+}
