@@ -70,9 +70,9 @@ fn joints_that_slide_are_refused() {
             let kind = if k == 3 { "prismatic" } else { "revolute" };
             format!(
                 "<link name='l{k}'/><joint name='j{k}' type='{kind}'><parent link='l{}'/><child link='l{k}'/><origin xyz='0.1 0 0.2'/>\
-                 <axis xyz='{} 0 1'/><limit lower='-1' upper='1' velocity='1' effort='1'/></joint>",
+                 <axis xyz='{} 0'/><limit lower='-1' upper='1' velocity='1' effort='1'/></joint>",
                 k - 1,
-                k % 2
+                if k % 2 == 0 { "0 1" } else { "1 0" }
             )
         })
         .collect();
