@@ -312,7 +312,8 @@ fn tell(outcome: &Outcome, fact: &mut impl FnMut(&str, String)) {
     fact("deadlines", outcome.deadlines.to_string());
     let (joint, off) = outcome.off;
     fact("behind", format!("{:.3} deg at most (joint {})", off.to_degrees(), joint + 1));
-    fact("end", outcome.to_string());
+    fact("end", outcome.fault.as_ref().map_or("the motion is done".to_owned(), Fault::to_string));
+    fact("arm", outcome.arm());
 }
 
 fn write_setpoints(
