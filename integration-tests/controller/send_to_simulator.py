@@ -1,4 +1,4 @@
-"""Leads the simulated controller with the program `cr7 send`, in real time: a look, a refusal, the whole motion, Ctrl-C.
+"""Leads the simulated controller with the program `cr7 send`, in real time: a look, refusals, the whole motion, Ctrl-C.
 
 Usage: send_to_simulator.py SIMULATOR CR7 FOLDER
 """
@@ -11,6 +11,14 @@ import signal
 import subprocess
 import sys
 import time
+
+# A computer under load may be late: then the arm is stopped, and the motion is tried again.
+TRIES = 6
+
+
+def late(program):
+    """True if a run ended because this computer was late."""
+    return program.returncode == 1 and ("ms late" in program.stderr or "no new state" in program.stderr)
 
 
 def main():
@@ -29,26 +37,31 @@ def main():
         return simulator, ["send", "motion/joint_trajectory.json", "--address", "127.0.0.1", "--ports", *ports, "--dialect", version]
 
     def end(simulator):
-        # The program says what came when its time is over.
+        # The program says what came when its time is over: setpoints and stops are returned.
         text = simulator.communicate(timeout=60)[0].strip()
         print(text)
         assert "0 motions after a stop, excess None, at rest true" in text, text
-        return text
+        words = text.split()
+        return int(words[0]), int(words[2])
 
-    for version in ["v3", "v4"]:
+    def whole(version):
+        """Leads the arm along the whole motion; false if this computer was late."""
         simulator, send = serve(version, start)
         look = run(*send, "--out", "look")
         assert look.returncode == 0 and "no motion is ordered" in look.stdout, look
         sent = run(*send, "--really", "--out", "sent")
-        # A computer under load may be late: then the arm is stopped.
-        late = sent.returncode == 1 and ("late" in sent.stderr or "no new state" in sent.stderr)
-        assert sent.returncode == 0 or late, sent
+        print(sent.stdout, sent.stderr)
+        assert sent.returncode == 0 or late(sent), sent
+        assert "the arm rests" in sent.stderr, sent
         rows = list(csv.DictReader(open(os.path.join(folder, "sent/sent.csv"))))
-        last = rows[-1]
-        assert late or all(abs(float(last[f"sent{k}_rad"]) - float(last[f"actual{k}_rad"])) < 1e-3 for k in range(1, 7)), last
         assert open(os.path.join(folder, "sent/sent.svg")).read().startswith("<svg")
-        print(sent.stdout)
-        assert " 0 stops" not in end(simulator)
+        # Stops go on for a second after the arm came to rest.
+        assert end(simulator)[1] >= 5
+        last = rows[-1]
+        return sent.returncode == 0 and all(abs(float(last[f"sent{k}_rad"]) - float(last[f"actual{k}_rad"])) < 1e-3 for k in range(1, 7))
+
+    for version in ["v3", "v4"]:
+        assert any(whole(version) for _ in range(TRIES)), f"{version}: no whole motion in {TRIES} tries"
 
     away = start[:]
     away[2] += 4.0
@@ -57,14 +70,27 @@ def main():
     assert refused.returncode == 1 and "--approach" in refused.stderr, refused
     refused = run(*send, "--really", "--approach", "--out", "refused")
     assert refused.returncode == 1 and "--enable" in refused.stderr, refused
-    command = [cr7, *send, "--really", "--approach", "--enable", "--out", "interrupted"]
-    process = subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    time.sleep(3.0)
-    process.send_signal(signal.SIGINT)
-    out, err = process.communicate(timeout=20)
-    assert process.returncode == 130 or "late" in err, (process.returncode, out, err)
-    print(out, err)
-    assert not end(simulator).startswith("0 setpoints")
+    assert end(simulator) == (0, 0)
+
+    def interrupted():
+        """Interrupts a motion; false if this computer was late."""
+        simulator, send = serve("v4", away, "off")
+        command = [cr7, *send, "--really", "--approach", "--enable", "--out", "interrupted"]
+        process = subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        log = os.path.join(folder, "interrupted/sent.csv")
+        time.sleep(3.0)
+        process.send_signal(signal.SIGINT)
+        _, process.stderr = process.communicate(timeout=20)
+        print(process.stderr)
+        setpoints, stops = end(simulator)
+        if late(process):
+            return False
+        assert process.returncode == 130, process.returncode
+        assert "interrupted" in process.stderr and "the arm rests" in process.stderr and os.path.exists(log), process.stderr
+        assert setpoints > 0 and stops >= 5, (setpoints, stops)
+        return True
+
+    assert any(interrupted() for _ in range(TRIES)), f"no interruption in {TRIES} tries"
 
 
 if __name__ == "__main__":

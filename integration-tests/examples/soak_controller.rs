@@ -49,8 +49,7 @@ fn faults(count: u64, first: u64) -> usize {
                 });
                 *kinds.entry(kind).or_default() += 1;
                 braking = braking.max(judged.stop_to_rest);
-                let shows = matches!(case.fault, Disturbance::Stuck(_) | Disturbance::Forgotten(_) | Disturbance::Deaf);
-                if judged.outcome.fault.is_some() && !shows && judged.fault_to_rest > worst.0 {
+                if judged.outcome.fault.is_some() && case.shows_at_once() && judged.fault_to_rest > worst.0 {
                     worst = (judged.fault_to_rest, format!("{case:?}"));
                 }
             }

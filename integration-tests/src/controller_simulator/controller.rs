@@ -34,8 +34,10 @@ pub struct Record {
     pub stops: usize,
     /// Time of the first one, ms.
     pub first_stop: Option<u64>,
-    /// Motion commands after a stop.
+    /// Motion commands after a stop. Connections keep no order between each other: in version 3 only those after the last stop count.
     pub motions_after_stop: usize,
+    /// The last time at which the arm moved, ms.
+    pub moved: u64,
     /// Orders to switch the drives on.
     pub enables: usize,
     /// Commands that are not known or come on the wrong port.
@@ -138,6 +140,9 @@ impl SimulatedController {
         if self.arm.take_starved() {
             self.alarms.push(30);
         }
+        if !self.arm.rests() {
+            self.record.moved = self.time;
+        }
         if self.time.is_multiple_of(FEEDBACK) {
             self.speak();
         }
@@ -225,7 +230,12 @@ impl SimulatedController {
             }
         };
         // Version 3 does not answer setpoints.
-        if !(three && command.name == "servoj") {
+        if three && command.name == "servoj" {
+            return;
+        }
+        if self.fault == Disturbance::ForeignReply && self.faulty() {
+            self.replies.extend(b"Control Mode Is Not Tcp");
+        } else {
             self.replies.extend(format!("{code},{{{values}}},{};", command.text).bytes());
         }
     }
@@ -240,6 +250,9 @@ impl SimulatedController {
     fn stop(&mut self) -> i32 {
         self.record.stops += 1;
         self.record.first_stop.get_or_insert(self.time);
+        if self.version == Version::Three {
+            self.record.motions_after_stop = 0;
+        }
         self.arm.stop();
         0
     }

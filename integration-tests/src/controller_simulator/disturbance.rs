@@ -35,6 +35,8 @@ pub enum Disturbance {
     Garbage,
     /// A position that is no number.
     NotANumber,
+    /// Every reply is a text that is none.
+    ForeignReply,
     /// Both directions are down.
     Lost,
     /// Commands do not arrive any more, while the feedback goes on.
@@ -45,4 +47,7 @@ pub enum Disturbance {
     Stalled(u64),
     /// The operator interrupts.
     Interrupted,
+    /// The operator interrupts while the motion connection of version 3 stands still: setpoints that were sent come that many
+    /// milliseconds after the stop.
+    Overtaken(u64),
 }

@@ -10,8 +10,20 @@ use robot_cr7::controller::{Channel, FEEDBACK_BYTES, LinkError, Wire};
 use super::controller::SimulatedController;
 use super::disturbance::Disturbance;
 
-/// Bytes on their way: when they arrive (ms), their connection.
-type Travelling = VecDeque<(u64, Channel, Vec<u8>)>;
+/// How long before the interruption the motion connection stands still, ms.
+const BEFORE: u64 = 100;
+
+/// Bytes on their way on one connection, with the time at which they arrive, ms.
+type Travelling = VecDeque<(u64, Vec<u8>)>;
+
+/// The next bytes that arrive until the time `now`, ms.
+fn arrived(queue: &mut Travelling, now: u64) -> Option<Vec<u8>> {
+    let due = queue.front().is_some_and(|(at, _)| *at <= now);
+    if due { queue.pop_front().map(|(_, bytes)| bytes) } else { None }
+}
+
+/// The connections on which a controller speaks.
+const BACK: [Channel; 2] = [Channel::Dashboard, Channel::Feedback];
 
 /// A link with delay and jitter, and its own faults.
 #[derive(Debug)]
@@ -22,8 +34,10 @@ pub struct InProcess {
     random: Random,
     /// Largest jitter in each direction, ms.
     jitter: usize,
-    out: Travelling,
-    back: Travelling,
+    /// To the dashboard port and the motion port. Connections keep no order between each other.
+    out: [Travelling; 2],
+    /// From the dashboard port and the feedback port.
+    back: [Travelling; 2],
     stalled: bool,
     clock: Rc<Cell<u64>>,
 }
@@ -62,12 +76,16 @@ impl InProcess {
         self.controller.time() >= self.fault_at
     }
 
-    /// When bytes that leave now arrive: never before those that left earlier.
-    fn arrival(&mut self, last: Option<u64>) -> u64 {
+    /// When bytes that leave now arrive: never before those that left earlier by the same connection.
+    fn arrival(&mut self, channel: Channel, last: Option<u64>) -> u64 {
         let now = self.controller.time();
         let mut at = now + self.random.below(self.jitter + 1) as u64;
-        if let (Disturbance::Delayed(duration), true) = (self.fault, self.faulty()) {
-            at = at.max(self.fault_at + duration);
+        match self.fault {
+            Disturbance::Delayed(duration) if self.faulty() => at = at.max(self.fault_at + duration),
+            Disturbance::Overtaken(duration) if channel == Channel::Motion && now + BEFORE >= self.fault_at => {
+                at = at.max(self.fault_at + duration);
+            }
+            _ => {}
         }
         at.max(last.unwrap_or(0))
     }
@@ -76,17 +94,17 @@ impl InProcess {
         self.controller.step();
         let now = self.controller.time();
         self.clock.set(now);
-        while self.out.front().is_some_and(|(at, ..)| *at <= now) {
-            if let Some((_, channel, bytes)) = self.out.pop_front() {
-                self.controller.hear(channel == Channel::Motion, &bytes);
+        for (port, out) in self.out.iter_mut().enumerate() {
+            while let Some(bytes) = arrived(out, now) {
+                self.controller.hear(port == 1, &bytes);
             }
         }
         let replies = self.controller.take_replies();
         let feedback = self.controller.take_feedback();
-        for (channel, bytes) in [(Channel::Dashboard, replies), (Channel::Feedback, feedback)] {
+        for (port, bytes) in [replies, feedback].into_iter().enumerate() {
             if !bytes.is_empty() {
-                let at = self.arrival(self.back.back().map(|(at, ..)| *at));
-                self.back.push_back((at, channel, bytes));
+                let at = self.arrival(BACK[port], self.back[port].back().map(|(at, _)| *at));
+                self.back[port].push_back((at, bytes));
             }
         }
     }
@@ -103,8 +121,9 @@ impl Wire for InProcess {
             Disturbance::Deaf if self.faulty() => return Ok(()),
             _ => {}
         }
-        let at = self.arrival(self.out.back().map(|(at, ..)| *at));
-        self.out.push_back((at, channel, bytes.to_vec()));
+        let port = usize::from(channel == Channel::Motion);
+        let at = self.arrival(channel, self.out[port].back().map(|(at, _)| *at));
+        self.out[port].push_back((at, bytes.to_vec()));
         Ok(())
     }
 
@@ -114,17 +133,16 @@ impl Wire for InProcess {
             self.pass(duration);
         }
         loop {
-            if self.fault == Disturbance::Lost && self.faulty() {
-                return Err(LinkError::Closed(Channel::Feedback));
-            }
             let now = self.controller.time();
-            let due = self.back.front().is_some_and(|(at, ..)| *at <= now);
-            if let Some((_, channel, piece)) = if due { self.back.pop_front() } else { None } {
-                bytes[..piece.len()].copy_from_slice(&piece);
-                return Ok(Some((channel, piece.len())));
+            let lost = self.fault == Disturbance::Lost && self.faulty();
+            for (channel, back) in BACK.into_iter().zip(&mut self.back) {
+                if let Some(piece) = arrived(back, now).filter(|_| !lost) {
+                    bytes[..piece.len()].copy_from_slice(&piece);
+                    return Ok(Some((channel, piece.len())));
+                }
             }
             if self.now() >= until {
-                return Ok(None);
+                return if lost { Err(LinkError::Closed(Channel::Feedback)) } else { Ok(None) };
             }
             self.step();
         }

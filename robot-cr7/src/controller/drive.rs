@@ -23,8 +23,10 @@ pub fn drive<S: JointStream<N>, const N: usize>(
             session.interrupt(stream.now());
         }
         while let Some(order) = session.next_order(stream.now()) {
-            if let Err(error) = stream.send(&order) {
-                session.lose(stream.now(), &error.to_string());
+            match stream.send(&order) {
+                Ok(()) if order == Order::Stop => session.stop_is_sent(stream.now()),
+                Ok(()) => {}
+                Err(error) => session.lose(stream.now(), &error.to_string()),
             }
         }
         if session.is_over() {

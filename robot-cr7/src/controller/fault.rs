@@ -20,6 +20,12 @@ pub enum Fault {
         /// The time since the last new state, s.
         silence: f64,
     },
+    /// A state is older than the one before.
+    #[error("the clock of the controller went back by {back_ms} ms: what it says of the arm may be old; start it anew")]
+    Clock {
+        /// By how much, ms.
+        back_ms: u64,
+    },
     /// The controller does not answer an order.
     #[error("no answer to {order} within {:.1} s: check that no other program is connected", waited)]
     NoAnswer {

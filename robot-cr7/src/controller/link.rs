@@ -20,7 +20,7 @@ pub trait Wire {
     /// The next bytes of any connection: their number and where they are from; `None` if there are none until the time `until` (s).
     ///
     /// # Errors
-    /// The fault of the connection.
+    /// The fault of the connection. One that lasts is told at the time `until`, so that those who ask again do not keep the processor busy.
     fn receive(&mut self, until: f64, bytes: &mut [u8; FEEDBACK_BYTES]) -> Result<Option<(Channel, usize)>, LinkError>;
 }
 
@@ -125,6 +125,10 @@ impl<W: Wire> JointStream<6> for DobotLink<W> {
                 Channel::Dashboard => self.replies.push(&self.bytes[..count])?,
                 Channel::Motion => self.motion_replies.push(&self.bytes[..count])?,
             }
+            // Bytes may come without end and mean nothing.
+            if self.now() >= until {
+                return self.held_event();
+            }
         }
     }
 }
@@ -165,6 +169,33 @@ mod tests {
         fn receive(&mut self, _: f64, _: &mut [u8; FEEDBACK_BYTES]) -> Result<Option<(Channel, usize)>, LinkError> {
             Ok(None)
         }
+    }
+
+    /// Replies that say nothing new, one every 0.1 ms.
+    struct Flood(u32);
+
+    impl Wire for Flood {
+        fn now(&self) -> f64 {
+            1e-4 * f64::from(self.0)
+        }
+
+        fn send(&mut self, _: Channel, _: &[u8]) -> Result<(), LinkError> {
+            Ok(())
+        }
+
+        fn receive(&mut self, _: f64, bytes: &mut [u8; FEEDBACK_BYTES]) -> Result<Option<(Channel, usize)>, LinkError> {
+            let reply = b"0,{1},ServoJ();";
+            bytes[..reply.len()].copy_from_slice(reply);
+            self.0 += 1;
+            Ok((self.0 < 100_000).then_some((Channel::Dashboard, reply.len())))
+        }
+    }
+
+    #[test]
+    fn a_flood_of_replies_keeps_no_one_waiting() {
+        let mut link = DobotLink::new(Flood(0), Dialect::V4);
+        assert_eq!(link.receive(0.005).expect("replies"), None);
+        assert!(link.now() < 0.006, "{}", link.now());
     }
 
     const SETPOINT: Order<6> = Order::Setpoint { q: Joints::<6>::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), period: 0.03 };

@@ -15,6 +15,8 @@ mod feedback;
 mod lead_in;
 mod link;
 mod log;
+mod outcome;
+mod recent;
 mod reply;
 mod session;
 #[cfg(test)]
@@ -34,8 +36,9 @@ pub use feedback::{FEEDBACK_BYTES, FEEDBACK_PERIOD, FeedbackReader, decode_feedb
 pub use lead_in::lead_in;
 pub use link::{DobotLink, Wire};
 pub use log::{SendLog, SendRow};
+pub use outcome::Outcome;
 pub use reply::{CommandName, Reply, ReplyReader};
-pub use session::{Outcome, Session};
+pub use session::Session;
 pub use settings::{SendSettings, SettingsError};
 pub use stream::{Event, JointStream, LinkError, Order};
 pub use tcp::{Ports, TcpWire};

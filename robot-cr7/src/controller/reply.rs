@@ -54,7 +54,7 @@ pub struct Reply {
     pub code: i32,
     /// The command.
     pub command: CommandName,
-    /// The number of whole numbers among the values.
+    /// The number of errors that `GetErrorID` lists; 0 for other commands.
     pub count: usize,
     /// The first of them.
     pub values: [i64; VALUES],
@@ -67,8 +67,13 @@ impl Reply {
         let code = code.trim().parse().ok()?;
         let (inside, command) = rest.trim_start().strip_prefix('{')?.rsplit_once("},")?;
         let mut reply = Self { code, command: CommandName::of(command), count: 0, values: [0; VALUES] };
-        let numbers = inside.split(|c: char| !(c.is_ascii_digit() || "-.".contains(c))).filter_map(|n| n.parse().ok());
-        for number in numbers {
+        if reply.command != CommandName::Errors || code != 0 {
+            return Some(reply);
+        }
+        // No errors are empty lists, and not nothing.
+        inside.contains('[').then_some(())?;
+        for number in inside.split(|c: char| "[],".contains(c) || c.is_whitespace()).filter(|text| !text.is_empty()) {
+            let number = number.parse().ok()?;
             if let Some(place) = reply.values.get_mut(reply.count) {
                 *place = number;
             }
@@ -95,10 +100,13 @@ impl ReplyReader {
     /// Takes bytes as they come.
     ///
     /// # Errors
-    /// [`LinkError::Unreadable`] where more bytes come than a reply has.
+    /// [`LinkError::Unreadable`] where more bytes come than a reply has. All bytes are forgotten then.
     pub fn push(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
         let end = self.held + bytes.len();
-        let Some(place) = self.bytes.get_mut(self.held..end) else { return Err(unreadable(bytes)) };
+        let Some(place) = self.bytes.get_mut(self.held..end) else {
+            self.held = 0;
+            return Err(unreadable(bytes));
+        };
         place.copy_from_slice(bytes);
         self.held = end;
         Ok(())
@@ -107,8 +115,16 @@ impl ReplyReader {
     /// The next whole reply; `None` until it is there.
     ///
     /// # Errors
-    /// [`LinkError::Unreadable`] for a text that is no reply.
+    /// [`LinkError::Unreadable`] for a text that is no reply. All bytes are forgotten then.
     pub fn next_reply(&mut self) -> Result<Option<Reply>, LinkError> {
+        let next = self.cut_reply();
+        if next.is_err() {
+            self.held = 0;
+        }
+        next
+    }
+
+    fn cut_reply(&mut self) -> Result<Option<Reply>, LinkError> {
         let held = &self.bytes[..self.held];
         let begin = held.iter().position(|b| !b.is_ascii_whitespace()).unwrap_or(held.len());
         // A reply begins with a number; refusals of another kind do not end with a semicolon.
@@ -138,13 +154,16 @@ mod tests {
         let reply = |text| Reply::parse(text).expect(text);
         assert_eq!(reply("0,{},EnableRobot()").command, CommandName::Enable);
         let servo = reply("0,{17},ServoJ(0,0,-90,0,90,0,t=0.1,aheadtime=50,gain=500)");
-        assert_eq!((servo.code, servo.command, servo.count), (0, CommandName::Setpoint, 1));
+        assert_eq!((servo.code, servo.command, servo.count), (0, CommandName::Setpoint, 0));
         assert_eq!(reply("-10000,{},Mov(-500,100,200,150,0,90)").code, -10000);
         // No error: seven empty lists. Version 4 puts a further pair of brackets around them.
         assert_eq!(reply("0,{[],[],[],[],[],[],[]},GetErrorID()").count, 0);
         let errors = reply("0,{[[-2,17],[],[33],[],[],[],[]]},GetErrorID()");
         assert_eq!((errors.command, errors.count, &errors.values[..3]), (CommandName::Errors, 3, &[-2, 17, 33][..]));
-        for text in ["", "0", "0,{}", "Control Mode Is Not Tcp", "x,{},Stop()", "0,},Stop()"] {
+        for inside in ["[[17.5],[]]", "[0x11]", "[99999999999999999999]", "17", "[seventeen]"] {
+            assert_eq!(Reply::parse(&format!("0,{{{inside}}},GetErrorID()")), None, "{inside}");
+        }
+        for text in ["", "0", "0,{}", "Control Mode Is Not Tcp", "x,{},Stop()", "0,},Stop()", "0,{},GetErrorID()"] {
             assert_eq!(Reply::parse(text), None, "{text}");
         }
     }
@@ -172,8 +191,12 @@ mod tests {
         reader.push(b"Control Mode Is Not Tcp").expect("room");
         let error = reader.next_reply().expect_err("no reply").to_string();
         assert!(error.contains("Control Mode Is Not Tcp") && error.contains("TCP/IP mode"), "{error}");
+        // It is told once, and what comes later is read.
+        reader.push(b"0,{},Stop();").expect("room");
+        assert_eq!(reader.next_reply().expect("a reply").map(|reply| reply.command), Some(CommandName::Stop));
         let mut reader = ReplyReader::default();
         reader.push(&[b'0'; BUFFER]).expect("room");
         assert!(reader.push(b"0").is_err());
+        assert!(reader.push(b"0").is_ok());
     }
 }

@@ -3,9 +3,10 @@
 use arcfeed_kinematics::Joints;
 
 use super::arm_state::{ArmMode, ArmState};
-use super::deadlines::Deadlines;
 use super::fault::Fault;
-use super::settings::{MOST_RECENT, SendSettings};
+use super::outcome::Outcome;
+use super::recent::Recent;
+use super::settings::SendSettings;
 use super::stream::{Event, Order};
 use super::verified_motion::VerifiedMotion;
 
@@ -17,12 +18,15 @@ const ENABLE_TIME: f64 = 10.0;
 const ARRIVE_TIME: f64 = 1.0;
 /// The time after which a stop is repeated, s.
 const STOP_AGAIN: f64 = 0.2;
-/// How long the arm may take to come to rest after the first stop, s.
-const STOP_TIME: f64 = 2.0;
+/// How long the arm has to be seen at rest before no stop is sent any more, s. Setpoints may come after a stop that was sent later, by
+/// another connection: for this long they are followed by a stop.
+const GUARD_TIME: f64 = 1.0;
+/// How long stops are sent, s.
+const STOP_TIME: f64 = 4.0;
 /// A joint that is slower rests, rad/s.
 const REST: f64 = 2e-3;
-/// New states in a row with all joints at rest that make the arm rest.
-const RESTING_STATES: u32 = 3;
+/// How long all states have to show all joints at rest at the end of the motion, s.
+const REST_TIME: f64 = 0.015;
 
 /// Where a session is. Times in s.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,25 +47,6 @@ enum Phase {
     Over,
 }
 
-/// What became of a session.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Outcome {
-    /// The doubt that ended it; `None` if the arm is at the end of the motion.
-    pub fault: Option<Fault>,
-    /// Number of setpoints sent.
-    pub sent: usize,
-    /// Number of setpoints of the motion.
-    pub setpoints: usize,
-    /// When they were sent.
-    pub deadlines: Deadlines,
-    /// The time at which the first stop was sent, s; `None` if the arm was not touched or the link was down.
-    pub stopped_at: Option<f64>,
-    /// The time at which the arm was seen at rest after it, s; `None` if that is not known.
-    pub rests_at: Option<f64>,
-    /// The largest following error: joint from 0, rad.
-    pub off: (usize, f64),
-}
-
 /// The course of one motion. It allocates nothing while the arm moves.
 #[derive(Debug)]
 pub struct Session<'m, const N: usize = 6> {
@@ -70,11 +55,9 @@ pub struct Session<'m, const N: usize = 6> {
     phase: Phase,
     /// The last new state, and when it came.
     last: Option<(f64, ArmState<N>)>,
-    resting: u32,
-    /// True once the drives were switched on or a setpoint was sent: from then on it ends with a stop.
-    touched: bool,
-    /// The last setpoints with the times at which they were sent; a ring.
-    recent: [(f64, Joints<N>); MOST_RECENT],
+    /// The time since which every state shows all joints at rest, s.
+    rests_since: Option<f64>,
+    recent: Recent<N>,
     outcome: Outcome,
 }
 
@@ -87,18 +70,9 @@ impl<'m, const N: usize> Session<'m, N> {
             settings: *settings,
             phase: Phase::Look { since: now },
             last: None,
-            resting: 0,
-            touched: false,
-            recent: [(f64::NEG_INFINITY, motion.start()); MOST_RECENT],
-            outcome: Outcome {
-                fault: None,
-                sent: 0,
-                setpoints,
-                deadlines: Deadlines::default(),
-                stopped_at: None,
-                rests_at: None,
-                off: (0, 0.0),
-            },
+            rests_since: None,
+            recent: Recent::new(motion.start()),
+            outcome: Outcome { setpoints, ..Outcome::default() },
         }
     }
 
@@ -114,7 +88,7 @@ impl<'m, const N: usize> Session<'m, N> {
 
     /// The setpoint that was sent last, rad; the start before the first one.
     pub fn setpoint(&self) -> &Joints<N> {
-        &self.recent[self.outcome.sent.saturating_sub(1) % MOST_RECENT].1
+        self.recent.last()
     }
 
     /// The time by which [`Session::next_order`] has to be called again, s.
@@ -145,7 +119,7 @@ impl<'m, const N: usize> Session<'m, N> {
             }
             Phase::SwitchOn { since, ordered: false } => {
                 self.phase = Phase::SwitchOn { since, ordered: true };
-                self.touched = true;
+                self.outcome.touched = true;
                 return Some(Order::Enable);
             }
             Phase::SwitchOn { since, .. } => {
@@ -182,15 +156,17 @@ impl<'m, const N: usize> Session<'m, N> {
         self.fail(now, Fault::Interrupted);
     }
 
-    /// Ends it because the link does not work. Where even a stop cannot be sent, nothing else is tried.
+    /// Takes it down that a stop left at time `now`, s.
+    pub fn stop_is_sent(&mut self, now: f64) {
+        self.outcome.stopped_at.get_or_insert(now);
+    }
+
+    /// Ends it because the link does not work. A stop is tried again and again all the same.
     pub fn lose(&mut self, now: f64, words: &str) {
-        match self.phase {
-            Phase::Stop { .. } => {
-                self.outcome.fault.get_or_insert_with(|| Fault::Link(words.to_owned()));
-                self.phase = Phase::Over;
-            }
-            _ => self.fail(now, Fault::Link(words.to_owned())),
+        if let Phase::Stop { .. } = self.phase {
+            self.outcome.fault.get_or_insert_with(|| Fault::Link(words.to_owned()));
         }
+        self.fail(now, Fault::Link(words.to_owned()));
     }
 
     /// The session has found a doubt. An arm that was touched is stopped.
@@ -203,8 +179,8 @@ impl<'m, const N: usize> Session<'m, N> {
     }
 
     fn end(&mut self, now: f64) {
-        self.resting = 0;
-        self.phase = if self.touched { Phase::Stop { since: now, again: now } } else { Phase::Over };
+        self.rests_since = None;
+        self.phase = if self.outcome.touched { Phase::Stop { since: now, again: now } } else { Phase::Over };
     }
 
     fn wait(&mut self, now: f64, since: f64, longest: f64, fault: Fault) {
@@ -230,8 +206,8 @@ impl<'m, const N: usize> Session<'m, N> {
             return None;
         }
         let q = self.motion.trajectory().at(next as f64 * self.settings.period).q;
-        self.recent[next % MOST_RECENT] = (now, q);
-        self.touched = true;
+        self.recent.push(now, q);
+        self.outcome.touched = true;
         self.outcome.sent = next + 1;
         self.outcome.deadlines.see(late);
         let last = next + 1 == self.outcome.setpoints;
@@ -239,7 +215,7 @@ impl<'m, const N: usize> Session<'m, N> {
         Some(Order::Setpoint { q, period: self.settings.period })
     }
 
-    /// The stop that is due. It is repeated until the arm rests.
+    /// The stop that is due. It is repeated until the arm has been at rest for some time.
     fn stop_due(&mut self, now: f64) -> Option<Order<N>> {
         let Phase::Stop { since, again } = self.phase else { return None };
         if now >= since + STOP_TIME {
@@ -251,39 +227,50 @@ impl<'m, const N: usize> Session<'m, N> {
             return None;
         }
         self.phase = Phase::Stop { since, again: now + STOP_AGAIN };
-        self.outcome.stopped_at.get_or_insert(now);
         Some(Order::Stop)
     }
 
     fn see_state(&mut self, now: f64, state: &ArmState<N>) {
-        // The same clock again: the controller repeats itself.
-        if self.last.is_some_and(|(_, last)| last.clock_ms == state.clock_ms) {
-            return;
+        if let Some((_, last)) = self.last {
+            if state.clock_ms < last.clock_ms {
+                return self.fail(now, Fault::Clock { back_ms: last.clock_ms - state.clock_ms });
+            }
+            // The same clock again: the controller repeats itself.
+            if state.clock_ms == last.clock_ms {
+                return;
+            }
         }
+        let gap = self.last.is_some_and(|(at, _)| now > at + self.settings.feedback_timeout);
         self.last = Some((now, *state));
-        self.resting = if state.qd.amax() <= REST { self.resting + 1 } else { 0 };
+        let since = if gap { None } else { self.rests_since };
+        self.rests_since = (state.qd.amax() <= REST).then(|| since.unwrap_or(now));
         match self.phase {
             Phase::Look { .. } => self.phase = Phase::Ask { since: now, asked: false },
-            Phase::SwitchOn { .. } if state.enabled && state.mode == ArmMode::Idle => self.begin(now, state),
             Phase::SwitchOn { .. } if state.alarm || state.mode == ArmMode::Alarm => {
                 self.fail(now, Fault::Mode { mode: ArmMode::Alarm });
             }
+            Phase::SwitchOn { .. } if state.enabled && state.mode == ArmMode::Idle => self.begin(now, state),
             Phase::Lead { .. } | Phase::Arrive { .. } => {
                 if let Some(fault) = wrong_mode(state).or_else(|| self.not_following(now, state)) {
                     self.fail(now, fault);
                 }
             }
-            Phase::Stop { .. } if self.outcome.stopped_at.is_some() && self.resting >= RESTING_STATES => {
-                self.outcome.rests_at = Some(now);
+            Phase::Stop { .. } if self.outcome.stopped_at.is_some() && self.rested(now) >= GUARD_TIME => {
+                self.outcome.rests_at = self.rests_since;
                 self.phase = Phase::Over;
             }
             _ => {}
         }
     }
 
+    /// How long the arm has been seen at rest, s.
+    fn rested(&self, now: f64) -> f64 {
+        self.rests_since.map_or(0.0, |since| now - since)
+    }
+
     fn errors_are_clear(&mut self, now: f64, state: &ArmState<N>) {
         let models = self.settings.models;
-        if state.model != 0 && !models.is_empty() && !models.contains(&state.model) {
+        if !models.is_empty() && !models.contains(&state.model) {
             return self.fail(now, Fault::Model { found: state.model, expected: models });
         }
         match state.mode {
@@ -316,18 +303,7 @@ impl<'m, const N: usize> Session<'m, N> {
 
     /// Looks whether each joint is where it was asked to be at some time within the lag.
     fn not_following(&mut self, now: f64, state: &ArmState<N>) -> Option<Fault> {
-        let start = self.motion.start();
-        let (mut least, mut most) = (*self.setpoint(), *self.setpoint());
-        // The setpoint in force when the lag began counts, too.
-        let mut before = (f64::NEG_INFINITY, start);
-        for (at, q) in &self.recent {
-            if *at >= now - self.settings.lag {
-                (least, most) = (least.inf(q), most.sup(q));
-            } else if *at > before.0 {
-                before = (*at, *q);
-            }
-        }
-        (least, most) = (least.inf(&before.1), most.sup(&before.1));
+        let (least, most) = self.recent.range(now - self.settings.lag);
         for joint in 0..N {
             let off = (least[joint] - state.q[joint]).max(state.q[joint] - most[joint]);
             let error = (state.q[joint] - self.setpoint()[joint]).abs();
@@ -347,7 +323,7 @@ impl<'m, const N: usize> Session<'m, N> {
         let Some((_, state)) = self.last else { return };
         let distance = (state.q - self.setpoint()).abs();
         let joint = distance.imax();
-        let there = distance[joint] <= self.settings.start_tolerance && self.resting >= RESTING_STATES;
+        let there = distance[joint] <= self.settings.start_tolerance && self.rested(now) >= REST_TIME;
         let waited = now - since;
         if there && waited >= self.settings.period {
             self.end(now);

@@ -53,7 +53,7 @@ impl<'m> Bench<'m> {
                     Order::Setpoint { q, .. } => self.state.q = q,
                     Order::Enable => (self.state.mode, self.state.enabled) = (ArmMode::Idle, true),
                     Order::AskErrors => self.session.see(self.now, &Event::Errors { count: 0, first: 0 }),
-                    Order::Stop => {}
+                    Order::Stop => self.session.stop_is_sent(self.now),
                 }
                 self.orders.push(order);
             }
@@ -84,8 +84,12 @@ fn a_motion_without_doubt_is_led_to_its_end_and_ends_with_a_stop() {
     let mut bench = Bench::new(&motion, false);
     bench.run(5.0, |_, _| {});
     assert_eq!((bench.fault(), bench.session.is_over()), (None, true));
-    assert_eq!(bench.counts(), (35, 1));
-    assert!(bench.session.outcome().rests_at > bench.session.outcome().stopped_at);
+    // A stop every 0.2 s, until the arm was at rest for 1 s.
+    let (setpoints, stops) = bench.counts();
+    assert!(setpoints == 35 && (5..=6).contains(&stops), "{stops}");
+    assert!(bench.session.outcome().rests_at >= bench.session.outcome().stopped_at);
+    let words = bench.session.outcome().to_string();
+    assert!(words.contains("is done") && words.contains("rests"), "{words}");
     assert!((bench.state.q[0] - 1.0).abs() < 1e-12);
 }
 
@@ -93,7 +97,7 @@ fn a_motion_without_doubt_is_led_to_its_end_and_ends_with_a_stop() {
 fn every_doubt_on_the_way_stops_the_arm_at_once() {
     let motion = motion();
     type Change = fn(f64, &mut ArmState<1>);
-    let cases: [(&str, Change, f64); 8] = [
+    let cases: [(&str, Change, f64); 9] = [
         (
             "Mode",
             |t, state| {
@@ -138,6 +142,15 @@ fn every_doubt_on_the_way_stops_the_arm_at_once() {
             |t, state| {
                 if t > 0.5 {
                     state.q[0] = f64::NAN
+                }
+            },
+            0.02,
+        ),
+        (
+            "Clock",
+            |t, state| {
+                if t > 0.5 {
+                    state.clock_ms -= 100
                 }
             },
             0.02,
@@ -188,11 +201,12 @@ fn what_is_refused_late_or_unwanted_stops_the_arm() {
 fn an_arm_that_is_not_ready_is_left_alone() {
     let motion = motion();
     type Change = fn(f64, &mut ArmState<1>);
-    let cases: [(&str, Change); 6] = [
+    let cases: [(&str, Change); 7] = [
         ("Disabled", |_, state| (state.mode, state.enabled) = (ArmMode::Disabled, false)),
         ("Mode", |_, state| state.mode = ArmMode::Running),
         ("Mode", |_, state| state.alarm = true),
         ("Model", |_, state| state.model = 10),
+        ("Model", |_, state| state.model = 0),
         ("Elsewhere", |_, state| state.q[0] = 0.001),
         ("Moving", |_, state| state.qd[0] = 0.01),
     ];
@@ -218,13 +232,25 @@ fn drives_are_switched_on_only_where_that_is_allowed() {
 }
 
 #[test]
+fn an_alarm_while_the_drives_come_on_is_a_doubt() {
+    let motion = motion();
+    let mut bench = Bench::new(&motion, true);
+    (bench.state.mode, bench.state.enabled) = (ArmMode::Disabled, false);
+    bench.run(9.0, |_, state| state.alarm = state.enabled);
+    assert!(matches!(bench.fault(), Some(Fault::Mode { mode: ArmMode::Alarm })), "{:?}", bench.fault());
+    assert_eq!(bench.counts().0, 0);
+}
+
+#[test]
 fn a_stop_is_repeated_until_the_arm_rests_and_unrest_is_told() {
     let motion = motion();
     let mut bench = Bench::new(&motion, false);
     bench.run(0.5, |_, _| {});
     bench.session.interrupt(bench.now);
     bench.run(9.0, |_, state| state.qd[0] = 0.5);
-    assert_eq!((bench.counts().1, bench.session.outcome().rests_at), (10, None));
+    assert_eq!((bench.counts().1, bench.session.outcome().rests_at), (20, None));
+    let words = bench.session.outcome().to_string();
+    assert!(words.contains("NOT SEEN AT REST") && words.contains("interrupted"), "{words}");
 
     let mut bench = Bench::new(&motion, false);
     bench.run(9.0, |t, state| {
@@ -233,4 +259,57 @@ fn a_stop_is_repeated_until_the_arm_rests_and_unrest_is_told() {
         }
     });
     assert!(matches!(bench.fault(), Some(Fault::NotResting { .. })), "{:?}", bench.session.outcome());
+}
+
+#[test]
+fn an_arm_that_leaves_rest_after_the_stop_is_stopped_for_longer() {
+    let motion = motion();
+    let mut bench = Bench::new(&motion, false);
+    bench.run(0.5, |_, _| {});
+    bench.session.interrupt(bench.now);
+    // A setpoint that was on its way moves it again 0.8 s after the stop.
+    bench.run(9.0, |t, state| state.qd[0] = if (1.3..1.4).contains(&t) { 0.1 } else { 0.0 });
+    let (stops, outcome) = (bench.counts().1, bench.session.outcome());
+    assert!(outcome.rests_at > Some(1.39) && stops >= 9, "{stops}: {outcome:?}");
+}
+
+#[test]
+fn a_stop_that_cannot_be_sent_is_tried_again() {
+    let motion = motion();
+    let mut bench = Bench::new(&motion, false);
+    bench.run(0.5, |_, _| {});
+    bench.session.interrupt(bench.now);
+    // The link takes no bytes, and what comes cannot be read: for a second, then all is well.
+    let mut tries = 0;
+    while bench.now < 1.5 {
+        bench.now += 0.008;
+        if let Some(order) = bench.session.next_order(bench.now) {
+            assert_eq!(order, Order::Stop);
+            tries += 1;
+        }
+        bench.session.lose(bench.now, "no room");
+    }
+    assert!((4..=6).contains(&tries), "{tries}");
+    assert_eq!(bench.session.outcome().stopped_at, None);
+    assert!(bench.session.outcome().to_string().contains("COULD NOT BE SENT"));
+    bench.run(9.0, |_, _| {});
+    let outcome = bench.session.outcome();
+    assert!(outcome.stopped_at > Some(1.5) && outcome.rests_at.is_some(), "{outcome:?}");
+}
+
+#[test]
+fn a_gap_in_what_is_seen_is_not_rest() {
+    let motion = motion();
+    let mut bench = Bench::new(&motion, false);
+    bench.run(0.5, |_, _| {});
+    bench.session.interrupt(bench.now);
+    // Nothing new comes from 0.9 to 1.3 s.
+    let clock = bench.state.clock_ms + 400;
+    bench.run(9.0, |t, state| {
+        if (0.9..1.3).contains(&t) {
+            state.clock_ms = clock
+        }
+    });
+    let outcome = bench.session.outcome();
+    assert!(outcome.rests_at > Some(1.29), "{outcome:?}");
 }

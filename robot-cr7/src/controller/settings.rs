@@ -2,13 +2,12 @@
 
 use thiserror::Error;
 
-/// Most setpoints that lie within the lag.
-pub(super) const MOST_RECENT: usize = 128;
+use super::recent::MOST_RECENT;
 
 /// Times in s, angles in rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SendSettings {
-    /// The time between two setpoints.
+    /// The time between two setpoints: a whole number of milliseconds, as controllers take no other.
     pub period: f64,
     /// Largest distance of a joint from the start of the motion when it begins.
     pub start_tolerance: f64,
@@ -31,7 +30,7 @@ impl SendSettings {
     /// period late, drives not switched on, any model.
     ///
     /// # Errors
-    /// [`SettingsError`] unless the period is from 4 ms to 0.2 s.
+    /// [`SettingsError`] unless the period is from 4 ms to 0.2 s and a whole number of milliseconds.
     pub fn new(period: f64) -> Result<Self, SettingsError> {
         let settings = Self {
             period,
@@ -55,31 +54,70 @@ impl SendSettings {
         let most_lag = (MOST_RECENT - 8) as f64 * self.period;
         let values = [
             ("period", self.period, 0.004, 0.2),
-            ("tolerance at the start", self.start_tolerance, 1e-6, 0.1),
+            ("tolerance at the start", self.start_tolerance, 1e-6, 5f64.to_radians()),
             ("tolerance of the following error", self.following_tolerance, 1e-4, 0.5),
-            ("lag", self.lag, self.period, most_lag),
+            ("lag", self.lag, self.period, most_lag.min(1.0)),
             ("time without feedback", self.feedback_timeout, 0.016, 1.0),
             ("lateness", self.lateness, 0.0, self.period),
         ];
         for (what, value, least, most) in values {
             if !(least..=most).contains(&value) {
-                return Err(SettingsError { what, value, least, most });
+                return Err(SettingsError::Range { what, value, least, most });
             }
+        }
+        let milliseconds = 1e3 * self.period;
+        if (milliseconds - milliseconds.round()).abs() > 1e-9 {
+            return Err(SettingsError::Fraction { milliseconds });
         }
         Ok(())
     }
 }
 
-/// A setting is outside its range.
+/// A setting that cannot be.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
-#[error("{what}: {value} is not from {least:.6} to {most:.6} (s, rad): choose a value in this range")]
-pub struct SettingsError {
-    /// The setting.
-    pub what: &'static str,
-    /// Its value.
-    pub value: f64,
-    /// The least value.
-    pub least: f64,
-    /// The largest value.
-    pub most: f64,
+#[non_exhaustive]
+pub enum SettingsError {
+    /// It is outside its range.
+    #[error("{what}: {value} is not from {least:.6} to {most:.6} (s, rad): choose a value in this range")]
+    Range {
+        /// The setting.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// The least value.
+        least: f64,
+        /// The largest value.
+        most: f64,
+    },
+    /// The period is not a whole number of milliseconds: the arm would be led at another rate than was certified.
+    #[error(
+        "period: {milliseconds} ms is not a whole number of milliseconds, and controllers take no other: round it up"
+    )]
+    Fraction {
+        /// The period, ms.
+        milliseconds: f64,
+    },
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_period_is_a_whole_number_of_milliseconds() {
+        for milliseconds in 4..=200 {
+            assert!(SendSettings::new(f64::from(milliseconds) * 1e-3).is_ok(), "{milliseconds}");
+        }
+        for wrong in [4.4, 30.5, 30.001, 3.0, 201.0, f64::NAN] {
+            assert!(SendSettings::new(wrong * 1e-3).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn guards_cannot_be_set_aside() {
+        let settings = SendSettings::new(0.2).expect("a period");
+        assert!(SendSettings { lag: 1.0, ..settings }.check().is_ok());
+        assert!(SendSettings { lag: 1.1, ..settings }.check().is_err());
+        assert!(SendSettings { start_tolerance: 5.1f64.to_radians(), ..settings }.check().is_err());
+    }
 }

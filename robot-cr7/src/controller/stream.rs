@@ -63,7 +63,8 @@ pub trait JointStream<const N: usize = 6> {
     /// The next event; `None` if there is none until the time `until` (s).
     ///
     /// # Errors
-    /// The fault of the link, or what cannot be read.
+    /// The fault of the link, or what cannot be read. A fault that lasts is told at the time `until`, so that those who ask again do not
+    /// keep the processor busy.
     fn receive(&mut self, until: f64) -> Result<Option<Event<N>>, LinkError>;
 }
 

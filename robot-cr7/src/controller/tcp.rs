@@ -119,7 +119,11 @@ impl Wire for TcpWire {
         let piece = match self.pieces.recv_timeout(wait) {
             Ok(piece) => piece,
             Err(RecvTimeoutError::Timeout) => return Ok(None),
-            Err(RecvTimeoutError::Disconnected) => return Err(LinkError::Closed(Channel::Dashboard)),
+            Err(RecvTimeoutError::Disconnected) => {
+                // No thread reads any more.
+                std::thread::sleep(wait);
+                return Err(LinkError::Closed(Channel::Dashboard));
+            }
         };
         match piece.read {
             Ok(0) => Err(LinkError::Closed(piece.channel)),
@@ -138,5 +142,27 @@ impl Drop for TcpWire {
         for (_, stream) in &self.streams {
             let _ = stream.shutdown(std::net::Shutdown::Both);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::net::TcpListener;
+
+    use super::*;
+
+    #[test]
+    fn connections_that_are_closed_do_not_keep_the_processor_busy() {
+        let listen = || TcpListener::bind(("127.0.0.1", 0)).expect("a port");
+        let (dashboard, feedback) = (listen(), listen());
+        let port = |listener: &TcpListener| listener.local_addr().expect("its number").port();
+        let ports = Ports { dashboard: port(&dashboard), motion: 0, feedback: port(&feedback) };
+        let mut wire = TcpWire::connect([127, 0, 0, 1].into(), ports, Dialect::V4).expect("connections");
+        drop((dashboard.accept(), feedback.accept()));
+        let mut errors = 0;
+        while wire.now() < 0.2 {
+            errors += usize::from(wire.receive(wire.now() + 0.005, &mut [0; FEEDBACK_BYTES]).is_err());
+        }
+        assert!((3..=45).contains(&errors), "{errors}");
     }
 }

@@ -11,6 +11,9 @@ const REST: f64 = 1e-6;
 /// An acceleration up to this is that of rest, rad/s^2.
 const REST_ACCELERATION: f64 = 1e-3;
 
+/// Longest motion that is sent, s: a day.
+const MOST_DURATION: f64 = 86_400.0;
+
 /// A motion of polynomials that is certified to keep every limit of the joints at all times, from rest to rest.
 ///
 /// ```
@@ -40,6 +43,12 @@ impl<const N: usize> VerifiedMotion<N> {
     /// # Errors
     /// [`NotSendable`].
     pub fn new(trajectory: JointTrajectory<N>, limits: &JointLimits<N>) -> Result<Self, NotSendable> {
+        let duration = trajectory.duration();
+        // Not `>`: a NaN has to show.
+        let ends = duration <= MOST_DURATION;
+        if !ends {
+            return Err(NotSendable::Long { duration });
+        }
         let certificate = trajectory.certify(limits.range(), &limits.into());
         if !certificate.holds(TOLERANCE) {
             return Err(NotSendable::Limit(Box::new(certificate)));
@@ -128,10 +137,33 @@ pub enum NotSendable {
         /// Its velocity, rad/s.
         velocity: f64,
     },
+    /// It takes too long.
+    #[error("the motion takes {duration:.0} s, and at most {MOST_DURATION:.0} s (a day) are sent: send it in parts")]
+    Long {
+        /// Its duration, s.
+        duration: f64,
+    },
     /// Two motions do not join.
     #[error("the way to the start does not join the motion: {0}")]
     Join(#[from] JointTrajectoryError),
     /// There is no way to the start.
     #[error("no way to the start of the motion: {0}; move the arm nearer to it by hand")]
     NoWay(arcfeed_sync::SyncError),
+}
+
+#[cfg(test)]
+mod tests {
+    use arcfeed_kinematics::JointRange;
+
+    use super::*;
+
+    #[test]
+    fn a_motion_of_more_than_a_day_is_refused() {
+        let range = JointRange::new(Joints::repeat(-2.0), Joints::repeat(2.0)).expect("a range");
+        let limits = range.with_rates(Joints::repeat(1.0), Joints::repeat(1.0), Joints::repeat(1.0)).expect("limits");
+        let rest = |hours: f64| JointTrajectory::resting(&Joints::<1>::zeros(), 3600.0 * hours).expect("rest");
+        assert!(VerifiedMotion::new(rest(23.9), &limits).is_ok());
+        let error = VerifiedMotion::new(rest(24.1), &limits).expect_err("more than a day");
+        assert!(matches!(error, NotSendable::Long { .. }) && error.to_string().contains("in parts"), "{error}");
+    }
 }

@@ -34,11 +34,48 @@ fn wrong_usage_is_refused_with_the_way_out() {
     desk.run(&["send", "--enable", "--address", "127.0.0.1"]).refused(2, &["--really"]);
     desk.run(&["send", "--period-ms", "3"]).refused(2, &["period", "0.004"]);
     desk.run(&["send", "--period-ms", "10", "--dialect", "v3"]).refused(2, &["20 ms and more"]);
+    desk.run(&["send", "--period-ms", "4.4"]).refused(2, &["whole number of milliseconds"]);
+    desk.run(&["send", "--start-tolerance-deg", "6"]).refused(2, &["0 to 5", "--approach"]);
+    desk.run(&["send", "--lag-ms", "1100"]).refused(2, &["lag", "1.000000"]);
     desk.run(&["send", "--robot", "panda"]).refused(2, &["six joints"]);
+    desk.run(&["send", "--model", "10"]).refused(2, &["--model 10", "[7, 117, 207]"]);
+    desk.run(&["send", "--model", "0"]).refused(2, &["1..=255"]);
+    let ur = ["send", "--robot", "ur5e", "--address", "127.0.0.1", "--really"];
+    desk.run(&ur).refused(2, &["--model"]);
     // A port on which nobody listens.
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
     let port = listener.local_addr().expect("its number").port().to_string();
     drop(listener);
     let arguments = ["send", "--address", "127.0.0.1", "--ports", &port, &port, &port, "--really"];
     desk.run(&arguments).refused(1, &["dashboard connection", "check the address"]);
+}
+
+#[test]
+fn a_motion_of_another_robot_is_refused() {
+    let desk = Desk::new("send_names");
+    desk.run(&["plan", "--compile-rad", "1e-6", "--out", "plan"]).done();
+    let file = desk.folder.join("plan/joint_trajectory.json");
+    let text = std::fs::read_to_string(&file).expect("a motion");
+    let names: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let name = names["joint_names"][2].as_str().expect("a name").to_owned();
+    desk.write("other.json", &text.replace(&format!("{name:?}"), "\"elbow\""));
+    desk.run(&["send", "other.json"]).refused(2, &["joint 3", "elbow", "another robot"]);
+}
+
+#[test]
+fn joints_that_slide_are_refused() {
+    let desk = Desk::new("send_slides");
+    let joints: String = (1..=6)
+        .map(|k| {
+            let kind = if k == 3 { "prismatic" } else { "revolute" };
+            format!(
+                "<link name='l{k}'/><joint name='j{k}' type='{kind}'><parent link='l{}'/><child link='l{k}'/><origin xyz='0.1 0 0.2'/>\
+                 <axis xyz='{} 0'/><limit lower='-1' upper='1' velocity='1' effort='1'/></joint>",
+                k - 1,
+                if k % 2 == 0 { "0 1" } else { "1 0" }
+            )
+        })
+        .collect();
+    desk.write("slide.urdf", &format!("<robot name='slide'><link name='l0'/>{joints}</robot>"));
+    desk.run(&["send", "--robot", "slide.urdf"]).refused(2, &["j3 of slide slides"]);
 }

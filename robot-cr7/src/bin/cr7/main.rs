@@ -118,9 +118,9 @@ enum Failure {
     Undoable(String),
     /// Bad usage or input: exit code 2.
     BadInput(String),
-    /// Ctrl-C, after an arm was stopped: exit code 130.
+    /// An arm did not come to the end of its motion, and what became of it is on stderr already: the exit code.
     #[cfg(feature = "controller")]
-    Interrupted,
+    Told(u8),
 }
 
 impl From<Cr7Error> for Failure {
@@ -169,7 +169,8 @@ fn on_interrupt() {
 
 fn main() -> ExitCode {
     let command = Cli::parse().command;
-    if let Err(error) = ctrlc::set_handler(on_interrupt) {
+    let handler = ctrlc::set_handler(on_interrupt);
+    if let Err(error) = &handler {
         eprintln!("cr7: no handler for Ctrl-C: {error}; an interrupted run may leave hidden files");
     }
     let outcome = match command {
@@ -189,7 +190,7 @@ fn main() -> ExitCode {
         Command::Schedule(args) => schedule::run(&args),
         Command::Run(args) => run::run(&args),
         #[cfg(feature = "controller")]
-        Command::Send(args) => send::run(&args),
+        Command::Send(args) => send::run(&args, handler.is_ok()),
         Command::Verify(args) => verify::run(&args),
         Command::Reproduce(args) => reproduce::run(&args),
         Command::Completions(args) => shell::completions(&args),
@@ -206,9 +207,6 @@ fn main() -> ExitCode {
             ExitCode::from(2)
         }
         #[cfg(feature = "controller")]
-        Err(Failure::Interrupted) => {
-            eprintln!("cr7: interrupted; the arm was stopped");
-            ExitCode::from(INTERRUPTED as u8)
-        }
+        Err(Failure::Told(code)) => ExitCode::from(code),
     }
 }

@@ -4,19 +4,19 @@ use std::net::IpAddr;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use arcfeed_kinematics::Joints;
+use arcfeed_kinematics::{JointKind, Joints};
 use robot_cr7::controller::{
-    Dialect, DobotLink, JointStream, Order, Outcome, Ports, SendLog, SendSettings, Session, TcpWire, VerifiedMotion,
-    drive, lead_in, survey,
+    Dialect, DobotLink, Fault, JointStream, Order, Outcome, Ports, SendLog, SendSettings, Session, TcpWire,
+    VerifiedMotion, drive, lead_in, survey,
 };
 use robot_cr7::plot::sent_picture;
-use robot_cr7::{JointReport, LimitsHold, Staging};
+use robot_cr7::{JointReport, LimitsHold, Robot, Staging};
 
-use crate::Failure;
 use crate::output::{REPORTS, show};
 use crate::progress::Progress;
 use crate::robots::RobotArgs;
 use crate::send_motion::{self, SendMotion};
+use crate::{Failure, INTERRUPTED};
 
 /// Numbers of the models that are a CR7: CR7, CR7A, CR7V.
 const CR7_MODELS: &[u8] = &[7, 117, 207];
@@ -70,6 +70,9 @@ pub struct Args {
     /// Lead the arm
     #[arg(long, requires = "address")]
     really: bool,
+    /// Number by which the controller knows the arm; needed for robots other than the CR7
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..))]
+    model: Option<u8>,
     /// Switch the drives on where they are off
     #[arg(long, requires = "really")]
     enable: bool,
@@ -135,27 +138,54 @@ impl Args {
             let words = format!("--period-ms {given}: {} takes {least} ms and more", self.dialect());
             return Err(Failure::BadInput(words));
         }
-        if !(0.0..=400.0).contains(&self.start_tolerance_deg) {
-            let words = format!("--start-tolerance-deg {}: give 0 to 400 degrees", self.start_tolerance_deg);
+        if !(0.0..=5.0).contains(&self.start_tolerance_deg) {
+            let words = format!(
+                "--start-tolerance-deg {}: give 0 to 5 degrees, or --approach for a longer way",
+                self.start_tolerance_deg
+            );
             return Err(Failure::BadInput(words));
         }
         Ok(settings)
     }
 }
 
-pub fn run(args: &Args) -> Result<(), Failure> {
+/// The numbers of the models of arm that a motion of this robot may be sent to; none for any, which is only looked at.
+fn models(args: &Args, robot: &Robot) -> Result<&'static [u8], Failure> {
+    let (name, joints) = (&robot.description().name, &robot.description().joints);
+    if joints.len() != 6 {
+        let words = format!("the arms of Dobot's CR series have six joints, and {name} has {}", joints.len());
+        return Err(Failure::BadInput(words));
+    }
+    if let Some(joint) = joints.iter().find(|joint| joint.kind != JointKind::Revolute) {
+        let words = format!("the arms of Dobot's CR series have joints that turn, and {} of {name} slides", joint.name);
+        return Err(Failure::BadInput(words));
+    }
+    match args.model {
+        None if robot.is_cr7() => Ok(CR7_MODELS),
+        Some(model) if robot.is_cr7() && !CR7_MODELS.contains(&model) => Err(Failure::BadInput(format!(
+            "--model {model}: the CR7 has the numbers {CR7_MODELS:?}; choose its --robot"
+        ))),
+        // It lives as long as the program.
+        Some(model) => Ok(vec![model].leak()),
+        None if args.really => {
+            let words = format!(
+                "which arm {name} is has to be known: give the number of its model with --model, which a look without --really shows"
+            );
+            Err(Failure::BadInput(words))
+        }
+        None => Ok(&[]),
+    }
+}
+
+/// Runs the command. `stoppable` is true if Ctrl-C stops an arm.
+pub fn run(args: &Args, stoppable: bool) -> Result<(), Failure> {
+    if args.really && !stoppable {
+        return Err(Failure::Undoable("--really: Ctrl-C would not stop the arm, so that it is not led".to_owned()));
+    }
     let inputs: Vec<&Path> = [&args.motion, &args.job].into_iter().filter_map(|file| file.as_deref()).collect();
     let mut staging = Staging::new(&args.out, &FILES, &inputs)?;
     let robot = args.robot.load()?;
-    if robot.joints() != 6 {
-        let words = format!(
-            "the arms of Dobot's CR series have six joints, and {} has {}",
-            robot.description().name,
-            robot.joints()
-        );
-        return Err(Failure::BadInput(words));
-    }
-    let settings = args.settings(if robot.is_cr7() { CR7_MODELS } else { &[] })?;
+    let settings = args.settings(models(args, &robot)?)?;
     let progress = Progress::new("planning and certifying");
     let planned = send_motion::load(args, &robot)?;
     drop(progress);
@@ -248,6 +278,8 @@ fn lead(
     drive(&mut session, link, &mut log, || ASKED.load(Ordering::SeqCst));
     LEADING.store(false, Ordering::SeqCst);
     let outcome = session.outcome().clone();
+    // Said before any file is written, which may fail.
+    eprintln!("cr7: {outcome}");
     let file = staging.create(SENT)?;
     log.write_csv(file).map_err(|source| staging.failed(SENT, source))?;
     let facts = format!("{} setpoints; {}", outcome.sent, outcome.deadlines);
@@ -280,12 +312,8 @@ fn tell(outcome: &Outcome, fact: &mut impl FnMut(&str, String)) {
     fact("deadlines", outcome.deadlines.to_string());
     let (joint, off) = outcome.off;
     fact("behind", format!("{:.3} deg at most (joint {})", off.to_degrees(), joint + 1));
-    let stop = match (outcome.stopped_at, outcome.rests_at) {
-        (Some(stop), Some(rest)) => format!("sent; the arm rests {:.0} ms later", 1e3 * (rest - stop)),
-        (Some(_), None) => "sent; WHETHER THE ARM RESTS IS NOT KNOWN".to_owned(),
-        (None, _) => "not sent: the arm was not touched".to_owned(),
-    };
-    fact("stop", stop);
+    fact("end", outcome.fault.as_ref().map_or("the motion is done".to_owned(), Fault::to_string));
+    fact("arm", outcome.arm());
 }
 
 fn write_setpoints(
@@ -314,7 +342,7 @@ fn finish(args: &Args, mut report: JointReport, mut staging: Staging, outcome: O
     show(&report, args.json.then(|| report.to_json()));
     match outcome.and_then(|outcome| outcome.fault) {
         None => Ok(()),
-        Some(robot_cr7::controller::Fault::Interrupted) => Err(Failure::Interrupted),
-        Some(fault) => Err(Failure::Undoable(format!("the motion was ended: {fault}"))),
+        Some(Fault::Interrupted) => Err(Failure::Told(INTERRUPTED as u8)),
+        Some(_) => Err(Failure::Told(1)),
     }
 }

@@ -28,7 +28,7 @@ pub fn load(args: &Args, robot: &Robot) -> Result<SendMotion, Failure> {
     let job = read_job(args.job.as_deref())?;
     let (limits, mut warnings) = robot.limits::<6>(&job.joints)?;
     let (name, trajectory) = match args.motion.as_deref() {
-        Some(file) if is_compiled(file)? => (file.display().to_string(), read(file)?),
+        Some(file) if is_compiled(file)? => (file.display().to_string(), read(file, robot)?),
         path => {
             let file = read_path(path.or(job.path_file.as_deref()), args.unit.as_deref(), &job)?;
             let compile = Compile { warnings: &mut warnings };
@@ -60,9 +60,19 @@ fn is_compiled(file: &Path) -> Result<bool, Failure> {
     Ok(value.and_then(|value| value.get("format")?.as_str().map(|format| format == FORMAT)).unwrap_or(false))
 }
 
-fn read(file: &Path) -> Result<JointTrajectory, Failure> {
-    let (trajectory, _) =
-        JointTrajectory::from_json(&text(file)?).map_err(|e| Failure::BadInput(format!("{}: {e}", file.display())))?;
+/// Reads a compiled motion, whose joints have to be those of the robot.
+fn read(file: &Path, robot: &Robot) -> Result<JointTrajectory, Failure> {
+    let place = file.display();
+    let (trajectory, names) =
+        JointTrajectory::from_json(&text(file)?).map_err(|e| Failure::BadInput(format!("{place}: {e}")))?;
+    for (k, (name, own)) in names.iter().zip(robot.any().joint_names()).enumerate() {
+        if name != own {
+            let (joint, robot) = (k + 1, &robot.description().name);
+            return Err(Failure::BadInput(format!(
+                "{place}: joint {joint} is called {name:?}, and that of {robot} {own:?}: the motion is for another robot; give it by --robot"
+            )));
+        }
+    }
     Ok(trajectory)
 }
 
