@@ -14,7 +14,7 @@ use arcfeed_sync::{
 use crate::routes::routes;
 use crate::stack;
 
-pub const CYCLE: f64 = 1e-3;
+const CYCLE: f64 = 1e-3;
 
 /// Runs everything and prints a table. Returns true if every motion ended where it should.
 pub fn run(out: &mut dyn Write) -> core::result::Result<bool, core::fmt::Error> {

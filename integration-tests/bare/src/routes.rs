@@ -5,8 +5,10 @@ use core::fmt::{Error, Write};
 use arcfeed_feedrate::{AxisLimits, AxisState};
 use arcfeed_sync::{MOST_WAY_POINTS, Route, TrackingGenerator, WayPoint, WayPointGenerator};
 
-use crate::cases::CYCLE;
 use crate::stack;
+
+/// Control cycle, s.
+const CYCLE: f64 = 1e-3;
 
 /// Six axes through way-points, and behind a target that moves. Returns true if both end where they should.
 pub fn routes(out: &mut dyn Write, limits: AxisLimits) -> Result<bool, Error> {

@@ -93,11 +93,12 @@ fn a_motion_without_doubt_is_led_to_its_end_and_ends_with_a_stop() {
     assert!((bench.state.q[0] - 1.0).abs() < 1e-12);
 }
 
-#[test]
-fn every_doubt_on_the_way_stops_the_arm_at_once() {
-    let motion = motion();
-    type Change = fn(f64, &mut ArmState<1>);
-    let cases: [(&str, Change, f64); 9] = [
+/// A change of the state at a time, s.
+type Change = fn(f64, &mut ArmState<1>);
+
+/// The fault that each change is, and within which time it shows, s.
+fn doubts() -> [(&'static str, Change, f64); 9] {
+    [
         (
             "Mode",
             |t, state| {
@@ -164,8 +165,13 @@ fn every_doubt_on_the_way_stops_the_arm_at_once() {
             },
             0.13,
         ),
-    ];
-    for (name, change, within) in cases {
+    ]
+}
+
+#[test]
+fn every_doubt_on_the_way_stops_the_arm_at_once() {
+    let motion = motion();
+    for (name, change, within) in doubts() {
         let mut bench = Bench::new(&motion, false);
         bench.run(0.5, change).run(0.5 + within, change);
         let fault = format!("{:?}", bench.fault());
