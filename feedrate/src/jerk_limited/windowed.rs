@@ -7,8 +7,10 @@ use crate::error::FeedError;
 use crate::problem::FeedProblem;
 use crate::speed_law::SpeedLaw;
 
-/// Windows of fewer intervals than this leave no room to look ahead; of more than that the last one is too long for the planner.
+/// A window of fewer intervals leaves no room to look ahead.
 const LEAST: usize = 64;
+
+/// The last window may have half as many intervals more, and is planned at once.
 const MOST: usize = 100_000;
 
 /// Where a window is left for the next one, in sixteenths of it: the first that a motion goes on from.

@@ -153,6 +153,32 @@ fn longer_durations_stay_inside() {
     assert!(done > 500);
 }
 
+/// A leg behind a touch that takes its time keeps the limits on velocity, though the target cannot be gone on from within them.
+#[test]
+fn slower_legs_keep_the_limits_on_velocity() {
+    let limits = AxisLimits::new((-0.1, 1.0), (-10.0, 10.0), (-10.0, 10.0)).unwrap();
+    let positions = PositionLimits::new(-3.0, 0.0).unwrap();
+    let mut rng = Random::new(91);
+    let mut done = 0;
+    for i in 0..2000 {
+        let mut start = AxisState::new(rng.between(-0.3, -0.01), rng.between(0.1, 0.9), 0.0);
+        let mut target = AxisState::new(-rng.between(1e-5, 1e-3), -rng.between(0.001, 0.1), -rng.between(2.0, 8.0));
+        if i == 0 {
+            // One of 68 000: with the check of the range alone the velocity is -0.49 on the way.
+            start = AxisState::new(-0.20074791126198843, 0.1717359458957451, 0.0);
+            target = AxisState::new(-0.0009867831716012273, -0.08079064978994588, -3.3891491110223295);
+        }
+        let Ok(problem) = BoundedProblem::new(&start, &target, &limits, &positions) else { continue };
+        for factor in [1.01, 1.3, 2.0, 5.0] {
+            let Ok(motion) = problem.with_duration(factor * problem.shortest_duration()) else { continue };
+            done += 1;
+            let lowest = (0..=2000).map(|k| motion.at(motion.duration() * f64::from(k) / 2000.0).v).fold(0.0, f64::min);
+            assert!(lowest >= -0.1 * (1.0 + 1e-9), "case {i}: {lowest}, {start:?} {target:?} {factor}");
+        }
+    }
+    assert!(done > 300, "{done} motions");
+}
+
 /// No touch among many accelerations gives a shorter motion, at either end.
 #[test]
 fn a_dense_search_over_one_touch_finds_nothing_shorter() {

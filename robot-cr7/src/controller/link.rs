@@ -40,7 +40,9 @@ pub struct DobotLink<W: Wire> {
     /// The part of `bytes` that is not read yet.
     left: (usize, usize),
     moved: bool,
+    /// A stop was ordered; it was sent.
     stopped: bool,
+    stop_is_sent: bool,
 }
 
 impl<W: Wire> DobotLink<W> {
@@ -57,6 +59,7 @@ impl<W: Wire> DobotLink<W> {
             left: (0, 0),
             moved: false,
             stopped: false,
+            stop_is_sent: false,
         }
     }
 
@@ -111,7 +114,9 @@ impl<W: Wire> JointStream<6> for DobotLink<W> {
         }
         self.text.clear();
         let channel = self.dialect.write(order, &mut self.text);
-        self.wire.send(channel, self.text.as_bytes())
+        self.wire.send(channel, self.text.as_bytes())?;
+        self.stop_is_sent |= *order == Order::Stop;
+        Ok(())
     }
 
     fn receive(&mut self, until: f64) -> Result<Option<Event<6>>, LinkError> {
@@ -136,7 +141,7 @@ impl<W: Wire> JointStream<6> for DobotLink<W> {
 impl<W: Wire> Drop for DobotLink<W> {
     /// Whatever ended the program: an arm that follows setpoints is stopped.
     fn drop(&mut self) {
-        if self.moved && !self.stopped {
+        if self.moved && !self.stop_is_sent {
             let _ = self.send(&Order::Stop);
         }
     }
@@ -151,9 +156,9 @@ mod tests {
 
     use super::*;
 
-    /// Keeps what is sent.
+    /// Keeps what is sent; a stop fails as often as the number says.
     #[derive(Default)]
-    struct Paper(Rc<RefCell<Vec<String>>>);
+    struct Paper(Rc<RefCell<Vec<String>>>, u32);
 
     impl Wire for Paper {
         fn now(&self) -> f64 {
@@ -162,6 +167,10 @@ mod tests {
 
         fn send(&mut self, channel: Channel, bytes: &[u8]) -> Result<(), LinkError> {
             let name = String::from_utf8_lossy(bytes).split('(').next().unwrap_or_default().to_owned();
+            if name == "Stop" && self.1 > 0 {
+                self.1 -= 1;
+                return Err(LinkError::Closed(channel));
+            }
             self.0.borrow_mut().push(format!("{channel} {name}"));
             Ok(())
         }
@@ -211,6 +220,17 @@ mod tests {
         }
         drop(link);
         assert_eq!(*said.borrow(), ["motion ServoJ", "dashboard ResetRobot", "dashboard ResetRobot"]);
+    }
+
+    #[test]
+    fn a_stop_that_did_not_leave_is_sent_when_the_link_goes() {
+        let paper = Paper(Rc::default(), 1);
+        let said = paper.0.clone();
+        let mut link = DobotLink::new(paper, Dialect::V4);
+        link.send(&SETPOINT).expect("paper");
+        assert!(link.send(&Order::Stop).is_err() && link.send(&SETPOINT).is_err());
+        drop(link);
+        assert_eq!(*said.borrow(), ["dashboard ServoJ", "dashboard Stop"]);
     }
 
     #[test]

@@ -222,6 +222,24 @@ fn a_compiled_program_is_one_joint_trajectory() {
     assert!(bound > 0.9 * duration && bound <= duration, "{bound} s of {duration} s");
 }
 
+/// Joint moves belong to what is certain of a program: here they use more torque than the slow paths.
+#[test]
+fn the_certified_torque_of_a_program_is_that_of_its_joint_moves_too() {
+    let desk = Desk::new("rapid_torque");
+    desk.write("p.ngc", &squares(2, 0.05).text);
+    desk.write("job.toml", &format!("{PLATE_JOB}{JOINTS}[torque]\nlimit_nm = 300\n"));
+    let report = desk.run(&["plan", "p.ngc", "--job", "job.toml", "--json", "--compile-rad", "1e-6"]).done().json();
+    // One line for each joint, or for the one that uses most.
+    let of = |lines: &serde_json::Value| -> [f64; 2] {
+        let lines = lines.as_array().expect("a list").iter().filter(|line| line["name"] == "joint torque");
+        let number = |line: &serde_json::Value, key: &str| line[key].as_f64().unwrap_or_else(|| panic!("{line}"));
+        let of_line = |line| [number(line, "ratio"), number(line, "at_t_s")];
+        lines.map(of_line).fold([0.0; 2], |most, line| if line[0] > most[0] { line } else { most })
+    };
+    let ([seen, t], [certain, _]) = (of(&report["limits"]), of(&report["compiled"]["certified"]));
+    assert!(certain >= 0.9999 * seen && certain < 1.02 * seen, "{certain} certain, {seen} seen at {t} s");
+}
+
 /// A program of several contours with lifts and dwells, and the job it is planned with: the highest speed of rapid lines, or none.
 fn random_program(random: &mut Random) -> (Script, String, Option<f64>, f64) {
     let round = |v: f64| (v * 100.0).round() / 100.0;
