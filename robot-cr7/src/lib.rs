@@ -4,6 +4,8 @@
 //! pictures (`output`). [`reproduce`] sets the figures of the papers beside ours.
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "cli")]
+mod cli;
 #[cfg(feature = "controller")]
 pub mod controller;
 mod input;
@@ -12,6 +14,8 @@ pub mod reproduce;
 mod run;
 mod text;
 
+#[cfg(feature = "cli")]
+pub use cli::command_line;
 pub use input::drawing::{DrawingOptions, read_drawing};
 pub use input::error::InputError;
 pub use input::gcode::{

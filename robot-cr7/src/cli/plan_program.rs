@@ -2,19 +2,19 @@
 
 use std::time::Instant;
 
-use arcfeed_interp::PathArm;
-use robot_cr7::{
+use crate::{
     ArmPoses, BoundReport, Cr7Error, Job, OnProgram, PartMotion, PathFile, ProgramMotion, ProgramPart, ProgramTask,
     Series, Staging, TrajectoryWriter, drawn_segments, few_enough,
 };
+use arcfeed_interp::PathArm;
 
-use crate::Failure;
-use crate::output::conclude;
-use crate::page_file::PageFile;
-use crate::plan::Args;
-use crate::plan_files::{COMPILED, Drawn, FILES, LEVERS, LINES, MOST_PLACES, limit_at, pictures, write_lines};
-use crate::progress::Progress;
-use crate::ros::RosFiles;
+use crate::cli::Failure;
+use crate::cli::output::conclude;
+use crate::cli::page_file::PageFile;
+use crate::cli::plan::Args;
+use crate::cli::plan_files::{COMPILED, Drawn, FILES, LEVERS, LINES, MOST_PLACES, limit_at, pictures, write_lines};
+use crate::cli::progress::Progress;
+use crate::cli::ros::RosFiles;
 
 pub fn run(args: &Args, job: &Job, file: &PathFile, staging: Staging, progress: Progress) -> Result<(), Failure> {
     if args.stream.is_some() {

@@ -4,19 +4,19 @@ use std::net::IpAddr;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use arcfeed_kinematics::{JointKind, Joints};
-use robot_cr7::controller::{
+use crate::controller::{
     Dialect, DobotLink, Fault, JointStream, Order, Outcome, Ports, SendLog, SendSettings, Session, TcpWire,
     VerifiedMotion, drive, lead_in, survey,
 };
-use robot_cr7::plot::sent_picture;
-use robot_cr7::{JointReport, LimitsHold, Robot, Staging};
+use crate::plot::sent_picture;
+use crate::{JointReport, LimitsHold, Robot, Staging};
+use arcfeed_kinematics::{JointKind, Joints};
 
-use crate::output::{REPORTS, show};
-use crate::progress::Progress;
-use crate::robots::RobotArgs;
-use crate::send_motion::{self, SendMotion};
-use crate::{Failure, INTERRUPTED};
+use crate::cli::output::{REPORTS, show};
+use crate::cli::progress::Progress;
+use crate::cli::robots::RobotArgs;
+use crate::cli::send_motion::{self, SendMotion};
+use crate::cli::{Failure, INTERRUPTED};
 
 /// Numbers of the models that are a CR7: CR7, CR7A, CR7V.
 const CR7_MODELS: &[u8] = &[7, 117, 207];
@@ -122,7 +122,7 @@ impl Args {
     }
 
     fn settings(&self, models: &'static [u8]) -> Result<SendSettings, Failure> {
-        let wrong = |e: robot_cr7::controller::SettingsError| Failure::BadInput(e.to_string());
+        let wrong = |e: crate::controller::SettingsError| Failure::BadInput(e.to_string());
         let settings = SendSettings::new(self.period_ms * 1e-3).map_err(wrong)?;
         let settings = SendSettings {
             following_tolerance: self.following_deg.to_radians(),

@@ -2,16 +2,16 @@
 
 use std::fs::File;
 
+use crate::plot::{Bound, JointQuantity, joint_picture};
+use crate::{LimitLine, Robot, Series, Staging, TrajectoryRow, TrajectoryWriter, limit_lines};
 use arcfeed_feedrate::{AxisLimits, AxisState, FeedError};
 use arcfeed_interp::{JointCheck, JointRates, JointSample, PathParameter};
 use arcfeed_kinematics::{ForwardKinematics, JointLimits};
 use arcfeed_sync::JointState;
-use robot_cr7::plot::{Bound, JointQuantity, joint_picture};
-use robot_cr7::{LimitLine, Robot, Series, Staging, TrajectoryRow, TrajectoryWriter, limit_lines};
 
-use crate::Failure;
-use crate::output::REPORTS;
-use crate::robots::joint_values;
+use crate::cli::Failure;
+use crate::cli::output::REPORTS;
+use crate::cli::robots::joint_values;
 
 /// Calls the generic function with the number of joints of the robot.
 macro_rules! for_joints {
@@ -23,7 +23,7 @@ macro_rules! for_joints {
             5 => $function::<5>($($argument),*),
             6 => $function::<6>($($argument),*),
             7 => $function::<7>($($argument),*),
-            n => Err($crate::Failure::Undoable(format!("robots of 2 to 7 joints can be moved; this one has {n}"))),
+            n => Err($crate::cli::Failure::Undoable(format!("robots of 2 to 7 joints can be moved; this one has {n}"))),
         }
     };
 }

@@ -1,14 +1,14 @@
 //! The files of `cr7 plan`.
 
-use arcfeed_kinematics::JointLimits;
-use robot_cr7::plot::{
+use crate::plot::{
     Along, Bound, JointQuantity, feed_picture, joint_picture, motion_picture, path_picture, speed_path_picture,
 };
-use robot_cr7::{ArmPoses, BindingBar, LineTime, Series, SpeedFigure, StreamReport};
+use crate::{ArmPoses, BindingBar, LineTime, Series, SpeedFigure, StreamReport};
+use arcfeed_kinematics::JointLimits;
 
-use crate::output::REPORTS;
-use crate::page_file::PAGE;
-use crate::ros;
+use crate::cli::output::REPORTS;
+use crate::cli::page_file::PAGE;
+use crate::cli::ros;
 
 /// The files of the command.
 pub const FILES: [&str; 18] = [

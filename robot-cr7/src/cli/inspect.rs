@@ -2,15 +2,15 @@
 
 use std::path::PathBuf;
 
+use crate::plot::{path_picture, save_picture};
+use crate::{Cr7Error, InputError, Job, PathFile, Robot};
 use arcfeed_geometry::{ArcLengthCurve, Curve, NurbsCurve, SegmentationMethod, Spacing};
 use nalgebra::Vector3;
-use robot_cr7::plot::{path_picture, save_picture};
-use robot_cr7::{Cr7Error, InputError, Job, PathFile, Robot};
 
-use crate::Failure;
-use crate::output::say;
-use crate::robots;
-use crate::tool_path::read_path;
+use crate::cli::Failure;
+use crate::cli::output::say;
+use crate::cli::robots;
+use crate::cli::tool_path::read_path;
 
 /// Arguments of `cr7 inspect`.
 #[derive(Debug, clap::Args)]

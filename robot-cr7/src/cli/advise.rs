@@ -2,14 +2,14 @@
 
 use std::path::PathBuf;
 
+use crate::{Advice, OnToolPath, Task};
 use arcfeed_interp::PathArm;
-use robot_cr7::{Advice, OnToolPath, Task};
 
-use crate::Failure;
-use crate::output::show;
-use crate::progress::Progress;
-use crate::robots::RobotArgs;
-use crate::tool_path::{read_job, read_path};
+use crate::cli::Failure;
+use crate::cli::output::show;
+use crate::cli::progress::Progress;
+use crate::cli::robots::RobotArgs;
+use crate::cli::tool_path::{read_job, read_path};
 
 /// Arguments of `cr7 advise`.
 #[derive(Debug, clap::Args)]

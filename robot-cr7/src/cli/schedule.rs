@@ -2,18 +2,18 @@
 
 use std::path::PathBuf;
 
-use arcfeed_interp::Method;
-use clap::ValueEnum;
-use robot_cr7::plot::{shares_picture, speed_picture};
-use robot_cr7::{
+use crate::plot::{shares_picture, speed_picture};
+use crate::{
     Cr7Error, LimitsHold, Robot, ScheduleFile, ScheduleRun, ScheduleWay, SpeedTask, Staging, TrajectoryWriter,
 };
+use arcfeed_interp::Method;
+use clap::ValueEnum;
 
-use crate::Failure;
-use crate::joint_space::for_joints;
-use crate::output::{REPORTS, conclude, say_as_is};
-use crate::progress::Progress;
-use crate::robots::RobotArgs;
+use crate::cli::Failure;
+use crate::cli::joint_space::for_joints;
+use crate::cli::output::{REPORTS, conclude, say_as_is};
+use crate::cli::progress::Progress;
+use crate::cli::robots::RobotArgs;
 
 /// Arguments of `cr7 schedule`.
 #[derive(Debug, clap::Args)]

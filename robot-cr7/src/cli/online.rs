@@ -3,20 +3,20 @@
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
+use crate::{
+    Cr7Error, JointReport, LimitLine, OnlineFile, OnlineRun, OnlineScenario, Robot, ScenarioError, Staging,
+    ToolScenario, tool_lines,
+};
 use arcfeed_feedrate::AxisState;
 use arcfeed_kinematics::{ForwardKinematics, JointLimits};
 use arcfeed_sync::Synchronisation;
 use nalgebra::Isometry3;
-use robot_cr7::{
-    Cr7Error, JointReport, LimitLine, OnlineFile, OnlineRun, OnlineScenario, Robot, ScenarioError, Staging,
-    ToolScenario, tool_lines,
-};
 
-use crate::Failure;
-use crate::joint_space::{FILES, JointWriter, axes_of, for_joints, row};
-use crate::output::{conclude, say_as_is};
-use crate::progress::Progress;
-use crate::robots::RobotArgs;
+use crate::cli::Failure;
+use crate::cli::joint_space::{FILES, JointWriter, axes_of, for_joints, row};
+use crate::cli::output::{conclude, say_as_is};
+use crate::cli::progress::Progress;
+use crate::cli::robots::RobotArgs;
 
 /// Arguments of `cr7 online`.
 #[derive(Debug, clap::Args)]

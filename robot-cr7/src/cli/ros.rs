@@ -3,15 +3,15 @@
 #[cfg(feature = "mcap")]
 use std::fs::File;
 
+#[cfg(feature = "mcap")]
+use crate::{Cr7Error, RosRecording};
+use crate::{Job, RosTrajectory, Staging, TrajectoryRow};
 use arcfeed_interp::JointTrajectory;
 use arcfeed_kinematics::JointLimits;
-#[cfg(feature = "mcap")]
-use robot_cr7::{Cr7Error, RosRecording};
-use robot_cr7::{Job, RosTrajectory, Staging, TrajectoryRow};
 
-use crate::Failure;
-use crate::formats::Format;
-use crate::plan::Args;
+use crate::cli::Failure;
+use crate::cli::formats::Format;
+use crate::cli::plan::Args;
 
 /// Distance of the compiled motion from the plan where the user gives none, rad.
 pub const TOLERANCE: f64 = 1e-6;

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use robot_cr7::{Job, LengthUnit, PathFile, butterfly};
+use crate::{Job, LengthUnit, PathFile, butterfly};
 
-use crate::Failure;
+use crate::cli::Failure;
 
 /// The job of a file, or the documented defaults.
 pub fn read_job(file: Option<&Path>) -> Result<Job, Failure> {

@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
-use robot_cr7::{Cr7Error, PlacementSearch, Placements};
+use crate::{Cr7Error, PlacementSearch, Placements};
 
-use crate::Failure;
-use crate::output::show;
-use crate::progress::Progress;
-use crate::robots::RobotArgs;
-use crate::tool_path::{read_job, read_path};
+use crate::cli::Failure;
+use crate::cli::output::show;
+use crate::cli::progress::Progress;
+use crate::cli::robots::RobotArgs;
+use crate::cli::tool_path::{read_job, read_path};
 
 /// Arguments of `cr7 place`.
 #[derive(Debug, clap::Args)]

@@ -6,9 +6,9 @@ use std::fmt::Display;
 use std::io::Write;
 use std::path::PathBuf;
 
-use robot_cr7::{JointReport, LimitLine, LimitsHold, Report, RunReport, ScheduleReport, Staging};
+use crate::{JointReport, LimitLine, LimitsHold, Report, RunReport, ScheduleReport, Staging};
 
-use crate::Failure;
+use crate::cli::Failure;
 
 /// Writes to stdout; ends the program quietly when nobody reads any more.
 pub fn write(text: std::fmt::Arguments<'_>) {
@@ -23,11 +23,11 @@ pub fn write(text: std::fmt::Arguments<'_>) {
 
 /// As `println!`.
 macro_rules! say {
-    ($($part:tt)*) => { $crate::output::write(format_args!("{}\n", format_args!($($part)*))) };
+    ($($part:tt)*) => { $crate::cli::output::write(format_args!("{}\n", format_args!($($part)*))) };
 }
 /// As `print!`.
 macro_rules! say_as_is {
-    ($($part:tt)*) => { $crate::output::write(format_args!($($part)*)) };
+    ($($part:tt)*) => { $crate::cli::output::write(format_args!($($part)*)) };
 }
 pub(crate) use {say, say_as_is};
 

@@ -2,15 +2,15 @@
 
 use std::path::PathBuf;
 
+use crate::plot::run_pictures;
+use crate::{Clock, Cr7, Cr7Error, LimitsHold, RunReport, Scenario, Staging};
 use arcfeed_interp::PathArm;
 use arcfeed_kinematics::{AnalyticInverse, JointLimits};
-use robot_cr7::plot::run_pictures;
-use robot_cr7::{Clock, Cr7, Cr7Error, LimitsHold, RunReport, Scenario, Staging};
 
-use crate::Failure;
-use crate::output::{REPORTS, conclude, say_as_is};
-use crate::progress::Progress;
-use crate::robots::RobotArgs;
+use crate::cli::Failure;
+use crate::cli::output::{REPORTS, conclude, say_as_is};
+use crate::cli::progress::Progress;
+use crate::cli::robots::RobotArgs;
 
 /// Arguments of `cr7 run`.
 #[derive(Debug, clap::Args)]

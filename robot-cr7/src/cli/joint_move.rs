@@ -3,17 +3,17 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
+use crate::{Cr7Error, Job, JointReport, Robot, Staging, few_enough, sample_times};
 use arcfeed_feedrate::{AxisState, MotionLaw};
 use arcfeed_interp::JointRates;
 use arcfeed_kinematics::JointLimits;
 use arcfeed_sync::{MotionOptions, Synchronisation, Trajectory};
-use robot_cr7::{Cr7Error, Job, JointReport, Robot, Staging, few_enough, sample_times};
 
-use crate::Failure;
-use crate::joint_space::{FILES, JointWriter, axes_of, axis_limits, for_joints, numbers, row};
-use crate::output::conclude;
-use crate::progress::Progress;
-use crate::robots::RobotArgs;
+use crate::cli::Failure;
+use crate::cli::joint_space::{FILES, JointWriter, axes_of, axis_limits, for_joints, numbers, row};
+use crate::cli::output::conclude;
+use crate::cli::progress::Progress;
+use crate::cli::robots::RobotArgs;
 
 /// Arguments of `cr7 move`.
 #[derive(Debug, clap::Args)]

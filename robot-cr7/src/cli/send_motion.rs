@@ -3,13 +3,13 @@
 use std::any::Any;
 use std::path::Path;
 
+use crate::controller::VerifiedMotion;
+use crate::{InputError, OnProgram, OnToolPath, ProgramTask, Robot, Task};
 use arcfeed_interp::{JointTrajectory, PathArm};
-use robot_cr7::controller::VerifiedMotion;
-use robot_cr7::{InputError, OnProgram, OnToolPath, ProgramTask, Robot, Task};
 
-use crate::Failure;
-use crate::send::Args;
-use crate::tool_path::{read_job, read_path};
+use crate::cli::Failure;
+use crate::cli::send::Args;
+use crate::cli::tool_path::{read_job, read_path};
 
 /// Tolerance of planned motions against their plan, rad.
 const TOLERANCE: f64 = 1e-6;

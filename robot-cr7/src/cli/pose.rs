@@ -1,12 +1,12 @@
 //! `cr7 fk`, `ik`, `jacobian` and `torque`: one configuration of an arm.
 
+use crate::Robot;
 use arcfeed_kinematics::{AnalyticInverse, Dexterity, Joints};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
-use robot_cr7::Robot;
 
-use crate::Failure;
-use crate::output::say;
-use crate::robots::{RobotArgs, joint_values};
+use crate::cli::Failure;
+use crate::cli::output::say;
+use crate::cli::robots::{RobotArgs, joint_values};
 
 /// Joint angles on the command line.
 #[derive(Debug, clap::Args)]

@@ -5,8 +5,8 @@ use std::io::Write;
 use clap::CommandFactory;
 use clap_complete::{Shell, generate};
 
-use crate::output::say_as_is;
-use crate::{Cli, Failure};
+use crate::cli::output::say_as_is;
+use crate::cli::{Cli, Failure};
 
 /// Arguments of `cr7 completions`.
 #[derive(Debug, clap::Args)]

@@ -3,25 +3,25 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use arcfeed_interp::PathArm;
-use robot_cr7::plot::speed_picture;
-use robot_cr7::{
+use crate::plot::speed_picture;
+use crate::{
     ArmPoses, BoundReport, CompiledReport, Cr7Error, Job, Motion, OnToolPath, ProgramReport, ProgramTask, Series,
     Staging, Task, TrajectoryRow, TrajectoryWriter, drawn_segments, few_enough, line_times,
 };
+use arcfeed_interp::PathArm;
 
-use crate::Failure;
-use crate::formats::{self, Format};
-use crate::output::conclude;
-use crate::page_file::PageFile;
-use crate::plan_files::{
+use crate::cli::Failure;
+use crate::cli::formats::{self, Format};
+use crate::cli::output::conclude;
+use crate::cli::page_file::PageFile;
+use crate::cli::plan_files::{
     COMPILED, Drawn, FILES, LEVERS, LINES, MOST_PLACES, Picture, limit_at, pictures, stream_figure, write_lines,
 };
-use crate::plan_program;
-use crate::progress::Progress;
-use crate::robots::RobotArgs;
-use crate::ros::{self, RosFiles};
-use crate::tool_path::{read_job, read_path};
+use crate::cli::plan_program;
+use crate::cli::progress::Progress;
+use crate::cli::robots::RobotArgs;
+use crate::cli::ros::{self, RosFiles};
+use crate::cli::tool_path::{read_job, read_path};
 
 /// Arguments of `cr7 plan`.
 #[derive(Debug, clap::Args)]

@@ -1,6 +1,6 @@
 //! The kinds of files that `cr7 plan --format` writes.
 
-use crate::Failure;
+use crate::cli::Failure;
 
 /// A kind of file besides the project's own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]

@@ -2,15 +2,15 @@
 
 use std::path::PathBuf;
 
-use robot_cr7::{
+use crate::{
     Cr7Error, InputError, Job, JointReport, LimitsHold, RapidKind, RecordedCheck, RecordedLimits, RecordedRows, Robot,
 };
 
-use crate::Failure;
-use crate::joint_space::for_joints;
-use crate::output::show;
-use crate::progress::Progress;
-use crate::robots::RobotArgs;
+use crate::cli::Failure;
+use crate::cli::joint_space::for_joints;
+use crate::cli::output::show;
+use crate::cli::progress::Progress;
+use crate::cli::robots::RobotArgs;
 
 /// What rounding feigns is told from this part of a limit on.
 const BLURRED: f64 = 0.1;

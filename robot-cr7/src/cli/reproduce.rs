@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
+use crate::Cr7Error;
+use crate::reproduce::{Overview, PAPERS, Reproduced, write_figures};
 use clap::ValueEnum;
-use robot_cr7::Cr7Error;
-use robot_cr7::reproduce::{Overview, PAPERS, Reproduced, write_figures};
 
-use crate::Failure;
-use crate::output::{say, say_as_is};
-use crate::progress::Progress;
+use crate::cli::Failure;
+use crate::cli::output::{say, say_as_is};
+use crate::cli::progress::Progress;
 
 /// Arguments of `cr7 reproduce`.
 #[derive(Debug, clap::Args)]

@@ -1,11 +1,11 @@
 //! Which robot: the flags that all commands share, and `cr7 robots`.
 
+use crate::{Cr7Error, Robot};
 use nalgebra::Isometry3;
-use robot_cr7::{Cr7Error, Robot};
 
-use crate::Failure;
-use crate::joint_space::for_joints;
-use crate::output::{say, say_as_is};
+use crate::cli::Failure;
+use crate::cli::joint_space::for_joints;
+use crate::cli::output::{say, say_as_is};
 
 /// Flags that choose a robot.
 #[derive(Debug, clap::Args)]

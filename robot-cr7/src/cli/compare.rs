@@ -2,15 +2,15 @@
 
 use std::path::PathBuf;
 
+use crate::plot::{compare_picture, save_picture};
+use crate::{InputError, OnToolPath, Task, compare};
 use arcfeed_interp::PathArm;
-use robot_cr7::plot::{compare_picture, save_picture};
-use robot_cr7::{InputError, OnToolPath, Task, compare};
 
-use crate::Failure;
-use crate::output::show;
-use crate::progress::Progress;
-use crate::robots::RobotArgs;
-use crate::tool_path::{read_job, read_path};
+use crate::cli::Failure;
+use crate::cli::output::show;
+use crate::cli::progress::Progress;
+use crate::cli::robots::RobotArgs;
+use crate::cli::tool_path::{read_job, read_path};
 
 /// Arguments of `cr7 compare`.
 #[derive(Debug, clap::Args)]

@@ -1,16 +1,16 @@
 //! The file of `cr7 plan --format html`.
 
+#[cfg(feature = "html")]
+use crate::{MotionPage, PageFacts, SpeedCeiling};
+use crate::{Report, Robot, Staging, TrajectoryRow};
 use arcfeed_interp::{LimitPoint, TorqueLimits};
 use arcfeed_kinematics::JointLimits;
-#[cfg(feature = "html")]
-use robot_cr7::{MotionPage, PageFacts, SpeedCeiling};
-use robot_cr7::{Report, Robot, Staging, TrajectoryRow};
 
-use crate::Failure;
+use crate::cli::Failure;
 #[cfg(feature = "html")]
-use crate::formats::Format;
-use crate::plan::Args;
-use crate::plan_files::Drawn;
+use crate::cli::formats::Format;
+use crate::cli::plan::Args;
+use crate::cli::plan_files::Drawn;
 
 /// The file.
 pub const PAGE: &str = "report.html";

@@ -31,8 +31,8 @@ mod verify;
 
 use std::process::ExitCode;
 
+use crate::Cr7Error;
 use clap::{Parser, Subcommand};
-use robot_cr7::Cr7Error;
 
 /// Plans tool paths for the Dobot CR7 and other robot arms: NURBS paths cut within a chord tolerance, speed planned under tool and
 /// joint limits, every result verified before it is handed out.
@@ -136,21 +136,21 @@ impl From<Cr7Error> for Failure {
     }
 }
 
-impl From<robot_cr7::TooManySamples> for Failure {
-    fn from(error: robot_cr7::TooManySamples) -> Self {
+impl From<crate::TooManySamples> for Failure {
+    fn from(error: crate::TooManySamples) -> Self {
         Self::Undoable(error.to_string())
     }
 }
 
 impl Failure {
     /// A limit that the motion exceeds, and the way out.
-    fn exceeded(error: &robot_cr7::Exceeded, remedy: &str) -> Self {
+    fn exceeded(error: &crate::Exceeded, remedy: &str) -> Self {
         Self::Undoable(format!("{error}; no file is written: {remedy}"))
     }
 }
 
-impl From<robot_cr7::InputError> for Failure {
-    fn from(error: robot_cr7::InputError) -> Self {
+impl From<crate::InputError> for Failure {
+    fn from(error: crate::InputError) -> Self {
         Self::BadInput(error.to_string())
     }
 }
@@ -164,10 +164,11 @@ fn on_interrupt() {
     if send::stop_is_asked() {
         return;
     }
-    robot_cr7::interrupt(INTERRUPTED)
+    crate::interrupt(INTERRUPTED)
 }
 
-fn main() -> ExitCode {
+/// The command `cr7` with the arguments of the process: its exit code, 0 for done, else as the help says.
+pub fn command_line() -> ExitCode {
     let command = Cli::parse().command;
     let handler = ctrlc::set_handler(on_interrupt);
     if let Err(error) = &handler {

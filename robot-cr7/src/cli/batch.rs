@@ -8,11 +8,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::channel;
 use std::time::Instant;
 
-use robot_cr7::{BatchItem, BatchResult, InputError};
+use crate::{BatchItem, BatchResult, InputError};
 
-use crate::Failure;
-use crate::output::{say, show};
-use crate::progress::Progress;
+use crate::cli::Failure;
+use crate::cli::output::{say, show};
+use crate::cli::progress::Progress;
 
 /// The file of the results in the folder of the batch.
 const RESULTS: &str = "results.jsonl";
