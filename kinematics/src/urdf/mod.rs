@@ -16,12 +16,13 @@ use crate::{
 use file::{Joint, JointType, Robot};
 use nalgebra::Isometry3;
 use std::collections::HashSet;
-use tree::{Tree, broken};
+use tree::{Tip, Tree, broken};
 
 impl ArmDescription {
     /// Reads the chain from link `base` to link `tip` of a URDF text. Without a base the root is
-    /// taken; without a tip, the last link if there is only one. A link `world` that joints start
-    /// from need not be in the file.
+    /// taken; without a tip, the end of the one chain of moving joints: its only last link, or `tool0`. Four joints or more
+    /// that are followed by fingers of at most three joints each end at the link that carries these, which a note says. A
+    /// link `world` that joints start from need not be in the file.
     ///
     /// Only links, joints and inertials are read: what a file says of meshes, materials or
     /// simulators has no influence. No other file is opened.
@@ -35,7 +36,15 @@ impl ArmDescription {
         let robot = Robot::read(text)?;
         let tree = Tree::new(&robot)?;
         let base = base.map_or_else(|| tree.root(), |name| tree.link(name))?;
-        let tip = tip.map_or_else(|| tree.tip(base), |name| tree.link(name))?;
+        let tip = match tip {
+            Some(name) => Tip { link: tree.link(name)?, fingers: Vec::new() },
+            None => tree.tip(base)?,
+        };
+        let notes = tip.fingers.first().map(|_| {
+            let fingers: Vec<&str> = tip.fingers.iter().map(|number| tree.joint(*number).name.as_str()).collect();
+            format!("ends at the hand: {} and what they carry are left out, with their mass", fingers.join(", "))
+        });
+        let tip = tip.link;
         let ends = || format!("{}, {}", tree.name(base), tree.name(tip));
         let way = match tree.way(base, tip) {
             Some(way) if base != tip => way,
@@ -49,7 +58,7 @@ impl ArmDescription {
             name: robot.name.clone(),
             source: format!("URDF, link '{}' to link '{}'", tree.name(base), tree.name(tip)),
             licence: String::new(),
-            notes: Vec::new(),
+            notes: notes.into_iter().collect(),
             base: Isometry3::identity(),
             joints,
             flange,

@@ -12,6 +12,10 @@ use std::collections::{HashMap, HashSet};
 
 /// The number of names that an error lists.
 const MAX_NAMES: usize = 20;
+/// The fewest joints of an arm that ends at a hand.
+const TRUNK: usize = 4;
+/// The most joints of a finger in a row.
+const FINGER: usize = 3;
 
 pub(super) struct Tree<'a> {
     robot: &'a Robot,
@@ -37,6 +41,20 @@ struct Way {
     moving: Option<usize>,
     /// True if some joint is of a kind that no arm has, or follows another one.
     unusable: bool,
+}
+
+/// Links that do not move against each other.
+struct Body {
+    links: Vec<usize>,
+    /// The moving joints below.
+    leaving: Vec<usize>,
+}
+
+/// Where an arm ends.
+pub(super) struct Tip {
+    pub(super) link: usize,
+    /// The joints of a hand that go on from there.
+    pub(super) fingers: Vec<usize>,
 }
 
 pub(super) fn broken(rule: &'static str, found: impl Into<String>) -> KinematicsError {
@@ -144,6 +162,7 @@ impl<'a> Tree<'a> {
         let roots: Vec<usize> = (0..self.above.len()).filter(|link| self.above[*link].is_none()).collect();
         match roots[..] {
             [root] => Ok(root),
+            [] => Err(broken("there must be a link", &self.robot.name)),
             _ => {
                 let rule = "there must be one link without parent, or the base link must be named";
                 Err(broken(rule, listed(roots.iter().map(|link| self.name(*link)))))
@@ -151,28 +170,86 @@ impl<'a> Tree<'a> {
         }
     }
 
-    /// The link at the end of the one chain of moving joints: the only one, or else `tool0`, the
-    /// customary name of the mounting face.
+    /// The link at which the arm ends that begins at `base`: the only end of its one chain of moving joints, whatever is
+    /// fixed to the links before, or else `tool0`, the customary name of the mounting face. Where fingers go on, the arm
+    /// ends at the hand.
     ///
     /// # Errors
     /// Lists the links at which an arm may end, in the order of the file.
-    pub(super) fn tip(&self, base: usize) -> Result<usize, KinematicsError> {
+    pub(super) fn tip(&self, base: usize) -> Result<Tip, KinematicsError> {
+        let (joints, last) = self.trunk(base);
+        if joints == 0 && last.leaving.is_empty() {
+            return Err(broken("there must be a moving joint below the base link", self.name(base)));
+        }
+        let is_hand = joints >= TRUNK && last.leaving.iter().all(|joint| self.moving_below(*joint) < FINGER);
+        let tool0 = last.links.iter().find(|link| self.name(**link) == "tool0");
+        let chosen = if last.leaving.is_empty() {
+            let mut ends = last.links.iter().filter(|link| self.below[**link].is_empty());
+            match (ends.next(), ends.next()) {
+                (Some(end), None) => Some(end),
+                _ => tool0,
+            }
+        } else if is_hand {
+            let hand = self.ends[last.leaving[0]].parent;
+            let one_hand = last.leaving.iter().all(|joint| self.ends[*joint].parent == hand);
+            tool0.or_else(|| last.links.iter().find(|link| one_hand && **link == hand))
+        } else {
+            None
+        };
+        match chosen {
+            Some(link) => Ok(Tip { link: *link, fingers: last.leaving }),
+            None => Err(self.choices(base)),
+        }
+    }
+
+    /// The number of moving joints from `base` on as long as one follows another, and what the last of them moves.
+    fn trunk(&self, base: usize) -> (usize, Body) {
+        let (mut joints, mut body) = (0, self.body(base));
+        while let [next] = body.leaving[..] {
+            joints += 1;
+            body = self.body(self.child(next));
+        }
+        (joints, body)
+    }
+
+    /// What moves with `link`, above it left out.
+    fn body(&self, link: usize) -> Body {
+        let mut body = Body { links: vec![link], leaving: Vec::new() };
+        let mut next = 0;
+        while let Some(link) = body.links.get(next).copied() {
+            next += 1;
+            for joint in self.below[link].iter().copied() {
+                if self.joint(joint).kind == JointType::Fixed {
+                    body.links.push(self.child(joint));
+                } else {
+                    body.leaving.push(joint);
+                }
+            }
+        }
+        body
+    }
+
+    /// The most moving joints in a row below `joint`.
+    fn moving_below(&self, joint: usize) -> usize {
+        let (mut most, mut open) = (0, vec![(self.child(joint), 0)]);
+        while let Some((link, count)) = open.pop() {
+            most = most.max(count);
+            let more = |joint: &usize| count + usize::from(self.joint(*joint).kind != JointType::Fixed);
+            open.extend(self.below[link].iter().map(|joint| (self.child(*joint), more(joint))));
+        }
+        most
+    }
+
+    /// The links at which an arm from `base` may end.
+    fn choices(&self, base: usize) -> KinematicsError {
         let ways = self.ways(base);
         let moving = |link: usize| ways[link].and_then(|way| way.moving);
-        let is_end = |link: &usize| self.below[*link].is_empty() && moving(*link).is_some();
-        let ends: Vec<usize> = (0..self.above.len()).filter(is_end).collect();
-        let one_chain = ends.iter().all(|end| moving(*end) == moving(ends[0]));
-        match (&ends[..], ends.iter().find(|end| self.name(**end) == "tool0")) {
-            ([], _) => return Err(broken("there must be a moving joint below the base link", self.name(base))),
-            ([tip], _) => return Ok(*tip),
-            (_, Some(tool0)) if one_chain => return Ok(*tool0),
-            _ => {}
-        }
+        let is_end = |link: usize| self.below[link].is_empty() && moving(link).is_some();
         let offered = self.before_branches(|link| moving(link).is_some());
         let usable = |link: &usize| ways[*link].is_some_and(|way| !way.unusable);
-        let tips = (0..self.above.len()).filter(|link| offered[*link] || ends.contains(link)).filter(usable);
+        let tips = (0..self.above.len()).filter(|link| offered[*link] || is_end(*link)).filter(usable);
         let rule = "there must be one link at the end, or the tip link must be named, one of these";
-        Err(broken(rule, listed(tips.map(|link| self.name(link)))))
+        broken(rule, listed(tips.map(|link| self.name(link))))
     }
 
     /// The joints above each link that is below `base`, or is it.

@@ -129,15 +129,66 @@ fn the_same_arm_as_urdf_and_as_parameters_gives_the_same_numbers() {
 
 #[test]
 fn the_end_is_found_or_asked_for() {
-    // Of several links that end the one chain, tool0; of chains, none.
-    let arm = ArmDescription::from_urdf(GANTRY, None, None).unwrap_err();
-    assert!(arm.to_string().contains("camera, tool0"), "{arm}");
+    // What is fixed to links before the last is no end.
+    assert_eq!(ArmDescription::from_urdf(GANTRY, None, None).unwrap(), read(GANTRY).unwrap());
+    // Two on the last link, and none has the customary name.
+    let two = GANTRY
+        .replace("tool0", "grip")
+        .replace(r#"<parent link="bracket"/><child link="camera"/>"#, r#"<parent link="hand"/><child link="camera"/>"#);
+    let two = ArmDescription::from_urdf(&two, None, None).unwrap_err();
+    assert!(two.to_string().contains("one of these") && two.to_string().contains("camera, grip"), "{two}");
     let plain = models::description("ur5e").unwrap().to_urdf();
     let with_sensor = plain.replace(
         "</robot>",
         r#"<link name="ft"/><joint name="ft_joint" type="fixed"><parent link="wrist_3_joint_link"/><child link="ft"/></joint></robot>"#,
     );
     assert_eq!(ArmDescription::from_urdf(&with_sensor, None, None).unwrap().joints.len(), 6);
+}
+
+/// A chain of `joints` turning joints to the link `hand`, and `fingers` of `length` sliding joints each on it, the second on
+/// the link `other` if `apart`.
+fn with_fingers(joints: usize, fingers: usize, length: usize, apart: bool) -> String {
+    let mut text = String::from("<robot name=\"x\"><link name=\"l0\"/>");
+    let mut link = |name: &str, parent: &str, kind: &str| {
+        text +=
+            &format!("<link name=\"{name}\"/><joint name=\"to {name}\" type=\"{kind}\"><origin xyz=\"0.1 0 0.1\"/>");
+        text += &format!("<parent link=\"{parent}\"/><child link=\"{name}\"/><axis xyz=\"0 1 0\"/>");
+        text += "<limit lower=\"-1\" upper=\"1\" velocity=\"1\" effort=\"1\"/></joint>";
+    };
+    for k in 1..=joints {
+        link(&format!("l{k}"), &format!("l{}", k - 1), "revolute");
+    }
+    link("hand", &format!("l{joints}"), "fixed");
+    link("other", "hand", "fixed");
+    for f in 0..fingers {
+        let mut parent = if apart && f == 1 { "other".to_owned() } else { "hand".to_owned() };
+        for k in 0..length {
+            let name = format!("f{f}{k}");
+            link(&name, &parent, "prismatic");
+            parent = name;
+        }
+    }
+    text + "</robot>"
+}
+
+#[test]
+fn an_arm_with_fingers_ends_at_the_hand() {
+    for (joints, fingers, length) in [(7, 2, 1), (4, 3, 3), (6, 5, 2)] {
+        let text = with_fingers(joints, fingers, length, false);
+        let arm = ArmDescription::from_urdf(&text, None, None).unwrap();
+        let named = ArmDescription::from_urdf(&text, None, Some("hand")).unwrap();
+        assert_eq!((&arm.joints, arm.flange), (&named.joints, named.flange));
+        assert_eq!(arm.joints.len(), joints);
+        assert!(arm.notes[0].contains("to f00, to f10") && named.notes.is_empty(), "{:?}", arm.notes);
+    }
+    let tool = with_fingers(6, 2, 1, true).replace("other", "tool0");
+    let arm = ArmDescription::from_urdf(&tool, None, None).unwrap();
+    assert!(arm.source.contains("to link 'tool0'"), "{}", arm.source);
+    // Legs rather than fingers, a trunk rather than an arm, two hands.
+    for text in [with_fingers(7, 2, 4, false), with_fingers(3, 2, 1, false), with_fingers(7, 2, 1, true)] {
+        let error = ArmDescription::from_urdf(&text, None, None).unwrap_err().to_string();
+        assert!(error.contains("the tip link must be named") && error.contains("hand"), "{error}");
+    }
 }
 
 #[test]
