@@ -90,6 +90,18 @@ impl Robot {
         &self.inner.description().name
     }
 
+    /// Where its numbers come from; of a URDF, its first and last link.
+    #[getter]
+    fn source(&self) -> &str {
+        &self.inner.description().source
+    }
+
+    /// What its source does not say, and what of it is left out.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.inner.description().notes.clone()
+    }
+
     /// Names of its joints.
     #[getter]
     fn joint_names(&self) -> Vec<String> {
