@@ -68,13 +68,15 @@ def plan_all(frame):
     return pd.DataFrame([plan(job) for job in frame.itertuples()], columns=list(COLUMNS)).astype(COLUMNS)
 
 
-def kill_workers(cluster, kills, done):
-    """Kills a worker now and then, as a machine that goes away would; how many were killed."""
-    killed = 0
-    while killed < kills and not done.wait(random.uniform(1.0, 5.0)):
-        pid = random.choice(list(cluster.workers.values())).pid
-        if pid:  # None while it is started anew
-            os.kill(pid, signal.SIGKILL)
+def kill_workers(cluster, client, kills, done):
+    """Kills a worker now and then, as a machine that goes away would; how many were killed.
+
+    All of them work before the next one dies: one that is killed while it starts is given up by its nanny, as one that can never start.
+    """
+    workers, killed = len(cluster.workers), 0
+    while killed < kills and not done.wait(random.uniform(2.0, 10.0)):
+        if len(client.nthreads()) == workers:
+            os.kill(random.choice(list(cluster.workers.values())).pid, signal.SIGKILL)
             killed += 1
     return killed
 
@@ -91,7 +93,7 @@ def run(jobs, results, workers, kills):
     with LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
         client.wait_for_workers(workers)
         begin = time.perf_counter()
-        killer = threading.Thread(target=lambda: killed.append(kill_workers(cluster, kills, done)))
+        killer = threading.Thread(target=lambda: killed.append(kill_workers(cluster, client, kills, done)))
         killer.start()
         try:
             frame = dd.read_parquet(jobs, split_row_groups=1)

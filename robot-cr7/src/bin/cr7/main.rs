@@ -106,6 +106,8 @@ enum Command {
     Verify(verify::Args),
     /// Reproduce a paper's numbers beside ours, and check our guarantees
     Reproduce(reproduce::Args),
+    /// The JSON schema of all reports of motions: what every key means
+    Schema(shell::SchemaArgs),
     /// A script with which a shell completes the commands
     Completions(shell::CompletionArgs),
     /// The manual page, with all commands
@@ -193,6 +195,7 @@ fn main() -> ExitCode {
         Command::Send(args) => send::run(&args, handler.is_ok()),
         Command::Verify(args) => verify::run(&args),
         Command::Reproduce(args) => reproduce::run(&args),
+        Command::Schema(args) => shell::schema(&args),
         Command::Completions(args) => shell::completions(&args),
         Command::Man(args) => shell::man(&args),
     };

@@ -8,7 +8,7 @@ use arcfeed_kinematics::{ForwardKinematics, JointLimits};
 use arcfeed_sync::Synchronisation;
 use nalgebra::Isometry3;
 use robot_cr7::{
-    Cr7Error, JointReport, LimitLine, OnlineFile, OnlineRun, OnlineScenario, Robot, ScenarioError, Staging,
+    Cr7Error, JointReport, LimitLine, OnlineFile, OnlineRun, OnlineScenario, ReportHead, Robot, ScenarioError, Staging,
     ToolScenario, tool_lines,
 };
 
@@ -84,6 +84,7 @@ fn joint_targets<const N: usize>(
     let begin = Instant::now();
     let run = scenario.run(&limits).map_err(failed)?;
     let simulated = Simulated {
+        robot,
         wanted: passed(&run.target, &last(&run), scenario.synchronisation),
         run: &run,
         computing: begin.elapsed(),
@@ -106,6 +107,7 @@ fn tool_targets(args: &Args, robot: &Robot, scenario: &ToolScenario, mut staging
     let share =
         format!("{:.1} % of the tool's speed at least, so that the joints keep their limits", 100.0 * run.least_share);
     let simulated = Simulated {
+        robot,
         // The check of the tool judges where that is.
         wanted: last(&run.joints).map(|axis| AxisState::rest(axis.p)),
         run: &run.joints,
@@ -132,6 +134,7 @@ fn failed(error: ScenarioError) -> Failure {
 
 /// A motion on its way to files and a report.
 struct Simulated<'a, const N: usize> {
+    robot: &'a Robot,
     run: &'a OnlineRun<N>,
     computing: Duration,
     facts: Vec<(String, String)>,
@@ -156,7 +159,7 @@ impl<const N: usize> Simulated<'_, N> {
         let run = self.run;
         let name = args.scenario.as_ref().map_or("online.toml".to_owned(), |file| file.display().to_string());
         progress.step("checking and writing");
-        let mut writer = JointWriter::new(&mut staging, limits, run.samples.len())?;
+        let mut writer = JointWriter::new(&mut staging, self.robot, limits, run.samples.len())?;
         for (t, state, rates) in &run.samples {
             writer.write(&row(arm, *t, state), period, rates)?;
         }
@@ -184,7 +187,7 @@ impl<const N: usize> Simulated<'_, N> {
             files: Vec::new(),
         };
         drop(progress);
-        conclude(report, staging, args.json, self.remedy)
+        conclude(&ReportHead::new("online", self.robot), report, staging, args.json, self.remedy)
     }
 }
 

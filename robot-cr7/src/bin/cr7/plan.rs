@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use arcfeed_interp::PathArm;
-use robot_cr7::plot::speed_picture;
+use robot_cr7::plot::{PathPlace, speed_picture};
 use robot_cr7::{
-    ArmPoses, BoundReport, CompiledReport, Cr7Error, Job, Motion, OnToolPath, ProgramReport, ProgramTask, Series,
-    Staging, Task, TrajectoryRow, TrajectoryWriter, drawn_segments, few_enough, line_times,
+    ArmPoses, BindingLine, BoundReport, CompiledReport, Cr7Error, Job, Motion, OnToolPath, ProgramReport, ProgramTask,
+    ReportHead, Series, Staging, Task, TrajectoryRow, TrajectoryWriter, drawn_segments, few_enough, line_times,
 };
 
 use crate::Failure;
@@ -90,6 +90,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let inputs: Vec<&Path> = [&args.path, &args.job].into_iter().filter_map(|file| file.as_deref()).collect();
     let mut staging = Staging::new(&args.out, &FILES, &inputs)?;
     let job = read_job(args.job.as_deref())?;
+    if args.stream.is_some() && job.whole_cycles {
+        let words = "--stream: a motion whose segments arrive on the way does not know its duration: remove sampling.whole_cycles";
+        return Err(Failure::BadInput(words.to_owned()));
+    }
     if let Some(path) = &job.path_file {
         staging.reads(path)?;
     }
@@ -153,11 +157,13 @@ impl OnToolPath for Plan<'_> {
         let samples = sampler.samples();
         let mut series = Series::new(3 + 3 * N, samples);
         let name = FILES[0];
-        let mut trajectory = TrajectoryWriter::new(staging.create(name)?).map_err(|e| staging.failed(name, e))?;
+        let robot = args.robot.load()?;
+        let names = robot.any().joint_names();
+        let mut trajectory =
+            TrajectoryWriter::new(staging.create(name)?, names).map_err(|e| staging.failed(name, e))?;
         let pieces = compiled.as_ref().map(|(_, pieces, _)| pieces);
         let limits = motion.trajectory().limits();
         let mut ros = RosFiles::new(args, job, &mut staging, pieces, limits.joints())?;
-        let robot = args.robot.load()?;
         let mut page = PageFile::new(args, &robot, limits.joints(), limits.torque(), samples);
         let mut poses = ArmPoses::new(*robot.arm::<N>(job.tool).map_err(Cr7Error::from)?.chain(), samples);
         for setpoint in sampler {
@@ -176,12 +182,13 @@ impl OnToolPath for Plan<'_> {
 
         progress.step("drawing");
         let drawn = drawn(&motion, job, &series, poses, &mut page)?;
-        for (name, svg) in path_pictures(&motion, &drawn, &series) {
+        let mut report = motion.report(samples, sampling);
+        for (name, svg) in path_pictures(&motion, &drawn, &series, &report.binding) {
             staging.write(name, &svg.map_err(|source| staging.failed(name, source))?)?;
         }
         let compiled = match compiled {
             Some((tolerance, pieces, certificate)) => {
-                let names = std::array::from_fn(|k| robot.any().joint_names().get(k).cloned().unwrap_or_default());
+                let names = std::array::from_fn(|k| names.get(k).cloned().unwrap_or_default());
                 staging.write(COMPILED, &(pieces.to_json(&names) + "\n"))?;
                 Some(CompiledReport::new(tolerance, &pieces, &certificate))
             }
@@ -197,10 +204,9 @@ impl OnToolPath for Plan<'_> {
             write_lines(file, lines).map_err(|source| staging.failed(LINES, source))?;
         }
         let remedy = "lower the feed, or give the limits of the job more distance";
-        let mut report = motion.report(samples, sampling);
         (report.compiled, report.bound, report.program) = (compiled, bound, program.map(|(_, report)| report));
         page.finish(&report, &drawn, &mut staging)?;
-        conclude(report, staging, args.json, remedy)
+        conclude(&ReportHead::new("plan", &robot), report, staging, args.json, remedy)
     }
 }
 
@@ -238,8 +244,13 @@ fn drawn<'m, const N: usize>(
 }
 
 /// Pictures of a motion whose time, place, feed and joint rates are the columns of `series`.
-fn path_pictures<const N: usize>(motion: &Motion<'_, N>, drawn: &Drawn<'_, N>, series: &Series) -> Vec<Picture> {
-    let mut all = pictures(drawn, series);
+fn path_pictures<const N: usize>(
+    motion: &Motion<'_, N>,
+    drawn: &Drawn<'_, N>,
+    series: &Series,
+    binding: &[BindingLine],
+) -> Vec<Picture> {
+    let mut all = pictures(drawn, series, binding);
     if let Some(stream) = motion.stream() {
         let figure = stream_figure(motion.name(), stream, &series.pairs(1, 2), &drawn.limit);
         all.push(("stream.svg", speed_picture(&figure)));
@@ -247,14 +258,15 @@ fn path_pictures<const N: usize>(motion: &Motion<'_, N>, drawn: &Drawn<'_, N>, s
     all
 }
 
-/// Places along the motion, seen along the z axis of the workpiece (m), with the speed there (m/s).
-fn places<const N: usize>(motion: &Motion<'_, N>, job: &Job, series: &Series) -> Vec<[f64; 3]> {
+/// Places along the motion.
+fn places<const N: usize>(motion: &Motion<'_, N>, job: &Job, series: &Series) -> Vec<PathPlace> {
     let Some(path) = motion.trajectory().path().tool_curve() else { return Vec::new() };
     let inverse = job.workpiece.inverse();
     let (s, v) = (series.column(1), series.column(2));
-    let place = |(&s, &v): (&f64, &f64)| {
-        let p = inverse.transform_point(&path.curve().point(s).into());
-        [p.x, p.y, v]
+    let place = |(&s, &v): (&f64, &f64)| PathPlace {
+        at: inverse.transform_point(&path.curve().point(s).into()).into(),
+        s,
+        speed: v,
     };
     s.iter().zip(v).step_by(s.len().div_ceil(MOST_PLACES).max(1)).map(place).collect()
 }

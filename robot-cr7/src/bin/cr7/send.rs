@@ -10,7 +10,7 @@ use robot_cr7::controller::{
     VerifiedMotion, drive, lead_in, survey,
 };
 use robot_cr7::plot::sent_picture;
-use robot_cr7::{JointReport, LimitsHold, Robot, Staging};
+use robot_cr7::{JointReport, LimitsHold, ReportHead, Robot, Staging, trajectory_columns};
 
 use crate::output::{REPORTS, show};
 use crate::progress::Progress;
@@ -211,7 +211,8 @@ pub fn run(args: &Args, stoppable: bool) -> Result<(), Failure> {
     if let Some(outcome) = &outcome {
         tell(outcome, &mut fact);
     }
-    write_setpoints(&motion, &settings, count, &mut staging)?;
+    let head = ReportHead::new("send", &robot);
+    write_setpoints(&motion, &settings, (count, robot.any().joint_names()), &mut staging)?;
     let report = JointReport {
         name: planned.name,
         duration_s: motion.trajectory().duration(),
@@ -223,7 +224,7 @@ pub fn run(args: &Args, stoppable: bool) -> Result<(), Failure> {
         warnings: planned.warnings,
         files: Vec::new(),
     };
-    finish(args, report, staging, outcome)
+    finish(args, &head, (report, outcome), staging)
 }
 
 /// The connections to the controller.
@@ -319,10 +320,11 @@ fn tell(outcome: &Outcome, fact: &mut impl FnMut(&str, String)) {
 fn write_setpoints(
     motion: &VerifiedMotion,
     settings: &SendSettings,
-    count: usize,
+    (count, names): (usize, &[String]),
     staging: &mut Staging,
 ) -> Result<(), Failure> {
-    let mut text = String::from("t_s,q1_rad,q2_rad,q3_rad,q4_rad,q5_rad,q6_rad\n");
+    // The first columns of a trajectory: time and positions.
+    let mut text = trajectory_columns(names)[..=names.len()].join(",") + "\n";
     for i in 0..count {
         let t = i as f64 * settings.period;
         let q = motion.trajectory().at(t).q;
@@ -333,13 +335,18 @@ fn write_setpoints(
 }
 
 /// Publishes the files, and ends with the doubt where there was one.
-fn finish(args: &Args, mut report: JointReport, mut staging: Staging, outcome: Option<Outcome>) -> Result<(), Failure> {
+fn finish(
+    args: &Args,
+    head: &ReportHead,
+    (mut report, outcome): (JointReport, Option<Outcome>),
+    mut staging: Staging,
+) -> Result<(), Failure> {
     let hold = LimitsHold::of(&report.limits).map_err(|e| Failure::Undoable(e.to_string()))?;
     report.files = staging.files_with(&REPORTS);
-    staging.write(REPORTS[0], &(report.to_json() + "\n"))?;
+    staging.write(REPORTS[0], &(head.json(&report) + "\n"))?;
     staging.write(REPORTS[1], &report.to_string())?;
     staging.publish(&hold)?;
-    show(&report, args.json.then(|| report.to_json()));
+    show(&report, args.json.then(|| head.json(&report)));
     match outcome.and_then(|outcome| outcome.fault) {
         None => Ok(()),
         Some(Fault::Interrupted) => Err(Failure::Told(INTERRUPTED as u8)),
