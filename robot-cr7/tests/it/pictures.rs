@@ -107,7 +107,7 @@ fn a_path_in_space_has_its_true_length_and_the_colours_of_what_limits_it() {
     let svg = path_picture("helix", &segments, &[1e-7; 4000], 1e-6, Some(motion)).expect("drawn");
     well_formed(&svg);
     assert!(svg.contains("4000 segments over 192.69 mm") && (length - 0.1927).abs() < 1e-4, "{length}");
-    for text in ["feed", "jerk of joint 3", "another limit", "no limit", "one square of the floor is 5 mm", ">z<"] {
+    for text in ["feed", "jerk of joint 3", "another limit", "no limit", "one square of the floor is 5 mm", "\nz\n"] {
         assert!(svg.contains(text), "{text}");
     }
     // The path in runs of one colour: nothing, feed, jerk, nothing, another limit, nothing.
