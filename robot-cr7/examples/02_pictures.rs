@@ -88,8 +88,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// Largest distance of a dense polyline from the chord between its ends.
-fn deviation(points: &[[f64; 2]]) -> f64 {
+/// Largest distance of a dense polyline in the plane from the chord between its ends.
+fn deviation(points: &[[f64; 3]]) -> f64 {
     let (a, b) = (points[0], points[points.len() - 1]);
     let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
     let l2 = dx * dx + dy * dy;
