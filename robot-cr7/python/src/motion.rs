@@ -294,6 +294,6 @@ impl Motion {
 
     fn __repr__(&self) -> String {
         let report = &self.data.report;
-        format!("Motion({:?}, {:.4} s, {} samples)", report.path, self.data.duration, self.data.samples.t.len())
+        format!("Motion({:?}, {:.4} s, {} samples)", report.name, self.data.duration, self.data.samples.t.len())
     }
 }
