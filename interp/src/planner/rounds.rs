@@ -42,8 +42,7 @@ impl<'a, const N: usize> Planner<'a, N> {
         const LOCAL_ROUNDS: usize = 6;
         let begin = Instant::now();
         let needs = self.method.needs();
-        let on_breaks = self.method.is_by_interval();
-        let mut problem = PathProblem::new(&self.settings, path, needs, on_breaks)?;
+        let mut problem = PathProblem::new(&self.settings, path, needs, self.method.is_by_interval())?;
         let mut used = LimitFractions::default();
         if self.method == Method::JerkLimited && problem.path().tool_curve().is_some() {
             problem = resolved(problem)?;

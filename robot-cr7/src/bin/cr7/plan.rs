@@ -156,11 +156,9 @@ impl OnToolPath for Plan<'_> {
         let sampler = motion.setpoints().map_err(|e| Failure::Undoable(e.to_string()))?;
         let samples = sampler.samples();
         let mut series = Series::new(3 + 3 * N, samples);
-        let name = FILES[0];
-        let robot = args.robot.load()?;
-        let names = robot.any().joint_names();
-        let mut trajectory =
-            TrajectoryWriter::new(staging.create(name)?, names).map_err(|e| staging.failed(name, e))?;
+        let (robot, name) = (args.robot.load()?, FILES[0]);
+        let (file, names) = (staging.create(name)?, robot.any().joint_names());
+        let mut trajectory = TrajectoryWriter::new(file, names).map_err(|e| staging.failed(name, e))?;
         let pieces = compiled.as_ref().map(|(_, pieces, _)| pieces);
         let limits = motion.trajectory().limits();
         let mut ros = RosFiles::new(args, job, &mut staging, pieces, limits.joints())?;

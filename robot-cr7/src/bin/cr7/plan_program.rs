@@ -71,11 +71,9 @@ impl OnProgram for PlanProgram<'_> {
         let mut places = Vec::new();
         let mut check = motion.check();
         let inverse = job.workpiece.inverse();
-        let name = FILES[0];
-        let robot = args.robot.load()?;
-        let names = robot.any().joint_names();
-        let mut trajectory =
-            TrajectoryWriter::new(staging.create(name)?, names).map_err(|e| staging.failed(name, e))?;
+        let (robot, name) = (args.robot.load()?, FILES[0]);
+        let (file, names) = (staging.create(name)?, robot.any().joint_names());
+        let mut trajectory = TrajectoryWriter::new(file, names).map_err(|e| staging.failed(name, e))?;
         let pieces = compiled.as_ref().map(|(_, compiled)| &compiled.joints);
         let mut ros = RosFiles::new(args, job, &mut staging, pieces, motion.joint_limits())?;
         let torque = motion.parts().iter().find_map(|part| part.trajectory()?.limits().torque());
