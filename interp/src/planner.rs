@@ -63,6 +63,7 @@ impl<'a, const N: usize> Planner<'a, N> {
             chord_tolerance: 1e-6,
             period: 1e-3,
             intervals: INTERVALS,
+            whole_cycles: false,
         };
         Self { settings, method: Method::JerkLimited }
     }
@@ -84,6 +85,27 @@ impl<'a, const N: usize> Planner<'a, N> {
     pub fn with_period(mut self, period: f64) -> Result<Self, LimitError> {
         self.settings.period = positive("control period", period)?;
         Ok(self)
+    }
+
+    /// Makes motions last a whole number of control periods: they are slowed down as a whole by less than a period. It needs rest at both
+    /// ends.
+    ///
+    /// ```
+    /// use arcfeed_interp::{JointSpline, Limits, Planner};
+    /// use arcfeed_kinematics::{Joints, models};
+    ///
+    /// let arm = models::ur5e();
+    /// let joints = arm.range().with_rates(Joints::repeat(3.0), Joints::repeat(10.0), Joints::repeat(100.0))?;
+    /// let path = JointSpline::through(&[Joints::repeat(0.0), Joints::repeat(0.5)])?;
+    /// let planner = Planner::new(&arm, Limits::new(joints)).with_period(4e-3)?;
+    /// let shortest = planner.plan(&path)?.duration() / 4e-3;
+    /// let cycles = planner.with_whole_cycles().plan(&path)?.duration() / 4e-3;
+    /// assert!((cycles - shortest.ceil()).abs() < 1e-9 && shortest.fract() > 1e-3);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn with_whole_cycles(mut self) -> Self {
+        self.settings.whole_cycles = true;
+        self
     }
 
     /// Sets the planner of the speed.

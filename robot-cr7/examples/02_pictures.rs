@@ -24,16 +24,16 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (start, end) = curve.domain();
     let at = |f: f64| {
         let p = curve.point(start + (end - start) * f);
-        [p.x, p.y]
+        [p.x, p.y, 0.0]
     };
     for count in [160, 1579] {
-        let segments: Vec<Vec<[f64; 2]>> = (0..count)
+        let segments: Vec<Vec<[f64; 3]>> = (0..count)
             .map(|i| (0..=20).map(|k| at((f64::from(i) + f64::from(k) / 20.0) / f64::from(count))).collect())
             .collect();
         let deviations: Vec<f64> = segments.iter().map(|s| deviation(s)).collect();
         let tolerance = if count == 160 { 5e-4 } else { 1e-5 };
         let title = format!("Butterfly in {count} equal steps of its parameter");
-        save(&format!("path_{count}.svg"), path_picture(&title, &segments, &deviations, tolerance)?)?;
+        save(&format!("path_{count}.svg"), path_picture(&title, &segments, &deviations, tolerance, None)?)?;
     }
 
     // A feed that keeps under the limit: the least limit of the neighbourhood, smoothed over it.
@@ -88,8 +88,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// Largest distance of a dense polyline from the chord between its ends.
-fn deviation(points: &[[f64; 2]]) -> f64 {
+/// Largest distance of a dense polyline in the plane from the chord between its ends.
+fn deviation(points: &[[f64; 3]]) -> f64 {
     let (a, b) = (points[0], points[points.len() - 1]);
     let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
     let l2 = dx * dx + dy * dy;

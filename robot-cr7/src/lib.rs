@@ -46,6 +46,7 @@ pub use output::part_report::{JointMoveReport, PartReport};
 pub use output::plot;
 pub use output::program_report::{LineTime, ProgramReport, StopLine, line_times};
 pub use output::report::{Report, SegmentCount};
+pub use output::report_head::ReportHead;
 #[cfg(feature = "mcap")]
 pub use output::ros::RosRecording;
 pub use output::ros::{RosError, RosTrajectory};

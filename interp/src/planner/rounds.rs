@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use arcfeed_feedrate::{ChosenLaw, LimitId, SpeedLaw};
 
 use super::{Planner, unverified};
-use crate::error::PlanError;
+use crate::error::{LimitError, PlanError};
 use crate::lowering::{TOLERANCE, exceeded_stretches, fraction, lower_where_exceeded, lowerable};
 use crate::method::Method;
 use crate::problem::{Held, LimitFractions, PathProblem, RowsNeeded, Settings, parts_by_cost, resolved};
@@ -42,8 +42,7 @@ impl<'a, const N: usize> Planner<'a, N> {
         const LOCAL_ROUNDS: usize = 6;
         let begin = Instant::now();
         let needs = self.method.needs();
-        let on_breaks = self.method.is_by_interval();
-        let mut problem = PathProblem::new(&self.settings, path, needs, on_breaks)?;
+        let mut problem = PathProblem::new(&self.settings, path, needs, self.method.is_by_interval())?;
         let mut used = LimitFractions::default();
         if self.method == Method::JerkLimited && problem.path().tool_curve().is_some() {
             problem = resolved(problem)?;
@@ -54,6 +53,7 @@ impl<'a, const N: usize> Planner<'a, N> {
         let (mut rounds, mut margin, mut last_excess) = (0, 1.2 * SLIGHT, f64::INFINITY);
         let verification = loop {
             rounds += 1;
+            chosen.law = self.in_whole_cycles(&problem, chosen.law)?;
             let started = Instant::now();
             let verification = self.verify(&problem, &chosen.law, self.method.limits_jerk())?;
             verifying += started.elapsed();
@@ -105,6 +105,27 @@ impl<'a, const N: usize> Planner<'a, N> {
             chosen = again;
         };
         Err(unverified(&problem, &verification, needs > RowsNeeded::Points).into())
+    }
+
+    /// The law, slowed down to a whole number of control periods where that is asked for.
+    fn in_whole_cycles(&self, problem: &PathProblem<'_, N>, law: SpeedLaw) -> Result<SpeedLaw, PlanError> {
+        if !self.settings.whole_cycles {
+            return Ok(law);
+        }
+        if self.settings.ends != [0.0; 2] {
+            return Err(PlanError::Limit(LimitError::Unsuited {
+                limit: "a whole number of control periods",
+                problem: "is reached by slowing the motion down, which would change the speeds at its ends",
+                remedy: "begin and end at rest, or leave out with_whole_cycles",
+            }));
+        }
+        // A duration that is whole but for rounding stays.
+        let cycles = law.duration() / self.settings.period;
+        let whole = (cycles * (1.0 - 1e-12)).ceil();
+        if cycles >= whole {
+            return Ok(law);
+        }
+        Ok(law.scaled(cycles / whole).map_err(|error| problem.explained(error))?)
     }
 
     /// On a large grid a motion that exceeds limits slightly, slower as a whole; `margin` doubles from round to round.

@@ -1,6 +1,7 @@
 """arcfeed: motion that a robot arm can execute.
 
-A path and a job become a verified motion; arms have kinematics and dynamics; several axes move from state to state.
+A path and a job become a verified motion; arms have kinematics and dynamics; several axes move from state to state, through way-points, and
+towards targets that change in any cycle.
 Lengths are in m, angles in rad, times in s. Keys of jobs carry their units in their names.
 
 >>> import arcfeed
@@ -15,17 +16,23 @@ from ._core import (
     Job,
     JointTrajectory,
     Motion,
+    OnlineGenerator,
+    OnlineStep,
     Path,
     PlanError,
     Problem,
     Robot,
     StateToState,
+    TrackingGenerator,
+    TrackingStep,
+    WayPointMotion,
     compare,
     plan,
     problem,
     reproduce,
     robots,
     state_to_state,
+    way_points,
 )
 
 __all__ = [
@@ -34,15 +41,21 @@ __all__ = [
     "Job",
     "JointTrajectory",
     "Motion",
+    "OnlineGenerator",
+    "OnlineStep",
     "Path",
     "PlanError",
     "Problem",
     "Robot",
     "StateToState",
+    "TrackingGenerator",
+    "TrackingStep",
+    "WayPointMotion",
     "compare",
     "plan",
     "problem",
     "reproduce",
     "robots",
     "state_to_state",
+    "way_points",
 ]

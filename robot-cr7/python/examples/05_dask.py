@@ -1,86 +1,138 @@
 """A set of jobs on Dask: a parquet of jobs becomes a parquet of trajectories, and what cannot be planned a row with its reason.
 
     pip install "dask[distributed,dataframe]" pyarrow
-    python 05_dask.py [JOBS, else 40] [WORKERS, else 2]
+    python 05_dask.py [JOBS, else 200] [WORKERS, else 2] [KILLS, else 1]
 
-A worker that dies costs nothing: Dask gives its partitions to another. Motions are kept as polynomials of the time, which are a tenth of their
-samples. Another cluster takes the place of LocalCluster by its address: Client("tcp://scheduler:8786").
+A worker that dies costs nothing: Dask gives its partitions to another. The example kills workers itself and shows that no job is lost.
+Another cluster takes the place of LocalCluster by its address: Client("tcp://scheduler:8786").
 """
 
+import os
+import random
+import signal
 import sys
 import tempfile
+import threading
 import time
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
 
 import arcfeed
 
+PARTITION = 200  # jobs that a worker does at a time, and does again if it dies
+NUMBERS = pd.ArrowDtype(pa.list_(pa.float64()))
+COLUMNS = {"id": "int64", "error": "string", "duration_s": "float64", "q_rad": NUMBERS, "processor_s": "float64"}
+
 
 def make_jobs(count, seed=1):
-    """Random paths of five points; one of ten is out of reach."""
-    random = np.random.default_rng(seed)
-    points = np.cumsum(random.uniform(-0.02, 0.03, (count, 5, 3)), axis=1)
-    points[::10, -1] += 3.0
+    """Straight lines of 2 to 10 mm before an arm, at 20 to 200 mm/s; one of ten is out of reach."""
+    random_numbers = np.random.default_rng(seed)
+    ends = random_numbers.uniform([0.002, -0.005, -0.002], [0.008, 0.005, 0.002], (count, 3))
+    at = random_numbers.uniform([350, -150, 150], [450, 150, 250], (count, 3))
+    at[::10] = [4000, 0, 0]
     return pd.DataFrame(
         {
             "id": np.arange(count),
-            "robot": random.choice(["cr7", "ur5e", "kr6_r700"], count),
-            "points": [list(p.ravel()) for p in points],
-            "feed_mm_s": random.uniform(20, 200, count),
+            "robot": random_numbers.choice(["cr7", "ur5e", "kr6_r700"], count),
+            "end_m": list(ends),
+            "position_mm": list(at),
+            "feed_mm_s": random_numbers.uniform(20, 200, count),
         }
     )
 
 
 def plan(job):
-    """One job as a row of results."""
-    begin = time.perf_counter()
-    row = {"id": job.id, "error": None, "duration_s": None, "trajectory": None}
+    """One job as a row of results: the joints of each control period, row by row, or the reason."""
+    begin = time.thread_time()
+    row = {"id": job.id, "error": None, "duration_s": None, "q_rad": None}
     try:
-        path = arcfeed.Path.through(np.reshape(job.points, (-1, 3)))
-        limits = arcfeed.Job(feed={"feed_mm_s": job.feed_mm_s}, path={"bulge_mm": 1000.0}, sampling={"period_ms": 4.0})
-        motion = arcfeed.plan(path, job.robot, limits, compile_rad=1e-5)
-        row |= {"duration_s": motion.duration, "trajectory": motion.compiled.to_json()}
+        path = arcfeed.Path.nurbs(1, [np.zeros(3), job.end_m], [0, 0, 1, 1])
+        limits = arcfeed.Job(
+            feed={"feed_mm_s": job.feed_mm_s},
+            workpiece={"position_mm": list(job.position_mm)},
+            sampling={"period_ms": 4.0},
+            plan={"planner": "continuous-acceleration"},  # the quickest to compute
+        )
+        motion = arcfeed.plan(path, job.robot, limits)
+        row |= {"duration_s": motion.duration, "q_rad": motion.q.ravel()}
     except arcfeed.ArcfeedError as error:
         row["error"] = str(error)
-    return row | {"computing_s": time.perf_counter() - begin}
-
-
-COLUMNS = {"id": "int64", "error": "string", "duration_s": "float64", "trajectory": "string", "computing_s": "float64"}
+    return row | {"processor_s": time.thread_time() - begin}
 
 
 def plan_all(frame):
     return pd.DataFrame([plan(job) for job in frame.itertuples()], columns=list(COLUMNS)).astype(COLUMNS)
 
 
-def main():
+def kill_workers(cluster, client, kills, done):
+    """Kills a worker now and then, as a machine that goes away would; how many were killed.
+
+    All of them work before the next one dies: one that is killed while it starts is given up by its nanny, as one that can never start.
+    """
+    workers, killed = len(cluster.workers), 0
+    while killed < kills and not done.wait(random.uniform(2.0, 10.0)):
+        if len(client.nthreads()) == workers:
+            os.kill(random.choice(list(cluster.workers.values())).pid, signal.SIGKILL)
+            killed += 1
+    return killed
+
+
+def run(jobs, results, workers, kills):
+    """Plans all jobs on a cluster; seconds, and how many workers were killed."""
     import dask
     import dask.dataframe as dd
     from dask.distributed import Client, LocalCluster
 
-    dask.config.set({"dataframe.convert-string": False})  # a list of points stays a list
+    # A list of numbers stays a list. A partition that was on several workers when they died is not to blame.
+    dask.config.set({"dataframe.convert-string": False, "distributed.scheduler.allowed-failures": 100})
+    done, killed = threading.Event(), []
+    with LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
+        client.wait_for_workers(workers)
+        begin = time.perf_counter()
+        killer = threading.Thread(target=lambda: killed.append(kill_workers(cluster, client, kills, done)))
+        killer.start()
+        try:
+            frame = dd.read_parquet(jobs, split_row_groups=1)
+            meta = pd.DataFrame(columns=list(COLUMNS)).astype(COLUMNS)
+            frame.map_partitions(plan_all, meta=meta).to_parquet(results)
+            seconds = time.perf_counter() - begin
+        finally:
+            done.set()
+            killer.join()
+    return seconds, killed[0]
 
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else 40
-    workers = int(sys.argv[2]) if len(sys.argv) > 2 else 2
+
+def main():
+    count, workers, kills = (int(sys.argv[i]) if len(sys.argv) > i else default for i, default in [(1, 200), (2, 2), (3, 1)])
+    all_jobs = make_jobs(count)
+    few = all_jobs.head(PARTITION)
+    begin, used = time.perf_counter(), time.process_time()
+    alone = plan_all(few)
+    seconds, used = time.perf_counter() - begin, time.process_time() - used
+    print(f"this process: {len(few) / seconds:.1f} jobs a second, {len(few) / used:.1f} a second of processor time", flush=True)
+
     with tempfile.TemporaryDirectory() as folder:
         jobs, results = Path(folder) / "jobs.parquet", Path(folder) / "trajectories"
-        make_jobs(count).to_parquet(jobs)
-        with LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster):
-            begin = time.perf_counter()
-            frame = dd.from_pandas(pd.read_parquet(jobs), npartitions=max(workers, count // 20))
-            frame.map_partitions(plan_all, meta=pd.DataFrame(columns=list(COLUMNS)).astype(COLUMNS)).to_parquet(results)
-            seconds = time.perf_counter() - begin
-        done = pd.read_parquet(results)
-    assert sorted(done["id"]) == list(range(count))
+        all_jobs.to_parquet(jobs, row_group_size=PARTITION)
+        seconds, killed = run(jobs, results, workers, kills)
+        size = sum(file.stat().st_size for file in results.iterdir())
+        done = pq.read_table(results).to_pandas(ignore_metadata=True).sort_values("id", ignore_index=True)
+    used = done["processor_s"].sum()
+    print(f"{workers} workers: {count / seconds:.1f} jobs a second, {count / used:.1f} a second of processor time, {size / count / 1e3:.1f} kB a job")
+
     failed = done["error"].notna()
-    print(
-        f"{(~failed).sum()} motions, {failed.sum()} failures with their reason, {count / seconds:.1f} jobs a second by {workers} workers"
-    )
-    print(f"one process alone would make {count / done['computing_s'].sum():.1f} a second")
-    example = arcfeed.JointTrajectory.from_json(done.loc[~failed, "trajectory"].iloc[0])
-    print(f"first motion: {example}")
-    print(f"first failure: {done.loc[failed, 'error'].iloc[0][:100]}...")
+    assert done["id"].tolist() == list(range(count))
+    assert failed.tolist() == [i % 10 == 0 for i in range(count)]
+    for i, (ours, theirs) in enumerate(zip(alone["q_rad"], done["q_rad"])):
+        assert failed[i] or np.array_equal(ours, theirs)
+    print(f"{killed} workers killed; {(~failed).sum()} motions, {failed.sum()} failures with their reason, none lost, none twice")
+    joints = np.reshape(done["q_rad"][1], (-1, 6))
+    print(f"first motion: {len(joints)} setpoints in {done['duration_s'][1]:.3f} s")
+    print(f"first failure: {done['error'][0][:100]}...")
 
 
 if __name__ == "__main__":

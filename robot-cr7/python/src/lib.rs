@@ -4,15 +4,19 @@
 #![forbid(unsafe_op_in_unsafe_fn)]
 
 mod array;
+mod axes;
 mod compiled;
 mod error;
 mod input;
 mod motion;
+mod online;
 mod papers;
 mod plan;
 mod researcher;
 mod robot;
 mod state_to_state;
+mod tracking;
+mod way_points;
 
 use pyo3::prelude::*;
 
@@ -28,6 +32,8 @@ mod _core {
     #[pymodule_export]
     use super::motion::Motion;
     #[pymodule_export]
+    use super::online::{OnlineGenerator, OnlineStep};
+    #[pymodule_export]
     use super::papers::reproduce;
     #[pymodule_export]
     use super::plan::{compare, plan};
@@ -37,4 +43,8 @@ mod _core {
     use super::robot::{Robot, robots};
     #[pymodule_export]
     use super::state_to_state::{StateToState, state_to_state};
+    #[pymodule_export]
+    use super::tracking::{TrackingGenerator, TrackingStep};
+    #[pymodule_export]
+    use super::way_points::{WayPointMotion, way_points};
 }

@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use robot_cr7::{
     BoundReport, CompiledProgram, CompiledReport, LimitsHold, PartMotion, ProgramMotion, ProgramReport, Report,
-    TrajectoryRow,
+    ReportHead, TrajectoryRow,
 };
 
 use crate::array::Table;
@@ -165,12 +165,13 @@ impl PlanData {
 /// n is the number of samples, N that of the joints. The last sample is exactly at the end.
 #[pyclass(module = "arcfeed", frozen)]
 pub struct Motion {
+    head: ReportHead,
     data: PlanData,
 }
 
 impl Motion {
-    pub(crate) fn new(data: PlanData) -> Self {
-        Self { data }
+    pub(crate) fn new(head: ReportHead, data: PlanData) -> Self {
+        Self { head, data }
     }
 }
 
@@ -263,7 +264,7 @@ impl Motion {
     /// The report as a dict: durations, limits with their worst places, warnings. SI units.
     #[getter]
     fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        Ok(py.import("json")?.call_method1("loads", (self.data.report.to_json(),))?.cast_into()?)
+        Ok(py.import("json")?.call_method1("loads", (self.head.json(&self.data.report),))?.cast_into()?)
     }
 
     /// The report as text.
@@ -293,6 +294,6 @@ impl Motion {
 
     fn __repr__(&self) -> String {
         let report = &self.data.report;
-        format!("Motion({:?}, {:.4} s, {} samples)", report.path, self.data.duration, self.data.samples.t.len())
+        format!("Motion({:?}, {:.4} s, {} samples)", report.name, self.data.duration, self.data.samples.t.len())
     }
 }

@@ -2,7 +2,7 @@
 
 use arcfeed_interp::PathArm;
 use pyo3::prelude::*;
-use robot_cr7::{OnProgram, OnToolPath, ProgramTask, Task, few_enough};
+use robot_cr7::{OnProgram, OnToolPath, ProgramTask, ReportHead, Task, few_enough};
 
 use crate::error::{raised, undone};
 use crate::input::{Job, Path};
@@ -120,7 +120,7 @@ pub fn plan(
             false => robot.on_tool_path(&job, &file, work),
         }
     })?;
-    Ok(Motion::new(data))
+    Ok(Motion::new(ReportHead::new("plan", &robot), data))
 }
 
 /// The job given or the default one, and the path given, that of the job, or the butterfly.

@@ -9,7 +9,7 @@ use arcfeed_interp::PathArm;
 use crate::cli::Failure;
 use crate::cli::output::show;
 use crate::cli::progress::Progress;
-use crate::cli::robots::RobotArgs;
+use crate::cli::robot_args::RobotArgs;
 use crate::cli::tool_path::{read_job, read_path};
 
 /// Arguments of `cr7 compare`.

@@ -2,6 +2,9 @@
 
 use crate::cli::Failure;
 
+/// Distance of the compiled motion from the plan where the user gives none, rad.
+pub const TOLERANCE: f64 = 1e-6;
+
 /// A kind of file besides the project's own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Format {

@@ -78,21 +78,14 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         drawn.get_or_insert(result);
     }
     let Some(segmentation) = drawn else { return Ok(()) };
-    let lines: Vec<Vec<[f64; 2]>> = segmentation
+    let lines: Vec<Vec<[f64; 3]>> = segmentation
         .pieces()
-        .map(|(u0, u1, _)| {
-            (0..=8)
-                .map(|i| {
-                    let p = curve.point(u0 + (u1 - u0) * f64::from(i) / 8.0);
-                    [p.x, p.y]
-                })
-                .collect()
-        })
+        .map(|(u0, u1, _)| (0..=8).map(|i| curve.point(u0 + (u1 - u0) * f64::from(i) / 8.0).into()).collect())
         .collect();
     let picture = args.out.join("inspect.svg");
     let write = |source| Failure::from(InputError::Write { file: picture.clone(), source });
     std::fs::create_dir_all(&args.out).map_err(write)?;
-    let svg = path_picture(&file.name, &lines, segmentation.deviations(), tolerance).map_err(write)?;
+    let svg = path_picture(&file.name, &lines, segmentation.deviations(), tolerance, None).map_err(write)?;
     save_picture(&picture, &svg)?;
     say!("\n  wrote {}", picture.display());
     Ok(())

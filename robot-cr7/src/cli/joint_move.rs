@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use crate::{Cr7Error, Job, JointReport, Robot, Staging, few_enough, sample_times};
+use crate::{Cr7Error, Job, JointReport, ReportHead, Robot, Staging, few_enough, sample_times};
 use arcfeed_feedrate::{AxisState, MotionLaw};
 use arcfeed_interp::JointRates;
 use arcfeed_kinematics::JointLimits;
@@ -13,7 +13,7 @@ use crate::cli::Failure;
 use crate::cli::joint_space::{FILES, JointWriter, axes_of, axis_limits, for_joints, numbers, row};
 use crate::cli::output::conclude;
 use crate::cli::progress::Progress;
-use crate::cli::robots::RobotArgs;
+use crate::cli::robot_args::RobotArgs;
 
 /// Arguments of `cr7 move`.
 #[derive(Debug, clap::Args)]
@@ -105,7 +105,7 @@ fn run_with<const N: usize>(args: &Args, robot: &Robot, mut staging: Staging) ->
     });
     let usage = |e: arcfeed_sync::SyncError| Failure::BadInput(e.to_string());
     let mut options = options.with_least_duration(args.least_s).map_err(usage)?;
-    if args.whole_cycles {
+    if args.whole_cycles || job.whole_cycles {
         options = options.with_cycle(job.period).map_err(usage)?;
     }
     let limits = axis_limits(&joint_limits).map_err(|e| Failure::BadInput(e.to_string()))?;
@@ -120,7 +120,7 @@ fn run_with<const N: usize>(args: &Args, robot: &Robot, mut staging: Staging) ->
     let progress = Progress::new("checking and writing");
     let rates = JointRates::from(&joint_limits);
     let times = sample_times(motion.duration(), job.period);
-    let mut writer = JointWriter::new(&mut staging, &joint_limits, times.len())?;
+    let mut writer = JointWriter::new(&mut staging, robot, &joint_limits, times.len())?;
     for t in times {
         let before = writer.last().map_or(t, |row| row.t);
         writer.write(&row(&arm, t, &motion.at(t)), t - before, &rates)?;
@@ -153,7 +153,7 @@ fn run_with<const N: usize>(args: &Args, robot: &Robot, mut staging: Staging) ->
     };
     drop(progress);
     // The position range is the one thing that the move itself is not planned for.
-    conclude(report, staging, args.json, "move in two steps, or start and end slower")
+    conclude(&ReportHead::new("move", robot), report, staging, args.json, "move in two steps, or start and end slower")
 }
 
 fn inside_range<const N: usize>(limits: &JointLimits<N>, flag: &str, state: &[AxisState; N]) -> Result<(), Failure> {

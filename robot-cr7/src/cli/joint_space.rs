@@ -11,7 +11,7 @@ use arcfeed_sync::JointState;
 
 use crate::cli::Failure;
 use crate::cli::output::REPORTS;
-use crate::cli::robots::joint_values;
+use crate::cli::robot_args::joint_values;
 
 /// Calls the generic function with the number of joints of the robot.
 macro_rules! for_joints {
@@ -79,10 +79,15 @@ const QUANTITIES: [JointQuantity; 4] =
     [JointQuantity::Position, JointQuantity::Velocity, JointQuantity::Acceleration, JointQuantity::Jerk];
 
 impl<'s, const N: usize> JointWriter<'s, N> {
-    /// Begins the files, for about `samples` rows.
-    pub fn new(staging: &'s mut Staging, limits: &JointLimits<N>, samples: usize) -> Result<Self, Failure> {
-        let file = staging.create(TRAJECTORY)?;
-        let trajectory = TrajectoryWriter::new(file).map_err(|source| staging.failed(TRAJECTORY, source))?;
+    /// Begins the files of a motion of `robot`, for about `samples` rows.
+    pub fn new(
+        staging: &'s mut Staging,
+        robot: &Robot,
+        limits: &JointLimits<N>,
+        samples: usize,
+    ) -> Result<Self, Failure> {
+        let (file, names) = (staging.create(TRAJECTORY)?, robot.any().joint_names());
+        let trajectory = TrajectoryWriter::new(file, names).map_err(|source| staging.failed(TRAJECTORY, source))?;
         Ok(Self {
             staging,
             trajectory,

@@ -12,17 +12,21 @@ mod output;
 mod page_file;
 mod place;
 mod plan;
+mod plan_args;
 mod plan_files;
 mod plan_program;
 mod pose;
 mod progress;
 mod reproduce;
+mod robot_args;
 mod robots;
 mod ros;
 mod run;
 mod schedule;
 #[cfg(feature = "controller")]
 mod send;
+#[cfg(feature = "controller")]
+mod send_args;
 #[cfg(feature = "controller")]
 mod send_motion;
 mod shell;
@@ -70,7 +74,7 @@ const EXAMPLES: &str = "Examples:
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Plan a motion along a path: trajectory CSV, SVG pictures, report
-    Plan(plan::Args),
+    Plan(plan_args::Args),
     /// Compare all planners on one job: duration, computing time, limits broken, a picture
     Compare(compare::Args),
     /// What each limit of a job costs in seconds, and which to raise first
@@ -101,11 +105,13 @@ enum Command {
     Run(run::Args),
     /// Lead a Dobot CR along a verified motion; without --address and --really only say what would be sent
     #[cfg(feature = "controller")]
-    Send(send::Args),
+    Send(send_args::Args),
     /// Hold a joint trajectory of any source against the limits of an arm and a job
     Verify(verify::Args),
     /// Reproduce a paper's numbers beside ours, and check our guarantees
     Reproduce(reproduce::Args),
+    /// The JSON schema of all reports of motions: what every key means
+    Schema(shell::SchemaArgs),
     /// A script with which a shell completes the commands
     Completions(shell::CompletionArgs),
     /// The manual page, with all commands
@@ -194,6 +200,7 @@ pub fn command_line() -> ExitCode {
         Command::Send(args) => send::run(&args, handler.is_ok()),
         Command::Verify(args) => verify::run(&args),
         Command::Reproduce(args) => reproduce::run(&args),
+        Command::Schema(args) => shell::schema(&args),
         Command::Completions(args) => shell::completions(&args),
         Command::Man(args) => shell::man(&args),
     };

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use crate::{
-    Cr7Error, JointReport, LimitLine, OnlineFile, OnlineRun, OnlineScenario, Robot, ScenarioError, Staging,
+    Cr7Error, JointReport, LimitLine, OnlineFile, OnlineRun, OnlineScenario, ReportHead, Robot, ScenarioError, Staging,
     ToolScenario, tool_lines,
 };
 use arcfeed_feedrate::AxisState;
@@ -16,7 +16,7 @@ use crate::cli::Failure;
 use crate::cli::joint_space::{FILES, JointWriter, axes_of, for_joints, row};
 use crate::cli::output::{conclude, say_as_is};
 use crate::cli::progress::Progress;
-use crate::cli::robots::RobotArgs;
+use crate::cli::robot_args::RobotArgs;
 
 /// Arguments of `cr7 online`.
 #[derive(Debug, clap::Args)]
@@ -84,6 +84,7 @@ fn joint_targets<const N: usize>(
     let begin = Instant::now();
     let run = scenario.run(&limits).map_err(failed)?;
     let simulated = Simulated {
+        robot,
         wanted: passed(&run.target, &last(&run), scenario.synchronisation),
         run: &run,
         computing: begin.elapsed(),
@@ -106,6 +107,7 @@ fn tool_targets(args: &Args, robot: &Robot, scenario: &ToolScenario, mut staging
     let share =
         format!("{:.1} % of the tool's speed at least, so that the joints keep their limits", 100.0 * run.least_share);
     let simulated = Simulated {
+        robot,
         // The check of the tool judges where that is.
         wanted: last(&run.joints).map(|axis| AxisState::rest(axis.p)),
         run: &run.joints,
@@ -132,6 +134,7 @@ fn failed(error: ScenarioError) -> Failure {
 
 /// A motion on its way to files and a report.
 struct Simulated<'a, const N: usize> {
+    robot: &'a Robot,
     run: &'a OnlineRun<N>,
     computing: Duration,
     facts: Vec<(String, String)>,
@@ -156,7 +159,7 @@ impl<const N: usize> Simulated<'_, N> {
         let run = self.run;
         let name = args.scenario.as_ref().map_or("online.toml".to_owned(), |file| file.display().to_string());
         progress.step("checking and writing");
-        let mut writer = JointWriter::new(&mut staging, limits, run.samples.len())?;
+        let mut writer = JointWriter::new(&mut staging, self.robot, limits, run.samples.len())?;
         for (t, state, rates) in &run.samples {
             writer.write(&row(arm, *t, state), period, rates)?;
         }
@@ -184,7 +187,7 @@ impl<const N: usize> Simulated<'_, N> {
             files: Vec::new(),
         };
         drop(progress);
-        conclude(report, staging, args.json, self.remedy)
+        conclude(&ReportHead::new("online", self.robot), report, staging, args.json, self.remedy)
     }
 }
 

@@ -6,7 +6,8 @@ use std::fmt::Display;
 use std::io::Write;
 use std::path::PathBuf;
 
-use crate::{JointReport, LimitLine, LimitsHold, Report, RunReport, ScheduleReport, Staging};
+use crate::{JointReport, LimitLine, LimitsHold, Report, ReportHead, RunReport, ScheduleReport, Staging};
+use serde::Serialize;
 
 use crate::cli::Failure;
 
@@ -40,13 +41,11 @@ pub fn show(text: &impl Display, json: Option<String>) {
 }
 
 /// The report of a motion.
-pub trait MotionReport: Display {
+pub trait MotionReport: Display + Serialize {
     /// Every limit with its worst place.
     fn limits(&self) -> &[LimitLine];
     /// The files of the motion.
     fn files(&mut self) -> &mut Vec<PathBuf>;
-    /// The whole report as one JSON object.
-    fn json(&self) -> String;
 }
 
 macro_rules! motion_report {
@@ -58,9 +57,6 @@ macro_rules! motion_report {
             fn files(&mut self) -> &mut Vec<PathBuf> {
                 &mut self.files
             }
-            fn json(&self) -> String {
-                self.to_json()
-            }
         }
     )*};
 }
@@ -70,14 +66,20 @@ motion_report!(Report, ScheduleReport, JointReport, RunReport);
 pub const REPORTS: [&str; 2] = ["report.json", "report.txt"];
 
 /// Prints the report, and publishes the files and the report if every limit holds.
-pub fn conclude(mut report: impl MotionReport, mut staging: Staging, json: bool, remedy: &str) -> Result<(), Failure> {
+pub fn conclude(
+    head: &ReportHead,
+    mut report: impl MotionReport,
+    mut staging: Staging,
+    json: bool,
+    remedy: &str,
+) -> Result<(), Failure> {
     let held = LimitsHold::of(report.limits());
     if let Ok(hold) = &held {
         *report.files() = staging.files_with(&REPORTS);
-        staging.write(REPORTS[0], &(report.json() + "\n"))?;
+        staging.write(REPORTS[0], &(head.json(&report) + "\n"))?;
         staging.write(REPORTS[1], &report.to_string())?;
         staging.publish(hold)?;
     }
-    show(&report, json.then(|| report.json()));
+    show(&report, json.then(|| head.json(&report)));
     held.map(drop).map_err(|error| Failure::exceeded(&error, remedy))
 }

@@ -9,11 +9,8 @@ use arcfeed_kinematics::JointLimits;
 use crate::cli::Failure;
 #[cfg(feature = "html")]
 use crate::cli::formats::Format;
-use crate::cli::plan::Args;
-use crate::cli::plan_files::Drawn;
-
-/// The file.
-pub const PAGE: &str = "report.html";
+use crate::cli::plan_args::Args;
+use crate::cli::plan_files::{Drawn, PAGE};
 
 /// The page while its samples are collected.
 pub struct PageFile<'a, const N: usize> {

@@ -7,7 +7,7 @@ use crate::{Cr7Error, PlacementSearch, Placements};
 use crate::cli::Failure;
 use crate::cli::output::show;
 use crate::cli::progress::Progress;
-use crate::cli::robots::RobotArgs;
+use crate::cli::robot_args::RobotArgs;
 use crate::cli::tool_path::{read_job, read_path};
 
 /// Arguments of `cr7 place`.

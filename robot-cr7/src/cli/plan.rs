@@ -1,86 +1,27 @@
 //! `cr7 plan`: from a path file to trajectory, pictures and report.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
-use crate::plot::speed_picture;
+use crate::plot::{PathPlace, speed_picture};
 use crate::{
-    ArmPoses, BoundReport, CompiledReport, Cr7Error, Job, Motion, OnToolPath, ProgramReport, ProgramTask, Series,
-    Staging, Task, TrajectoryRow, TrajectoryWriter, drawn_segments, few_enough, line_times,
+    ArmPoses, BindingLine, BoundReport, CompiledReport, Cr7Error, Job, Motion, OnToolPath, ProgramReport, ProgramTask,
+    ReportHead, Series, Staging, Task, TrajectoryRow, TrajectoryWriter, drawn_segments, few_enough, line_times,
 };
 use arcfeed_interp::PathArm;
 
 use crate::cli::Failure;
-use crate::cli::formats::{self, Format};
+use crate::cli::formats::{self};
 use crate::cli::output::conclude;
 use crate::cli::page_file::PageFile;
+use crate::cli::plan_args::Args;
 use crate::cli::plan_files::{
     COMPILED, Drawn, FILES, LEVERS, LINES, MOST_PLACES, Picture, limit_at, pictures, stream_figure, write_lines,
 };
 use crate::cli::plan_program;
 use crate::cli::progress::Progress;
-use crate::cli::robots::RobotArgs;
-use crate::cli::ros::{self, RosFiles};
+use crate::cli::ros::RosFiles;
 use crate::cli::tool_path::{read_job, read_path};
-
-/// Arguments of `cr7 plan`.
-#[derive(Debug, clap::Args)]
-#[command(after_help = "Examples:
-  cr7 plan                                 the embedded butterfly
-  cr7 plan part.json                       a NURBS curve (JSON)
-  cr7 plan points.csv --unit mm            a curve fitted to points
-  cr7 plan part.ngc --job job.toml         a G-code program; path.blend_mm of the job rounds its corners
-  cr7 plan part.dxf --job job.toml         a drawing (DXF, SVG); path.layers of the job names what is followed
-  cr7 plan --job robot-cr7/jobs/butterfly.toml --out butterfly
-  cr7 plan --robot ur5e                    another robot: a name of `cr7 robots`, a .urdf or a .json file
-  cr7 plan --compile-rad 1e-6              the joints as polynomials of the time, too, within 1 urad
-  cr7 plan --format ros2                   for ROS 2's joint trajectory controller
-  cr7 plan --format html                   a page for a browser on which the arm moves
-  cr7 plan --bound                         how much shorter any motion can be, too
-  cr7 plan --stream 20                     segments arrive while the motion runs, 20 of them known ahead
-  cr7 plan --stream 20 --stream-gap-ms 12  one every 12 ms: the motion waits where they come too late
-  cr7 plan --job job.toml --json | jq .duration_s")]
-pub struct Args {
-    #[command(flatten)]
-    pub robot: RobotArgs,
-    /// Path file: .json (NURBS curve), .csv (points), .ngc, .nc, .gcode (G-code) or .dxf, .svg (drawings). Without it: the job's, else an embedded butterfly
-    path: Option<PathBuf>,
-    /// Job file (TOML): workpiece, tool, feed, limits, tolerance, period. Without it: documented defaults
-    #[arg(long)]
-    job: Option<PathBuf>,
-    /// Folder for the trajectory and the pictures; created when missing
-    #[arg(long, default_value = "out")]
-    out: PathBuf,
-    /// Unit of a file that names none (.csv, .dxf, .svg, G-code): mm, cm, m or in
-    #[arg(long)]
-    unit: Option<String>,
-    /// Also write joint_trajectory.json: polynomials of the time that stay within this tolerance of the planned joints, in rad
-    #[arg(long, value_name = "TOLERANCE", conflicts_with = "stream")]
-    pub compile_rad: Option<f64>,
-    /// Also write the motion for others: `ros2` for trajectory_msgs/JointTrajectory as YAML and JSON, `mcap` for a recording, `html` for a page on which the arm moves
-    #[arg(long, value_enum, value_delimiter = ',', conflicts_with = "stream")]
-    pub format: Vec<Format>,
-    /// Also bound the duration of all motions within the limits from below; takes a few to forty times as long as the plan
-    #[arg(long, conflicts_with = "stream")]
-    pub bound: bool,
-    /// Run the motion as a controller does that gets its segments on the way, with N of them known behind the present one
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    pub stream: Option<u32>,
-    /// Time between two segments of the stream, ms; 0: as soon as the controller has a place for one
-    #[arg(long, value_name = "MS", default_value_t = 0.0, requires = "stream", value_parser = gap_ms)]
-    stream_gap_ms: f64,
-    /// Print the report as one JSON object on stdout, and nothing else there
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// A time between segments that a stream can be run with.
-fn gap_ms(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(ms) if (0.0..=1e7).contains(&ms) => Ok(ms),
-        _ => Err("it has to be a number of milliseconds from 0 to 1e7".to_owned()),
-    }
-}
 
 pub fn run(args: &Args) -> Result<(), Failure> {
     if let Some(value) = args.compile_rad.filter(|value| !(value.is_finite() && *value > 0.0)) {
@@ -90,6 +31,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let inputs: Vec<&Path> = [&args.path, &args.job].into_iter().filter_map(|file| file.as_deref()).collect();
     let mut staging = Staging::new(&args.out, &FILES, &inputs)?;
     let job = read_job(args.job.as_deref())?;
+    if args.stream.is_some() && job.whole_cycles {
+        let words = "--stream: a motion whose segments arrive on the way does not know its duration: remove sampling.whole_cycles";
+        return Err(Failure::BadInput(words.to_owned()));
+    }
     if let Some(path) = &job.path_file {
         staging.reads(path)?;
     }
@@ -101,13 +46,6 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         return plan_program::run(args, &job, &file, staging, progress);
     }
     args.robot.load()?.on_tool_path(&job, &file, Plan { args, job: &job, staging, progress })
-}
-
-impl Args {
-    /// The tolerance of the compiled motion, rad, where one is needed.
-    pub fn tolerance(&self) -> Option<f64> {
-        self.compile_rad.or(self.format.iter().any(Format::is_of_ros).then_some(ros::TOLERANCE))
-    }
 }
 
 /// Plans and samples the motion, and writes all there is to write.
@@ -152,12 +90,12 @@ impl OnToolPath for Plan<'_> {
         let sampler = motion.setpoints().map_err(|e| Failure::Undoable(e.to_string()))?;
         let samples = sampler.samples();
         let mut series = Series::new(3 + 3 * N, samples);
-        let name = FILES[0];
-        let mut trajectory = TrajectoryWriter::new(staging.create(name)?).map_err(|e| staging.failed(name, e))?;
+        let (robot, name) = (args.robot.load()?, FILES[0]);
+        let (file, names) = (staging.create(name)?, robot.any().joint_names());
+        let mut trajectory = TrajectoryWriter::new(file, names).map_err(|e| staging.failed(name, e))?;
         let pieces = compiled.as_ref().map(|(_, pieces, _)| pieces);
         let limits = motion.trajectory().limits();
         let mut ros = RosFiles::new(args, job, &mut staging, pieces, limits.joints())?;
-        let robot = args.robot.load()?;
         let mut page = PageFile::new(args, &robot, limits.joints(), limits.torque(), samples);
         let mut poses = ArmPoses::new(*robot.arm::<N>(job.tool).map_err(Cr7Error::from)?.chain(), samples);
         for setpoint in sampler {
@@ -176,12 +114,13 @@ impl OnToolPath for Plan<'_> {
 
         progress.step("drawing");
         let drawn = drawn(&motion, job, &series, poses, &mut page)?;
-        for (name, svg) in path_pictures(&motion, &drawn, &series) {
+        let mut report = motion.report(samples, sampling);
+        for (name, svg) in path_pictures(&motion, &drawn, &series, &report.binding) {
             staging.write(name, &svg.map_err(|source| staging.failed(name, source))?)?;
         }
         let compiled = match compiled {
             Some((tolerance, pieces, certificate)) => {
-                let names = std::array::from_fn(|k| robot.any().joint_names().get(k).cloned().unwrap_or_default());
+                let names = std::array::from_fn(|k| names.get(k).cloned().unwrap_or_default());
                 staging.write(COMPILED, &(pieces.to_json(&names) + "\n"))?;
                 Some(CompiledReport::new(tolerance, &pieces, &certificate))
             }
@@ -197,10 +136,9 @@ impl OnToolPath for Plan<'_> {
             write_lines(file, lines).map_err(|source| staging.failed(LINES, source))?;
         }
         let remedy = "lower the feed, or give the limits of the job more distance";
-        let mut report = motion.report(samples, sampling);
         (report.compiled, report.bound, report.program) = (compiled, bound, program.map(|(_, report)| report));
         page.finish(&report, &drawn, &mut staging)?;
-        conclude(report, staging, args.json, remedy)
+        conclude(&ReportHead::new("plan", &robot), report, staging, args.json, remedy)
     }
 }
 
@@ -238,8 +176,13 @@ fn drawn<'m, const N: usize>(
 }
 
 /// Pictures of a motion whose time, place, feed and joint rates are the columns of `series`.
-fn path_pictures<const N: usize>(motion: &Motion<'_, N>, drawn: &Drawn<'_, N>, series: &Series) -> Vec<Picture> {
-    let mut all = pictures(drawn, series);
+fn path_pictures<const N: usize>(
+    motion: &Motion<'_, N>,
+    drawn: &Drawn<'_, N>,
+    series: &Series,
+    binding: &[BindingLine],
+) -> Vec<Picture> {
+    let mut all = pictures(drawn, series, binding);
     if let Some(stream) = motion.stream() {
         let figure = stream_figure(motion.name(), stream, &series.pairs(1, 2), &drawn.limit);
         all.push(("stream.svg", speed_picture(&figure)));
@@ -247,14 +190,15 @@ fn path_pictures<const N: usize>(motion: &Motion<'_, N>, drawn: &Drawn<'_, N>, s
     all
 }
 
-/// Places along the motion, seen along the z axis of the workpiece (m), with the speed there (m/s).
-fn places<const N: usize>(motion: &Motion<'_, N>, job: &Job, series: &Series) -> Vec<[f64; 3]> {
+/// Places along the motion.
+fn places<const N: usize>(motion: &Motion<'_, N>, job: &Job, series: &Series) -> Vec<PathPlace> {
     let Some(path) = motion.trajectory().path().tool_curve() else { return Vec::new() };
     let inverse = job.workpiece.inverse();
     let (s, v) = (series.column(1), series.column(2));
-    let place = |(&s, &v): (&f64, &f64)| {
-        let p = inverse.transform_point(&path.curve().point(s).into());
-        [p.x, p.y, v]
+    let place = |(&s, &v): (&f64, &f64)| PathPlace {
+        at: inverse.transform_point(&path.curve().point(s).into()).into(),
+        s,
+        speed: v,
     };
     s.iter().zip(v).step_by(s.len().div_ceil(MOST_PLACES).max(1)).map(place).collect()
 }

@@ -1,13 +1,13 @@
 //! The files of `cr7 plan`.
 
 use crate::plot::{
-    Along, Bound, JointQuantity, feed_picture, joint_picture, motion_picture, path_picture, speed_path_picture,
+    Along, Bound, JointQuantity, PathMotion, PathPlace, feed_picture, joint_picture, motion_picture, path_picture,
+    speed_path_picture,
 };
-use crate::{ArmPoses, BindingBar, LineTime, Series, SpeedFigure, StreamReport};
+use crate::{ArmPoses, BindingBar, BindingLine, LineTime, Series, SpeedFigure, StreamReport};
 use arcfeed_kinematics::JointLimits;
 
 use crate::cli::output::REPORTS;
-use crate::cli::page_file::PAGE;
 use crate::cli::ros;
 
 /// The files of the command.
@@ -31,6 +31,8 @@ pub const FILES: [&str; 18] = [
     REPORTS[0],
     REPORTS[1],
 ];
+/// The file.
+pub const PAGE: &str = "report.html";
 /// The file of the compiled motion, where one is asked for.
 pub const COMPILED: &str = "joint_trajectory.json";
 /// The time of each line of a program.
@@ -55,8 +57,8 @@ pub const MOST_PLACES: usize = 6000;
 /// What the pictures of a motion show beside its samples.
 pub struct Drawn<'a, const N: usize> {
     pub name: &'a str,
-    /// Points of each chord segment, seen along the z axis of the workpiece, m, and their largest deviations, m.
-    pub segments: Vec<Vec<[f64; 2]>>,
+    /// Points of each chord segment in the frame of the workpiece, m, and their largest deviations, m.
+    pub segments: Vec<Vec<[f64; 3]>>,
     pub deviations: Vec<f64>,
     /// m.
     pub chord_tolerance: f64,
@@ -66,13 +68,14 @@ pub struct Drawn<'a, const N: usize> {
     /// The arm along the motion.
     pub poses: ArmPoses<N>,
     /// Places with the speed there.
-    pub places: Vec<[f64; 3]>,
+    pub places: Vec<PathPlace>,
     pub joints: &'a JointLimits<N>,
 }
 
 /// Pictures of a motion whose time, place, feed and joint rates are the columns of `series`.
-pub fn pictures<const N: usize>(drawn: &Drawn<'_, N>, series: &Series) -> Vec<Picture> {
+pub fn pictures<const N: usize>(drawn: &Drawn<'_, N>, series: &Series, binding: &[BindingLine]) -> Vec<Picture> {
     let name = drawn.name;
+    let motion = Some(PathMotion { places: &drawn.places, binding });
     let duration = series.column(0).last().copied().unwrap_or(0.0);
     let picture = |quantity, column: usize, limits: [f64; N]| {
         let values: [&[f64]; N] = std::array::from_fn(|k| series.column(column + k));
@@ -81,7 +84,7 @@ pub fn pictures<const N: usize>(drawn: &Drawn<'_, N>, series: &Series) -> Vec<Pi
     let joints = drawn.joints;
     let rates = [joints.velocity(), joints.acceleration(), joints.jerk()].map(|limits| (*limits).into());
     vec![
-        ("path.svg", path_picture(name, &drawn.segments, &drawn.deviations, drawn.chord_tolerance)),
+        ("path.svg", path_picture(name, &drawn.segments, &drawn.deviations, drawn.chord_tolerance, motion)),
         ("path_speed.svg", speed_path_picture(name, &drawn.places)),
         ("motion.svg", Ok(motion_picture(name, drawn.poses.poses(), duration))),
         ("feed.svg", feed_picture(name, Along::Length, &series.pairs(1, 2), &drawn.limit)),

@@ -2,16 +2,17 @@
 
 use std::time::Instant;
 
+use crate::plot::PathPlace;
 use crate::{
     ArmPoses, BoundReport, Cr7Error, Job, OnProgram, PartMotion, PathFile, ProgramMotion, ProgramPart, ProgramTask,
-    Series, Staging, TrajectoryWriter, drawn_segments, few_enough,
+    ReportHead, Series, Staging, TrajectoryWriter, drawn_segments, few_enough,
 };
 use arcfeed_interp::PathArm;
 
 use crate::cli::Failure;
 use crate::cli::output::conclude;
 use crate::cli::page_file::PageFile;
-use crate::cli::plan::Args;
+use crate::cli::plan_args::Args;
 use crate::cli::plan_files::{COMPILED, Drawn, FILES, LEVERS, LINES, MOST_PLACES, limit_at, pictures, write_lines};
 use crate::cli::progress::Progress;
 use crate::cli::ros::RosFiles;
@@ -70,12 +71,12 @@ impl OnProgram for PlanProgram<'_> {
         let mut places = Vec::new();
         let mut check = motion.check();
         let inverse = job.workpiece.inverse();
-        let name = FILES[0];
-        let mut trajectory = TrajectoryWriter::new(staging.create(name)?).map_err(|e| staging.failed(name, e))?;
+        let (robot, name) = (args.robot.load()?, FILES[0]);
+        let (file, names) = (staging.create(name)?, robot.any().joint_names());
+        let mut trajectory = TrajectoryWriter::new(file, names).map_err(|e| staging.failed(name, e))?;
         let pieces = compiled.as_ref().map(|(_, compiled)| &compiled.joints);
         let mut ros = RosFiles::new(args, job, &mut staging, pieces, motion.joint_limits())?;
         let torque = motion.parts().iter().find_map(|part| part.trajectory()?.limits().torque());
-        let robot = args.robot.load()?;
         let mut page = PageFile::new(args, &robot, motion.joint_limits(), torque, samples);
         let mut poses = ArmPoses::new(*robot.arm::<N>(job.tool).map_err(Cr7Error::from)?.chain(), samples);
         for (i, sample) in sampler.enumerate() {
@@ -89,8 +90,8 @@ impl OnProgram for PlanProgram<'_> {
             let rates = [row.qd, row.qdd, row.jerk];
             series.push([row.t, sample.s, sample.feed].into_iter().chain(rates.iter().flatten().copied()));
             if i % samples.div_ceil(MOST_PLACES) == 0 {
-                let place = inverse.transform_point(&row.position.into());
-                places.push([place.x, place.y, sample.feed]);
+                let at = inverse.transform_point(&row.position.into()).into();
+                places.push(PathPlace { at, s: sample.s, speed: sample.feed });
             }
         }
         trajectory.finish().map_err(|e| staging.failed(name, e))?;
@@ -101,14 +102,14 @@ impl OnProgram for PlanProgram<'_> {
 
         progress.step("drawing");
         let drawn = drawn(&motion, job, &series, places, poses, &mut page)?;
-        for (name, svg) in pictures(&drawn, &series) {
+        let mut report = motion.report(&check, samples, sampling);
+        for (name, svg) in pictures(&drawn, &series, &report.binding) {
             staging.write(name, &svg.map_err(|source| staging.failed(name, source))?)?;
         }
         let file = staging.create(LINES)?;
         write_lines(file, &motion.line_times()).map_err(|source| staging.failed(LINES, source))?;
-        let mut report = motion.report(&check, samples, sampling);
         if let Some((tolerance, compiled)) = &compiled {
-            let names = std::array::from_fn(|k| robot.any().joint_names().get(k).cloned().unwrap_or_default());
+            let names = std::array::from_fn(|k| names.get(k).cloned().unwrap_or_default());
             staging.write(COMPILED, &(compiled.joints.to_json(&names) + "\n"))?;
             report.compiled = Some(motion.compiled_report(*tolerance, compiled));
         }
@@ -116,7 +117,7 @@ impl OnProgram for PlanProgram<'_> {
         report.bound = bound;
         page.finish(&report, &drawn, &mut staging)?;
         let remedy = "lower the feed, or give the limits of the job more distance";
-        conclude(report, staging, args.json, remedy)
+        conclude(&ReportHead::new("plan", &robot), report, staging, args.json, remedy)
     }
 }
 
@@ -134,7 +135,7 @@ fn drawn<'m, const N: usize>(
     motion: &'m ProgramMotion<'_, N>,
     job: &Job,
     series: &Series,
-    places: Vec<[f64; 3]>,
+    places: Vec<PathPlace>,
     poses: ArmPoses<N>,
     page: &mut PageFile<'_, N>,
 ) -> Result<Drawn<'m, N>, Failure> {

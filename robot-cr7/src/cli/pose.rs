@@ -6,7 +6,7 @@ use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 
 use crate::cli::Failure;
 use crate::cli::output::say;
-use crate::cli::robots::{RobotArgs, joint_values};
+use crate::cli::robot_args::{RobotArgs, joint_values};
 
 /// Joint angles on the command line.
 #[derive(Debug, clap::Args)]

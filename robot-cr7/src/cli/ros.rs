@@ -11,10 +11,7 @@ use arcfeed_kinematics::JointLimits;
 
 use crate::cli::Failure;
 use crate::cli::formats::Format;
-use crate::cli::plan::Args;
-
-/// Distance of the compiled motion from the plan where the user gives none, rad.
-pub const TOLERANCE: f64 = 1e-6;
+use crate::cli::plan_args::Args;
 
 /// The files of the command.
 pub const FILES: [&str; 3] = ["ros2_trajectory.yaml", "ros2_trajectory.json", "motion.mcap"];

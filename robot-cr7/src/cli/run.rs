@@ -3,14 +3,14 @@
 use std::path::PathBuf;
 
 use crate::plot::run_pictures;
-use crate::{Clock, Cr7, Cr7Error, LimitsHold, RunReport, Scenario, Staging};
+use crate::{Clock, Cr7, Cr7Error, LimitsHold, ReportHead, Robot, RunReport, Scenario, Staging};
 use arcfeed_interp::PathArm;
 use arcfeed_kinematics::{AnalyticInverse, JointLimits};
 
 use crate::cli::Failure;
 use crate::cli::output::{REPORTS, conclude, say_as_is};
 use crate::cli::progress::Progress;
-use crate::cli::robots::RobotArgs;
+use crate::cli::robot_args::RobotArgs;
 
 /// Arguments of `cr7 run`.
 #[derive(Debug, clap::Args)]
@@ -62,7 +62,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let robot = args.robot.load()?;
     if robot.is_cr7() {
         let cr7 = Cr7::of(scenario.job())?;
-        return play(args, staging, &scenario, (cr7.arm(), cr7.limits()), Vec::new());
+        return play(args, &robot, staging, &scenario, (cr7.arm(), cr7.limits()), Vec::new());
     }
     if robot.joints() != 6 {
         return Err(Failure::Undoable(format!(
@@ -73,7 +73,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     let (limits, assumed) = robot.limits::<6>(&scenario.job().joints)?;
     let arm = robot.arm::<6>(scenario.job().tool).map_err(Cr7Error::from)?;
-    play(args, staging, &scenario, (&arm, &limits), assumed)
+    play(args, &robot, staging, &scenario, (&arm, &limits), assumed)
 }
 
 /// The files of the command.
@@ -90,6 +90,7 @@ const FILES: [&str; 8] = [
 
 fn play<A>(
     args: &Args,
+    robot: &Robot,
     mut staging: Staging,
     scenario: &Scenario,
     (arm, limits): (&A, &JointLimits<6>),
@@ -107,12 +108,19 @@ where
     let report = RunReport::new(&stage, &played);
     if LimitsHold::of(&report.limits).is_ok() {
         progress.step("writing");
-        staging.write_trajectory("trajectory.csv", played.rows())?;
-        staging.write_trajectory("simulated.csv", stage.simulated_rows(&played))?;
+        let names = robot.any().joint_names();
+        staging.write_trajectory("trajectory.csv", names, played.rows())?;
+        staging.write_trajectory("simulated.csv", names, stage.simulated_rows(&played))?;
         for (name, svg) in run_pictures(&stage, &played, &report) {
             staging.write(name, &svg.map_err(|source| staging.failed(name, source))?)?;
         }
     }
     drop(progress);
-    conclude(report, staging, args.json, "lower the feed, or take another path or start")
+    conclude(
+        &ReportHead::new("run", robot),
+        report,
+        staging,
+        args.json,
+        "lower the feed, or take another path or start",
+    )
 }

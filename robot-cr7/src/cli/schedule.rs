@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use crate::plot::{shares_picture, speed_picture};
 use crate::{
-    Cr7Error, LimitsHold, Robot, ScheduleFile, ScheduleRun, ScheduleWay, SpeedTask, Staging, TrajectoryWriter,
+    Cr7Error, LimitsHold, ReportHead, Robot, ScheduleFile, ScheduleRun, ScheduleWay, SpeedTask, Staging,
+    TrajectoryWriter,
 };
 use arcfeed_interp::Method;
 use clap::ValueEnum;
@@ -13,7 +14,7 @@ use crate::cli::Failure;
 use crate::cli::joint_space::for_joints;
 use crate::cli::output::{REPORTS, conclude, say_as_is};
 use crate::cli::progress::Progress;
-use crate::cli::robots::RobotArgs;
+use crate::cli::robot_args::RobotArgs;
 
 /// Arguments of `cr7 schedule`.
 #[derive(Debug, clap::Args)]
@@ -91,7 +92,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
                 (ScheduleWay::Waypoints(_), _) => for_joints!(robot, way_points(args, &file, &robot, staging)),
                 (ScheduleWay::Poses { .. }, 6) => {
                     let arm = robot.arm::<6>(file.tool).map_err(Cr7Error::from)?;
-                    finish(args, staging, &SpeedTask::pose_move(&file, &robot, &arm, args.planner.into())?)
+                    finish(args, staging, &robot, &SpeedTask::pose_move(&file, &robot, &arm, args.planner.into())?)
                 }
                 (ScheduleWay::Poses { .. }, n) => Err(Failure::Undoable(format!(
                     "{} has {n} joints: a motion between poses needs an arm of six joints: take another --robot, or \
@@ -111,18 +112,24 @@ fn way_points<const N: usize>(
     staging: Staging,
 ) -> Result<(), Failure> {
     let arm = robot.arm::<N>(file.tool).map_err(Cr7Error::from)?;
-    finish(args, staging, &SpeedTask::way_points(file, robot, &arm, args.planner.into())?)
+    finish(args, staging, robot, &SpeedTask::way_points(file, robot, &arm, args.planner.into())?)
 }
 
 /// The files of the command.
 const FILES: [&str; 5] = ["trajectory.csv", "speed.svg", "joints.svg", REPORTS[0], REPORTS[1]];
 
 /// Plans the motion and writes all there is to write.
-fn finish<const N: usize>(args: &Args, mut staging: Staging, task: &SpeedTask<'_, N>) -> Result<(), Failure> {
+fn finish<const N: usize>(
+    args: &Args,
+    mut staging: Staging,
+    robot: &Robot,
+    task: &SpeedTask<'_, N>,
+) -> Result<(), Failure> {
     staging.clear()?;
     let progress = Progress::new("scheduling");
     let name = FILES[0];
-    let mut trajectory = TrajectoryWriter::new(staging.create(name)?).map_err(|e| staging.failed(name, e))?;
+    let (file, names) = (staging.create(name)?, robot.any().joint_names());
+    let mut trajectory = TrajectoryWriter::new(file, names).map_err(|e| staging.failed(name, e))?;
     let run = ScheduleRun::of(task, |row| trajectory.write(row).map_err(|e| staging.failed(name, e)))?;
     trajectory.finish().map_err(|e| staging.failed(name, e))?;
     if LimitsHold::of(&run.report.limits).is_ok() {
@@ -132,5 +139,5 @@ fn finish<const N: usize>(args: &Args, mut staging: Staging, task: &SpeedTask<'_
     }
     drop(progress);
     let remedy = "take --planner jerk-limited, more intervals, or lower start_speed and end_speed";
-    conclude(run.report, staging, args.json, remedy)
+    conclude(&ReportHead::new("schedule", robot), run.report, staging, args.json, remedy)
 }

@@ -1,20 +1,20 @@
 //! `cr7 send`: a Dobot CR is led along a verified motion.
 
 use std::net::IpAddr;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::controller::{
-    Dialect, DobotLink, Fault, JointStream, Order, Outcome, Ports, SendLog, SendSettings, Session, TcpWire,
+    DobotLink, Fault, JointStream, Order, Outcome, Ports, SendLog, SendSettings, Session, TcpWire,
     VerifiedMotion, drive, lead_in, survey,
 };
 use crate::plot::sent_picture;
-use crate::{JointReport, LimitsHold, Robot, Staging};
+use crate::{JointReport, LimitsHold, ReportHead, Robot, Staging, trajectory_columns};
 use arcfeed_kinematics::{JointKind, Joints};
 
 use crate::cli::output::{REPORTS, show};
 use crate::cli::progress::Progress;
-use crate::cli::robots::RobotArgs;
+use crate::cli::send_args::Args;
 use crate::cli::send_motion::{self, SendMotion};
 use crate::cli::{Failure, INTERRUPTED};
 
@@ -38,115 +38,6 @@ pub fn stop_is_asked() -> bool {
         ASKED.store(true, Ordering::SeqCst);
     }
     leading
-}
-
-/// Arguments of `cr7 send`.
-#[derive(Debug, clap::Args)]
-#[command(after_help = "Examples:
-  cr7 send                                          a dry run: what would be sent, and the setpoints as a file
-  cr7 send joint_trajectory.json --address 192.168.5.1
-                                                    looks at mode, errors and joints; orders nothing
-  cr7 send joint_trajectory.json --address 192.168.5.1 --really
-                                                    leads the arm; Ctrl-C stops it
-  cr7 send --job job.toml --address 192.168.5.1 --really --enable --approach
-                                                    switches the drives on, and leads the arm to the start first
-
-Read docs/send.md before an arm moves. An emergency stop has to be in reach.
-Exit code 0: done. 1: refused, or the arm was stopped on a doubt. 130: Ctrl-C.")]
-pub struct Args {
-    #[command(flatten)]
-    pub robot: RobotArgs,
-    /// joint_trajectory.json of `cr7 plan --compile-rad`, or a path as for `cr7 plan`. Without it: the path of the job, else an embedded butterfly
-    pub motion: Option<PathBuf>,
-    /// Job file (TOML): limits of the joints; for a path all the rest, too
-    #[arg(long)]
-    pub job: Option<PathBuf>,
-    /// Unit of a path file that names none: mm, cm, m or in
-    #[arg(long)]
-    pub unit: Option<String>,
-    /// Address of the controller. Without --really it is looked at, and no motion is ordered
-    #[arg(long, value_name = "IP")]
-    address: Option<IpAddr>,
-    /// Lead the arm
-    #[arg(long, requires = "address")]
-    really: bool,
-    /// Number by which the controller knows the arm; needed for robots other than the CR7
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..))]
-    model: Option<u8>,
-    /// Switch the drives on where they are off
-    #[arg(long, requires = "really")]
-    enable: bool,
-    /// Lead the arm to the start of the motion from wherever it stands, with a fifth of its limits. Collisions are not looked at
-    #[arg(long, requires = "address")]
-    approach: bool,
-    /// Version of the protocol
-    #[arg(long, value_enum, default_value = "v4")]
-    dialect: Version,
-    /// Time between two setpoints, ms. The maker recommends 30
-    #[arg(long, value_name = "MS", default_value_t = 30.0)]
-    period_ms: f64,
-    /// Distance of a joint from the start up to which the arm is led there without --approach, deg
-    #[arg(long, value_name = "DEG", default_value_t = 0.5)]
-    start_tolerance_deg: f64,
-    /// Distance of a joint from what was asked of it within the lag, deg; beyond it the arm is stopped
-    #[arg(long, value_name = "DEG", default_value_t = 2.0)]
-    following_deg: f64,
-    /// How long the arm may be behind, ms
-    #[arg(long, value_name = "MS", default_value_t = 300.0)]
-    lag_ms: f64,
-    /// Ports of dashboard, motion (version 3) and feedback
-    #[arg(long, value_name = "PORT", num_args = 3, default_values_t = [29999, 30003, 30004])]
-    ports: Vec<u16>,
-    /// Folder for setpoints, log, picture and report; created when missing
-    #[arg(long, default_value = "out")]
-    out: PathBuf,
-    /// Print the report as one JSON object on stdout, and nothing else there
-    #[arg(long)]
-    json: bool,
-}
-
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum Version {
-    /// Controllers 3.5.5 and later
-    V3,
-    /// Controllers 4.6.0 and later
-    V4,
-}
-
-impl Args {
-    fn dialect(&self) -> Dialect {
-        match self.dialect {
-            Version::V3 => Dialect::V3,
-            Version::V4 => Dialect::V4,
-        }
-    }
-
-    fn settings(&self, models: &'static [u8]) -> Result<SendSettings, Failure> {
-        let wrong = |e: crate::controller::SettingsError| Failure::BadInput(e.to_string());
-        let settings = SendSettings::new(self.period_ms * 1e-3).map_err(wrong)?;
-        let settings = SendSettings {
-            following_tolerance: self.following_deg.to_radians(),
-            lag: self.lag_ms * 1e-3,
-            enable: self.enable,
-            models,
-            ..settings
-        };
-        settings.check().map_err(wrong)?;
-        let least = self.dialect().least_period();
-        if settings.period < least {
-            let (given, least) = (self.period_ms, 1e3 * least);
-            let words = format!("--period-ms {given}: {} takes {least} ms and more", self.dialect());
-            return Err(Failure::BadInput(words));
-        }
-        if !(0.0..=5.0).contains(&self.start_tolerance_deg) {
-            let words = format!(
-                "--start-tolerance-deg {}: give 0 to 5 degrees, or --approach for a longer way",
-                self.start_tolerance_deg
-            );
-            return Err(Failure::BadInput(words));
-        }
-        Ok(settings)
-    }
 }
 
 /// The numbers of the models of arm that a motion of this robot may be sent to; none for any, which is only looked at.
@@ -211,7 +102,8 @@ pub fn run(args: &Args, stoppable: bool) -> Result<(), Failure> {
     if let Some(outcome) = &outcome {
         tell(outcome, &mut fact);
     }
-    write_setpoints(&motion, &settings, count, &mut staging)?;
+    let head = ReportHead::new("send", &robot);
+    write_setpoints(&motion, &settings, (count, robot.any().joint_names()), &mut staging)?;
     let report = JointReport {
         name: planned.name,
         duration_s: motion.trajectory().duration(),
@@ -223,7 +115,7 @@ pub fn run(args: &Args, stoppable: bool) -> Result<(), Failure> {
         warnings: planned.warnings,
         files: Vec::new(),
     };
-    finish(args, report, staging, outcome)
+    finish(args, &head, (report, outcome), staging)
 }
 
 /// The connections to the controller.
@@ -319,10 +211,11 @@ fn tell(outcome: &Outcome, fact: &mut impl FnMut(&str, String)) {
 fn write_setpoints(
     motion: &VerifiedMotion,
     settings: &SendSettings,
-    count: usize,
+    (count, names): (usize, &[String]),
     staging: &mut Staging,
 ) -> Result<(), Failure> {
-    let mut text = String::from("t_s,q1_rad,q2_rad,q3_rad,q4_rad,q5_rad,q6_rad\n");
+    // The first columns of a trajectory: time and positions.
+    let mut text = trajectory_columns(names)[..=names.len()].join(",") + "\n";
     for i in 0..count {
         let t = i as f64 * settings.period;
         let q = motion.trajectory().at(t).q;
@@ -333,13 +226,18 @@ fn write_setpoints(
 }
 
 /// Publishes the files, and ends with the doubt where there was one.
-fn finish(args: &Args, mut report: JointReport, mut staging: Staging, outcome: Option<Outcome>) -> Result<(), Failure> {
+fn finish(
+    args: &Args,
+    head: &ReportHead,
+    (mut report, outcome): (JointReport, Option<Outcome>),
+    mut staging: Staging,
+) -> Result<(), Failure> {
     let hold = LimitsHold::of(&report.limits).map_err(|e| Failure::Undoable(e.to_string()))?;
     report.files = staging.files_with(&REPORTS);
-    staging.write(REPORTS[0], &(report.to_json() + "\n"))?;
+    staging.write(REPORTS[0], &(head.json(&report) + "\n"))?;
     staging.write(REPORTS[1], &report.to_string())?;
     staging.publish(&hold)?;
-    show(&report, args.json.then(|| report.to_json()));
+    show(&report, args.json.then(|| head.json(&report)));
     match outcome.and_then(|outcome| outcome.fault) {
         None => Ok(()),
         Some(Fault::Interrupted) => Err(Failure::Told(INTERRUPTED as u8)),

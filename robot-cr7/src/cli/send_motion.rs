@@ -8,7 +8,7 @@ use crate::{InputError, OnProgram, OnToolPath, ProgramTask, Robot, Task};
 use arcfeed_interp::{JointTrajectory, PathArm};
 
 use crate::cli::Failure;
-use crate::cli::send::Args;
+use crate::cli::send_args::Args;
 use crate::cli::tool_path::{read_job, read_path};
 
 /// Tolerance of planned motions against their plan, rad.

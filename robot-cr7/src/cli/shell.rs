@@ -51,3 +51,16 @@ pub fn man(_: &ManArgs) -> Result<(), Failure> {
     say_as_is!("{}", String::from_utf8_lossy(&page));
     Ok(())
 }
+
+/// Arguments of `cr7 schema`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  cr7 schema > report.schema.json
+  cr7 schema | jq '.properties'")]
+pub struct SchemaArgs {}
+
+/// The JSON schema of the reports of motions.
+pub fn schema(_: &SchemaArgs) -> Result<(), Failure> {
+    say_as_is!("{}", crate::ReportHead::SCHEMA);
+    Ok(())
+}

@@ -3,14 +3,15 @@
 use std::path::PathBuf;
 
 use crate::{
-    Cr7Error, InputError, Job, JointReport, LimitsHold, RapidKind, RecordedCheck, RecordedLimits, RecordedRows, Robot,
+    Cr7Error, InputError, Job, JointReport, LimitsHold, RapidKind, RecordedCheck, RecordedLimits, RecordedRows,
+    ReportHead, Robot,
 };
 
 use crate::cli::Failure;
 use crate::cli::joint_space::for_joints;
 use crate::cli::output::show;
 use crate::cli::progress::Progress;
-use crate::cli::robots::RobotArgs;
+use crate::cli::robot_args::RobotArgs;
 
 /// What rounding feigns is told from this part of a limit on.
 const BLURRED: f64 = 0.1;
@@ -60,6 +61,7 @@ fn run_with<const N: usize>(args: &Args, robot: &Robot) -> Result<(), Failure> {
     })?;
     let progress = Progress::new("checking");
     let mut rows = RecordedRows::<_, N>::new(file, &args.trajectory)?;
+    same_joints(args, robot, rows.joint_names())?;
     let mut check = RecordedCheck::new(RecordedLimits { arm, joints, drives, feed }, rows.rounding());
     let mut stated = [true; 2];
     for row in rows.by_ref() {
@@ -106,8 +108,22 @@ fn run_with<const N: usize>(args: &Args, robot: &Robot) -> Result<(), Failure> {
         warnings,
         files: Vec::new(),
     };
-    show(&report, args.json.then(|| report.to_json()));
+    show(&report, args.json.then(|| ReportHead::new("verify", robot).json(&report)));
     held.map(drop).map_err(|error| Failure::Undoable(error.to_string()))
+}
+
+/// Refuses the motion of a robot whose joints have other names.
+fn same_joints(args: &Args, robot: &Robot, names: &[Option<String>]) -> Result<(), Failure> {
+    let own = robot.any().joint_names();
+    let differs =
+        |(_, (name, own)): &(usize, (&Option<String>, &String))| name.as_ref().is_some_and(|name| name != *own);
+    let Some((k, (Some(name), own))) = names.iter().zip(own).enumerate().find(differs) else { return Ok(()) };
+    Err(Failure::BadInput(format!(
+        "{}: joint {} is called {name:?}, and that of {} {own:?}: the motion is of another robot; give it by --robot",
+        args.trajectory.display(),
+        k + 1,
+        robot.description().name
+    )))
 }
 
 /// True for columns of the project's own trajectories that follow from the others.

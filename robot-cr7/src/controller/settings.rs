@@ -55,7 +55,7 @@ impl SendSettings {
         let values = [
             ("period", self.period, 0.004, 0.2),
             ("tolerance at the start", self.start_tolerance, 1e-6, 5f64.to_radians()),
-            ("tolerance of the following error", self.following_tolerance, 1e-4, 0.5),
+            ("tolerance of the following error", self.following_tolerance, 1e-4, 5f64.to_radians()),
             ("lag", self.lag, self.period, most_lag.min(1.0)),
             ("time without feedback", self.feedback_timeout, 0.016, 1.0),
             ("lateness", self.lateness, 0.0, self.period),
@@ -119,5 +119,7 @@ mod tests {
         assert!(SendSettings { lag: 1.0, ..settings }.check().is_ok());
         assert!(SendSettings { lag: 1.1, ..settings }.check().is_err());
         assert!(SendSettings { start_tolerance: 5.1f64.to_radians(), ..settings }.check().is_err());
+        assert!(SendSettings { following_tolerance: 5f64.to_radians(), ..settings }.check().is_ok());
+        assert!(SendSettings { following_tolerance: 5.1f64.to_radians(), ..settings }.check().is_err());
     }
 }

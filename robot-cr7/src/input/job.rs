@@ -152,6 +152,8 @@ pub struct Job {
     pub chord_tolerance: f64,
     /// Control period in s.
     pub period: f64,
+    /// Whether the motion lasts a whole number of control periods.
+    pub whole_cycles: bool,
     /// Which planner finds the speed.
     pub method: Method,
     /// Values that are allowed but look like a slip of the unit.
@@ -197,6 +199,7 @@ impl Default for Job {
             torque: None,
             chord_tolerance: 1e-6,
             period: 1e-3,
+            whole_cycles: false,
             method: Method::JerkLimited,
             warnings: Vec::new(),
         }

@@ -176,6 +176,7 @@ pub(crate) struct RawTolerance {
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct RawSampling {
     pub period_ms: Option<f64>,
+    pub whole_cycles: Option<bool>,
 }
 
 #[derive(Debug, Clone, Default, Deserialize)]

@@ -115,6 +115,7 @@ impl JobCheck<'_> {
                 default.chord_tolerance,
             )?,
             period: self.0.period(raw.sampling.period_ms)?.unwrap_or(default.period),
+            whole_cycles: self.0.whole_cycles(&raw.sampling, feed.end_speeds)?,
             method: self.method(&raw.plan)?,
             warnings: Vec::new(),
         };

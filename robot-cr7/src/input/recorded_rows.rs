@@ -38,8 +38,8 @@ pub struct RecordedRounding<const N: usize> {
 /// Reads a trajectory row by row, in memory that does not grow with it. The file is read twice: first for the digits of each column.
 ///
 /// The header names the columns, in any order: `t_s` or `t_ms`; `q1_rad` or `q1_deg` and so on for every joint; velocities
-/// (`qd1_rad_s`, `qd1_deg_s`) and accelerations (`qdd1_rad_s2`, `qdd1_deg_s2`) of all joints or of none. Other columns are passed over,
-/// and so are blank lines, which count in the line numbers of messages.
+/// (`qd1_rad_s`, `qd1_deg_s`) and accelerations (`qdd1_rad_s2`, `qdd1_deg_s2`) of all joints or of none. The name of a joint may stand behind
+/// a colon (`q1_rad:shoulder`). Other columns are passed over, and so are blank lines, which count in the line numbers of messages.
 pub struct RecordedRows<R, const N: usize> {
     reader: BufReader<R>,
     /// The last line that was read.
@@ -61,6 +61,8 @@ struct Columns<const N: usize> {
     count: usize,
     t: (usize, f64),
     joints: [Option<[(usize, f64); N]>; 3],
+    /// Names of the joints, where the columns of their positions have some.
+    names: [Option<String>; N],
     ignored: Vec<String>,
 }
 
@@ -71,7 +73,14 @@ impl<R: Read + Seek, const N: usize> RecordedRows<R, N> {
     /// [`InputError::Empty`], [`InputError::Column`] for a column that is missing or there twice, [`InputError::Read`].
     pub fn new(reader: R, file: &Path) -> Result<Self, InputError> {
         let (reader, text) = (BufReader::new(reader), String::new());
-        let columns = Columns { line: 0, count: 0, t: (0, 1.0), joints: [None; 3], ignored: Vec::new() };
+        let columns = Columns {
+            line: 0,
+            count: 0,
+            t: (0, 1.0),
+            joints: [None; 3],
+            names: [const { None }; N],
+            ignored: Vec::new(),
+        };
         let record = csv::StringRecord::new();
         let rounding = RecordedRounding { t: 0.0, joints: [Joints::zeros(); 3] };
         let mut rows = Self { reader, text, line: 0, record, file: file.to_owned(), columns, rounding, before: None };
@@ -111,6 +120,11 @@ impl<R: Read + Seek, const N: usize> RecordedRows<R, N> {
 
     fn unreadable(&self, source: std::io::Error) -> InputError {
         InputError::Read { file: self.file.clone(), source, remedy: "give a CSV file in UTF-8" }
+    }
+
+    /// Names of the joints, where the columns of their positions have some.
+    pub fn joint_names(&self) -> &[Option<String>; N] {
+        &self.columns.names
     }
 
     /// Names of the columns that are passed over.
@@ -213,7 +227,7 @@ impl<const N: usize> Columns<N> {
             rule,
         };
         let mut known: Vec<(String, (usize, f64))> = Vec::new();
-        let mut ignored = Vec::new();
+        let (mut ignored, mut names) = (Vec::new(), [const { None }; N]);
         for (column, name) in header.iter().enumerate() {
             let name = name.trim_start_matches('\u{feff}');
             let Some((quantity, factor)) = quantity_of(name) else {
@@ -222,6 +236,11 @@ impl<const N: usize> Columns<N> {
             };
             if known.iter().any(|(other, _)| *other == quantity) {
                 return Err(wrong(column, name, "a quantity has one column"));
+            }
+            if let Some((_, joint)) = name.split_once(':') {
+                let index = quantity.strip_prefix('q').and_then(|index| index.parse::<usize>().ok());
+                let own = index.and_then(|index| names.get_mut(index.wrapping_sub(1)));
+                own.into_iter().for_each(|own| *own = Some(joint.to_owned()));
             }
             known.push((quantity, (column, factor)));
         }
@@ -249,14 +268,14 @@ impl<const N: usize> Columns<N> {
                 "the arm has fewer joints: name the one that the file is of with --robot",
             ));
         }
-        Ok(Self { line, count: header.len(), t, joints, ignored })
+        Ok(Self { line, count: header.len(), t, joints, names, ignored })
     }
 }
 
-/// The quantity of a column, without its unit, and the factor to SI.
+/// The quantity of a column, without its unit and the name of its joint, and the factor to SI.
 fn quantity_of(name: &str) -> Option<(String, f64)> {
     let degree = std::f64::consts::PI / 180.0;
-    let (quantity, unit) = name.split_once('_')?;
+    let (quantity, unit) = name.split(':').next()?.split_once('_')?;
     let group = quantity.trim_end_matches(|c: char| c.is_ascii_digit());
     let factor = match (group, unit) {
         ("t", "s") | ("q", "rad") | ("qd", "rad_s") | ("qdd", "rad_s2") => 1.0,
@@ -321,6 +340,16 @@ mod tests {
         assert!((t - 0.0005).abs() < 1e-12 && (q[0] - 0.5e-7).abs() < 1e-20, "{t} {q}");
         assert!((q[1] - 0.05f64.to_radians()).abs() < 1e-12 && qd[0] == 0.0, "{q} {qd}");
         assert_eq!(rows.count(), 3);
+    }
+
+    #[test]
+    fn the_name_of_a_joint_may_stand_behind_a_colon() {
+        let text = "t_s,q2_deg:fore:arm,q1_rad,qd1_rad_s:upper arm,qd2_rad_s\n0,90,1,2,3\n";
+        let mut rows = RecordedRows::<_, 2>::new(std::io::Cursor::new(text), Path::new("a.csv")).expect("a header");
+        assert_eq!(rows.joint_names(), &[None, Some("fore:arm".to_owned())]);
+        let row = rows.next().expect("a row").expect("numbers");
+        assert!(row.q[0] == 1.0 && (row.q[1] - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
+        assert_eq!(row.qd.map(|qd| (qd[0], qd[1])), Some((2.0, 3.0)));
     }
 
     #[test]

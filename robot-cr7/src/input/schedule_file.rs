@@ -115,6 +115,8 @@ pub struct ScheduleFile {
     pub speeds: [f64; 2],
     /// Control period, s.
     pub period: f64,
+    /// Whether the motion lasts a whole number of control periods.
+    pub whole_cycles: bool,
     /// Limits of velocity, acceleration and jerk that replace the robot's own.
     pub joints: JointOverrides,
     /// Torque limits that replace the robot's own, N m.
@@ -180,6 +182,7 @@ impl ScheduleFile {
             intervals,
             speeds,
             period: check.period(raw.sampling.period_ms)?.unwrap_or(1e-3),
+            whole_cycles: check.whole_cycles(&raw.sampling, speeds)?,
             joints: check.overrides("limits", &joints)?,
             torque,
             linear_speed: check.limit("limits.linear_mm_s", limits.linear_mm_s, 1e3)?,

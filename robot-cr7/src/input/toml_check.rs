@@ -6,7 +6,7 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use serde::de::DeserializeOwned;
 
 use super::error::{InputError, line_column};
-use super::job_file::{RawFrame, RawJoints};
+use super::job_file::{RawFrame, RawJoints, RawSampling};
 use super::joint_values::{JointOverrides, JointValues, PER_JOINT};
 use crate::text::clip;
 
@@ -159,6 +159,17 @@ impl<'a> Check<'a> {
             return Err(self.wrong(key, ms, rule, "did you mean seconds or microseconds? Write 1.0 for a millisecond"));
         }
         Ok(period)
+    }
+
+    /// Whether the motion lasts a whole number of control periods, for one whose speeds at both ends are these.
+    pub fn whole_cycles(&self, raw: &RawSampling, ends: [f64; 2]) -> Result<bool, InputError> {
+        let whole = raw.whole_cycles.unwrap_or(false);
+        if whole && ends != [0.0; 2] {
+            let rule = "a motion is slowed down to whole cycles, which would change its speeds at start and end";
+            let remedy = "begin and end at rest, or remove the key";
+            return Err(self.wrong("sampling.whole_cycles", whole, rule, remedy));
+        }
+        Ok(whole)
     }
 
     /// The time of change `i` (s), not before that of the change `before` it.

@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::limit_table::{ending, limit_table};
 use crate::run::limit_line::LimitLine;
 use crate::run::online_events::Happening;
-use crate::text::{WIDTH, clip, json, number};
+use crate::text::{WIDTH, clip, number};
 
 /// The result of a motion in joint space. Its fields are the keys of the JSON form, SI units in their names.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -31,13 +31,6 @@ pub struct JointReport {
     pub warnings: Vec<String>,
     /// Files written.
     pub files: Vec<PathBuf>,
-}
-
-impl JointReport {
-    /// The whole report as one JSON object on one line.
-    pub fn to_json(&self) -> String {
-        json(self)
-    }
 }
 
 const MOST_EVENTS: usize = 12;

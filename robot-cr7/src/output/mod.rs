@@ -15,6 +15,7 @@ pub(crate) mod parts_report;
 pub mod plot;
 pub(crate) mod program_report;
 pub(crate) mod report;
+pub(crate) mod report_head;
 pub(crate) mod ros;
 pub(crate) mod run_report;
 pub(crate) mod schedule_figure;

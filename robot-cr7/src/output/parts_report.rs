@@ -28,7 +28,7 @@ impl<const N: usize> ProgramMotion<'_, N> {
         let deviation = paths().filter_map(|path| Some(path.segmentation()?.max_deviation())).fold(0.0, f64::max);
         let outlines = self.paths().filter_map(|(_, path)| path.outline());
         Report {
-            path: self.name().to_owned(),
+            name: self.name().to_owned(),
             length_m: self.length(),
             duration_s: self.duration(),
             planner: self.planners(),

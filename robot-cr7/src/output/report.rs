@@ -19,7 +19,7 @@ use crate::run::motion::Motion;
 use crate::run::placed_path::PointFit;
 use crate::run::side_effects::{ThermalLine, VibrationLine, thermal_words, vibration_words};
 use crate::run::stream::StreamReport;
-use crate::text::{WIDTH, clip, duration, json, number};
+use crate::text::{WIDTH, clip, duration, number};
 
 /// The number of segments that one method needs for the chord tolerance.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -32,11 +32,11 @@ pub struct SegmentCount {
     pub max_deviation_m: f64,
 }
 
-/// The report of a plan. Its fields are the keys of the JSON form, SI units in their names.
+/// The report of a plan. Its fields are keys of the JSON form, SI units in their names.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
     /// Name of the path.
-    pub path: String,
+    pub name: String,
     /// Length of the path in m.
     pub length_m: f64,
     /// Duration of the motion in s.
@@ -99,11 +99,6 @@ pub struct Report {
 }
 
 impl Report {
-    /// The whole report as one JSON object on one line. Numbers that are not finite become `null`.
-    pub fn to_json(&self) -> String {
-        json(self)
-    }
-
     /// The lines on a program and its parts, on vibration and on thermal load; their number.
     fn program_lines(&self, f: &mut Formatter<'_>) -> Result<usize, fmt::Error> {
         // Beside a bound and a compiled motion the screen is full; JSON has it.
@@ -138,7 +133,7 @@ impl<const N: usize> Motion<'_, N> {
         let verification_time_s = plan.timings().verification.as_secs_f64();
         let sampling_time_s = sampling.as_secs_f64();
         Report {
-            path: self.name().to_owned(),
+            name: self.name().to_owned(),
             length_m: plan.path().length(),
             duration_s: plan.duration(),
             planner: info.method.map_or_else(|| STREAMED.to_owned(), |method| method.to_string()),
@@ -225,7 +220,7 @@ fn stream_words(stream: &StreamReport) -> String {
 impl Display for Report {
     /// The report for a terminal: at most 40 lines of 100 columns, lengths in mm, angles in degrees.
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{}", clip(&self.path, WIDTH))?;
+        writeln!(f, "{}", clip(&self.name, WIDTH))?;
         let limited = limited_by(&self.binding, self.length_m).unwrap_or_else(|| "nothing for long".to_owned());
         writeln!(f, "  {:<11}{}", "limited by", clip(&limited, WIDTH - 13))?;
         let pair = |f: &mut Formatter<'_>, a: (&str, String), b: (&str, String)| {
@@ -332,7 +327,7 @@ mod tests {
             limits.extend((1..=6).map(|j| line(name, Some(j), unit, 0.1 * j as f64, 3.0)));
         }
         Report {
-            path: "butterfly".to_owned(),
+            name: "butterfly".to_owned(),
             length_m: 0.382860311,
             duration_s: 5.4321,
             planner: "jerk-limited".to_owned(),
@@ -382,7 +377,7 @@ mod tests {
     #[test]
     fn text_stays_on_one_screen_whatever_is_in_it() {
         let mut r = report();
-        r.path = "x\n".repeat(300);
+        r.name = "x\n".repeat(300);
         r.warnings = vec!["w".repeat(500); 50];
         r.files = vec!["f".repeat(500).into(); 50];
         r.fallback = Some("because ".repeat(50));
@@ -447,7 +442,7 @@ mod tests {
 
     #[test]
     fn json_keeps_si_with_units_in_the_keys() {
-        let text = report().to_json();
+        let text = crate::text::json(&report());
         assert!(!text.contains('\n'));
         let v: serde_json::Value = serde_json::from_str(&text).expect("valid JSON");
         assert_eq!(v["length_m"], 0.382860311);

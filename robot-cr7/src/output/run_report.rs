@@ -15,21 +15,21 @@ use crate::run::measure;
 use crate::run::play::{Cycle, Given, Played, StepTimes};
 use crate::run::stage::Stage;
 use crate::run::trajectory_row::TrajectoryRow;
-use crate::text::{WIDTH, clip, json, number};
+use crate::text::{WIDTH, clip, number};
 
 /// The result of a run. Its fields are the keys of the JSON form, SI units in their names.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RunReport {
     /// The scenario file.
-    pub scenario: String,
+    pub name: String,
     /// Name of the path.
     pub path: String,
     /// Length of the path, m.
     pub length_m: f64,
     /// Duration of the motion, s.
     pub duration_s: f64,
-    /// Number of cycles.
-    pub cycles: usize,
+    /// Number of samples: the start, and one a control cycle.
+    pub samples: usize,
     /// Control period, s.
     pub period_s: f64,
     /// Tangential acceleration that any order may use at any place, m/s^2.
@@ -158,11 +158,11 @@ impl RunReport {
         }
         let following = |k: usize| cycles.iter().fold(0.0f64, |a, c| a.max(c.following_error[k].abs()));
         Self {
-            scenario: scenario.file.display().to_string(),
+            name: scenario.file.display().to_string(),
             path: stage.name.clone(),
             length_m: stage.live().path().pose_path().length(),
             duration_s: last.setpoint.t,
-            cycles: cycles.len(),
+            samples: cycles.len() + 1,
             period_s: stage.live().period(),
             live_acceleration_m_s2: stage.live().curve().acceleration(),
             live_jerk_m_s3: stage.live().curve().jerk(),
@@ -181,11 +181,6 @@ impl RunReport {
             warnings,
             files: Vec::new(),
         }
-    }
-
-    /// The whole report as one JSON object on one line.
-    pub fn to_json(&self) -> String {
-        json(self)
     }
 
     /// Largest part of a limit that is used; the distance from the path, which is rounding, is left out.
@@ -311,10 +306,10 @@ const MOST_LINES: usize = 16;
 
 impl Display for RunReport {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{}: {} of {} mm", clip(&self.scenario, 60), clip(&self.path, 20), number(self.length_m * 1e3))?;
+        writeln!(f, "{}: {} of {} mm", clip(&self.name, 60), clip(&self.path, 20), number(self.length_m * 1e3))?;
         let end = if self.path_finished { "end of the path" } else { "stopped" };
         let (duration, period) = (number(self.duration_s), number(self.period_s * 1e3));
-        writeln!(f, "  {:<16}{duration} s, {} cycles of {period} ms; {end}", "motion", self.cycles)?;
+        writeln!(f, "  {:<16}{duration} s, {} cycles of {period} ms; {end}", "motion", self.samples - 1)?;
         let live = [self.live_acceleration_m_s2, self.live_jerk_m_s3].map(|v| number((v * 1e4).round() / 10.0));
         let [acceleration, jerk] = live;
         writeln!(

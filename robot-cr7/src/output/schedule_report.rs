@@ -17,14 +17,15 @@ use crate::run::limit_line::LimitLine;
 use crate::run::limit_lines::limit_lines;
 use crate::run::speed_task::SpeedTask;
 use crate::run::trajectory_row::TrajectoryRow;
-use crate::text::{WIDTH, clip, duration, json, number, percent};
+use crate::text::{WIDTH, clip, duration, number, percent};
 
 /// The result of a schedule. Its fields are the keys of the JSON form, SI units in their names.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ScheduleReport {
     /// The file.
     pub name: String,
-    /// The robot.
+    /// The robot, which the JSON form has in its head.
+    #[serde(skip)]
     pub robot: String,
     /// Kind of motion: "pure translation", "pure orientation", "composite motion", "joint way-points".
     pub motion: String,
@@ -160,11 +161,6 @@ impl ScheduleReport {
             warnings: task.warnings.iter().cloned().chain(notes(trajectory)).collect(),
             files: Vec::new(),
         }
-    }
-
-    /// The whole report as one JSON object on one line.
-    pub fn to_json(&self) -> String {
-        json(self)
     }
 }
 

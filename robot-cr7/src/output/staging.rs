@@ -103,17 +103,18 @@ impl Staging {
         file.write_all(text.as_bytes()).map_err(|source| self.failed(name, source))
     }
 
-    /// Writes a whole trajectory under its temporary name.
+    /// Writes a whole trajectory of joints with these names under its temporary name.
     ///
     /// # Errors
     /// [`InputError::Write`] with its final name.
     pub fn write_trajectory<const N: usize>(
         &mut self,
         name: &'static str,
+        joint_names: &[String],
         rows: impl IntoIterator<Item = TrajectoryRow<N>>,
     ) -> Result<(), InputError> {
         let file = self.create(name)?;
-        write_rows(file, rows).map_err(|source| self.failed(name, source))
+        write_rows(file, joint_names, rows).map_err(|source| self.failed(name, source))
     }
 
     /// That `name` could not be written.

@@ -7,11 +7,12 @@ use super::whole_file::write_whole;
 use crate::input::error::InputError;
 use crate::run::trajectory_row::TrajectoryRow;
 
-/// Names of the columns for an arm of `joints` joints: `t_s`, then `q`, `qd`, `qdd` and `jerk` of every joint, then the
-/// tool pose.
-pub fn trajectory_columns(joints: usize) -> Vec<String> {
+/// Names of the columns for an arm whose joints are called `names`: `t_s`, then `q`, `qd`, `qdd` and `jerk` of every joint, then the
+/// tool pose. A column of a joint has its name behind a colon, as in `q1_rad:shoulder_pan_joint`.
+pub fn trajectory_columns(names: &[String]) -> Vec<String> {
     let groups = [("q", "rad"), ("qd", "rad_s"), ("qdd", "rad_s2"), ("jerk", "rad_s3")];
-    let each = groups.iter().flat_map(|(name, unit)| (1..=joints).map(move |j| format!("{name}{j}_{unit}")));
+    let joints = || (1..).zip(names);
+    let each = groups.iter().flat_map(|(name, unit)| joints().map(move |(j, of)| format!("{name}{j}_{unit}:{of}")));
     let pose = ["x_m", "y_m", "z_m", "qx", "qy", "qz", "qw"].map(str::to_owned);
     std::iter::once("t_s".to_owned()).chain(each).chain(pose).collect()
 }
@@ -23,13 +24,13 @@ pub struct TrajectoryWriter<W: Write, const N: usize = 6> {
 }
 
 impl<W: Write, const N: usize> TrajectoryWriter<W, N> {
-    /// Starts a file with its header. The writer buffers by itself.
+    /// Starts a file with its header, with the names of the joints. The writer buffers by itself.
     ///
     /// # Errors
     /// The error of `writer`.
-    pub fn new(writer: W) -> std::io::Result<Self> {
+    pub fn new(writer: W, names: &[String]) -> std::io::Result<Self> {
         let mut writer = csv::WriterBuilder::new().has_headers(false).buffer_capacity(1 << 16).from_writer(writer);
-        writer.write_record(trajectory_columns(N)).map_err(into_io)?;
+        writer.write_record(trajectory_columns(names)).map_err(into_io)?;
         Ok(Self { writer })
     }
 
@@ -52,24 +53,25 @@ impl<W: Write, const N: usize> TrajectoryWriter<W, N> {
     }
 }
 
-/// Writes a trajectory to a file, whole or not at all.
+/// Writes a trajectory of joints with these names to a file, whole or not at all.
 ///
 /// # Errors
 /// Fails when the file cannot be written.
-pub fn write_trajectory<I, const N: usize>(file: &Path, rows: I) -> Result<(), InputError>
+pub fn write_trajectory<I, const N: usize>(file: &Path, names: &[String], rows: I) -> Result<(), InputError>
 where
     I: IntoIterator<Item = TrajectoryRow<N>>,
 {
-    write_whole(file, |part| write_rows(part, rows))
+    write_whole(file, |part| write_rows(part, names, rows))
         .map_err(|source| InputError::Write { file: file.to_owned(), source })
 }
 
 /// Header and rows, to the last byte.
 pub(crate) fn write_rows<W: Write, const N: usize>(
     writer: W,
+    names: &[String],
     rows: impl IntoIterator<Item = TrajectoryRow<N>>,
 ) -> std::io::Result<()> {
-    let mut writer = TrajectoryWriter::new(writer)?;
+    let mut writer = TrajectoryWriter::new(writer, names)?;
     for row in rows {
         writer.write(&row)?;
     }
@@ -79,9 +81,9 @@ pub(crate) fn write_rows<W: Write, const N: usize>(
 /// Reads a trajectory back; `file` is the name used in messages.
 ///
 /// # Errors
-/// Fails when the header is not [`trajectory_columns`] of `N`, or a cell is not a finite number.
+/// Fails when the header is not [`trajectory_columns`] of `N` joints, with or without their names, or a cell is not a finite number.
 pub fn read_trajectory<R: Read, const N: usize>(reader: R, file: &Path) -> Result<Vec<TrajectoryRow<N>>, InputError> {
-    let columns = trajectory_columns(N);
+    let columns = trajectory_columns(&vec![String::new(); N]);
     let mut rows = Vec::new();
     let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(reader);
     let mut record = csv::StringRecord::new();
@@ -107,7 +109,7 @@ pub fn read_trajectory<R: Read, const N: usize>(reader: R, file: &Path) -> Resul
             });
         }
         if line == 1 {
-            if let Some(column) = record.iter().zip(&columns).position(|(a, b)| a != b) {
+            if let Some(column) = record.iter().zip(&columns).position(|(a, b)| quantity(a) != quantity(b)) {
                 return Err(InputError::Column {
                     file: file.to_owned(),
                     line,
@@ -131,6 +133,11 @@ pub fn read_trajectory<R: Read, const N: usize>(reader: R, file: &Path) -> Resul
         rows.push(row_of(&values));
     }
     Ok(rows)
+}
+
+/// A column without the name of its joint.
+fn quantity(column: &str) -> &str {
+    column.split_once(':').map_or(column, |(quantity, _)| quantity)
 }
 
 fn row_of<const N: usize>(v: &[f64]) -> TrajectoryRow<N> {

@@ -179,7 +179,7 @@ impl BatchItem {
             None => butterfly(),
         };
         let file = file.map_err(|error| error.to_string())?;
-        let work = Work { job, to: to.as_deref() };
+        let work = Work { job, to: to.as_deref(), names: robot.any().joint_names() };
         let done = match ProgramTask::is_needed(job, &file) {
             true => robot.on_program(job, &file, work),
             false => robot.on_tool_path(job, &file, work),
@@ -222,6 +222,8 @@ fn held(report: Report) -> Result<Report, Failure> {
 struct Work<'a> {
     job: &'a Job,
     to: Option<&'a Path>,
+    /// Names of the joints.
+    names: &'a [String],
 }
 
 impl OnToolPath for Work<'_> {
@@ -239,7 +241,7 @@ impl OnToolPath for Work<'_> {
         let report = held(motion.report(setpoints.samples(), begin.elapsed()))?;
         if let Some(file) = self.to {
             let rows = setpoints.collect::<Result<Vec<_>, _>>().map_err(|error| task.error(error))?;
-            write_trajectory(file, rows.iter().map(TrajectoryRow::from)).map_err(Cr7Error::from)?;
+            write_trajectory(file, self.names, rows.iter().map(TrajectoryRow::from)).map_err(Cr7Error::from)?;
         }
         Ok(report)
     }
@@ -275,7 +277,7 @@ impl OnProgram for Work<'_> {
         let check = check.finish(self.job.feed.end_speeds[1] == 0.0);
         let report = held(motion.report(&check, count, begin.elapsed()))?;
         if let Some(file) = self.to {
-            write_trajectory(file, rows).map_err(Cr7Error::from)?;
+            write_trajectory(file, self.names, rows).map_err(Cr7Error::from)?;
         }
         Ok(report)
     }

@@ -89,11 +89,11 @@ pub(crate) fn corner_words(corners: usize) -> Option<String> {
     (corners > 0).then(|| format!("the path has {corners} corners, where the tool stops"))
 }
 
-/// Points of each chord segment, dense enough to be drawn as a curve, seen along the workpiece's z axis (m).
+/// Points of each chord segment, dense enough to be drawn as a curve, in the frame of the workpiece (x, y, z in m).
 pub fn drawn_segments<const N: usize>(
     plan: &Trajectory<'_, N>,
     workpiece: &nalgebra::Isometry3<f64>,
-) -> Vec<Vec<[f64; 2]>> {
+) -> Vec<Vec<[f64; 3]>> {
     let inverse = workpiece.inverse();
     let Some(path) = plan.path().tool_curve() else { return Vec::new() };
     let curve = path.curve();
@@ -104,7 +104,7 @@ pub fn drawn_segments<const N: usize>(
                 .map(|i| {
                     let s = b[0] + (b[1] - b[0]) * f64::from(i) / 8.0;
                     let p: Vector3<f64> = inverse.transform_point(&curve.point(s).into()).coords;
-                    [p.x, p.y]
+                    p.into()
                 })
                 .collect()
         })

@@ -232,6 +232,7 @@ impl<'t, A: PathArm<N> + Clone, const N: usize> Planning<'t, A, N> {
     }
 
     fn wait(&mut self, lines: [usize; 2], seconds: f64, marks: &Marks, at: &Joints<N>) -> Result<(), Cr7Error> {
+        let seconds = self.task.whole_cycles(seconds);
         if self.tolerance.is_some() && seconds > 0.0 {
             let rest = JointTrajectory::resting(at, seconds);
             self.pieces.push(rest.map_err(|source| self.task.compile_error(source.into()))?);

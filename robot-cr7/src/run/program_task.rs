@@ -198,6 +198,12 @@ impl<A: PathArm<N> + Clone, const N: usize> ProgramTask<A, N> {
         &self.name
     }
 
+    /// A time (s), or the next that is a whole number of control periods where the motion has to last such.
+    pub(crate) fn whole_cycles(&self, seconds: f64) -> f64 {
+        let cycles = (seconds / self.period * (1.0 - 1e-12)).ceil();
+        if self.first().is_some_and(|first| first.whole_cycles) { cycles * self.period } else { seconds }
+    }
+
     /// Control period, s.
     pub fn period(&self) -> f64 {
         self.period

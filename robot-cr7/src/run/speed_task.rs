@@ -83,12 +83,13 @@ impl<'a, const N: usize> SpeedTask<'a, N> {
             if let Some((dynamics, torque)) = &self.limits.drives {
                 limits = limits.with_torque(dynamics, *torque)?;
             }
-            Planner::new(self.arm, limits)
+            let planner = Planner::new(self.arm, limits)
                 .with_method(self.method)
                 .with_period(self.file.period)?
                 .with_intervals(self.file.intervals)?
-                .with_end_speeds(v_start, v_end)?
-                .plan(&*self.path)
+                .with_end_speeds(v_start, v_end)?;
+            let planner = if self.file.whole_cycles { planner.with_whole_cycles() } else { planner };
+            planner.plan(&*self.path)
         };
         let trajectory = plan().map_err(|source| self.error(source))?;
         self.few_enough(trajectory.duration())?;

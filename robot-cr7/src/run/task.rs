@@ -53,6 +53,8 @@ pub struct Task<A = ParallelAxisArm, const N: usize = 6> {
     pub(super) end_speeds: [f64; 2],
     pub(super) chord_tolerance: f64,
     pub(super) period: f64,
+    /// Whether the motion lasts a whole number of them.
+    pub(super) whole_cycles: bool,
     pub(super) method: Method,
     preparation: Duration,
     warnings: Vec<String>,
@@ -165,6 +167,7 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
             end_speeds: job.feed.end_speeds,
             chord_tolerance: job.chord_tolerance,
             period: job.period,
+            whole_cycles: job.whole_cycles,
             method: job.method,
             preparation: begin.elapsed(),
             warnings,

@@ -62,6 +62,7 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
             limits = limits.with_torque(&drives.dynamics, torque)?;
         }
         let planner = Planner::new(&self.arm, limits).with_chord_tolerance(self.chord_tolerance)?;
-        Ok(planner.with_period(self.period)?.with_method(self.method))
+        let planner = planner.with_period(self.period)?.with_method(self.method);
+        Ok(if self.whole_cycles { planner.with_whole_cycles() } else { planner })
     }
 }

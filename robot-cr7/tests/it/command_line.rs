@@ -200,7 +200,8 @@ fn the_trajectory_runs_from_rest_to_rest_without_a_jump() {
     desk.write("job.toml", &format!("{IN_BASE}[sampling]\nperiod_ms = 2.0\n"));
     let report = desk.run(&["plan", "line.json", "--job", "job.toml", "--json"]).done().json();
     let text = std::fs::read_to_string(desk.folder.join("out/trajectory.csv")).expect("written");
-    assert_eq!(text.lines().next(), Some(trajectory_columns(6).join(",").as_str()));
+    let names: Vec<String> = (1..=6).map(|k| format!("joint{k}")).collect();
+    assert_eq!(text.lines().next(), Some(trajectory_columns(&names).join(",").as_str()));
     let rows = desk.trajectory::<6>("out");
     let (first, last) = (&rows[0], &rows[rows.len() - 1]);
     assert_eq!(first.t, 0.0);

@@ -65,6 +65,8 @@ mod tool_targets;
 mod trajectory_csv;
 #[cfg(feature = "cli")]
 mod verify_command;
+#[cfg(feature = "cli")]
+mod whole_cycles;
 
 #[cfg(feature = "cli")]
 #[path = "common/keeps.rs"]

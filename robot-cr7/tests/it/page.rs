@@ -89,7 +89,7 @@ fn a_name_cannot_break_out_of_the_page() {
     path["name"] = hostile.into();
     desk.write("six.json", &path.to_string());
     let (page, data) = page(&desk, &["plan", "six.json", "--format", "html"]);
-    assert_eq!(data["report"]["path"], hostile);
+    assert_eq!(data["report"]["name"], hostile);
     assert!(!page.contains("<script>alert"));
     assert_eq!(page.matches("</script>").count(), 3);
 }

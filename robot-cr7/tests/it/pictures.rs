@@ -2,7 +2,11 @@
 #![cfg(feature = "plot")]
 
 use proptest::prelude::*;
-use robot_cr7::plot::{Along, Bound, JointQuantity, Line, feed_picture, joint_picture, lines_picture, path_picture};
+use robot_cr7::BindingLine;
+use robot_cr7::plot::{
+    Along, Bound, JointQuantity, Line, PathMotion, PathPlace, feed_picture, joint_picture, lines_picture, path_picture,
+    speed_path_picture,
+};
 
 /// Checks that tags are balanced, attributes quoted and no number is lost, with a reader of its own.
 fn well_formed(svg: &str) {
@@ -34,14 +38,14 @@ fn a_hundred_thousand_samples_stay_below_a_megabyte() {
     let value: Vec<f64> = (0..n).map(|i| noise(i) - 0.5).collect();
     let series: Vec<_> = t.iter().copied().zip(value.iter().map(|v| v + 0.5)).collect();
     let limit: Vec<_> = t.iter().copied().zip((0..n).map(|i| 1.0 + noise(i))).collect();
-    let segments: Vec<Vec<[f64; 2]>> = (0..n)
+    let segments: Vec<Vec<[f64; 3]>> = (0..n)
         .map(|i| {
-            let at = |a: f64| [0.05 * (a * 1e-4).cos(), 0.05 * (a * 2e-4).sin()];
+            let at = |a: f64| [0.05 * (a * 1e-4).cos(), 0.05 * (a * 2e-4).sin(), 1e-7 * a];
             vec![at(i as f64), at(i as f64 + 0.5), at(i as f64 + 1.0)]
         })
         .collect();
     for svg in [
-        path_picture("a", &segments, &value, 0.5),
+        path_picture("a", &segments, &value, 0.5, None),
         feed_picture("a", Along::Time, &series, &limit),
         joint_picture("a", JointQuantity::Jerk, &t, &[value.as_slice(); 6], &[Bound::Constant(0.5); 6], &[]),
         lines_picture("a", "", ("x", "y"), &[Line { name: "noise", points: &series }], &[0.5]),
@@ -54,8 +58,8 @@ fn a_hundred_thousand_samples_stay_below_a_megabyte() {
 
 #[test]
 fn key_numbers_stand_in_the_picture() {
-    let segments = vec![vec![[0.0, 0.0], [0.03, 0.04]], vec![[0.03, 0.04], [0.06, 0.0]]];
-    let svg = path_picture("two lines", &segments, &[0.5e-6, 0.25e-6], 1e-6).expect("drawn");
+    let segments = vec![vec![[0.0; 3], [0.03, 0.04, 0.0]], vec![[0.03, 0.04, 0.0], [0.06, 0.0, 0.0]]];
+    let svg = path_picture("two lines", &segments, &[0.5e-6, 0.25e-6], 1e-6, None).expect("drawn");
     for text in ["two lines", "2 segments over 100 mm", "0.5 µm of 1 µm", "x [mm]", "y [mm]", "deviation [µm]"] {
         assert!(svg.contains(text), "{text}");
     }
@@ -81,11 +85,50 @@ fn key_numbers_stand_in_the_picture() {
 }
 
 #[test]
+fn a_path_in_space_has_its_true_length_and_the_colours_of_what_limits_it() {
+    // A turn of a helix: radius 30 mm, pitch 40 mm.
+    let (radius, pitch) = (0.03, 0.04);
+    let length = (std::f64::consts::TAU * radius).hypot(pitch);
+    let at = |f: f64| {
+        let (sin, cos) = (std::f64::consts::TAU * f).sin_cos();
+        [radius * cos, radius * sin, pitch * f]
+    };
+    let places: Vec<PathPlace> = (0..=4000)
+        .map(|i| f64::from(i) / 4000.0)
+        .map(|f| PathPlace { at: at(f), s: f * length, speed: 0.1 * f })
+        .collect();
+    let segments: Vec<Vec<[f64; 3]>> = places.windows(2).map(|w| vec![w[0].at, w[1].at]).collect();
+    let line = |limit: &str, from: f64, to: f64| BindingLine {
+        limit: limit.to_owned(),
+        intervals: vec![[from * length, to * length]],
+    };
+    let binding = [line("feed", 0.1, 0.6), line("jerk of joint 3", 0.5, 0.7), line("rare", 0.7999, 0.8001)];
+    let motion = PathMotion { places: &places, binding: &binding };
+    let svg = path_picture("helix", &segments, &[1e-7; 4000], 1e-6, Some(motion)).expect("drawn");
+    well_formed(&svg);
+    assert!(svg.contains("4000 segments over 192.69 mm") && (length - 0.1927).abs() < 1e-4, "{length}");
+    for text in ["feed", "jerk of joint 3", "another limit", "no limit", "one square of the floor is 5 mm", "\nz\n"] {
+        assert!(svg.contains(text), "{text}");
+    }
+    // The path in runs of one colour: nothing, feed, jerk, nothing, another limit, nothing.
+    let colours: Vec<&str> = svg
+        .split("<polyline")
+        .filter(|tag| tag.contains("stroke-width=\"34\"") && tag.matches(',').count() > 4)
+        .filter_map(|tag| tag.split("stroke=\"").nth(1).and_then(|rest| rest.split('"').next()))
+        .collect();
+    assert_eq!(colours[..4], ["#BEBEBE", "#0072B2", "#E69F00", "#BEBEBE"], "{colours:?}");
+    let flat = path_picture("flat", &[vec![[0.0; 3], [0.1, 0.1, 0.0]]], &[0.0], 1e-6, None).expect("drawn");
+    assert!(flat.contains("x [mm]") && !svg.contains("x [mm]"));
+    let svg = speed_path_picture("helix", &places).expect("drawn");
+    assert!(svg.contains("one square of the floor") && svg.contains("100 mm/s"));
+}
+
+#[test]
 fn both_axes_of_a_path_have_the_same_scale() {
     // A square of 40 mm: the longest polylines are its sides, as long in x as in y.
-    let corners = [[0.0, 0.0], [0.04, 0.0], [0.04, 0.04], [0.0, 0.04], [0.0, 0.0]];
-    let segments: Vec<Vec<[f64; 2]>> = corners.windows(2).map(|w| w.to_vec()).collect();
-    let svg = path_picture("square", &segments, &[0.0; 4], 1e-6).expect("drawn");
+    let corners = [[0.0; 3], [0.04, 0.0, 0.0], [0.04, 0.04, 0.0], [0.0, 0.04, 0.0], [0.0; 3]];
+    let segments: Vec<Vec<[f64; 3]>> = corners.windows(2).map(|w| w.to_vec()).collect();
+    let svg = path_picture("square", &segments, &[0.0; 4], 1e-6, None).expect("drawn");
     let sides: Vec<f64> = svg
         .split("<polyline")
         .filter(|tag| tag.contains("stroke-width=\"22\""))
@@ -113,9 +156,14 @@ proptest! {
         limit in number(),
     ) {
         let (x, y): (Vec<f64>, Vec<f64>) = v.iter().copied().unzip();
-        let segments: Vec<Vec<[f64; 2]>> = v.chunks(3).map(|c| c.iter().map(|p| [p.0, p.1]).collect()).collect();
+        let segments: Vec<Vec<[f64; 3]>> = v.chunks(3).map(|c| c.iter().map(|p| [p.0, p.1, p.0]).collect()).collect();
+        let places: Vec<PathPlace> = v.iter().map(|p| PathPlace { at: [p.0, p.1, p.1], s: p.0, speed: p.1 }).collect();
+        let binding = [BindingLine { limit: name.clone(), intervals: v.iter().map(|p| [p.0, p.1]).collect() }];
+        let motion = PathMotion { places: &places, binding: &binding };
         for svg in [
-            path_picture(&name, &segments, &y, limit),
+            path_picture(&name, &segments, &y, limit, None),
+            path_picture(&name, &segments, &y, limit, Some(motion)),
+            speed_path_picture(&name, &places),
             feed_picture(&name, Along::Length, &v, &v),
             feed_picture(&name, Along::Time, &v, &[]),
             joint_picture(&name, JointQuantity::Acceleration, &x, &[y.as_slice(); 6], &[Bound::Constant(limit); 6], &[limit]),

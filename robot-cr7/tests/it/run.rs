@@ -30,7 +30,7 @@ fn the_embedded_scenario_writes_trajectory_pictures_and_reports() {
 
     // The trajectory is what the report says: it ends where the scenario's line does, and the simulated arm follows it with its lag.
     let rows = desk.trajectory::<6>("out");
-    assert_eq!(rows.len() as u64, report["cycles"].as_u64().expect("a number") + 1);
+    assert_eq!(rows.len() as u64, report["samples"].as_u64().expect("a number"));
     let end = [
         -1.288716540983,
         -1.53915982343 + std::f64::consts::FRAC_PI_2,

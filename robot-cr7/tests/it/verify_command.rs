@@ -39,6 +39,7 @@ fn a_planned_trajectory_passes_and_each_spoilt_row_is_named() {
     assert!(json["limits"].as_array().is_some_and(|limits| limits.len() > 20));
     let file = std::fs::File::open(desk.folder.join("out/trajectory.csv")).expect("a file");
     let rows: Vec<TrajectoryRow> = read_trajectory(file, "out/trajectory.csv".as_ref()).expect("rows");
+    let names = robot_cr7::Robot::load("cr7", None, None).expect("built in").any().joint_names().to_vec();
     let middle = rows.len() / 2;
     type Spoil = fn(&mut TrajectoryRow);
     let spoilt: [(&str, Spoil); 4] = [
@@ -50,7 +51,7 @@ fn a_planned_trajectory_passes_and_each_spoilt_row_is_named() {
     for (name, spoil) in spoilt {
         let mut rows = rows.clone();
         spoil(&mut rows[middle]);
-        write_trajectory(&desk.folder.join("spoilt.csv"), rows).expect("written");
+        write_trajectory(&desk.folder.join("spoilt.csv"), &names, rows).expect("written");
         let run = desk.run(&["verify", "spoilt.csv", "--json"]);
         assert_eq!(run.code, 1, "{name}");
         let json: serde_json::Value = serde_json::from_str(&run.stdout).expect("JSON");
@@ -59,6 +60,18 @@ fn a_planned_trajectory_passes_and_each_spoilt_row_is_named() {
         let names: Vec<&str> = over.filter_map(|line| line["name"].as_str()).collect();
         assert!(names.iter().any(|over| over.starts_with(name)), "{name}: {names:?}");
     }
+}
+
+#[test]
+fn a_trajectory_of_another_robot_is_refused_by_the_names_of_its_joints() {
+    let desk = Desk::new("verify_names");
+    let run = |header: &str| {
+        desk.write("q.csv", &format!("{header}\n0,0,0\n1,0,0\n"));
+        desk.run(&["verify", "q.csv", "--robot", "planar_2r"])
+    };
+    run("t_s,q1_rad,q2_rad:joint2").done();
+    let other = run("t_s,q1_rad:joint1,q2_rad:elbow");
+    assert!(other.code == 2 && other.stderr.contains("joint 2 is called \"elbow\""), "{other:?}");
 }
 
 #[test]

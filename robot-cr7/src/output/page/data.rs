@@ -50,7 +50,7 @@ impl Page<'_> {
     pub fn to_html(&self) -> String {
         // What begins with "<" could end the script, wherever it stands.
         let data = json(self).replace('<', "\\u003c");
-        let title = self.report.path.replace('&', "&amp;").replace('<', "&lt;");
+        let title = self.report.name.replace('&', "&amp;").replace('<', "&lt;");
         let library = library();
         let parts = [
             ("{{title}}", title.as_str()),

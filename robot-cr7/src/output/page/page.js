@@ -279,7 +279,7 @@ function play(on) {
 // ---- text around it
 
 function texts() {
-  at("title").textContent = report.path;
+  at("title").textContent = report.name;
   const facts = [
     data.robot, `${number(1e3 * report.length_m)} mm in ${number(duration)} s`, report.planner,
     data.limited_by ? `limited by ${data.limited_by}` : "no limit binds for long",

@@ -44,11 +44,11 @@ pub(crate) struct Pen {
 }
 
 impl Pen {
-    pub fn solid(color: RGBColor, width: f64) -> Self {
+    pub const fn solid(color: RGBColor, width: f64) -> Self {
         Self { color, width, dashed: false }
     }
 
-    pub fn dashed(color: RGBColor, width: f64) -> Self {
+    pub const fn dashed(color: RGBColor, width: f64) -> Self {
         Self { color, width, dashed: true }
     }
 }

@@ -9,13 +9,14 @@ mod decimate;
 mod motion;
 mod panel;
 mod paper;
+mod path;
 mod run;
 mod run_space;
 mod run_states;
 mod schedule;
 #[cfg(feature = "controller")]
 mod sent;
-mod speed;
+mod view;
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -26,11 +27,11 @@ use crate::run::limit_line::TOLERANCE;
 use crate::text::{number, percent};
 pub use motion::motion_picture;
 pub use paper::paper_picture;
+pub use path::{PathMotion, PathPlace, path_picture, speed_path_picture};
 pub use run::{Picture, run_pictures};
 pub use schedule::{joint_panels_picture, shares_picture, speed_picture};
 #[cfg(feature = "controller")]
 pub use sent::sent_picture;
-pub use speed::speed_path_picture;
 
 use canvas::{Anchor, Canvas, LIMIT, PALETTE, Pen, page};
 use panel::{Panel, range, widened};
@@ -145,125 +146,6 @@ pub struct Line<'a> {
 pub fn save_picture(file: &Path, svg: &str) -> Result<(), InputError> {
     write_whole(file, |mut part| part.write_all(svg.as_bytes()))
         .map_err(|source| InputError::Write { file: file.to_owned(), source })
-}
-
-/// The path with its segments coloured in turn, at equal scale of both axes, and the deviation of every segment below.
-///
-/// `segments` are dense polylines in m, one a segment; `deviations` the largest deviation of each from its chord in m;
-/// `tolerance` in m.
-///
-/// # Errors
-/// Fails when the drawing library fails.
-pub fn path_picture(
-    name: &str,
-    segments: &[Vec<[f64; 2]>],
-    deviations: &[f64],
-    tolerance: f64,
-) -> Result<String, io::Error> {
-    let points = || segments.iter().flatten();
-    let x = widened(range(points().map(|p| p[0] * 1e3)), 0.04);
-    let y = widened(range(points().map(|p| p[1] * 1e3)), 0.04);
-    // Equal scale: the height of the panel follows the path, within what fits a screen; then the width gives way.
-    let height = ((RIGHT - LEFT) * (y.1 - y.0) / (x.1 - x.0)).clamp(220.0, 640.0);
-    let scale = ((RIGHT - LEFT) / (x.1 - x.0)).min(height / (y.1 - y.0));
-    let grown = |(a, b): (f64, f64), pixels: f64| {
-        let (middle, half) = (0.5 * (a + b), 0.5 * pixels / scale);
-        (middle - half, middle + half)
-    };
-    let top = 66.0;
-    let shape =
-        Panel { left: LEFT, right: RIGHT, top, bottom: top + height, x: grown(x, RIGHT - LEFT), y: grown(y, height) };
-    let worst = deviations.iter().fold(0.0, |a: f64, &d| a.max(d));
-    let below = Panel {
-        top: shape.bottom + 62.0,
-        bottom: shape.bottom + 62.0 + 150.0,
-        x: (0.0, deviations.len().max(1) as f64),
-        y: (0.0, 1.15e6 * worst.max(tolerance).max(1e-12)),
-        ..shape
-    };
-    let length: f64 =
-        segments.iter().flat_map(|s| s.windows(2)).map(|w| (w[1][0] - w[0][0]).hypot(w[1][1] - w[0][1])).sum();
-    let facts = format!(
-        "{} segments over {} mm; largest deviation {} µm of {} µm allowed",
-        segments.len(),
-        number(length * 1e3),
-        number(worst * 1e6),
-        number(tolerance * 1e6)
-    );
-    page(WIDTH, (below.bottom + 52.0) as u32, |canvas| {
-        canvas.header(name, &facts, &[("tolerance", Pen::dashed(LIMIT, 2.0))])?;
-        shape.axes(canvas, Some("x [mm]"), "y [mm]")?;
-        for (chain, colour) in chains(segments, scale) {
-            let placed: Vec<_> = chain.iter().map(|p| shape.place((p[0] * 1e3, p[1] * 1e3))).collect();
-            canvas.line(&placed, Pen::solid(PALETTE[colour % 4], 2.2))?;
-        }
-        if let Some(start) = points().next() {
-            let (px, py) = shape.place((start[0] * 1e3, start[1] * 1e3));
-            canvas.line(&[(px - 5.0, py), (px + 5.0, py)], Pen::solid(PALETTE[5], 1.6))?;
-            canvas.line(&[(px, py - 5.0), (px, py + 5.0)], Pen::solid(PALETTE[5], 1.6))?;
-            canvas.text("start", (px + 8.0, py - 10.0), Anchor::Left)?;
-        }
-        below.axes(canvas, Some("segment"), "deviation [µm]")?;
-        bars(canvas, &below, deviations)?;
-        below.level(canvas, tolerance * 1e6)
-    })
-}
-
-/// Polylines to draw with the index of their colour: points nearer than a third of a pixel to the last one are left
-/// out, and segments shorter than a pixel join the one before, so that the size follows the picture, not the input.
-fn chains(segments: &[Vec<[f64; 2]>], pixels_per_mm: f64) -> Vec<(Vec<[f64; 2]>, usize)> {
-    let pixels = |a: &[f64; 2], b: &[f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) * 1e3 * pixels_per_mm;
-    let mut out: Vec<(Vec<[f64; 2]>, usize)> = Vec::new();
-    let mut drawn = f64::INFINITY;
-    for (i, segment) in segments.iter().enumerate() {
-        let mut finite = segment.iter().filter(|p| p[0].is_finite() && p[1].is_finite());
-        if drawn >= 1.0 {
-            let Some(first) = finite.next() else { continue };
-            out.push((vec![*first], i));
-            drawn = 0.0;
-        }
-        let Some((chain, _)) = out.last_mut() else { continue };
-        let mut last = *chain.last().unwrap_or(&[0.0; 2]);
-        for p in finite {
-            let d = pixels(p, &last);
-            if d >= 0.33 {
-                chain.push(*p);
-                drawn += d;
-                last = *p;
-            }
-        }
-        if let Some(end) = segment.last().filter(|p| p[0].is_finite() && p[1].is_finite() && **p != last) {
-            chain.push(*end);
-            drawn += pixels(end, &last);
-        }
-    }
-    out
-}
-
-/// A bar a segment, coloured as the segment is; more bars than pixels become one outline of the largest a pixel.
-fn bars(canvas: &canvas::Canvas<'_>, panel: &Panel, deviations: &[f64]) -> Result<(), io::Error> {
-    let columns = (panel.right - panel.left) as usize;
-    if deviations.len() * 3 <= columns {
-        for (i, &d) in deviations.iter().enumerate() {
-            let a = panel.place((i as f64 + 0.1, 0.0));
-            let b = panel.place((i as f64 + 0.9, d * 1e6));
-            canvas.rectangle((a.0, b.1), (b.0, a.1), PALETTE[i % 4])?;
-        }
-        return Ok(());
-    }
-    let mut outline = vec![panel.place((0.0, 0.0))];
-    let mut i = 0;
-    for column in 0..columns {
-        let end = ((column + 1) * deviations.len() / columns).max(i + 1).min(deviations.len());
-        if i >= end {
-            break;
-        }
-        let largest = deviations[i..end].iter().fold(0.0, |a: f64, &d| a.max(d)) * 1e6;
-        outline.extend([panel.place((i as f64, largest)), panel.place((end as f64, largest))]);
-        i = end;
-    }
-    outline.push(panel.place((deviations.len() as f64, 0.0)));
-    canvas.fill(&outline, PALETTE[0], 0.75)
 }
 
 /// The feed under its limit curve; what lies above the limit is tinted.

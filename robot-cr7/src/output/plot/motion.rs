@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use nalgebra::Vector3;
 
-use super::speed::{colour_of, level_of};
+use super::path::{colour_of, level_of};
 use crate::output::arm_poses::Pose;
 use crate::text::number;
 

@@ -9,49 +9,14 @@ use plotters::prelude::RGBColor;
 use super::canvas::{Anchor, Canvas, PALETTE, Pen, page};
 use super::panel::{range, widened};
 use super::run_states::{STATES, colour_of};
+use super::view::{FAINT, PathGrid, View, grid, thin};
 use super::{RIGHT, WIDTH};
 use crate::output::run_report::RunReport;
 use crate::run::play::{Cycle, Played};
 use crate::run::stage::Stage;
 use crate::text::number;
 
-const FAINT: RGBColor = RGBColor(215, 215, 215);
 const SHADOW: RGBColor = RGBColor(185, 185, 190);
-
-/// A view from a direction above the horizon; straight lines stay straight and parallel.
-struct View {
-    right: Vector3<f64>,
-    up: Vector3<f64>,
-}
-
-impl View {
-    const ELEVATION: f64 = 0.45;
-
-    fn from(azimuth: f64) -> Self {
-        let (sin, cos) = azimuth.sin_cos();
-        let right = Vector3::new(-sin, cos, 0.0);
-        let towards = Vector3::new(cos * Self::ELEVATION.cos(), sin * Self::ELEVATION.cos(), Self::ELEVATION.sin());
-        Self { right, up: towards.cross(&right) }
-    }
-
-    /// The direction from which the points cover most of a page.
-    fn best(points: &[Vector3<f64>]) -> Self {
-        let area = |view: &Self| {
-            let (x, y) = view.ranges(points);
-            (x.1 - x.0) * (y.1 - y.0)
-        };
-        let views = (0..36).map(|i| Self::from(std::f64::consts::TAU * f64::from(i) / 36.0));
-        views.max_by(|a, b| area(a).total_cmp(&area(b))).unwrap_or_else(|| Self::from(0.6))
-    }
-
-    fn flat(&self, p: &Vector3<f64>) -> (f64, f64) {
-        (p.dot(&self.right), p.dot(&self.up))
-    }
-
-    fn ranges(&self, points: &[Vector3<f64>]) -> ((f64, f64), (f64, f64)) {
-        (range(points.iter().map(|p| self.flat(p).0)), range(points.iter().map(|p| self.flat(p).1)))
-    }
-}
 
 /// The way of the tool in space, coloured by state, over its shadow on the floor.
 pub(super) fn space_picture(stage: &Stage<'_>, played: &Played, report: &RunReport) -> Result<String, io::Error> {
@@ -132,12 +97,6 @@ pub(super) fn space_picture(stage: &Stage<'_>, played: &Played, report: &RunRepo
     })
 }
 
-/// The ground of the picture, mm.
-struct PathGrid {
-    height: f64,
-    square: f64,
-}
-
 fn space_facts(report: &RunReport, square: f64) -> String {
     let mut facts = format!("{} s", number(report.duration_s));
     for way in &report.excursions {
@@ -152,20 +111,6 @@ fn space_facts(report: &RunReport, square: f64) -> String {
     facts + &format!("; one square of the floor is {square} mm")
 }
 
-/// Points at least a third of a pixel apart.
-fn thin(points: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
-    let mut out: Vec<(f64, f64)> = Vec::new();
-    for p in points.filter(|p| p.0.is_finite() && p.1.is_finite()) {
-        if out.last().is_none_or(|l| (l.0 - p.0).hypot(l.1 - p.1) > 0.33) {
-            out.push(p);
-        }
-    }
-    if out.is_empty() {
-        out.push((0.0, 0.0));
-    }
-    out
-}
-
 fn dot(canvas: &Canvas<'_>, (x, y): (f64, f64)) -> Result<(), io::Error> {
     let ring = |r: f64| -> Vec<(f64, f64)> {
         (0..20)
@@ -175,28 +120,6 @@ fn dot(canvas: &Canvas<'_>, (x, y): (f64, f64)) -> Result<(), io::Error> {
     };
     canvas.fill(&ring(5.5), RGBColor(255, 255, 255), 1.0)?;
     canvas.fill(&ring(4.0), RGBColor(40, 40, 40), 1.0)
-}
-
-/// The floor under the points, in squares.
-fn grid(
-    canvas: &Canvas<'_>,
-    points: &[Vector3<f64>],
-    ground: &PathGrid,
-    place: &impl Fn(&Vector3<f64>) -> (f64, f64),
-) -> Result<(), io::Error> {
-    let steps = |(low, high): (f64, f64)| ((low / ground.square).floor() as i32, (high / ground.square).ceil() as i32);
-    let (x0, x1) = steps(range(points.iter().map(|p| p.x)));
-    let (y0, y1) = steps(range(points.iter().map(|p| p.y)));
-    let at = |x: i32, y: i32| {
-        place(&(Vector3::new(f64::from(x), f64::from(y), 0.0) * ground.square + Vector3::z() * ground.height))
-    };
-    for x in (x0..=x1).take(60) {
-        canvas.line(&[at(x, y0), at(x, y1)], Pen::solid(FAINT, 0.7))?;
-    }
-    for y in (y0..=y1).take(60) {
-        canvas.line(&[at(x0, y), at(x1, y)], Pen::solid(FAINT, 0.7))?;
-    }
-    Ok(())
 }
 
 /// The base frame, 120 mm long.
