@@ -1,4 +1,4 @@
-//! Where the program begins: velocities that do not overshoot, and durations that allow them.
+//! Where the search for durations begins: what every axis needs that only stops where it turns.
 
 use arcfeed_feedrate::{AxisLimits, AxisState};
 
@@ -8,18 +8,12 @@ use super::{NODES, SECTIONS};
 #[cfg(not(feature = "std"))]
 use num_traits::Float;
 
-/// The first durations, relative to what the limits demand one by one.
-const GENEROUS: f64 = 1.2;
-
-/// Sweeps that make sections longer where the velocity changes too fast.
-const SWEEPS: usize = 8;
-
-/// Parts of the acceleration and of the jerk that a change of velocity may take.
-const PART_A: f64 = 0.6;
-const PART_J: f64 = 0.5;
-
-/// A section as short as this part of the whole is not made shorter (relative to the mean duration).
+/// A section as short as this part of the whole is not made shorter.
 const SHORTEST: f64 = 1e-6;
+
+/// The constant acceleration of the shortest motion over a distance `d` under a jerk limit `j`
+/// alone is this number times `cbrt(d j^2)`.
+const MEAN_ACCELERATION: f64 = 0.396_850_262_992_049_9;
 
 /// States at the way-points and durations of the sections.
 pub(super) struct Guess<const N: usize> {
@@ -33,72 +27,70 @@ impl<const N: usize> Guess<N> {
         let mut states = [[AxisState::default(); N]; NODES];
         (states[0], states[n]) = (*start, route.target);
         for (state, point) in states[1..].iter_mut().zip(route.points) {
-            *state = point.position().map(AxisState::rest);
+            for (k, (s, v)) in state.iter_mut().zip(point.velocity()).enumerate() {
+                *s = AxisState::new(point.position()[k], v.unwrap_or(0.0), 0.0);
+            }
         }
-        let mut durations = [0.0; SECTIONS];
+        let mut all = Self { states, durations: [0.0; SECTIONS] };
+        for k in 0..N {
+            let mut begin = 0;
+            while begin < n {
+                let mut end = begin + 1;
+                while end < n && all.way(end, k) * all.way(begin, k) > 0.0 {
+                    end += 1;
+                }
+                all.pass((begin, end), k, route);
+                begin = end;
+            }
+        }
         let mut sum = 0.0;
-        for i in 0..n {
-            durations[i] = GENEROUS * least_duration(&states[i], &states[i + 1], route.limits(i));
-            durations[i] = f64::max(durations[i], GENEROUS * route.least_duration(i));
-            sum += durations[i];
+        for (i, t) in all.durations[..n].iter_mut().enumerate() {
+            *t = t.max(route.least_duration(i));
+            sum += *t;
         }
-        for t in &mut durations[..n] {
+        for t in &mut all.durations[..n] {
             *t = t.max(if sum > 0.0 { SHORTEST * sum } else { 1.0 });
         }
-        let mut all = Self { states, durations };
-        for _ in 0..SWEEPS {
-            all.lengthen(route);
-        }
-        all.choose_velocities(route);
         all
     }
 
-    /// Makes the sections next to a point longer where the velocity changes too fast.
-    fn lengthen(&mut self, route: &Route<'_, N>) {
-        let n = route.sections();
-        for i in 0..=n {
-            let mut factor = 1.0_f64;
-            let time =
-                0.5 * (if i > 0 { self.durations[i - 1] } else { 0.0 } + if i < n { self.durations[i] } else { 0.0 });
-            let l = route.limits(i.min(n - 1));
-            for k in 0..N {
-                let s = &self.states[i][k];
-                let before = if i > 0 { self.slope(i - 1, k) } else { s.v };
-                let after = if i < n { self.slope(i, k) } else { s.v };
-                let change = (after - before) / time;
-                let a = if change > 0.0 { l[k].a_max() } else { -l[k].a_min() };
-                let j = l[k].j_max().min(-l[k].j_min());
-                factor =
-                    factor.max((change.abs() / (PART_A * a)).sqrt()).max((change.abs() / (PART_J * j * time)).cbrt());
-            }
-            if factor > 1.0 {
-                let factor = factor.min(2.0);
-                if i > 0 {
-                    self.durations[i - 1] *= factor;
-                }
-                if i < n {
-                    self.durations[i] *= factor;
-                }
-            }
+    fn way(&self, i: usize, k: usize) -> f64 {
+        self.states[i + 1][k].p - self.states[i][k].p
+    }
+
+    /// Makes the durations of sections in which an axis moves in one direction as long as it needs.
+    fn pass(&mut self, (begin, end): (usize, usize), k: usize, route: &Route<'_, N>) {
+        let sign = if self.way(begin, k) < 0.0 { -1.0 } else { 1.0 };
+        let length = (self.states[end][k].p - self.states[begin][k].p).abs();
+        let acceleration = |i: usize| {
+            let l = &route.limits(i)[k];
+            let j = l.j_max().min(-l.j_min());
+            let within_jerk = MEAN_ACCELERATION * (length * j * j).cbrt();
+            let a = l.a_max().min(-l.a_min());
+            // Both at once, and above 0.
+            (a / (a + within_jerk) * within_jerk).max(f64::MIN_POSITIVE)
+        };
+        let fastest = |i: usize| if sign > 0.0 { route.limits(i)[k].v_max() } else { -route.limits(i)[k].v_min() };
+        let at_rest = |node: usize| (sign * self.states[node][k].v).max(0.0);
+        let highest = |node: usize| {
+            let free = node > begin && node < end && route.points[node - 1].velocity()[k].is_none();
+            if free { f64::INFINITY } else { at_rest(node) }
+        };
+        let mut speeds = [0.0_f64; NODES];
+        speeds[begin] = highest(begin);
+        for i in begin..end {
+            let way = self.way(i, k).abs();
+            let reached = (speeds[i] * speeds[i] + 2.0 * acceleration(i) * way).sqrt();
+            speeds[i + 1] = reached.min(fastest(i)).min(highest(i + 1));
         }
-    }
-
-    fn slope(&self, i: usize, k: usize) -> f64 {
-        (self.states[i + 1][k].p - self.states[i][k].p) / self.durations[i]
-    }
-
-    /// Velocities and accelerations of the parabola through a point and its neighbours.
-    fn choose_velocities(&mut self, route: &Route<'_, N>) {
-        for (i, point) in route.points.iter().enumerate().map(|(i, p)| (i + 1, p)) {
-            let (x, y) = (self.durations[i - 1], self.durations[i]);
-            for k in 0..N {
-                let (before, after) = (self.slope(i - 1, k), self.slope(i, k));
-                let l = &route.limits(i)[k];
-                let v = (before * y + after * x) / (x + y);
-                let a = 2.0 * (after - before) / (x + y);
-                self.states[i][k].v = point.velocity()[k].unwrap_or(v);
-                self.states[i][k].a = a.max(0.9 * l.a_min()).min(0.9 * l.a_max());
-            }
+        for i in (begin..end).rev() {
+            let (a, way, v) = (acceleration(i), self.way(i, k).abs(), speeds[i + 1]);
+            speeds[i] = speeds[i].min((v * v + 2.0 * a * way).sqrt());
+            let squares = speeds[i] * speeds[i] + v * v;
+            let peak = (a * way + 0.5 * squares).sqrt().min(fastest(i)).max(speeds[i]).max(v);
+            let cruise = way - (peak * peak - 0.5 * squares) / a;
+            let time = (2.0 * peak - speeds[i] - v) / a + if cruise > 0.0 { cruise / peak } else { 0.0 };
+            self.durations[i] = self.durations[i].max(time);
         }
     }
 
@@ -121,18 +113,6 @@ impl<const N: usize> Guess<N> {
             program.set_node(n, k, &inside(&self.states[n][k], &route.limits(n - 1)[k]));
         }
     }
-}
-
-/// What the limits demand of the duration of a section, one by one.
-fn least_duration<const N: usize>(from: &[AxisState; N], to: &[AxisState; N], limits: &[AxisLimits; N]) -> f64 {
-    let mut least = 0.0_f64;
-    for ((from, to), l) in from.iter().zip(to).zip(limits) {
-        let way = to.p - from.p;
-        let (v, a) = if way > 0.0 { (l.v_max(), l.a_max()) } else { (-l.v_min(), -l.a_min()) };
-        let j = l.j_max().min(-l.j_min());
-        least = least.max(way.abs() / v).max((way.abs() / a).sqrt()).max((way.abs() / j).cbrt());
-    }
-    least
 }
 
 /// The state inside the limits.

@@ -72,7 +72,7 @@ impl<const N: usize> Default for WayPointPlanner<N> {
 
 impl<const N: usize> WayPointPlanner<N> {
     /// Rounds of [`WayPointPlanner::new`].
-    pub const DEFAULT_ROUNDS: usize = 20;
+    pub const DEFAULT_ROUNDS: usize = 12;
 
     /// With the default number of rounds.
     pub const fn new() -> Self {
@@ -96,7 +96,7 @@ impl<const N: usize> WayPointPlanner<N> {
         route.check(start)?;
         let guess = Guess::new(start, route);
         guess.write(route, &mut self.program);
-        self.program.slow_down();
+        self.program.begin_with_spline();
         self.program.improve(self.rounds);
         let mut motion = self.read(&guess, route);
         let mut duration = self.settle(&mut motion, route);
