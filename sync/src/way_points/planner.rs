@@ -55,6 +55,9 @@ const FADING: f64 = 0.6;
 /// A section counts as impossible if it takes that much longer than in the program.
 const LONGER: f64 = 1.25;
 
+/// Part of an acceleration that the limits of the velocity allow.
+const CLEAR: f64 = 1.0 - 1e-12;
+
 /// The other motion is tried if the first is that much longer than expected.
 const SLACK: f64 = 1.02;
 
@@ -109,6 +112,9 @@ impl<const N: usize> WayPointPlanner<N> {
             }
         }
         // Never longer than with a stop in every point.
+        if duration <= stopping_bound(&guess.states, route) {
+            return Ok(motion);
+        }
         let mut stopping = self.read(&guess, route);
         match rest(&mut stopping, route) {
             Ok(()) if stopping.duration() < duration => Ok(stopping),
@@ -192,9 +198,10 @@ impl<const N: usize> WayPointPlanner<N> {
 fn within(s: &AxisState, l: &AxisLimits) -> AxisState {
     let v = s.v.max(l.v_min()).min(l.v_max());
     let (up, down) = (l.v_max() - v, v - l.v_min());
-    // Before a rise the velocity was lower, and after it, it is higher.
-    let highest = l.a_max().min((2.0 * down * l.j_max()).sqrt()).min((2.0 * up * -l.j_min()).sqrt());
-    let lowest = l.a_min().max(-(2.0 * up * -l.j_min()).sqrt()).max(-(2.0 * down * l.j_max()).sqrt());
+    // Before a rise the velocity was lower, and after it, it is higher. A little less, so that no
+    // round-off is left that would have to be taken from the acceleration.
+    let most = CLEAR * (2.0 * f64::min(down * l.j_max(), up * -l.j_min())).sqrt();
+    let (highest, lowest) = (l.a_max().min(most), l.a_min().max(-most));
     AxisState::new(s.p, v, s.a.max(lowest).min(highest))
 }
 
@@ -217,6 +224,25 @@ fn slow<const N: usize>(
     for ((s, was), given) in states.iter_mut().zip(planned).zip(route.points[node - 1].velocity()) {
         *s = AxisState::new(s.p, given.unwrap_or(was.v / factor), was.a / (factor * factor));
     }
+}
+
+/// A motion that stops in every point takes at least that long (s).
+fn stopping_bound<const N: usize>(states: &[[AxisState; N]; NODES], route: &Route<'_, N>) -> f64 {
+    let rests = |s: &AxisState| s.v == 0.0 && s.a == 0.0;
+    let mut sum = 0.0;
+    for i in 0..route.sections() {
+        let mut longest = route.least_duration(i);
+        for ((from, to), l) in states[i].iter().zip(&states[i + 1]).zip(route.limits(i)) {
+            if rests(from) && rests(to) {
+                let way = (to.p - from.p).abs();
+                let v = if to.p > from.p { l.v_max() } else { -l.v_min() };
+                let (a, j) = (l.a_max().max(-l.a_min()), l.j_max().max(-l.j_min()));
+                longest = longest.max(way / v).max(2.0 * (way / a).sqrt()).max((32.0 * way / j).cbrt());
+            }
+        }
+        sum += longest;
+    }
+    sum
 }
 
 /// All axes rest in the points, as far as no velocity is given.
