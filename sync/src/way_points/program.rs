@@ -309,5 +309,5 @@ const QUICK: f64 = 0.1;
 const SLOW: f64 = 0.4;
 
 /// Excess that is allowed between rounds, and halvings of a step that makes more.
-const ALLOWED: f64 = 1.15;
+const ALLOWED: f64 = 1.4;
 const HALVINGS: usize = 4;
