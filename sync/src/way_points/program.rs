@@ -136,7 +136,7 @@ impl<const N: usize> Program<N> {
         }
     }
 
-    fn keep_round(&mut self) {
+    pub(super) fn keep_round(&mut self) {
         let n = self.sections;
         self.from.nodes[..=n].copy_from_slice(&self.nodes[..=n]);
         self.from.durations[..n].copy_from_slice(&self.durations[..n]);

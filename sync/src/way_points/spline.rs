@@ -9,7 +9,7 @@ use super::{NODES, SECTIONS};
 use num_traits::Float;
 
 /// Changes of the durations towards the excess of their sections, the power of it that is taken, and
-/// the least factor relative to the worst section.
+/// the least excess that counts. More changes lead the splines of a few axes away from good ones.
 const SWEEPS: usize = 3;
 const POWER: f64 = 0.7;
 const LEAST_FACTOR: f64 = 0.6;
@@ -27,7 +27,32 @@ const ABOVE_LEAST: f64 = 1.0 + 1e-6;
 
 impl<const N: usize> Program<N> {
     /// Changes the durations until a spline keeps the limits, and takes its states.
+    ///
+    /// Velocities that are given count as 0: they do not become smaller with longer durations.
     pub fn begin_with_spline(&mut self) {
+        self.keep_round();
+        let n = self.sections;
+        for node in 0..=n {
+            for k in 0..N {
+                if node == 0 || node == n || !self.free[node][k] {
+                    (self.nodes[node][1][k], self.nodes[node][2][k]) = (0.0, 0.0);
+                }
+            }
+        }
+        self.find_durations();
+        for node in 0..=n {
+            for k in 0..N {
+                let [_, v, a] = self.from.nodes[node].map(|x| x[k]);
+                if node == 0 || node == n {
+                    (self.nodes[node][1][k], self.nodes[node][2][k]) = (v, a);
+                } else if !self.free[node][k] {
+                    self.nodes[node][1][k] = v;
+                }
+            }
+        }
+    }
+
+    fn find_durations(&mut self) {
         let n = self.sections;
         self.shapes[..n].fill(shape(1.0 / 3.0));
         let (mut best, mut kept) = (f64::INFINITY, self.durations);
@@ -47,7 +72,7 @@ impl<const N: usize> Program<N> {
             }
             if sweep < SWEEPS {
                 for i in 0..n {
-                    let factor = factors[i].max(LEAST_FACTOR * worst).powf(POWER);
+                    let factor = factors[i].max(LEAST_FACTOR).powf(POWER);
                     self.durations[i] = (factor * self.durations[i]).max(ABOVE_LEAST * self.least[i]);
                 }
             }

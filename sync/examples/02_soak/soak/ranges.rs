@@ -153,7 +153,9 @@ fn together(cases: &[Case; 3]) -> Result<(), String> {
             }
             Ok(())
         }
-        Err(SyncError::State { axis, .. }) if cases[axis].solve().is_err() || cases[axis].in_parts().is_none() => Ok(()),
+        Err(SyncError::State { axis, .. }) if cases[axis].solve().is_err() || cases[axis].in_parts().is_none() => {
+            Ok(())
+        }
         Err(e) => Err(format!("together: {e}")),
     }
 }

@@ -70,7 +70,11 @@ impl Input {
                     let scale = rng.log(1.0, 10.0);
                     let wider = |l: &AxisLimits| {
                         let pair = |lo: f64, hi: f64| (scale * lo, scale * hi);
-                        AxisLimits::new(pair(l.v_min(), l.v_max()), pair(l.a_min(), l.a_max()), pair(l.j_min(), l.j_max()))
+                        AxisLimits::new(
+                            pair(l.v_min(), l.v_max()),
+                            pair(l.a_min(), l.a_max()),
+                            pair(l.j_min(), l.j_max()),
+                        )
                     };
                     point = point.with_limits(limits.map(|l| wider(&l).expect("limits on both sides of zero")));
                 }
@@ -104,7 +108,8 @@ impl Input {
     fn judge(&self, motion: &WayPointTrajectory<AXES>) -> Option<(String, f64)> {
         let route = self.route();
         for (state, point) in motion.states()[1..].iter().zip(&self.points) {
-            let passes = |k: usize| state[k].p == point.position()[k] && point.velocity()[k].is_none_or(|v| v == state[k].v);
+            let passes =
+                |k: usize| state[k].p == point.position()[k] && point.velocity()[k].is_none_or(|v| v == state[k].v);
             if !(0..AXES).all(passes) {
                 return Some(("passes beside a point".to_owned(), 1.0));
             }
