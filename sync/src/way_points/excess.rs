@@ -9,7 +9,11 @@ impl<const N: usize> Program<N> {
     /// Returns to the motion kept apart, slowed down to its limits.
     pub fn take_best(&mut self) {
         (self.nodes, self.durations) = (self.best.nodes, self.best.durations);
-        let factor = ROUND_UP * self.worst().max(1.0);
+        self.slow_down(ROUND_UP * self.worst().max(1.0));
+    }
+
+    /// Makes the motion slower by a factor; velocities that are given stay.
+    pub fn slow_down(&mut self, factor: f64) {
         for i in 0..self.sections {
             self.durations[i] *= factor;
         }

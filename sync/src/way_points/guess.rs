@@ -1,24 +1,23 @@
 //! Where the search for durations begins: what every axis needs that only stops where it turns.
 
-use arcfeed_feedrate::{AxisLimits, AxisState};
+use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, Phase, StateToState};
 
 use super::program::Program;
 use super::route::Route;
 use super::{NODES, SECTIONS};
-#[cfg(not(feature = "std"))]
-use num_traits::Float;
 
 /// A section as short as this part of the whole is not made shorter.
 const SHORTEST: f64 = 1e-6;
 
-/// The constant acceleration of the shortest motion over a distance `d` under a jerk limit `j`
-/// alone is this number times `cbrt(d j^2)`.
-const MEAN_ACCELERATION: f64 = 0.396_850_262_992_049_9;
+/// Steps that find when a place is passed in a phase.
+const STEPS: usize = 12;
 
 /// States at the way-points and durations of the sections.
 pub(super) struct Guess<const N: usize> {
     pub states: [[AxisState; N]; NODES],
     pub durations: [f64; SECTIONS],
+    /// What each axis needs by itself.
+    own: [[f64; N]; SECTIONS],
 }
 
 impl<const N: usize> Guess<N> {
@@ -31,12 +30,13 @@ impl<const N: usize> Guess<N> {
                 *s = AxisState::new(point.position()[k], v.unwrap_or(0.0), 0.0);
             }
         }
-        let mut all = Self { states, durations: [0.0; SECTIONS] };
+        let mut all = Self { states, durations: [0.0; SECTIONS], own: [[0.0; N]; SECTIONS] };
         for k in 0..N {
             let mut begin = 0;
             while begin < n {
                 let mut end = begin + 1;
-                while end < n && all.way(end, k) * all.way(begin, k) > 0.0 {
+                let given = |node: usize| route.points[node - 1].velocity()[k].is_some();
+                while end < n && all.way(end, k) * all.way(begin, k) > 0.0 && !given(end) {
                     end += 1;
                 }
                 all.pass((begin, end), k, route);
@@ -51,6 +51,7 @@ impl<const N: usize> Guess<N> {
         for t in &mut all.durations[..n] {
             *t = t.max(if sum > 0.0 { SHORTEST * sum } else { 1.0 });
         }
+        all.slow_down(route);
         all
     }
 
@@ -58,40 +59,52 @@ impl<const N: usize> Guess<N> {
         self.states[i + 1][k].p - self.states[i][k].p
     }
 
-    /// Makes the durations of sections in which an axis moves in one direction as long as it needs.
+    /// Makes the durations of sections in which an axis moves in one direction as long as its
+    /// shortest motion through all of them takes there.
     fn pass(&mut self, (begin, end): (usize, usize), k: usize, route: &Route<'_, N>) {
         let sign = if self.way(begin, k) < 0.0 { -1.0 } else { 1.0 };
-        let length = (self.states[end][k].p - self.states[begin][k].p).abs();
-        let acceleration = |i: usize| {
-            let l = &route.limits(i)[k];
-            let j = l.j_max().min(-l.j_min());
-            let within_jerk = MEAN_ACCELERATION * (length * j * j).cbrt();
-            let a = l.a_max().min(-l.a_min());
-            // Both at once, and above 0.
-            (a / (a + within_jerk) * within_jerk).max(f64::MIN_POSITIVE)
-        };
-        let fastest = |i: usize| if sign > 0.0 { route.limits(i)[k].v_max() } else { -route.limits(i)[k].v_min() };
-        let at_rest = |node: usize| (sign * self.states[node][k].v).max(0.0);
-        let highest = |node: usize| {
-            let free = node > begin && node < end && route.points[node - 1].velocity()[k].is_none();
-            if free { f64::INFINITY } else { at_rest(node) }
-        };
-        let mut speeds = [0.0_f64; NODES];
-        speeds[begin] = highest(begin);
+        let forwards = |s: &AxisState| AxisState::new(s.p, sign * (sign * s.v).max(0.0), 0.0);
+        let (from, to) = (forwards(&self.states[begin][k]), forwards(&self.states[end][k]));
+        let limits = (begin + 1..end).fold(route.limits(begin)[k], |all, i| tighter(&all, &route.limits(i)[k]));
+        let Ok(motion) = StateToState::new(&from, &to, &limits) else { return };
+        let (mut phases, mut now) = (motion.phases().peekable(), 0.0);
         for i in begin..end {
-            let way = self.way(i, k).abs();
-            let reached = (speeds[i] * speeds[i] + 2.0 * acceleration(i) * way).sqrt();
-            speeds[i + 1] = reached.min(fastest(i)).min(highest(i + 1));
+            let place = self.states[i + 1][k].p;
+            let mut passed = motion.duration();
+            while i + 1 < end
+                && let Some((phase, dt)) = phases.peek()
+            {
+                if sign * (phase.after(*dt).p - place) >= 0.0 {
+                    let t = when(phase, *dt, sign * place, sign);
+                    let s = phase.after(t);
+                    self.states[i + 1][k] = AxisState::new(place, s.v, s.a);
+                    passed = phase.t + t;
+                    break;
+                }
+                phases.next();
+            }
+            self.own[i][k] = passed - now;
+            self.durations[i] = self.durations[i].max(passed - now);
+            now = passed.max(now);
         }
-        for i in (begin..end).rev() {
-            let (a, way, v) = (acceleration(i), self.way(i, k).abs(), speeds[i + 1]);
-            speeds[i] = speeds[i].min((v * v + 2.0 * a * way).sqrt());
-            let squares = speeds[i] * speeds[i] + v * v;
-            let peak = (a * way + 0.5 * squares).sqrt().min(fastest(i)).max(speeds[i]).max(v);
-            let cruise = way - (peak * peak - 0.5 * squares) / a;
-            let time = (2.0 * peak - speeds[i] - v) / a + if cruise > 0.0 { cruise / peak } else { 0.0 };
-            self.durations[i] = self.durations[i].max(time);
+    }
+
+    /// Every axis passes the points in its own motion, made slower to the durations of all.
+    fn slow_down(&mut self, route: &Route<'_, N>) {
+        for node in 1..route.sections() {
+            let time = self.durations[node - 1] + self.durations[node];
+            for k in 0..N {
+                let part = (self.own[node - 1][k] + self.own[node][k]) / time;
+                let given = route.points[node - 1].velocity()[k];
+                let s = &mut self.states[node][k];
+                *s = AxisState::new(s.p, given.unwrap_or(part * s.v), part * part * s.a);
+            }
         }
+    }
+
+    /// Returns true if one axis is the slowest in all sections.
+    pub fn has_leader(&self, sections: usize) -> bool {
+        (0..N).any(|k| (0..sections).all(|i| self.own[i][k] >= self.durations[i]))
     }
 
     /// Writes the guess into a program.
@@ -113,6 +126,34 @@ impl<const N: usize> Guess<N> {
             program.set_node(n, k, &inside(&self.states[n][k], &route.limits(n - 1)[k]));
         }
     }
+}
+
+/// The time in a phase of at most `dt` seconds at which an axis that moves by `sign` passes a place.
+fn when(phase: &Phase, dt: f64, place: f64, sign: f64) -> f64 {
+    let (mut early, mut late) = (0.0, dt);
+    let mut t = 0.5 * dt;
+    for _ in 0..STEPS {
+        let s = phase.after(t);
+        let left = place - sign * s.p;
+        if left > 0.0 {
+            early = t
+        } else {
+            late = t
+        }
+        // Newton's step, if it stays between.
+        let next = t + left / (sign * s.v);
+        t = if next >= early && next <= late { next } else { 0.5 * (early + late) };
+    }
+    t
+}
+
+/// The tighter one of each limit.
+fn tighter(x: &AxisLimits, y: &AxisLimits) -> AxisLimits {
+    let bounds = |x: (f64, f64), y: (f64, f64)| (x.0.max(y.0), x.1.min(y.1));
+    let v = bounds((x.v_min(), x.v_max()), (y.v_min(), y.v_max()));
+    let a = bounds((x.a_min(), x.a_max()), (y.a_min(), y.a_max()));
+    let j = bounds((x.j_min(), x.j_max()), (y.j_min(), y.j_max()));
+    AxisLimits::new(v, a, j).unwrap_or(*x)
 }
 
 /// The state inside the limits.

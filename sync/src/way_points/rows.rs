@@ -103,3 +103,49 @@ impl<const N: usize> Polynomial<N> {
 pub(super) fn powers(t: f64) -> [[f64; 3]; 3] {
     [[t, 1.0, 0.0], [t * t, 2.0 * t, 2.0], [t * t * t, 3.0 * t * t, 6.0 * t]]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The jerks of the rows, integrated, lead from one end to the other; the other rows are read on
+    /// the way.
+    #[test]
+    fn rows_are_those_of_three_phases() {
+        let (begin, end) = ([0.3, -0.7, 1.1], [0.9, 0.4, -2.0]);
+        for (outer, t) in [(1.0 / 3.0, 1.0), (0.2, 0.7), (0.27, 2.5)] {
+            let ends = ends(&begin.map(|x| [x]), &end.map(|x| [x]));
+            let shape = shape(outer);
+            let row = |r: usize| Polynomial::new(&shape[r], &ends).value(t)[0] / powers(t)[order(r) - 1][0];
+            let [mut p, mut v, mut a] = begin;
+            let mut advance = |j: f64, dt: f64| {
+                p += dt * (v + dt * (a / 2.0 + dt * j / 6.0));
+                v += dt * (a + dt * j / 2.0);
+                a += dt * j;
+                [p, v, a]
+            };
+            let close = |x: f64, y: f64| assert!((x - y).abs() < 1e-11 * (1.0 + x.abs()), "{x} {y}");
+            let (x, y) = (outer * t, (1.0 - 2.0 * outer) * t);
+            close(row(5), begin[1] + 0.5 * x * begin[2]);
+            close(row(3), advance(row(0), x)[2]);
+            close(row(6), advance(row(1), 0.5 * y)[1]);
+            close(row(4), advance(row(1), 0.5 * y)[2]);
+            close(row(7), end[1] - 0.5 * x * end[2]);
+            for (reached, wanted) in advance(row(2), x).into_iter().zip(end) {
+                close(reached, wanted);
+            }
+        }
+    }
+
+    #[test]
+    fn slopes_are_differences() {
+        let ends = [[0.6], [-0.7], [0.4], [1.1], [-2.0]];
+        for factors in shape(0.25) {
+            let row = Polynomial::new(&factors, &ends);
+            let at = |t: f64| row.value(t)[0];
+            let (t, h) = (0.8, 1e-4);
+            assert!((row.slope(t)[0] - (at(t + h) - at(t - h)) / (2.0 * h)).abs() < 1e-8);
+            assert!((row.curvature()[0] - (at(t + h) - 2.0 * at(t) + at(t - h)) / (h * h)).abs() < 1e-5);
+        }
+    }
+}

@@ -55,6 +55,8 @@ impl<const N: usize> Program<N> {
     fn find_durations(&mut self) {
         let n = self.sections;
         self.shapes[..n].fill(shape(1.0 / 3.0));
+        let worst = self.worst();
+        let guess = worst * self.total();
         let (mut best, mut kept) = (f64::INFINITY, self.durations);
         for sweep in 0..=SWEEPS {
             self.take_spline();
@@ -77,14 +79,21 @@ impl<const N: usize> Program<N> {
                 }
             }
         }
-        self.durations = kept;
-        self.take_spline();
-        self.choose_shapes();
-        let factor = MARGIN * self.worst();
-        for i in 0..n {
-            self.durations[i] = (factor * self.durations[i]).max(ABOVE_LEAST * self.least[i]);
+        if guess < best {
+            (self.nodes, self.durations) = (self.from.nodes, self.from.durations);
+            self.slow_down(worst);
+            self.choose_shapes();
+            self.slow_down(MARGIN * self.worst());
+        } else {
+            self.durations = kept;
+            self.take_spline();
+            self.choose_shapes();
+            self.slow_down(MARGIN * self.worst());
+            self.take_spline();
         }
-        self.take_spline();
+        for i in 0..n {
+            self.durations[i] = self.durations[i].max(ABOVE_LEAST * self.least[i]);
+        }
     }
 
     /// The outer parts of a section are as long as its most loaded axis needs to build up its
