@@ -1,21 +1,8 @@
-//! Motion between states beside the official ruckig and rsruckig 3 in one run, on the same inputs: the distribution that ruckig's own benchmark
-//! draws from, less the few inputs that either of the two refuses.
+//! Motion between states beside the official ruckig and rsruckig 3 in one run, on the same inputs: the distribution that
+//! ruckig's own benchmark draws from, less the few inputs that either of the two refuses.
 //!
-//! Measured on a 2-core AMD EPYC VM. One calculation, 4096 inputs, the least time of each over 40 rounds (with criterion's
-//! medians in brackets):
-//!
-//! | ns | arcfeed | rsruckig 3.0.1 | ratio |
-//! |---|---|---|---|
-//! | one axis, median | 320 (374) | 740 (794) | 0.43 |
-//! | one axis, 99th percentile | 440 | 969 | 0.45 |
-//! | one axis, worst | 690 | 1129 | 0.61 |
-//! | six axes, median | 3190 (3490) | 8450 (9140) | 0.38 |
-//! | six axes, 99th percentile | 3720 | 11510 | 0.32 |
-//! | six axes, worst | 8990 | 14060 | 0.64 |
-//! | six axes, one sample, 1 ms apart | 19.2 | 48.9 | 0.39 |
-//!
-//! Our worst case is 2.2 times (one axis) and 2.8 times (six axes) our median. One online cycle of six axes, the same target set
-//! again and a step: 58 ns.
+//! Measured on a 2-core AMD EPYC VM: docs/measured.md has the table. Our worst case is 2.2 times (one axis) and 2.9 times (six axes) our
+//! median. One online cycle of six axes, the same target set again and a step: 58 ns.
 #![allow(missing_docs)]
 
 use arcfeed_testing::Random;
