@@ -1,24 +1,12 @@
-//! Motion between states beside rsruckig 3 in one run, on the same inputs: the distribution that ruckig's own benchmark
-//! draws from, less the few inputs that either of the two refuses.
+//! Motion between states beside the official ruckig and rsruckig 3 in one run, on the same inputs: the distribution that
+//! ruckig's own benchmark draws from, less the few inputs that either of the two refuses.
 //!
-//! Measured on a 2-core AMD EPYC VM. One calculation, 4096 inputs, the least time of each over 40 rounds (with criterion's
-//! medians in brackets):
-//!
-//! | ns | arcfeed | rsruckig 3.0.1 | ratio |
-//! |---|---|---|---|
-//! | one axis, median | 320 (374) | 740 (794) | 0.43 |
-//! | one axis, 99th percentile | 440 | 969 | 0.45 |
-//! | one axis, worst | 690 | 1129 | 0.61 |
-//! | six axes, median | 3190 (3490) | 8450 (9140) | 0.38 |
-//! | six axes, 99th percentile | 3720 | 11510 | 0.32 |
-//! | six axes, worst | 8990 | 14060 | 0.64 |
-//! | six axes, one sample, 1 ms apart | 19.2 | 48.9 | 0.39 |
-//!
-//! Our worst case is 2.2 times (one axis) and 2.8 times (six axes) our median. One online cycle of six axes, the same target set
-//! again and a step: 58 ns.
+//! Measured on a 2-core AMD EPYC VM: docs/measured.md has the table. Our worst case is 2.2 times (one axis) and 2.9 times (six axes) our
+//! median. One online cycle of six axes, the same target set again and a step: 58 ns.
 #![allow(missing_docs)]
 
 use arcfeed_testing::Random;
+use std::cell::RefCell;
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -44,6 +32,7 @@ struct Case<const N: usize> {
     target: [AxisState; N],
     limits: [AxisLimits; N],
     theirs: InputParameter<N>,
+    official: RefCell<ruckig::InputParameter>,
 }
 
 fn cases<const N: usize>(seed: u64, count: usize) -> Vec<Case<N>> {
@@ -72,6 +61,7 @@ fn cases<const N: usize>(seed: u64, count: usize) -> Vec<Case<N>> {
             theirs.max_acceleration[k] = bounds[k][1];
             theirs.max_jerk[k] = bounds[k][2];
         }
+        let official = official_input(&theirs);
         let limits = bounds.map(|[v, a, j]| AxisLimits::symmetric(v, a, j).expect("limits above 0"));
         let mut trajectory = Theirs::new(None);
         let (Ok(_), Ok(ours)) = (
@@ -84,9 +74,25 @@ fn cases<const N: usize>(seed: u64, count: usize) -> Vec<Case<N>> {
         let inside = start.iter().zip(&limits).all(|(s, l)| l.contain(s));
         let gap = (ours.duration() - trajectory.get_duration()).abs();
         assert!(!inside || gap <= 1e-6 * ours.duration(), "{} {}", ours.duration(), trajectory.get_duration());
-        all.push(Case { start, target, limits, theirs });
+        all.push(Case { start, target, limits, theirs, official: RefCell::new(official) });
     }
     all
+}
+
+/// The same input for the official ruckig.
+fn official_input<const N: usize>(theirs: &InputParameter<N>) -> ruckig::InputParameter {
+    let mut official = ruckig::InputParameter::new(N);
+    let numbers = |x: &rsruckig::prelude::DataArrayOrVec<f64, N>| (0..N).map(|k| x[k]).collect::<Vec<_>>();
+    official.current_position = numbers(&theirs.current_position);
+    official.current_velocity = numbers(&theirs.current_velocity);
+    official.current_acceleration = numbers(&theirs.current_acceleration);
+    official.target_position = numbers(&theirs.target_position);
+    official.target_velocity = numbers(&theirs.target_velocity);
+    official.target_acceleration = numbers(&theirs.target_acceleration);
+    official.max_velocity = numbers(&theirs.max_velocity);
+    official.max_acceleration = numbers(&theirs.max_acceleration);
+    official.max_jerk = numbers(&theirs.max_jerk);
+    official
 }
 
 /// Least time of each input over some rounds: what the calculation takes, not what else the machine does. Sorted, in ns.
@@ -108,19 +114,22 @@ fn least_times<C>(cases: &[C], mut run: impl FnMut(&C)) -> Vec<f64> {
     least
 }
 
-fn report(name: &str, ours: &[f64], theirs: &[f64]) {
+fn report(name: &str, times: &[(&str, Vec<f64>)]) {
     let at = |v: &[f64], share: f64| v[((v.len() - 1) as f64 * share) as usize];
-    println!("{name}: arcfeed | rsruckig | ratio, ns");
     for (what, share) in [("median", 0.5), ("p99", 0.99), ("worst", 1.0)] {
-        let (a, b) = (at(ours, share), at(theirs, share));
-        println!("  {what:6} {a:8.0} | {b:8.0} | {:.2}", a / b);
+        let ours = at(&times[0].1, share);
+        let columns: Vec<String> = times
+            .iter()
+            .map(|(library, t)| format!("{library} {:.0} ({:.2})", at(t, share), ours / at(t, share)))
+            .collect();
+        println!("{name}, {what:6}, ns (ours over theirs): {}", columns.join(" | "));
     }
-    println!("  worst over own median {:.2}", at(ours, 1.0) / at(ours, 0.5));
+    println!("{name}: worst over own median {:.2}", at(&times[0].1, 1.0) / at(&times[0].1, 0.5));
 }
 
 fn one_axis(c: &mut Criterion) {
     let mut motion = StateToState::default();
-    beside_rsruckig::<1>(c, "one axis", 1, |case| {
+    beside_others::<1>(c, "one axis", 1, |case| {
         let case = black_box(case);
         let _ = motion.recompute(&case.start[0], &case.target[0], &case.limits[0]);
         black_box(&motion);
@@ -129,14 +138,14 @@ fn one_axis(c: &mut Criterion) {
 
 fn six_axes(c: &mut Criterion) {
     let options = MotionOptions::new(Synchronisation::Time);
-    beside_rsruckig::<6>(c, "six axes", 2, |case| {
+    beside_others::<6>(c, "six axes", 2, |case| {
         let case = black_box(case);
         let _ = black_box(Trajectory::new(&case.start, &case.target, &case.limits, &options));
     });
 }
 
-/// One calculation of ours and of rsruckig's on the same cases.
-fn beside_rsruckig<const N: usize>(c: &mut Criterion, name: &str, seed: u64, mut ours: impl FnMut(&Case<N>)) {
+/// One calculation of ours, of the official ruckig and of rsruckig on the same cases.
+fn beside_others<const N: usize>(c: &mut Criterion, name: &str, seed: u64, mut ours: impl FnMut(&Case<N>)) {
     let all = cases::<N>(seed, 4096);
     let mut otg = Ruckig::<N, ThrowErrorHandler>::new(None, 0.005);
     let mut trajectory = Theirs::new(None);
@@ -144,7 +153,12 @@ fn beside_rsruckig<const N: usize>(c: &mut Criterion, name: &str, seed: u64, mut
     let b = least_times(&all, |case| {
         let _ = black_box(otg.calculate(black_box(&case.theirs), &mut trajectory));
     });
-    report(name, &a, &b);
+    let mut official = ruckig::Ruckig::new_direct_and_offline(N);
+    let mut motion = ruckig::Trajectory::new_direct(N);
+    let o = least_times(&all, |case| {
+        let _ = black_box(official.calculate(&mut case.official.borrow_mut(), &mut motion));
+    });
+    report(name, &[("arcfeed", a), ("ruckig", o), ("rsruckig", b)]);
     let mut group = c.benchmark_group(name);
     let mut i = 0;
     group.bench_function("arcfeed", |bench| {

@@ -7,6 +7,7 @@
 //! | `projection` | some thousand cycles towards a target that changes | cycles |
 //! | `interrupts` | some thousand cycles with stops, jogs, holds and scales of time | cycles |
 //! | `way_points` | four axes through 1 to 64 points, from any state to any other | cases |
+//! | `ranges` | one axis from state to state inside a range of positions, in a longer duration; three axes together | cases |
 //!
 //! Every case has a seed of its own. What fails is printed with the command that plays it alone, and with its input as code.
 mod soak;

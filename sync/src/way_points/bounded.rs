@@ -56,9 +56,14 @@ impl<const N: usize> Bounded<N> {
         pull
     }
 
-    /// Multiplier of the lower bound less that of the upper one.
-    pub fn net(&self) -> Lanes<N> {
-        std::array::from_fn(|k| self.multiplier[0][k] - self.multiplier[1][k])
+    /// Multiplies the multipliers.
+    pub fn scale_multipliers(&mut self, factor: f64) {
+        self.multiplier.iter_mut().flatten().for_each(|z| *z *= factor);
+    }
+
+    /// The multipliers of the lower and of the upper bound.
+    pub const fn multipliers(&self) -> &[Lanes<N>; 2] {
+        &self.multiplier
     }
 
     /// Sum of the products of slack and multiplier.
@@ -81,14 +86,14 @@ impl<const N: usize> Bounded<N> {
 
     /// The longest step for changes of the distances, at most 1.
     pub fn longest_step(&self, distances: &[Lanes<N>; 2], changes: &[Lanes<N>; 2]) -> f64 {
-        let mut fastest = FRACTION;
+        let mut fastest = [FRACTION; N];
         for side in 0..2 {
             for k in 0..N {
-                let s = self.slack[side][k];
-                fastest = f64::max(fastest, 1.0 - (changes[side][k] + distances[side][k]) / s);
+                let rate = 1.0 - (changes[side][k] + distances[side][k]) / self.slack[side][k];
+                fastest[k] = if rate > fastest[k] { rate } else { fastest[k] };
             }
         }
-        FRACTION / fastest
+        FRACTION / fastest.iter().fold(FRACTION, |most, x| most.max(*x))
     }
 
     /// Makes a step.

@@ -9,6 +9,15 @@ use super::{NODES, SECTIONS};
 #[cfg(not(feature = "std"))]
 use num_traits::Float;
 
+/// Additions to the diagonal of the durations, relative to `scale`: the first one, the factor to the
+/// next, and the last.
+const FIRST_SHIFT: f64 = 1e-3;
+const SHIFT_GROWTH: f64 = 4.0;
+const MOST_SHIFT: f64 = 1e5;
+
+/// Pivots below that part of `scale` count as negative.
+const LEAST_PIVOT: f64 = 1e-9;
+
 type Vector<const N: usize> = [Lanes<N>; 2];
 type Matrix<const N: usize> = [[Lanes<N>; 2]; 2];
 
@@ -24,6 +33,8 @@ pub(super) struct Equations<const N: usize> {
     pub durations: [f64; SECTIONS],
     pub node_side: [Vector<N>; NODES],
     pub duration_side: [f64; SECTIONS],
+    /// What the bounds alone contribute to `durations`: the measure of its diagonal.
+    pub scale: [f64; SECTIONS],
     dense: [[f64; SECTIONS]; SECTIONS],
     columns: [Vector<N>; SECTIONS],
 }
@@ -38,6 +49,7 @@ impl<const N: usize> Equations<N> {
             durations: [0.0; SECTIONS],
             node_side: [[zero; 2]; NODES],
             duration_side: [0.0; SECTIONS],
+            scale: [0.0; SECTIONS],
             dense: [[0.0; SECTIONS]; SECTIONS],
             columns: [[zero; 2]; SECTIONS],
         }
@@ -204,27 +216,22 @@ impl<const N: usize> Equations<N> {
         }
     }
 
+    /// Solves for the durations. Their matrix may have negative eigenvalues, as the limits are not
+    /// convex in them: it gets a larger diagonal then, so that the step goes downwards.
     fn solve_durations(&mut self, n: usize) -> bool {
+        let mut diagonal = [0.0; SECTIONS];
         for i in 0..n {
-            for j in 0..=i {
-                let (above, below) = self.dense.split_at_mut(i);
-                let row = &mut below[0];
-                let mut sum = row[j];
-                if i == j {
-                    for x in &row[..i] {
-                        sum -= x * x;
-                    }
-                    if sum.is_nan() || sum <= 0.0 {
-                        return false;
-                    }
-                    row[i] = sum.sqrt();
-                } else {
-                    for (x, y) in row[..j].iter().zip(&above[j][..j]) {
-                        sum -= x * y;
-                    }
-                    row[j] = sum / above[j][j];
-                }
+            diagonal[i] = self.dense[i][i];
+            for j in 0..i {
+                self.dense[j][i] = self.dense[i][j];
             }
+        }
+        let mut shift = 0.0;
+        while !self.factor_durations(n, &diagonal, shift) {
+            if shift > MOST_SHIFT {
+                return false;
+            }
+            shift = if shift == 0.0 { FIRST_SHIFT } else { SHIFT_GROWTH * shift };
         }
         for i in 0..n {
             let sum: f64 = self.dense[i][..i].iter().zip(&self.duration_side).map(|(x, y)| x * y).sum();
@@ -235,6 +242,25 @@ impl<const N: usize> Equations<N> {
             self.duration_side[i] = (self.duration_side[i] - sum) / self.dense[i][i];
         }
         self.duration_side[..n].iter().all(|x| x.is_finite())
+    }
+
+    /// Factors the matrix of the durations with a larger diagonal: lower triangle from the upper one.
+    fn factor_durations(&mut self, n: usize, diagonal: &[f64; SECTIONS], shift: f64) -> bool {
+        for i in 0..n {
+            for j in 0..i {
+                let (above, below) = self.dense.split_at_mut(i);
+                let row = &mut below[0];
+                let sum: f64 = row[..j].iter().zip(&above[j][..j]).map(|(x, y)| x * y).sum();
+                row[j] = (above[j][i] - sum) / above[j][j];
+            }
+            let row = &mut self.dense[i];
+            let square = diagonal[i] + shift * self.scale[i] - row[..i].iter().map(|x| x * x).sum::<f64>();
+            if square.is_nan() || square <= LEAST_PIVOT * self.scale[i] {
+                return false;
+            }
+            row[i] = square.sqrt();
+        }
+        true
     }
 }
 

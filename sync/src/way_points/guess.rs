@@ -1,30 +1,23 @@
-//! Where the program begins: velocities that do not overshoot, and durations that allow them.
+//! Where the search for durations begins: what every axis needs that only stops where it turns.
 
-use arcfeed_feedrate::{AxisLimits, AxisState};
+use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, Phase, StateToState};
 
 use super::program::Program;
 use super::route::Route;
 use super::{NODES, SECTIONS};
-#[cfg(not(feature = "std"))]
-use num_traits::Float;
 
-/// The first durations, relative to what the limits demand one by one.
-const GENEROUS: f64 = 1.2;
-
-/// Sweeps that make sections longer where the velocity changes too fast.
-const SWEEPS: usize = 8;
-
-/// Parts of the acceleration and of the jerk that a change of velocity may take.
-const PART_A: f64 = 0.6;
-const PART_J: f64 = 0.5;
-
-/// A section as short as this part of the whole is not made shorter (relative to the mean duration).
+/// A section as short as this part of the whole is not made shorter.
 const SHORTEST: f64 = 1e-6;
+
+/// Steps that find when a place is passed in a phase.
+const STEPS: usize = 12;
 
 /// States at the way-points and durations of the sections.
 pub(super) struct Guess<const N: usize> {
     pub states: [[AxisState; N]; NODES],
     pub durations: [f64; SECTIONS],
+    /// What each axis needs by itself.
+    own: [[f64; N]; SECTIONS],
 }
 
 impl<const N: usize> Guess<N> {
@@ -33,73 +26,85 @@ impl<const N: usize> Guess<N> {
         let mut states = [[AxisState::default(); N]; NODES];
         (states[0], states[n]) = (*start, route.target);
         for (state, point) in states[1..].iter_mut().zip(route.points) {
-            *state = point.position().map(AxisState::rest);
+            for (k, (s, v)) in state.iter_mut().zip(point.velocity()).enumerate() {
+                *s = AxisState::new(point.position()[k], v.unwrap_or(0.0), 0.0);
+            }
         }
-        let mut durations = [0.0; SECTIONS];
+        let mut all = Self { states, durations: [0.0; SECTIONS], own: [[0.0; N]; SECTIONS] };
+        for k in 0..N {
+            let mut begin = 0;
+            while begin < n {
+                let mut end = begin + 1;
+                let given = |node: usize| route.points[node - 1].velocity()[k].is_some();
+                while end < n && all.way(end, k) * all.way(begin, k) > 0.0 && !given(end) {
+                    end += 1;
+                }
+                all.pass((begin, end), k, route);
+                begin = end;
+            }
+        }
         let mut sum = 0.0;
-        for i in 0..n {
-            durations[i] = GENEROUS * least_duration(&states[i], &states[i + 1], route.limits(i));
-            durations[i] = f64::max(durations[i], GENEROUS * route.least_duration(i));
-            sum += durations[i];
+        for (i, t) in all.durations[..n].iter_mut().enumerate() {
+            *t = t.max(route.least_duration(i));
+            sum += *t;
         }
-        for t in &mut durations[..n] {
+        for t in &mut all.durations[..n] {
             *t = t.max(if sum > 0.0 { SHORTEST * sum } else { 1.0 });
         }
-        let mut all = Self { states, durations };
-        for _ in 0..SWEEPS {
-            all.lengthen(route);
-        }
-        all.choose_velocities(route);
+        all.slow_down(route);
         all
     }
 
-    /// Makes the sections next to a point longer where the velocity changes too fast.
-    fn lengthen(&mut self, route: &Route<'_, N>) {
-        let n = route.sections();
-        for i in 0..=n {
-            let mut factor = 1.0_f64;
-            let time =
-                0.5 * (if i > 0 { self.durations[i - 1] } else { 0.0 } + if i < n { self.durations[i] } else { 0.0 });
-            let l = route.limits(i.min(n - 1));
-            for k in 0..N {
-                let s = &self.states[i][k];
-                let before = if i > 0 { self.slope(i - 1, k) } else { s.v };
-                let after = if i < n { self.slope(i, k) } else { s.v };
-                let change = (after - before) / time;
-                let a = if change > 0.0 { l[k].a_max() } else { -l[k].a_min() };
-                let j = l[k].j_max().min(-l[k].j_min());
-                factor =
-                    factor.max((change.abs() / (PART_A * a)).sqrt()).max((change.abs() / (PART_J * j * time)).cbrt());
+    fn way(&self, i: usize, k: usize) -> f64 {
+        self.states[i + 1][k].p - self.states[i][k].p
+    }
+
+    /// Makes the durations of sections in which an axis moves in one direction as long as its
+    /// shortest motion through all of them takes there.
+    fn pass(&mut self, (begin, end): (usize, usize), k: usize, route: &Route<'_, N>) {
+        let sign = if self.way(begin, k) < 0.0 { -1.0 } else { 1.0 };
+        let forwards = |s: &AxisState| AxisState::new(s.p, sign * (sign * s.v).max(0.0), 0.0);
+        let (from, to) = (forwards(&self.states[begin][k]), forwards(&self.states[end][k]));
+        let limits = (begin + 1..end).fold(route.limits(begin)[k], |all, i| tighter(&all, &route.limits(i)[k]));
+        let Ok(motion) = StateToState::new(&from, &to, &limits) else { return };
+        let (mut phases, mut now) = (motion.phases().peekable(), 0.0);
+        for i in begin..end {
+            let place = self.states[i + 1][k].p;
+            let mut passed = motion.duration();
+            while i + 1 < end
+                && let Some((phase, dt)) = phases.peek()
+            {
+                if sign * (phase.after(*dt).p - place) >= 0.0 {
+                    let t = when(phase, *dt, sign * place, sign);
+                    let s = phase.after(t);
+                    self.states[i + 1][k] = AxisState::new(place, s.v, s.a);
+                    passed = phase.t + t;
+                    break;
+                }
+                phases.next();
             }
-            if factor > 1.0 {
-                let factor = factor.min(2.0);
-                if i > 0 {
-                    self.durations[i - 1] *= factor;
-                }
-                if i < n {
-                    self.durations[i] *= factor;
-                }
+            self.own[i][k] = passed - now;
+            self.durations[i] = self.durations[i].max(passed - now);
+            now = passed.max(now);
+        }
+    }
+
+    /// Every axis passes the points in its own motion, made slower to the durations of all.
+    fn slow_down(&mut self, route: &Route<'_, N>) {
+        for node in 1..route.sections() {
+            let time = self.durations[node - 1] + self.durations[node];
+            for k in 0..N {
+                let part = (self.own[node - 1][k] + self.own[node][k]) / time;
+                let given = route.points[node - 1].velocity()[k];
+                let s = &mut self.states[node][k];
+                *s = AxisState::new(s.p, given.unwrap_or(part * s.v), part * part * s.a);
             }
         }
     }
 
-    fn slope(&self, i: usize, k: usize) -> f64 {
-        (self.states[i + 1][k].p - self.states[i][k].p) / self.durations[i]
-    }
-
-    /// Velocities and accelerations of the parabola through a point and its neighbours.
-    fn choose_velocities(&mut self, route: &Route<'_, N>) {
-        for (i, point) in route.points.iter().enumerate().map(|(i, p)| (i + 1, p)) {
-            let (x, y) = (self.durations[i - 1], self.durations[i]);
-            for k in 0..N {
-                let (before, after) = (self.slope(i - 1, k), self.slope(i, k));
-                let l = &route.limits(i)[k];
-                let v = (before * y + after * x) / (x + y);
-                let a = 2.0 * (after - before) / (x + y);
-                self.states[i][k].v = point.velocity()[k].unwrap_or(v);
-                self.states[i][k].a = a.max(0.9 * l.a_min()).min(0.9 * l.a_max());
-            }
-        }
+    /// Returns true if one axis is the slowest in all sections.
+    pub fn has_leader(&self, sections: usize) -> bool {
+        (0..N).any(|k| (0..sections).all(|i| self.own[i][k] >= self.durations[i]))
     }
 
     /// Writes the guess into a program.
@@ -123,16 +128,32 @@ impl<const N: usize> Guess<N> {
     }
 }
 
-/// What the limits demand of the duration of a section, one by one.
-fn least_duration<const N: usize>(from: &[AxisState; N], to: &[AxisState; N], limits: &[AxisLimits; N]) -> f64 {
-    let mut least = 0.0_f64;
-    for ((from, to), l) in from.iter().zip(to).zip(limits) {
-        let way = to.p - from.p;
-        let (v, a) = if way > 0.0 { (l.v_max(), l.a_max()) } else { (-l.v_min(), -l.a_min()) };
-        let j = l.j_max().min(-l.j_min());
-        least = least.max(way.abs() / v).max((way.abs() / a).sqrt()).max((way.abs() / j).cbrt());
+/// The time in a phase of at most `dt` seconds at which an axis that moves by `sign` passes a place.
+fn when(phase: &Phase, dt: f64, place: f64, sign: f64) -> f64 {
+    let (mut early, mut late) = (0.0, dt);
+    let mut t = 0.5 * dt;
+    for _ in 0..STEPS {
+        let s = phase.after(t);
+        let left = place - sign * s.p;
+        if left > 0.0 {
+            early = t
+        } else {
+            late = t
+        }
+        // Newton's step, if it stays between.
+        let next = t + left / (sign * s.v);
+        t = if next >= early && next <= late { next } else { 0.5 * (early + late) };
     }
-    least
+    t
+}
+
+/// The tighter one of each limit.
+fn tighter(x: &AxisLimits, y: &AxisLimits) -> AxisLimits {
+    let bounds = |x: (f64, f64), y: (f64, f64)| (x.0.max(y.0), x.1.min(y.1));
+    let v = bounds((x.v_min(), x.v_max()), (y.v_min(), y.v_max()));
+    let a = bounds((x.a_min(), x.a_max()), (y.a_min(), y.a_max()));
+    let j = bounds((x.j_min(), x.j_max()), (y.j_min(), y.j_max()));
+    AxisLimits::new(v, a, j).unwrap_or(*x)
 }
 
 /// The state inside the limits.

@@ -11,13 +11,15 @@
 
 mod bounded;
 mod equations;
+mod excess;
 mod generator;
 mod guess;
 mod planner;
 mod program;
 mod route;
 mod rows;
-mod slow_down;
+mod spline;
+mod step;
 mod sums;
 mod trajectory;
 

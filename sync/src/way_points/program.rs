@@ -1,16 +1,13 @@
-//! The shortest motion through way-points whose sections have three equal parts of constant jerk:
-//! an interior-point method on velocities, accelerations and durations.
+//! The shortest motion through way-points whose sections have three parts of constant jerk: an
+//! interior-point method on velocities, accelerations and durations.
 
 use arcfeed_feedrate::{AxisLimits, AxisState};
 
 use super::bounded::Bounded;
 use super::equations::Equations;
-use super::rows::{Lanes, ROWS, Rows, combine, ends, order};
-use super::sums::Sums;
+use super::rows::{Lanes, Polynomial, ROWS, Shape, ends, order, powers};
+use super::sums::{Derivatives, Sums};
 use super::{NODES, SECTIONS};
-
-/// A duration may change by this part of itself in one step.
-const TRUST: f64 = 0.4;
 
 /// Lower and upper bound of velocity, acceleration and jerk.
 pub(super) type Bounds<const N: usize> = [[Lanes<N>; 2]; 3];
@@ -25,27 +22,35 @@ pub(super) struct Program<const N: usize> {
     pub durations: [f64; SECTIONS],
     /// The least durations.
     pub least: [f64; SECTIONS],
+    /// The rows of the sections.
+    pub shapes: [Shape; SECTIONS],
     bounds: [Bounds<N>; SECTIONS],
     pub(super) inverse_bounds: [Bounds<N>; SECTIONS],
-    rows: [[Bounded<N>; ROWS]; SECTIONS],
+    pub(super) rows: [[Bounded<N>; ROWS]; SECTIONS],
     /// The distances of the rows to their bounds.
-    now: [[[Lanes<N>; 2]; ROWS]; SECTIONS],
+    pub(super) now: [[[Lanes<N>; 2]; ROWS]; SECTIONS],
     /// Their derivatives by the duration, and their changes in a full step.
-    by_duration: [[[Lanes<N>; 2]; ROWS]; SECTIONS],
-    changes: [[[Lanes<N>; 2]; ROWS]; SECTIONS],
+    pub(super) by_duration: [[[Lanes<N>; 2]; ROWS]; SECTIONS],
+    pub(super) changes: [[[Lanes<N>; 2]; ROWS]; SECTIONS],
     /// Velocity and acceleration at the nodes.
-    node_rows: [[Bounded<N>; 2]; NODES],
-    duration_rows: [Bounded<1>; SECTIONS],
-    equations: Equations<N>,
-    pub(super) best: Best<N>,
+    pub(super) node_rows: [[Bounded<N>; 2]; NODES],
+    pub(super) duration_rows: [Bounded<1>; SECTIONS],
+    pub(super) equations: Equations<N>,
+    /// Where the round began.
+    pub(super) from: Motion<N>,
+    pub(super) best: Motion<N>,
+    /// Duration of the best motion, slowed down to its limits (s).
+    slowed: f64,
 }
 
-/// A motion that is kept apart.
-pub(super) struct Best<const N: usize> {
+/// States and durations apart from those of the program.
+pub(super) struct Motion<const N: usize> {
     pub nodes: [[Lanes<N>; 3]; NODES],
     pub durations: [f64; SECTIONS],
-    /// Duration of the whole, slowed down to its limits (s).
-    slowed: f64,
+}
+
+impl<const N: usize> Motion<N> {
+    const NONE: Self = Self { nodes: [[[0.0; N]; 3]; NODES], durations: [1.0; SECTIONS] };
 }
 
 impl<const N: usize> Program<N> {
@@ -57,6 +62,7 @@ impl<const N: usize> Program<N> {
             free: [[true; N]; NODES],
             durations: [1.0; SECTIONS],
             least: [0.0; SECTIONS],
+            shapes: [[[0.0; 5]; ROWS]; SECTIONS],
             bounds: [[[zero; 2]; 3]; SECTIONS],
             inverse_bounds: [[[zero; 2]; 3]; SECTIONS],
             rows: [[Bounded::NONE; ROWS]; SECTIONS],
@@ -66,7 +72,9 @@ impl<const N: usize> Program<N> {
             node_rows: [[Bounded::NONE; 2]; NODES],
             duration_rows: [Bounded::NONE; SECTIONS],
             equations: Equations::new(),
-            best: Best { nodes: [[zero; 3]; NODES], durations: [1.0; SECTIONS], slowed: f64::INFINITY },
+            from: Motion::NONE,
+            best: Motion::NONE,
+            slowed: f64::INFINITY,
         }
     }
 
@@ -97,58 +105,57 @@ impl<const N: usize> Program<N> {
     /// Improves the motion in at most so many rounds, each of which costs the same. Keeps apart the
     /// motion that is shortest once it is slowed down to its limits.
     pub fn improve(&mut self, rounds: usize) {
-        let mut mu = START * self.total() / self.sections as f64;
-        self.begin(mu);
-        self.best.slowed = f64::INFINITY;
+        let mut mu = self.begin();
+        self.slowed = f64::INFINITY;
         let mut excess = self.worst();
         self.remember(excess);
         for _ in 0..rounds {
+            self.keep_round();
             self.assemble(mu);
             if !self.equations.solve(self.sections) {
                 return;
             }
             self.find_changes();
-            let longest = self.longest_step();
-            let mut step = longest;
+            let mut step = self.longest_step();
             let was = excess;
             for halvings in 0..=HALVINGS {
-                self.move_by(step);
+                self.move_to(step);
                 excess = self.worst();
                 if excess <= was.max(ALLOWED) || halvings == HALVINGS {
                     break;
                 }
-                self.move_by(-step);
                 step *= 0.5;
             }
-            // The bounds step from where they were.
-            self.move_by(-step);
             self.advance(mu, step);
-            self.move_by(step);
             self.remember(excess);
             let mean = self.mean_product();
-            let least = END * self.total() / self.sections as f64;
-            if step == 1.0 && mean <= 2.0 * least {
+            if excess < SETTLED && mean * self.count_products() < CLOSE * self.total() {
                 return;
             }
-            let factor = if step > LONG { QUICK } else { SLOW };
-            mu = (factor * mean).max(least);
+            mu = if step > LONG { QUICK } else { SLOW } * mean;
         }
+    }
+
+    pub(super) fn keep_round(&mut self) {
+        let n = self.sections;
+        self.from.nodes[..=n].copy_from_slice(&self.nodes[..=n]);
+        self.from.durations[..n].copy_from_slice(&self.durations[..n]);
     }
 
     /// Keeps the motion apart if it is the shortest once it is slower by its excess.
     fn remember(&mut self, excess: f64) {
         let slowed = self.total() * excess.max(1.0);
-        if slowed < self.best.slowed {
+        if slowed < self.slowed {
             let n = self.sections;
             self.best.nodes[..=n].copy_from_slice(&self.nodes[..=n]);
             self.best.durations[..n].copy_from_slice(&self.durations[..n]);
-            self.best.slowed = slowed;
+            self.slowed = slowed;
         }
     }
 
     /// The duration of the motion kept apart, slowed down to its limits (s).
     pub fn best_total(&self) -> f64 {
-        self.best.slowed
+        self.slowed
     }
 
     pub fn total(&self) -> f64 {
@@ -161,27 +168,42 @@ impl<const N: usize> Program<N> {
         [std::array::from_fn(|k| x[0][k].max(y[0][k])), std::array::from_fn(|k| x[1][k].min(y[1][k]))]
     }
 
-    fn begin(&mut self, mu: f64) {
+    /// Sets slacks and multipliers, and returns their products. These hold the durations where they
+    /// are, in the mean.
+    fn begin(&mut self) -> f64 {
+        self.keep_round();
+        let mut force = 0.0;
         for i in 0..self.sections {
-            let rows = Rows::new(self.durations[i]);
+            let t = self.durations[i];
             let ends = ends(&self.nodes[i], &self.nodes[i + 1]);
             for r in 0..ROWS {
-                let distances = self.distances(i, r, &rows, &ends);
-                self.rows[i][r] = Bounded::new(&distances, 0.1, mu);
+                let row = Polynomial::new(&self.shapes[i][r], &ends);
+                let power = powers(t)[order(r) - 1];
+                let distances = self.distances(i, r, &row.value(t), power[0]);
+                let slopes = self.distances(i, r, &row.slope(t), power[1]);
+                self.rows[i][r] = Bounded::new(&distances, LEAST_SLACK, 1.0);
+                for (slopes, multipliers) in slopes.iter().zip(self.rows[i][r].multipliers()) {
+                    force += slopes.iter().zip(multipliers).map(|(s, z)| s.max(0.0) * z).sum::<f64>();
+                }
             }
+        }
+        let mean = self.total() / self.sections as f64;
+        let mu = f64::max(self.sections as f64 / force, LEAST_START * mean);
+        for i in 0..self.sections {
+            self.rows[i].iter_mut().for_each(|row| row.scale_multipliers(mu));
             self.duration_rows[i] = Bounded::new(&self.duration_distances(i), 0.0, mu);
         }
         for node in 1..self.sections {
             for derivative in 1..3 {
                 let distances = self.node_distances(node, derivative);
-                self.node_rows[node][derivative - 1] = Bounded::new(&distances, 0.1, mu);
+                self.node_rows[node][derivative - 1] = Bounded::new(&distances, LEAST_SLACK, mu);
             }
         }
+        mu
     }
 
-    fn distances(&self, i: usize, r: usize, rows: &Rows, ends: &[Lanes<N>; 5]) -> [Lanes<N>; 2] {
-        let value = combine(&rows.values[r], ends);
-        let (scale, _) = rows.scales[order(r) - 1];
+    /// The distances of `value` to the bounds of a row times `scale`; of derivatives, theirs.
+    fn distances(&self, i: usize, r: usize, value: &Lanes<N>, scale: f64) -> [Lanes<N>; 2] {
         let bounds = &self.bounds[i][order(r) - 1];
         [
             std::array::from_fn(|k| value[k] - scale * bounds[0][k]),
@@ -189,24 +211,14 @@ impl<const N: usize> Program<N> {
         ]
     }
 
-    /// The derivatives of the distances by the duration.
-    fn distances_by_duration(&self, i: usize, r: usize, rows: &Rows, ends: &[Lanes<N>; 5]) -> [Lanes<N>; 2] {
-        let value = combine(&rows.by_duration[r], ends);
-        let (_, scale) = rows.scales[order(r) - 1];
-        let bounds = &self.bounds[i][order(r) - 1];
-        [
-            std::array::from_fn(|k| value[k] - scale * bounds[0][k]),
-            std::array::from_fn(|k| scale * bounds[1][k] - value[k]),
-        ]
-    }
-
-    fn node_distances(&self, node: usize, derivative: usize) -> [Lanes<N>; 2] {
-        let (bounds, value) = (self.node_bounds(node, derivative), &self.nodes[node][derivative]);
+    /// The distances of a node to its bounds at the begin of the round.
+    pub(super) fn node_distances(&self, node: usize, derivative: usize) -> [Lanes<N>; 2] {
+        let (bounds, value) = (self.node_bounds(node, derivative), &self.from.nodes[node][derivative]);
         [std::array::from_fn(|k| value[k] - bounds[0][k]), std::array::from_fn(|k| bounds[1][k] - value[k])]
     }
 
-    fn duration_distances(&self, i: usize) -> [Lanes<1>; 2] {
-        [[self.durations[i] - self.least[i]], [FAR - self.durations[i]]]
+    pub(super) fn duration_distances(&self, i: usize) -> [Lanes<1>; 2] {
+        [[self.from.durations[i] - self.least[i]], [FAR - self.from.durations[i]]]
     }
 
     fn assemble(&mut self, mu: f64) {
@@ -233,105 +245,32 @@ impl<const N: usize> Program<N> {
     }
 
     fn assemble_section(&mut self, i: usize, mu: f64) {
-        let rows = Rows::new(self.durations[i]);
+        let t = self.durations[i];
         let ends = ends(&self.nodes[i], &self.nodes[i + 1]);
         let mut sums = Sums::ZERO;
         for r in 0..ROWS {
-            let distances = self.distances(i, r, &rows, &ends);
-            let by_t = self.distances_by_duration(i, r, &rows, &ends);
-            self.now[i][r] = distances;
-            self.by_duration[i][r] = by_t;
-            let pull = self.rows[i][r].pull(&distances, mu);
-            let multiplier = self.rows[i][r].net();
-            sums.add((&rows.values[r], &rows.by_duration[r]), &by_t, (&pull, &multiplier));
+            let row = Polynomial::new(&self.shapes[i][r], &ends);
+            let power = powers(t)[order(r) - 1];
+            self.now[i][r] = self.distances(i, r, &row.value(t), power[0]);
+            self.by_duration[i][r] = self.distances(i, r, &row.slope(t), power[1]);
+            let curvatures = self.distances(i, r, &row.curvature(), power[2]);
+            let [_, v0, v1, a0, a1] = self.shapes[i][r];
+            let derivatives = Derivatives {
+                factors: &[t * v0, t * v1, t * t * a0, t * t * a1],
+                slopes: &self.by_duration[i][r],
+                curvatures: &curvatures,
+                factor_slopes: &[v0, v1, 2.0 * t * a0, 2.0 * t * a1],
+            };
+            let pull = self.rows[i][r].pull(&self.now[i][r], mu);
+            sums.add(&derivatives, &pull, self.rows[i][r].multipliers());
         }
-        let inv = 0.5 / self.durations[i];
-        let size = |derivative: usize| {
-            let bounds = &self.bounds[i][derivative - 1];
-            std::array::from_fn(|k| (bounds[1][k] - bounds[0][k]) * inv)
-        };
-        let (v, a) = (size(1), size(2));
-        sums.add_curvature(&[v, v, a, a]);
         let pull = self.duration_rows[i].pull(&self.duration_distances(i), mu);
         let e = &mut self.equations;
-        e.durations[i] += sums.own.iter().sum::<f64>() + pull.weight[0][0] + pull.weight[1][0];
+        e.scale[i] = sums.own.iter().sum::<f64>();
+        let curvature = sums.curvature.iter().sum::<f64>();
+        e.durations[i] += e.scale[i] + curvature + pull.weight[0][0] + pull.weight[1][0];
         e.duration_side[i] += sums.own_side.iter().sum::<f64>() + pull.force[0][0] - pull.force[1][0] - 1.0;
         e.add_section(i, &sums.square, &sums.coupling, &sums.side);
-    }
-
-    /// The changes of the distances of all sections.
-    fn find_changes(&mut self) {
-        let zero = [[0.0; N]; 2];
-        for i in 0..self.sections {
-            let rows = Rows::new(self.durations[i]);
-            let at =
-                |node: usize| if node == 0 || node == self.sections { &zero } else { &self.equations.node_side[node] };
-            let (from, to) = (at(i), at(i + 1));
-            let change = [[0.0; N], from[0], to[0], from[1], to[1]];
-            let dt = self.equations.duration_side[i];
-            for r in 0..ROWS {
-                let x = combine(&rows.values[r], &change);
-                let y = &self.by_duration[i][r];
-                for k in 0..N {
-                    self.changes[i][r][0][k] = y[0][k] * dt + x[k];
-                    self.changes[i][r][1][k] = y[1][k] * dt - x[k];
-                }
-            }
-        }
-    }
-
-    fn node_changes(&self, node: usize, derivative: usize) -> [Lanes<N>; 2] {
-        let change = self.equations.node_side[node][derivative - 1];
-        [change, change.map(|x| -x)]
-    }
-
-    fn longest_step(&self) -> f64 {
-        let mut step = 1.0_f64;
-        for i in 0..self.sections {
-            for r in 0..ROWS {
-                step = step.min(self.rows[i][r].longest_step(&self.now[i][r], &self.changes[i][r]));
-            }
-            let (t, dt) = (self.durations[i], self.equations.duration_side[i]);
-            step = step.min(self.duration_rows[i].longest_step(&self.duration_distances(i), &[[dt], [-dt]]));
-            step = step.min(TRUST * t / dt.abs());
-        }
-        for node in 1..self.sections {
-            for derivative in 1..3 {
-                let (distances, changes) = (self.node_distances(node, derivative), self.node_changes(node, derivative));
-                step = step.min(self.node_rows[node][derivative - 1].longest_step(&distances, &changes));
-            }
-        }
-        step
-    }
-
-    fn advance(&mut self, mu: f64, step: f64) {
-        for i in 0..self.sections {
-            for r in 0..ROWS {
-                self.rows[i][r].advance(&self.now[i][r], &self.changes[i][r], (mu, step));
-            }
-            let dt = self.equations.duration_side[i];
-            let distances = self.duration_distances(i);
-            self.duration_rows[i].advance(&distances, &[[dt], [-dt]], (mu, step));
-        }
-        for node in 1..self.sections {
-            for derivative in 1..3 {
-                let (distances, changes) = (self.node_distances(node, derivative), self.node_changes(node, derivative));
-                self.node_rows[node][derivative - 1].advance(&distances, &changes, (mu, step));
-            }
-        }
-    }
-
-    fn move_by(&mut self, primal: f64) {
-        for i in 0..self.sections {
-            self.durations[i] += primal * self.equations.duration_side[i];
-        }
-        for node in 1..self.sections {
-            for (x, change) in self.nodes[node][1..].iter_mut().zip(&self.equations.node_side[node]) {
-                for k in 0..N {
-                    x[k] += primal * change[k];
-                }
-            }
-        }
     }
 
     fn mean_product(&self) -> f64 {
@@ -342,17 +281,27 @@ impl<const N: usize> Program<N> {
         for node in 1..self.sections {
             sum += self.node_rows[node].iter().map(Bounded::products).sum::<f64>();
         }
-        let count = 2 * N * (ROWS * self.sections + 2 * (self.sections - 1));
-        sum / count as f64
+        sum / self.count_products()
+    }
+
+    fn count_products(&self) -> f64 {
+        (2 * N * (ROWS * self.sections + 2 * (self.sections - 1))) as f64
     }
 }
 
 /// No upper bound of a duration (s).
 const FAR: f64 = 1e9;
 
-/// Products of slack and multiplier at the begin, and at the end, relative to the mean duration.
-const START: f64 = 0.1;
-const END: f64 = 1e-5;
+/// Slacks at the begin are at least that part of the range between the bounds.
+const LEAST_SLACK: f64 = 0.1;
+
+/// The least products of slack and multiplier at the begin, relative to the mean duration.
+const LEAST_START: f64 = 3e-3;
+
+/// The rounds end if the products together are below that part of the duration, and the excess is
+/// below this one.
+const CLOSE: f64 = 0.02;
+const SETTLED: f64 = 1.02;
 
 /// The products become that much smaller after a step longer than `LONG`, and after another one.
 const LONG: f64 = 0.7;
@@ -360,5 +309,5 @@ const QUICK: f64 = 0.1;
 const SLOW: f64 = 0.4;
 
 /// Excess that is allowed between rounds, and halvings of a step that makes more.
-const ALLOWED: f64 = 1.15;
+const ALLOWED: f64 = 1.4;
 const HALVINGS: usize = 4;

@@ -1,6 +1,6 @@
 //! The ranges of the online generator: nothing leaves them, and what would is refused.
 #![allow(clippy::unwrap_used)]
-use arcfeed_sync::feedrate::{AxisLimits, AxisState};
+use arcfeed_sync::feedrate::{AxisLimits, AxisState, BoundedProblem, FeedError, MotionLaw, PositionLimits};
 use arcfeed_sync::{OnlineGenerator, SyncError, Synchronisation};
 use arcfeed_testing::Random;
 
@@ -184,4 +184,35 @@ fn a_stop_that_would_leave_the_range_is_bent() {
         was = g.state()[0];
     }
     assert!(was.p < upper && was.v == 0.0);
+}
+
+/// The search of touches finds none here; the motion was refused.
+#[test]
+fn where_no_touch_is_found_the_axis_rests_on_the_way() {
+    let limits = AxisLimits::new(
+        (-0.33810943477643285, 0.33810943477643285),
+        (-11.526684112534907, 4.604596061940169),
+        (-98.5887559069809, 27.251353725965053),
+    )
+    .unwrap();
+    let positions = PositionLimits::new(-0.01680318107124213, f64::INFINITY).unwrap();
+    let target = AxisState::new(-0.016101356836060867, 0.07895839993142235, 4.604595768643944);
+    let problem = BoundedProblem::new(&AxisState::rest(0.0), &target, &limits, &positions).unwrap();
+    let motion = problem.shortest();
+    positions.check(&motion).unwrap();
+    let (phase, dt) = motion.phases().last().unwrap();
+    let end = phase.after(dt);
+    assert!((end.p - target.p).abs() < 1e-12 && (end.v - target.v).abs() < 1e-10, "{end:?}");
+    assert!(motion.duration() < 0.69, "{}", motion.duration());
+}
+
+/// The target can be reached, but no stop stays inside: longer durations are named as impossible.
+#[test]
+fn where_no_stop_stays_inside_no_longer_duration_is_named() {
+    let limits = AxisLimits::symmetric(10.0, 9.0, 1e4).unwrap();
+    let positions = PositionLimits::new(-1.0, 0.01).unwrap();
+    let (start, target) = (AxisState::new(0.0, 9.5, 0.0), AxisState::new(0.01, 9.5, 0.0));
+    let problem = BoundedProblem::new(&start, &target, &limits, &positions).unwrap();
+    let e = problem.with_duration(2.0).unwrap_err();
+    assert!(matches!(e, FeedError::DurationImpossible { above: f64::INFINITY, .. }), "{e}");
 }

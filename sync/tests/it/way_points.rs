@@ -153,6 +153,62 @@ fn points_on_a_line_are_passed_at_full_speed() {
     assert!(motion.duration() < 1.002 * direct.duration(), "{} {}", motion.duration(), direct.duration());
 }
 
+/// Points of one axis in order leave the shortest motion as it is: its closed form is the optimum.
+#[test]
+fn points_in_order_cost_little_on_one_axis() {
+    let mut ratios = vec![];
+    let mut planner = Box::new(WayPointPlanner::<1>::new());
+    for seed in 0..300 {
+        let mut rng = Random::new(Random::new(seed).bits());
+        let limits = random_limits::<1>(&mut rng);
+        let (mut place, count) = (0.0, 1 + rng.below(10));
+        let mut next = || {
+            place += rng.log(0.003, 0.3);
+            place
+        };
+        let points: Vec<_> = (0..count).map(|_| WayPoint::new([next()])).collect();
+        let (start, target) = ([AxisState::rest(0.0)], [AxisState::rest(next())]);
+        let route = Route::new(&points, target, limits);
+        let motion = planner.plan(&start, &route).unwrap();
+        check(&motion, &start, &route, true);
+        let direct = Trajectory::new(&start, &target, &limits, &MotionOptions::default()).unwrap();
+        ratios.push((motion.duration() / direct.duration(), seed));
+    }
+    ratios.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (median, worst) = (ratios[150].0, ratios[299]);
+    assert!(ratios[0].0 > 1.0 - 1e-9 && median < 1.01 && worst.0 < 1.08, "median {median}, worst {worst:?}");
+}
+
+/// Two examples of ruckig, whose solutions with way-points are pictures in its crate (ruckig 0.19.4, MIT:
+/// `examples/03_waypoints.cpp`, `08_per_section_minimum_duration.cpp`, `03_trajectory.pdf` and
+/// `08_trajectory.pdf`). The durations are read from the lines that its plotter draws at the ends of
+/// the sections, to 1e-3 s.
+#[test]
+fn the_published_examples_of_ruckig_take_about_as_long() {
+    const THEIRS: [f64; 2] = [7.832, 7.513];
+    let symmetric = |l: [[f64; 3]; 3]| l.map(|[v, a, j]| AxisLimits::symmetric(v, a, j).unwrap());
+    let places = [[1.4, -1.6, 1.0], [-0.6, -0.5, 0.4], [-0.4, -0.35, 0.0], [0.8, 1.8, -0.1]];
+    let start = [AxisState::rest(0.2), AxisState::new(0.0, 0.2, 0.6), AxisState::rest(-0.3)];
+    let target = [AxisState::new(0.5, 0.2, 0.0), AxisState::new(1.0, 0.0, 0.1), AxisState::new(0.0, 0.3, -0.1)];
+    let limits = symmetric([[1.0, 3.0, 6.0], [2.0, 2.0, 10.0], [1.0, 2.0, 20.0]]);
+    let points = places.map(WayPoint::new);
+    let route = Route::new(&points, target, limits);
+    let first = WayPointPlanner::new().plan(&start, &route).unwrap();
+    check(&first, &start, &route, true);
+
+    let places = [places[0], places[1], places[2], [-0.2, 0.35, -0.1], [0.2, 0.5, -0.1], places[3]];
+    let least = [0.0, 2.0, 0.0, 1.0, 0.0, 2.0];
+    let points: Vec<_> = places.iter().zip(least).map(|(p, t)| WayPoint::new(*p).with_least_duration(t)).collect();
+    let (start, target) = ([0.8, 0.0, 0.5].map(AxisState::rest), [0.5, 1.2, 0.0].map(AxisState::rest));
+    let limits = symmetric([[3.0, 6.0, 16.0], [2.0, 4.0, 10.0], [2.0, 4.0, 20.0]]);
+    let route = Route::new(&points, target, limits);
+    let second = WayPointPlanner::new().plan(&start, &route).unwrap();
+    check(&second, &start, &route, true);
+    for (ours, theirs) in [&first, &second].into_iter().zip(THEIRS) {
+        assert!(ours.duration() < 1.01 * theirs, "{} s, theirs {theirs} s", ours.duration());
+    }
+}
+
 #[test]
 fn the_same_point_twice_and_points_close_together_are_possible() {
     let limits = [AxisLimits::symmetric(1.0, 5.0, 50.0).unwrap(); 2];
@@ -236,7 +292,6 @@ fn planning_allocates_nothing() {
     assert!(count == 0 && duration > 5.0, "{count} allocations, {duration} s");
 }
 
-/// Checks a step by differences: the jerk, and velocity and acceleration at its end.
 /// A stop keeps the limits of the section under way, however much the later ones allow.
 #[test]
 fn a_stop_keeps_the_limits_of_its_section() {
@@ -258,6 +313,7 @@ fn a_stop_keeps_the_limits_of_its_section() {
     }
 }
 
+/// Checks a step by differences: the jerk, and velocity and acceleration at its end.
 fn check_step(was: &[AxisState], now: &[AxisState], limits: &[AxisLimits], cycle: f64) {
     for ((was, now), l) in was.iter().zip(now).zip(limits) {
         let (jerk, most) = ((now.a - was.a) / cycle, l.j_max().max(-l.j_min()));

@@ -7,6 +7,7 @@ mod generator_input;
 pub mod interrupts;
 pub mod judge;
 pub mod projection;
+pub mod ranges;
 pub mod states;
 pub mod way_points;
 
@@ -20,12 +21,13 @@ pub struct Family {
     pub case: fn(u64) -> Outcome,
 }
 
-pub const FAMILIES: [Family; 5] = [
+pub const FAMILIES: [Family; 6] = [
     Family { name: "states", case: states::case },
     Family { name: "generator", case: generator::case },
     Family { name: "projection", case: projection::case },
     Family { name: "interrupts", case: interrupts::case },
     Family { name: "way_points", case: way_points::case },
+    Family { name: "ranges", case: ranges::case },
 ];
 
 /// What one case gave.

@@ -13,20 +13,20 @@ use arcfeed_testing::Random;
 use super::{Failure, Outcome, random};
 
 #[derive(Debug, Clone, Copy)]
-struct Input {
-    start: AxisState,
-    target: AxisState,
-    v: (f64, f64),
-    a: (f64, f64),
-    j: (f64, f64),
+pub struct Input {
+    pub start: AxisState,
+    pub target: AxisState,
+    pub v: (f64, f64),
+    pub a: (f64, f64),
+    pub j: (f64, f64),
 }
 
 impl Input {
-    fn limits(&self) -> AxisLimits {
+    pub fn limits(&self) -> AxisLimits {
         AxisLimits::new(self.v, self.a, self.j).expect("limits on both sides of zero")
     }
 
-    fn code(&self) -> String {
+    pub fn code(&self) -> String {
         let state = |s: &AxisState| format!("AxisState::new({:?}, {:?}, {:?})", s.p, s.v, s.a);
         let (v, a, j) = (self.v, self.a, self.j);
         let limits = format!("AxisLimits::new({v:?}, {a:?}, {j:?})?");
@@ -39,7 +39,7 @@ impl Input {
         Self { start: flip(self.start), target: flip(self.target), v: swap(self.v), a: swap(self.a), j: swap(self.j) }
     }
 
-    fn reversed(&self) -> Self {
+    pub fn reversed(&self) -> Self {
         let back = |s: AxisState| AxisState::new(-s.p, s.v, -s.a);
         Self { start: back(self.target), target: back(self.start), a: (-self.a.1, -self.a.0), ..*self }
     }
@@ -107,7 +107,8 @@ fn any_limits(family: usize, rng: &mut Random) -> ([(f64, f64); 3], f64) {
     (pairs, reach)
 }
 
-fn any_input(rng: &mut Random) -> (Input, &'static str) {
+/// A problem of one axis, and what is special about it.
+pub fn any_input(rng: &mut Random) -> (Input, &'static str) {
     let family = rng.below(FAMILIES.len());
     let ([v, a, j], reach) = any_limits(family, rng);
     // `before`: room to have got there from, otherwise room to go on.
@@ -128,7 +129,7 @@ fn any_input(rng: &mut Random) -> (Input, &'static str) {
 }
 
 /// Adds up the phases.
-fn judge(case: &Input, motion: &StateToState) -> Result<(), String> {
+pub fn judge(case: &Input, motion: &StateToState) -> Result<(), String> {
     let l = case.limits();
     let (mut p, mut v, mut a) = (case.start.p, case.start.v, case.start.a);
     let span = |l: (f64, f64)| l.1 - l.0;
