@@ -112,6 +112,8 @@ impl BarrierProblem {
         /// Jerk is no parabola: one that rises this much may be beyond its limit from this part below it on.
         const LARGE: f64 = 2e-5;
         const SURE: f64 = 2e-5;
+        /// What it is more than a parabola is less than this part of what that rises.
+        const NO_PARABOLA: f64 = 0.1;
         /// The motion changes a little once more; the margin stays as it does.
         const MARGIN: f64 = 1.05;
         let mut exceeded = false;
@@ -122,10 +124,16 @@ impl BarrierProblem {
             let rows =
                 [Within::Start, Within::Middle, Within::End].map(|within| problem.jerk_rows(self.from + k, within));
             for row in &mut self.thirds[self.thirds_first[p]..self.thirds_first[p + 1]] {
-                let value = jerks_within(rows.map(|rows| &rows[row.id as usize]), values.w[k], states);
+                let rows = rows.map(|rows| &rows[row.id as usize]);
+                let value = jerks_within(rows, values.w[k], states);
                 let [low, high] = parabola_overshoot(value);
                 let [start, _, end] = value;
-                let (over, peak) = (low.max(high), (start.max(end) + high).max(low - start.min(end)));
+                let (mut over, mut peak) = (low.max(high), (start.max(end) + high).max(low - start.min(end)));
+                if over > LARGE && peak > self.most * (1.0 - SURE - NO_PARABOLA * over) {
+                    let above = |fraction: f64| jerk_within(rows, values.w[k], states, fraction).abs() - peak;
+                    let more = (1..SAMPLES).map(|i| above(i as f64 / SAMPLES as f64)).fold(0.0, f64::max);
+                    (over, peak) = (over + more, peak + more);
+                }
                 let beyond = over > 0.0 && peak > self.most * (1.0 + ROUND_OFF);
                 if beyond || (over > LARGE && peak > self.most * (1.0 - SURE)) {
                     exceeded = true;
@@ -163,7 +171,7 @@ impl BarrierProblem {
                 let value = jerks_within(rows.map(|rows| &rows[row.id as usize]), w, states);
                 let [low, high] = parabola_overshoot(value);
                 let stated = &rows[end][row.id as usize];
-                let here = value[end].abs() + stated.step * states[end].1 / stated.limit;
+                let here = value[end].abs() + stated.step * states[end].x / stated.limit;
                 let part = (self.most - low.max(high)).max(least(here, row.part)).min(self.most.min(row.at_most));
                 row.use_part(part);
             }
@@ -171,15 +179,38 @@ impl BarrierProblem {
     }
 }
 
-/// `u` and `x` at the start, in the middle and at the end of interval `k`.
-pub(super) fn states_within(values: &Values, k: usize) -> [(f64, f64); 3] {
-    let Values { x, u, middle, .. } = values;
-    [(u[k], x[k]), (0.5 * (u[k] + u[k + 1]), middle[k]), (u[k + 1], x[k + 1])]
+/// A place of an interval.
+#[derive(Debug, Clone, Copy)]
+struct State {
+    u: f64,
+    x: f64,
+    /// The root of `x`.
+    root: f64,
+}
+
+/// The states at the start, in the middle and at the end of interval `k`.
+fn states_within(values: &Values, k: usize) -> [State; 3] {
+    let Values { x, u, middle, y, middle_y, .. } = values;
+    let state = |u: f64, x: f64, y: f64| State { u, x, root: x * y };
+    [state(u[k], x[k], y[k]), state(0.5 * (u[k] + u[k + 1]), middle[k], middle_y[k]), state(u[k + 1], x[k + 1], y[k + 1])]
 }
 
 /// Jerk there in units of its limit, the step aside.
-pub(super) fn jerks_within(rows: [&JerkRow; 3], w: f64, states: [(f64, f64); 3]) -> [f64; 3] {
-    std::array::from_fn(|i| rows[i].value(w, states[i].0, states[i].1) / rows[i].limit)
+fn jerks_within(rows: [&JerkRow; 3], w: f64, states: [State; 3]) -> [f64; 3] {
+    std::array::from_fn(|i| {
+        let (JerkRow { alpha, beta, gamma, limit, .. }, State { u, x, root }) = (rows[i], states[i]);
+        (alpha * w + beta * u + gamma * x) * root / limit
+    })
+}
+
+/// The same at a fraction of the interval.
+fn jerk_within(rows: [&JerkRow; 3], w: f64, states: [State; 3], fraction: f64) -> f64 {
+    let mix = quadratic(fraction);
+    let [p, m, q] = rows;
+    let of = |of: fn(&State) -> f64| mix(of(&states[0]), of(&states[1]), of(&states[2]));
+    let (u, x) = (of(|state| state.u), of(|state| state.x));
+    let along = mix(p.alpha, m.alpha, q.alpha) * w + mix(p.beta, m.beta, q.beta) * u + mix(p.gamma, m.gamma, q.gamma) * x;
+    along * x.sqrt() / m.limit
 }
 
 /// Parts of an interval at whose ends what is no polynomial is sampled.
@@ -336,27 +367,29 @@ impl<'a> Inside<'a> {
     }
 
     fn keep_jerk(&self, scale: &mut Scale) {
-        let (problem, k, states) = (self.problem, self.k, self.states());
+        let (problem, k) = (self.problem, self.k);
         let [near, middle, far] = [Within::Start, Within::Middle, Within::End].map(|at| problem.jerk_rows(k, at));
+        let ends = [0.0, 0.5, 1.0].map(|fraction| self.state(fraction));
+        let mut states = None;
         for (row, (p, q)) in middle.iter().zip(near.iter().zip(far)) {
             let value = |fraction: f64, at: &MotionState| {
                 let mix = quadratic(fraction);
                 let speed = mix(p.beta, row.beta, q.beta) * at.a + at.v * at.v * mix(p.gamma, row.gamma, q.gamma);
                 mix(p.alpha, row.alpha, q.alpha) * at.j + at.v * speed
             };
-            let sample = |i: usize| value(i as f64 / SAMPLES as f64, &states[i]);
-            let [start, mid, end] = [sample(0), sample(SAMPLES / 2), sample(SAMPLES)];
             if row.step > 0.0 {
                 self.keep_jerk_with_step(scale, row, value);
                 continue;
             }
             // The hull of the parabola through three of them.
+            let [start, mid, end] = [value(0.0, &ends[0]), value(0.5, &ends[1]), value(1.0, &ends[2])];
             let bound = start.abs().max(end.abs()).max((2.0 * mid - 0.5 * (start + end)).abs());
             if bound < 0.5 * row.limit {
                 continue;
             }
             let of = |fraction: f64| value(fraction, &self.state(fraction));
-            let samples = std::array::from_fn(sample);
+            let states = states.get_or_insert_with(|| self.states());
+            let samples = std::array::from_fn(|i| value(i as f64 / SAMPLES as f64, &states[i]));
             let [least, most] = extremes(&samples, of, |peak| peak.abs() > 0.9 * row.limit);
             // Jerk grows with the power 3/2.
             let ratio = most.max(-least) / row.limit;
