@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use arcfeed_feedrate::{ChosenLaw, LimitId, SpeedLaw};
+use arcfeed_feedrate::{ChosenLaw, Fallback, LimitId, SpeedLaw};
 
 use super::{Planner, unverified};
 use crate::error::PlanError;
@@ -207,8 +207,24 @@ impl<'a, const N: usize> Planner<'a, N> {
             // Where the path cannot be followed on a finer grid, there is this one.
             *problem = finer;
         }
-        let chosen = self.choose_near(problem, &full, &draft.law).ok()?;
+        let mut chosen = self.choose_near(problem, &full, &draft.law).ok()?;
+        self.choose_shorter_than_scan(problem, &mut chosen);
         (chosen.converged && chosen.fallback.is_none()).then_some(chosen)
+    }
+
+    /// Where the scan's law is the shorter one, jerk changes between the grid points: halves all intervals, as long as that makes the
+    /// law shorter.
+    fn choose_shorter_than_scan(&self, problem: &mut PathProblem<'_, N>, chosen: &mut ChosenLaw) {
+        // As long as the grid has no more intervals than that.
+        const MOST_HALVED: usize = 4000;
+        while matches!(chosen.fallback, Some(Fallback::Slower { .. })) && problem.intervals() <= MOST_HALVED {
+            let Ok(finer) = problem.refined(|_| 2) else { return };
+            let Ok(again) = self.choose_near(&finer, &LimitFractions::default(), &chosen.law) else { return };
+            if again.law.duration() >= chosen.law.duration() {
+                return;
+            }
+            (*problem, *chosen) = (finer, again);
+        }
     }
 
     fn info(
