@@ -14,7 +14,7 @@ const NEAR_PART: f64 = 0.06;
 const NEAR_PART_FROM: f64 = 4000.0;
 
 /// That of a draft.
-const DRAFT_TOLERANCE: f64 = 2e-3;
+const DRAFT_TOLERANCE: f64 = 1e-3;
 
 /// The jerk-limited planner: velocity, acceleration, torque and jerk, kept between the grid points
 /// too, in the least time that a quadratic spline on the grid allows.
