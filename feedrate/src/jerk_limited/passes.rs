@@ -2,7 +2,7 @@
 //! less.
 
 use super::barrier_problem::BarrierProblem;
-use super::between::largest_scale;
+use super::check::largest_scale;
 use super::drop_distant::Distance;
 use super::interior_point::Solver;
 use super::outcome::Goal;
@@ -192,8 +192,7 @@ impl Passes<'_> {
         let mut solver = Solver::default();
         let mut solutions = Vec::with_capacity(parts.len());
         for part in parts {
-            let attempt =
-                Attempt { drop_distant: part.grid.len() <= drop_up_to, factor: 1.0, before: None };
+            let attempt = Attempt { drop_distant: part.grid.len() <= drop_up_to, factor: 1.0, before: None };
             solutions.push(self.solve(prepared, &mut solver, part, attempt)?);
         }
         let mut plan = assemble(problem, &solutions)?;
