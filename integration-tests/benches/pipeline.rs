@@ -7,7 +7,7 @@
 //! | arc-length map of the butterfly, to 1e-12 mm | 0.70 ms |
 //! | choice of the start (all branches walked) | 2.1 ms |
 //! | plan without verification, scanned: 1174 chord segments, joint path, four scans | 18.9 ms |
-//! | plan without verification, jerk-limited, on 3421 intervals | 123 ms |
+//! | plan without verification, jerk-limited, on some 3600 intervals | 100 ms |
 //! | verification of 5.7 s of motion on eight samples per cycle | 109 ms |
 //! | one cycle of sampling with inverse kinematics | 1.52 us |
 //! | one S-profile | 79 ns |

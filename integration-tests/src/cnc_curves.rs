@@ -1,7 +1,7 @@
 //! Ten curves of the kind that interpolators of machine tools are compared on, drawn anew: closed and open, nine of them with jumps of
 //! curvature, at any size, in front of any arm with six joints.
 
-use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
+use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
 
 use arcfeed_feedrate::LowerBound;
@@ -23,6 +23,10 @@ pub const ARMS: [(&str, [f64; 3]); 4] = [
     ("kr6_r700", [0.45, 0.0, 0.35]),
     ("puma560", [0.42, -0.15, 0.1]),
 ];
+
+/// Curves from this width on (m) are out of the Puma's reach there with the tool pointing down. They lie here, m, and the tool points
+/// forward.
+const WIDE_ON_PUMA: (f64, [f64; 3]) = (0.4, [0.59, 0.0, 0.55]);
 
 /// One curve of a size, at a feed, on an arm.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -104,12 +108,15 @@ impl CncJob {
         Ok(Limits::new(range).with_tool(tool))
     }
 
-    /// The curve before the arm, in a level plane, the tool pointing down.
+    /// The curve before the arm, in a level plane, the tool pointing down; wide ones before the Puma have it point forward.
     ///
     /// # Errors
     /// [`GeometryError`] for an unknown name or a size that makes no curve.
     pub fn path(&self) -> Result<PosePath, GeometryError> {
-        let middle = ARMS.iter().find(|(name, _)| *name == self.arm).map_or([0.45, -0.15, 0.25], |(_, at)| *at);
+        let (wide, place) = WIDE_ON_PUMA;
+        let is_wide = self.arm == "puma560" && self.size > wide;
+        let usual = ARMS.iter().find(|(name, _)| *name == self.arm).map_or([0.45, -0.15, 0.25], |(_, at)| *at);
+        let (middle, pitch) = if is_wide { (place, -FRAC_PI_2) } else { (usual, 0.0) };
         let (degree, points, weights, knots) = shape(self.curve);
         let (mut least, mut most) = ([f64::MAX; 2], [f64::MIN; 2]);
         for p in &points {
@@ -123,8 +130,8 @@ impl CncJob {
             Vector3::from(middle) + Vector3::new(y, x, 0.0)
         };
         let curve = NurbsCurve::new(degree, points.iter().map(place).collect(), weights, knots)?;
-        let down = UnitQuaternion::from_euler_angles(PI, 0.0, 0.0);
-        Ok(PosePath::new(ArcLengthCurve::new(curve, 1e-15)?, OrientationPath::Constant(down)))
+        let orientation = UnitQuaternion::from_euler_angles(PI, pitch, 0.0);
+        Ok(PosePath::new(ArcLengthCurve::new(curve, 1e-15)?, OrientationPath::Constant(orientation)))
     }
 }
 

@@ -86,14 +86,14 @@ impl BarrierProblem {
             visit(caps + k, [f64::INFINITY, self.caps[k][0] + self.caps[k][1] - x[k]]);
         }
         for (k, end, inner_rows, third_rows) in self.places() {
-            let (x, u, w) = (x[end], u[end], w[k]);
+            let (x, y, u, w) = (x[end], values.y[end], u[end], w[k]);
             for i in inner_rows {
                 let row = &self.inner[i];
                 let value = row.alpha * w + row.beta * u + row.gamma * x;
                 let [low, high] = row.wider;
                 visit(inner + i, [value - row.lo + low, row.hi + high - value]);
             }
-            let root = x.sqrt();
+            let root = x * y;
             let least = self.jerk_bound(k, end, values) + self.jerk_wider * self.jerk_unit[end];
             for i in third_rows {
                 let row = &self.thirds[i];
@@ -103,7 +103,7 @@ impl BarrierProblem {
             }
         }
         for (i, end) in [0, x.len() - 1].into_iter().enumerate() {
-            let bound = 1.0 / x[end].sqrt() + self.jerk_wider * self.jerk_unit[end];
+            let bound = values.y[end] + self.jerk_wider * self.jerk_unit[end];
             let slack = if self.rest[i] == 0.0 { f64::INFINITY } else { bound - self.rest[i] * x[end] };
             visit(rest + i, [f64::INFINITY, slack]);
         }
@@ -123,13 +123,13 @@ impl BarrierProblem {
             visit(caps + k, [0.0, -dx[k] - self.caps[k][1]]);
         }
         for (k, end, inner_rows, third_rows) in self.places() {
-            let (x, dx, du, dw) = (x[end], dx[end], du[end], dw[k]);
+            let (dx, du, dw) = (dx[end], du[end], dw[k]);
             for i in inner_rows {
                 let row = &self.inner[i];
                 let by = row.alpha * dw + row.beta * du + row.gamma * dx;
                 visit(inner + i, [by - row.wider[0], -by - row.wider[1]]);
             }
-            let y = 1.0 / x.sqrt();
+            let y = values.y[end];
             let [by_x, by_u, by_w] = self.jerk_falls(k, end, values);
             let least = -(by_x * dx + by_u * du + by_w * dw) - self.jerk_wider * self.jerk_unit[end];
             let half = 0.5 * y * dx;
@@ -141,8 +141,8 @@ impl BarrierProblem {
             }
         }
         for (i, end) in [0, x.len() - 1].into_iter().enumerate() {
-            let y = 1.0 / x[end].sqrt();
-            let slope = self.rest[i] + 0.5 * y / x[end];
+            let y = values.y[end];
+            let slope = self.rest[i] + 0.5 * y * y * y;
             visit(rest + i, [0.0, -slope * dx[end] - self.jerk_wider * self.jerk_unit[end]]);
         }
     }

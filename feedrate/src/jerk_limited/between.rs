@@ -1,22 +1,17 @@
-//! The motion between the knots: margins while iterating, and the check of the result.
+//! Margins on jerk for what it does between the knots, while iterating.
 //!
 //! The coefficients of a row vary between two grid points; they are interpolated through both ends
-//! and the middle, which is exact where the path is piecewise cubic. A row then is a cubic in `s`,
-//! whose extremes are found in closed form.
-
-use std::ops::Range;
+//! and the middle, which is exact where the path is piecewise cubic.
 
 use super::barrier_problem::BarrierProblem;
 use super::spline::Values;
 use crate::constraint::Within;
-use crate::problem::{FeedProblem, matching, quadratic};
-use crate::row::{JerkRow, Row};
-use crate::speed_law::SpeedLaw;
-use crate::state::MotionState;
+use crate::problem::{FeedProblem, quadratic};
+use crate::row::JerkRow;
 
 /// The excess of the parabola through three equidistant values over the range of both ends, below
 /// and above.
-fn parabola_overshoot([start, middle, end]: [f64; 3]) -> [f64; 2] {
+pub(super) fn parabola_overshoot([start, middle, end]: [f64; 3]) -> [f64; 2] {
     let slope = 4.0 * middle - 3.0 * start - end;
     let bend = start - 2.0 * middle + end;
     // It turns at t = -slope / 4 bend.
@@ -25,58 +20,6 @@ fn parabola_overshoot([start, middle, end]: [f64; 3]) -> [f64; 2] {
     }
     let peak = start - slope * slope / (8.0 * bend);
     [(start.min(end) - peak).max(0.0), (peak - start.max(end)).max(0.0)]
-}
-
-/// The same for the cubic through two values with two slopes, over the unit interval.
-fn cubic_overshoot([start, end]: [f64; 2], [slope, end_slope]: [f64; 2]) -> [f64; 2] {
-    let (lowest, highest) = (start.min(end), start.max(end));
-    // The inner Bernstein coefficients.
-    let (p, q) = (start + slope / 3.0, end - end_slope / 3.0);
-    if p.min(q) >= lowest && p.max(q) <= highest {
-        return [0.0; 2];
-    }
-    let rise = end - start;
-    let (square, cube) = (3.0 * rise - 2.0 * slope - end_slope, slope + end_slope - 2.0 * rise);
-    let mut over = [0.0_f64; 2];
-    // Zeros of slope + 2 square t + 3 cube t^2, without cancellation.
-    let root = (square * square - 3.0 * cube * slope).sqrt();
-    let sum = -(square + root.copysign(square));
-    for t in [sum / (3.0 * cube), slope / sum] {
-        if t > 0.0 && t < 1.0 {
-            let value = start + t * (slope + t * (square + t * cube));
-            over = [over[0].max(lowest - value), over[1].max(value - highest)];
-        }
-    }
-    over
-}
-
-/// State at one end of an interval of a spline.
-#[derive(Debug, Clone, Copy)]
-struct Edge {
-    x: f64,
-    u: f64,
-    root: f64,
-}
-
-/// Values and slopes (over the unit interval) of a row at both ends of an interval of length `h`,
-/// from the row at the start, in the middle and at the end; and the value of its constant part at
-/// both ends.
-fn along([p, m, q]: [&Row; 3], [near, far]: [Edge; 2], h: f64) -> ([f64; 2], [f64; 2]) {
-    let w = (far.u - near.u) / h;
-    let at = |edge: Edge, row: &Row, slope: &dyn Fn(fn(&Row) -> f64) -> f64| {
-        let value = row.a * edge.u + row.b * edge.x + row.d;
-        let moving = slope(|row| row.a) * edge.u + slope(|row| row.b) * edge.x + slope(|row| row.d);
-        let along = h * (row.a * w + 2.0 * row.b * edge.u);
-        if row.c == 0.0 {
-            (value, moving + along)
-        } else {
-            let friction = slope(|row| row.c) * edge.root + h * row.c * edge.u / edge.root;
-            (value + row.c * edge.root, moving + along + friction)
-        }
-    };
-    let (start, slope) = at(near, p, &|of| 4.0 * of(m) - 3.0 * of(p) - of(q));
-    let (end, end_slope) = at(far, q, &|of| 3.0 * of(q) - 4.0 * of(m) + of(p));
-    ([start, end], [slope, end_slope])
 }
 
 /// Least part of its slack that a row keeps when a new margin is set, so that the iterate stays
@@ -112,6 +55,10 @@ impl BarrierProblem {
         /// Jerk is no parabola: one that rises this much may be beyond its limit from this part below it on.
         const LARGE: f64 = 2e-5;
         const SURE: f64 = 2e-5;
+        /// Places in between at which it is looked at then.
+        const SAMPLES: i32 = 8;
+        /// What it is more than a parabola is less than this part of what that rises.
+        const NO_PARABOLA: f64 = 0.1;
         /// The motion changes a little once more; the margin stays as it does.
         const MARGIN: f64 = 1.05;
         let mut exceeded = false;
@@ -122,10 +69,16 @@ impl BarrierProblem {
             let rows =
                 [Within::Start, Within::Middle, Within::End].map(|within| problem.jerk_rows(self.from + k, within));
             for row in &mut self.thirds[self.thirds_first[p]..self.thirds_first[p + 1]] {
-                let value = jerks_within(rows.map(|rows| &rows[row.id as usize]), values.w[k], states);
+                let rows = rows.map(|rows| &rows[row.id as usize]);
+                let value = jerks_within(rows, values.w[k], states);
                 let [low, high] = parabola_overshoot(value);
                 let [start, _, end] = value;
-                let (over, peak) = (low.max(high), (start.max(end) + high).max(low - start.min(end)));
+                let (mut over, mut peak) = (low.max(high), (start.max(end) + high).max(low - start.min(end)));
+                if over > LARGE && peak > self.most * (1.0 - SURE - NO_PARABOLA * over) {
+                    let above = |fraction: f64| jerk_within(rows, values.w[k], states, fraction).abs() - peak;
+                    let more = (1..SAMPLES).map(|i| above(f64::from(i) / f64::from(SAMPLES))).fold(0.0, f64::max);
+                    (over, peak) = (over + more, peak + more);
+                }
                 let beyond = over > 0.0 && peak > self.most * (1.0 + ROUND_OFF);
                 if beyond || (over > LARGE && peak > self.most * (1.0 - SURE)) {
                     exceeded = true;
@@ -163,7 +116,7 @@ impl BarrierProblem {
                 let value = jerks_within(rows.map(|rows| &rows[row.id as usize]), w, states);
                 let [low, high] = parabola_overshoot(value);
                 let stated = &rows[end][row.id as usize];
-                let here = value[end].abs() + stated.step * states[end].1 / stated.limit;
+                let here = value[end].abs() + stated.step * states[end].x / stated.limit;
                 let part = (self.most - low.max(high)).max(least(here, row.part)).min(self.most.min(row.at_most));
                 row.use_part(part);
             }
@@ -171,225 +124,41 @@ impl BarrierProblem {
     }
 }
 
-/// `u` and `x` at the start, in the middle and at the end of interval `k`.
-pub(super) fn states_within(values: &Values, k: usize) -> [(f64, f64); 3] {
-    let Values { x, u, middle, .. } = values;
-    [(u[k], x[k]), (0.5 * (u[k] + u[k + 1]), middle[k]), (u[k + 1], x[k + 1])]
+/// A place of an interval.
+#[derive(Debug, Clone, Copy)]
+struct State {
+    u: f64,
+    x: f64,
+    /// The root of `x`.
+    root: f64,
+}
+
+/// The states at the start, in the middle and at the end of interval `k`.
+fn states_within(values: &Values, k: usize) -> [State; 3] {
+    let Values { x, u, middle, y, middle_y, .. } = values;
+    let state = |u: f64, x: f64, y: f64| State { u, x, root: x * y };
+    [
+        state(u[k], x[k], y[k]),
+        state(0.5 * (u[k] + u[k + 1]), middle[k], middle_y[k]),
+        state(u[k + 1], x[k + 1], y[k + 1]),
+    ]
 }
 
 /// Jerk there in units of its limit, the step aside.
-pub(super) fn jerks_within(rows: [&JerkRow; 3], w: f64, states: [(f64, f64); 3]) -> [f64; 3] {
-    std::array::from_fn(|i| rows[i].value(w, states[i].0, states[i].1) / rows[i].limit)
+fn jerks_within(rows: [&JerkRow; 3], w: f64, states: [State; 3]) -> [f64; 3] {
+    std::array::from_fn(|i| {
+        let (JerkRow { alpha, beta, gamma, limit, .. }, State { u, x, root }) = (rows[i], states[i]);
+        (alpha * w + beta * u + gamma * x) * root / limit
+    })
 }
 
-/// Parts of an interval at whose ends what is no polynomial is sampled.
-const SAMPLES: usize = 8;
-
-/// The place at which the parabola through three equidistant values turns, in steps from the middle
-/// one, and its value there; nothing where it does not turn between them.
-fn turning([start, middle, end]: [f64; 3]) -> Option<(f64, f64)> {
-    let (slope, bend) = (0.5 * (end - start), start - 2.0 * middle + end);
-    let at = -slope / bend;
-    (at.abs() <= 1.0).then_some((at, middle + 0.5 * slope * at))
-}
-
-/// Least and greatest value of a smooth function over 0..1 of which equidistant samples are known.
-/// Only turning points whose value is `worth` it are looked for.
-fn extremes(samples: &[f64; SAMPLES + 1], value: impl Fn(f64) -> f64, worth: impl Fn(f64) -> bool) -> [f64; 2] {
-    /// Each step is this part of the one before; a parabola's error falls with the third power.
-    const FINER: f64 = 0.125;
-    let widen = |[least, most]: [f64; 2], value: f64| [least.min(value), most.max(value)];
-    let mut range = samples.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |range, value| widen(range, *value));
-    for i in 1..SAMPLES {
-        let Some((at, peak)) = turning([samples[i - 1], samples[i], samples[i + 1]]) else { continue };
-        if !worth(peak) {
-            continue;
-        }
-        let (mut step, mut turn) = (1.0 / SAMPLES as f64, samples[i]);
-        let mut centre = (i as f64 + at) * step;
-        for _ in 0..3 {
-            step *= FINER;
-            centre = centre.clamp(step, 1.0 - step);
-            let near = [-step, 0.0, step].map(|by| value(centre + by));
-            range = near.iter().fold(range, |range, value| widen(range, *value));
-            let Some((at, peak)) = turning(near) else { break };
-            turn = peak;
-            centre += at * step;
-        }
-        // Of the finest parabola alone: it may turn between the places looked at.
-        range = widen(range, turn);
-    }
-    range
-}
-
-/// The least factor by which any bound has been met so far.
-#[derive(Debug, Clone, Copy)]
-struct Scale(f64);
-
-impl Scale {
-    /// `factor * value <= bound`. A bound below 0, which standing still breaks, allows no factor
-    /// but 1.
-    fn keep(&mut self, value: f64, bound: f64) {
-        if value > bound.min(0.0) && value * self.0 > bound {
-            self.0 = if value > 0.0 { bound.max(0.0) / value } else { 0.0 };
-        }
-    }
-}
-
-/// The greatest factor on `x`, `u` and `w` of a plan, 1 at most, at which everything is kept in the
-/// given intervals, between the grid points too.
-pub(super) fn largest_scale(problem: &FeedProblem, plan: &SpeedLaw, intervals: Range<usize>) -> f64 {
-    let mut scale = Scale(1.0);
-    for k in intervals {
-        let inside = Inside::new(problem, plan, k);
-        inside.keep_rows(&mut scale);
-        inside.keep_speed(&mut scale);
-        inside.keep_jerk(&mut scale);
-    }
-    scale.0
-}
-
-/// A plan inside one interval.
-struct Inside<'a> {
-    problem: &'a FeedProblem,
-    plan: &'a SpeedLaw,
-    k: usize,
-    h: f64,
-    /// Start, middle and end.
-    edges: [Edge; 3],
-    /// True if it is next to rest, where `x(s)` is no polynomial; at a stop round-off may leave a
-    /// trace of speed.
-    rests: bool,
-}
-
-impl<'a> Inside<'a> {
-    fn new(problem: &'a FeedProblem, plan: &'a SpeedLaw, k: usize) -> Self {
-        let h = problem.h(k);
-        let edges = [0.0, 0.5 * h, h].map(|ds| {
-            let state = plan.within(k, ds);
-            Edge { x: state.v * state.v, u: state.a, root: state.v }
-        });
-        let rests = edges[0].root.min(edges[2].root) < 1e-4 * edges[1].root;
-        Self { problem, plan, k, h, edges, rests }
-    }
-
-    /// Equidistant states.
-    fn states(&self) -> [MotionState; SAMPLES + 1] {
-        std::array::from_fn(|i| self.state(i as f64 / SAMPLES as f64))
-    }
-
-    fn state(&self, fraction: f64) -> MotionState {
-        self.plan.within(self.k, self.h * fraction)
-    }
-
-    fn keep_rows(&self, scale: &mut Scale) {
-        let (problem, k, edges) = (self.problem, self.k, &self.edges);
-        let (near, middle, far) = (problem.rows(k), problem.middle_rows(k), problem.rows(k + 1));
-        for (j, row) in middle.iter().enumerate() {
-            let Some(p) = matching(near, middle, j, false).map(|j| &near[j]) else { continue };
-            let Some(q) = matching(far, middle, j, true).map(|j| &far[j]) else { continue };
-            let [least, most] = if self.rests || row.c != 0.0 {
-                self.range_of([p, row, q])
-            } else {
-                let ([start, end], slopes) = along([p, row, q], [edges[0], edges[2]], self.h);
-                let over = cubic_overshoot([start, end], slopes);
-                [start.min(end) - over[0], start.max(end) + over[1]]
-            };
-            let rest = p.d.max(q.d);
-            scale.keep(most - rest, row.hi - rest);
-            let rest = p.d.min(q.d);
-            scale.keep(rest - least, rest - row.lo);
-        }
-    }
-
-    /// Least and greatest value of a row, by samples.
-    fn range_of(&self, [p, m, q]: [&Row; 3]) -> [f64; 2] {
-        let value = |fraction: f64| {
-            let (mix, at) = (quadratic(fraction), self.state(fraction));
-            let of = |of: fn(&Row) -> f64| mix(of(p), of(m), of(q));
-            of(|row| row.a) * at.a + at.v * (of(|row| row.b) * at.v + of(|row| row.c)) + of(|row| row.d)
-        };
-        let samples = std::array::from_fn(|i| value(i as f64 / SAMPLES as f64));
-        let (middle, half) = (0.5 * (m.lo + m.hi), 0.5 * (m.hi - m.lo));
-        // A bound at infinity leaves no middle: then all turning points are looked for.
-        extremes(&samples, value, |peak| !((peak - middle).abs() < 0.9 * half))
-    }
-
-    fn keep_speed(&self, scale: &mut Scale) {
-        let (problem, k, edges) = (self.problem, self.k, &self.edges);
-        // At a stop round-off may leave a trace of speed.
-        let part = |x: f64, cap: f64| if cap < f64::INFINITY && cap > 0.0 { x / cap } else { 0.0 };
-        let [start, mid, end] = [
-            part(edges[0].x, problem.x_max(k)),
-            part(edges[1].x, problem.middle_x_max(k)),
-            part(edges[2].x, problem.x_max(k + 1)),
-        ];
-        scale.keep(start.max(mid).max(end), 1.0);
-        if self.rests || problem.is_capped_within(k) {
-            scale.keep(start.max(end) + parabola_overshoot([start, mid, end])[1], 1.0);
-        } else {
-            let x = [edges[0].x, edges[0].x + self.h * edges[0].u, edges[2].x];
-            for weights in problem.speed_rows(k) {
-                scale.keep(weights.iter().zip(x).map(|(weight, x)| weight * x).sum(), 1.0);
-            }
-        }
-    }
-
-    fn keep_jerk(&self, scale: &mut Scale) {
-        let (problem, k, states) = (self.problem, self.k, self.states());
-        let [near, middle, far] = [Within::Start, Within::Middle, Within::End].map(|at| problem.jerk_rows(k, at));
-        for (row, (p, q)) in middle.iter().zip(near.iter().zip(far)) {
-            let value = |fraction: f64, at: &MotionState| {
-                let mix = quadratic(fraction);
-                let speed = mix(p.beta, row.beta, q.beta) * at.a + at.v * at.v * mix(p.gamma, row.gamma, q.gamma);
-                mix(p.alpha, row.alpha, q.alpha) * at.j + at.v * speed
-            };
-            let sample = |i: usize| value(i as f64 / SAMPLES as f64, &states[i]);
-            let [start, mid, end] = [sample(0), sample(SAMPLES / 2), sample(SAMPLES)];
-            if row.step > 0.0 {
-                self.keep_jerk_with_step(scale, row, value);
-                continue;
-            }
-            // The hull of the parabola through three of them.
-            let bound = start.abs().max(end.abs()).max((2.0 * mid - 0.5 * (start + end)).abs());
-            if bound < 0.5 * row.limit {
-                continue;
-            }
-            let of = |fraction: f64| value(fraction, &self.state(fraction));
-            let samples = std::array::from_fn(sample);
-            let [least, most] = extremes(&samples, of, |peak| peak.abs() > 0.9 * row.limit);
-            // Jerk grows with the power 3/2.
-            let ratio = most.max(-least) / row.limit;
-            scale.keep((ratio * ratio).cbrt(), 1.0);
-        }
-    }
-
-    /// A jerk row next to a jump, `value` by fraction of the interval and state.
-    fn keep_jerk_with_step(&self, scale: &mut Scale, row: &JerkRow, value: impl Fn(f64, &MotionState) -> f64) {
-        let states = self.states();
-        for sign in [1.0, -1.0] {
-            let sum = |fraction: f64, at: &MotionState| sign * value(fraction, at) + row.step * at.v * at.v;
-            let samples = std::array::from_fn(|i| sum(i as f64 / SAMPLES as f64, &states[i]));
-            let of = |fraction: f64| sum(fraction, &self.state(fraction));
-            let [_, most] = extremes(&samples, of, |peak| peak > 0.9 * row.limit);
-            // The step grows with the power 1 of the scale, the rest with a higher one.
-            scale.keep(most, row.limit);
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn extremes_of_what_is_no_polynomial() {
-        for shift in [0.01, 0.11, 0.3, 0.52, 0.77, 0.98] {
-            let value = |t: f64| (0.3 + t).sqrt() * (1.0 - 4.0 * (t - shift) * (t - shift));
-            let samples = std::array::from_fn(|i| value(i as f64 / SAMPLES as f64));
-            let most = (0..=1_000_000).map(|i| value(f64::from(i) * 1e-6)).fold(f64::MIN, f64::max);
-            let found = extremes(&samples, value, |_| true)[1];
-            assert!((found - most).abs() < 1e-9 * most, "{shift}: {found} instead of {most}");
-        }
-    }
+/// The same at a fraction of the interval.
+fn jerk_within(rows: [&JerkRow; 3], w: f64, states: [State; 3], fraction: f64) -> f64 {
+    let mix = quadratic(fraction);
+    let [p, m, q] = rows;
+    let of = |of: fn(&State) -> f64| mix(of(&states[0]), of(&states[1]), of(&states[2]));
+    let (u, x) = (of(|state| state.u), of(|state| state.x));
+    let along =
+        mix(p.alpha, m.alpha, q.alpha) * w + mix(p.beta, m.beta, q.beta) * u + mix(p.gamma, m.gamma, q.gamma) * x;
+    along * x.sqrt() / m.limit
 }

@@ -72,38 +72,38 @@ impl Solver {
 
     /// Duration of the current iterate, by Simpson's rule on every interval; that of a relaxed problem by Gauss's.
     pub fn duration(&self, barrier_problem: &BarrierProblem) -> f64 {
-        let Values { x, middle, .. } = &self.values;
+        let Values { y, middle_y, .. } = &self.values;
         let on_interval = |(k, h): (usize, &f64)| {
             if barrier_problem.means.is_empty() {
-                h / 6.0 * (1.0 / x[k].sqrt() + 4.0 / middle[k].sqrt() + 1.0 / x[k + 1].sqrt())
+                h / 6.0 * (y[k] + 4.0 * middle_y[k] + y[k + 1])
             } else {
                 barrier_problem.gauss(k, &self.values).into_iter().map(|(x, _)| 0.5 * h / x.sqrt()).sum()
             }
         };
         let inner: f64 = barrier_problem.knots.h.iter().enumerate().map(on_interval).sum();
-        let rest = |end: End, x: f64| if let End::Rest { h } = end { 3.0 * h / x.sqrt() } else { 0.0 };
-        inner + rest(barrier_problem.ends[0], x[0]) + rest(barrier_problem.ends[1], x[x.len() - 1])
+        let rest = |end: End, y: f64| if let End::Rest { h } = end { 3.0 * h * y } else { 0.0 };
+        inner + rest(barrier_problem.ends[0], y[0]) + rest(barrier_problem.ends[1], y[y.len() - 1])
     }
 
     /// Second derivatives of duration plus barriers by the values at knots and on intervals.
     pub fn assemble(&mut self, barrier_problem: &BarrierProblem) {
-        let Values { x, middle, .. } = &self.values;
+        let Values { x, y, middle_y, .. } = &self.values;
         let [caps, inner, thirds, rest] = barrier_problem.offsets();
         self.at.clear();
         self.at.resize(x.len(), AtKnot::default());
         self.on.clear();
-        self.on.resize(middle.len(), OnInterval::default());
+        self.on.resize(middle_y.len(), OnInterval::default());
         let time = second_derivative_of_time;
         for (k, h) in barrier_problem.knots.h.iter().enumerate().filter(|_| barrier_problem.means.is_empty()) {
-            self.at[k].xx += time(h / 6.0, x[k]);
-            self.at[k + 1].xx += time(h / 6.0, x[k + 1]);
-            self.on[k].mm = time(4.0 / 6.0 * h, middle[k]);
+            self.at[k].xx += time(h / 6.0, y[k]);
+            self.at[k + 1].xx += time(h / 6.0, y[k + 1]);
+            self.on[k].mm = time(4.0 / 6.0 * h, middle_y[k]);
         }
         for (i, end) in [0, x.len() - 1].into_iter().enumerate() {
             if let End::Rest { h } = barrier_problem.ends[i] {
-                self.at[end].xx += time(3.0 * h, x[end]);
+                self.at[end].xx += time(3.0 * h, y[end]);
             }
-            let slope = barrier_problem.rest[i] + 0.5 / (x[end] * x[end].sqrt());
+            let slope = barrier_problem.rest[i] + 0.5 * cube(y[end]);
             self.at[end].xx += self.barrier[rest + i][1].weight() * slope * slope;
         }
         for k in 0..x.len() {
@@ -119,7 +119,6 @@ impl Solver {
             at.xx += self.barrier[caps + k][1].weight();
         }
         for (place, (k, end, inner_rows, third_rows)) in barrier_problem.places().enumerate() {
-            let x = x[end];
             let falls = barrier_problem.jerk_falls(k, end, &self.values);
             let mut sum = Products::default();
             for (row, [low, high]) in
@@ -127,7 +126,7 @@ impl Solver {
             {
                 sum.add(low.weight() + high.weight(), [row.gamma, row.beta, row.alpha]);
             }
-            let rise = 0.5 / x.sqrt();
+            let rise = 0.5 * y[end];
             // Sums of weights, of their differences between both sides times the row, and of what the step adds.
             let (mut weights, mut differences, mut stepped) = (0.0, [0.0; 3], [0.0; 3]);
             for (row, [low, high]) in
@@ -150,7 +149,7 @@ impl Solver {
                 barrier_problem
                     .gauss(k, &self.values)
                     .into_iter()
-                    .for_each(|(x, factors)| sum.add(time(h, x), factors));
+                    .for_each(|(x, factors)| sum.add(time(h, 1.0 / x.sqrt()), factors));
             }
             sum.add(weights, falls);
             sum.add_pair(falls, differences);
@@ -169,38 +168,37 @@ impl Solver {
 
     /// First derivatives of the duration.
     pub fn objective_gradient(&mut self, barrier_problem: &BarrierProblem) {
-        let Values { x, middle, .. } = &self.values;
-        let time = |h: f64, x: f64| -0.5 * h / (x * x.sqrt());
+        let Values { y, middle_y, .. } = &self.values;
+        let time = |h: f64, y: f64| -0.5 * h * cube(y);
         self.at.iter_mut().for_each(|at| (at.x, at.u) = (0.0, 0.0));
         self.on.iter_mut().for_each(|on| (on.m, on.w) = (0.0, 0.0));
         for (k, h) in barrier_problem.knots.h.iter().enumerate() {
             if barrier_problem.means.is_empty() {
-                self.at[k].x += time(h / 6.0, x[k]);
-                self.at[k + 1].x += time(h / 6.0, x[k + 1]);
-                self.on[k].m = time(4.0 / 6.0 * h, middle[k]);
+                self.at[k].x += time(h / 6.0, y[k]);
+                self.at[k + 1].x += time(h / 6.0, y[k + 1]);
+                self.on[k].m = time(4.0 / 6.0 * h, middle_y[k]);
             } else {
                 for (x, [by_x, by_u, by_w]) in barrier_problem.gauss(k, &self.values) {
-                    let slope = time(0.5 * h, x);
+                    let slope = time(0.5 * h, 1.0 / x.sqrt());
                     self.at[k].x += slope * by_x;
                     self.at[k].u += slope * by_u;
                     self.on[k].w += slope * by_w;
                 }
             }
         }
-        for (i, end) in [0, x.len() - 1].into_iter().enumerate() {
+        for (i, end) in [0, y.len() - 1].into_iter().enumerate() {
             if let End::Rest { h } = barrier_problem.ends[i] {
-                self.at[end].x += time(3.0 * h, x[end]);
+                self.at[end].x += time(3.0 * h, y[end]);
             }
         }
     }
 
     /// Adds the first derivatives of the barriers at `mu`, with a part of the predictor's second-order terms.
     pub fn barrier_gradient(&mut self, barrier_problem: &BarrierProblem, mu: f64, part: f64) {
-        let x = &self.values.x;
+        let Values { x, y, .. } = &self.values;
         let [caps, inner, thirds, rest] = barrier_problem.offsets();
         for (i, end) in [0, x.len() - 1].into_iter().enumerate() {
-            let y = 1.0 / x[end].sqrt();
-            let slope = barrier_problem.rest[i] + 0.5 * y / x[end];
+            let slope = barrier_problem.rest[i] + 0.5 * cube(y[end]);
             self.at[end].x += slope
                 * self.barrier[rest + i][1].force(
                     mu,
@@ -228,7 +226,7 @@ impl Solver {
                 su += force * row.beta;
                 sw += force * row.alpha;
             }
-            let y = 1.0 / x[end].sqrt();
+            let y = y[end];
             let falls = barrier_problem.jerk_falls(k, end, &self.values);
             let taken = barrier_problem.jerk_wider * barrier_problem.jerk_unit[end];
             let sides = &self.barrier[thirds + third_rows.start..];
@@ -247,7 +245,11 @@ impl Solver {
     }
 }
 
-/// Second derivative of `h x^(-1/2)`, the time over the length `h`, by `x`.
-fn second_derivative_of_time(h: f64, x: f64) -> f64 {
-    0.75 * h / (x * x * x.sqrt())
+/// Second derivative of `h y` with `y = x^(-1/2)`, the time over the length `h`, by `x`.
+fn second_derivative_of_time(h: f64, y: f64) -> f64 {
+    0.75 * h * cube(y) * (y * y)
+}
+
+fn cube(y: f64) -> f64 {
+    y * y * y
 }

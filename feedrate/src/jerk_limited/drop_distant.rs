@@ -1,7 +1,6 @@
 //! Rows that are far from their bounds are left out of the iterations, and taken up again where the result exceeds one.
 
 use super::barrier_problem::{BarrierProblem, ThirdRow, Whole};
-use super::between::{jerks_within, states_within};
 use super::spline::Values;
 use crate::constraint::Within;
 use crate::problem::FeedProblem;
@@ -159,31 +158,34 @@ impl BarrierProblem {
             })
         });
         at_points
-            || self.places().enumerate().any(|(p, (k, end, inner_rows, third_rows))| {
+            || self.places().any(|(k, end, inner_rows, third_rows)| {
                 let between = inner_rows.filter(|&i| !left[inner + i]).any(|i| {
                     let row = &self.inner[i];
                     beyond(row.alpha * w[k] + row.beta * u[end] + row.gamma * x[end], row.lo, row.hi)
                 });
-                between
-                    || third_rows.filter(|&i| !left[thirds + i]).any(|i| {
-                        let (value, bound) = jerk_and_bound(&self.thirds[i], values, p);
-                        beyond(value, -bound, bound) || {
-                            let id = self.thirds[i].id as usize;
-                            let rows = [Within::Start, Within::Middle, Within::End]
-                                .map(|within| &problem.jerk_rows(self.from + k, within)[id]);
-                            jerks_within(rows, w[k], states_within(values, k))[1].abs() > self.most
+                between || {
+                    let bound = values.y[end];
+                    let root = x[end] * bound;
+                    let (middle_u, middle_x) = (0.5 * (u[k] + u[k + 1]), values.middle[k]);
+                    let middle = problem.jerk_rows(self.from + k, Within::Middle);
+                    third_rows.filter(|&i| !left[thirds + i]).any(|i| {
+                        let row = &self.thirds[i];
+                        let bound = bound - row.step * root;
+                        beyond(row.alpha * w[k] + row.beta * u[end] + row.gamma * x[end], -bound, bound) || {
+                            let row = &middle[row.id as usize];
+                            row.value(w[k], middle_u, middle_x).abs() > self.most * row.limit
                         }
                     })
+                }
             })
     }
 }
 
 /// The value of a jerk row at place `p`, and its bound.
 fn jerk_and_bound(row: &ThirdRow, values: &Values, p: usize) -> (f64, f64) {
-    let Values { x, u, w, .. } = values;
+    let Values { x, u, w, y, .. } = values;
     let (k, end) = (p / 2, p / 2 + p % 2);
-    let root = x[end].sqrt();
-    (row.alpha * w[k] + row.beta * u[end] + row.gamma * x[end], 1.0 / root - row.step * root)
+    (row.alpha * w[k] + row.beta * u[end] + row.gamma * x[end], y[end] - row.step * (x[end] * y[end]))
 }
 
 /// The rows of which `left` is true, with the first index of each place.

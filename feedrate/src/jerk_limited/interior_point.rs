@@ -246,7 +246,7 @@ impl Solver {
         let n = self.step.len();
         self.step[0] = self.step[1] / ratios[0];
         self.step[n - 1] = self.step[n - 2] / ratios[1];
-        barrier_problem.knots.evaluate(&self.step, &mut self.delta);
+        barrier_problem.knots.evaluate_change(&self.step, &mut self.delta);
     }
 
     /// The longest step of slacks and multipliers towards `mu = 0`; leaves the second-order terms

@@ -23,7 +23,7 @@
 //! a polynomial of degree six; their inner Bernstein coefficients are rows too (module
 //! `barrier_problem`). Jerk is kept by margins that follow the iterate. At the end everything is
 //! checked between the points in closed form, and what is left, of the order of 1e-5, is taken off
-//! the speed (module `between`). On other paths (inverse kinematics, torque) the same holds for the
+//! the speed (module `check`). On other paths (inverse kinematics, torque) the same holds for the
 //! rows as interpolated through both ends and the middle of each interval.
 //!
 //! # Optimality
@@ -35,6 +35,7 @@ mod band;
 mod barrier_problem;
 mod barrier_sides;
 mod between;
+mod check;
 #[cfg(feature = "clarabel")]
 pub(crate) mod conic;
 mod derivatives;

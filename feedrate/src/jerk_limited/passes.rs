@@ -2,7 +2,7 @@
 //! less.
 
 use super::barrier_problem::BarrierProblem;
-use super::between::largest_scale;
+use super::check::largest_scale;
 use super::drop_distant::Distance;
 use super::interior_point::Solver;
 use super::outcome::Goal;
@@ -41,10 +41,11 @@ const LAST_SLOWED_ATTEMPTS: usize = 60;
 const GAPS: [f64; 2] = [0.3, 0.04];
 const NEAR_GAPS: [f64; 2] = [0.02, 0.004];
 
-/// Grids of more intervals than this are planned on one point of so many first, to so much of the duration, and these likewise: then
-/// the number of iterations hardly grows with the number of intervals.
+/// Grids of more intervals than this are planned on one point of so many first, to so much of the duration, and these likewise if they
+/// have more than `ROUGH_FROM`: then the number of iterations hardly grows with the number of intervals.
 const COARSE_FROM: usize = 800;
-const COARSER: usize = 5;
+const ROUGH_FROM: usize = 250;
+const COARSER: usize = 3;
 const COARSE_TOLERANCE: f64 = 1e-2;
 
 /// Times that dropped rows and jerk between the knots are looked at once the iterations have converged.
@@ -63,14 +64,24 @@ struct Attempt<'a> {
     before: Option<&'a Solution>,
 }
 
+/// What a law is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Aim {
+    /// Motion: it keeps all limits.
+    Motion,
+    /// A grid, and another law to start from: what it exceeds between the grid points does not matter.
+    Draft,
+    /// Another law to start from, on a part of the points and with all rows.
+    Rough,
+}
+
 /// The passes with one tolerance on the duration.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Passes<'a> {
     pub tolerance: f64,
     /// A law that the solution is expected to be close to.
     pub near: Option<&'a SpeedLaw>,
-    /// True for a law that another one starts from: what it exceeds between the grid points does not matter.
-    pub rough: bool,
+    pub aim: Aim,
 }
 
 impl Passes<'_> {
@@ -116,13 +127,13 @@ impl Passes<'_> {
             again.or(near.map(|near| near.start)).unwrap_or_else(|| start::start(prepared, &mut barrier_problem));
         let [start_gap, drop_below] = if is_near { NEAR_GAPS } else { GAPS };
         // A law to start from is a part of the duration off, however little there is to gain.
-        let shortest = if self.rough { 0.0 } else { part.shortest(problem, fastest) };
+        let shortest = if self.aim == Aim::Rough { 0.0 } else { part.shortest(problem, fastest) };
         let goal = Goal {
             tolerance: self.tolerance,
             shortest,
             start_gap,
             drop_below,
-            polishes: if self.rough { 0 } else { POLISHES },
+            polishes: if self.aim == Aim::Motion { POLISHES } else { 0 },
         };
         let outcome = solver.minimise(problem, &mut barrier_problem, start, goal, to_drop);
         if outcome.wider <= 10.0 * self.tolerance {
@@ -151,8 +162,9 @@ impl Passes<'_> {
     /// The plan, or why there is none. On a long grid it starts from that on a part of the points.
     pub fn plan(&self, problem: &FeedProblem) -> Result<JerkLimitedPlan, NotSolved> {
         let rests = problem.v_start() == 0.0 && problem.v_end() == 0.0;
-        if self.near.is_none() && rests && problem.is_between_points() && problem.intervals() > COARSE_FROM {
-            let coarse = Passes { tolerance: COARSE_TOLERANCE, near: None, rough: true };
+        let from = if self.aim == Aim::Rough { ROUGH_FROM } else { COARSE_FROM };
+        if self.near.is_none() && rests && problem.is_between_points() && problem.intervals() > from {
+            let coarse = Passes { tolerance: COARSE_TOLERANCE, near: None, aim: Aim::Rough };
             let thin = problem.thinned(COARSER);
             // Short stretches between stops keep their points: what does not get shorter would be thinned for ever.
             if 2 * thin.intervals() <= problem.intervals()
@@ -180,12 +192,11 @@ impl Passes<'_> {
         let mut solver = Solver::default();
         let mut solutions = Vec::with_capacity(parts.len());
         for part in parts {
-            let attempt =
-                Attempt { drop_distant: !self.rough && part.grid.len() <= drop_up_to, factor: 1.0, before: None };
+            let attempt = Attempt { drop_distant: part.grid.len() <= drop_up_to, factor: 1.0, before: None };
             solutions.push(self.solve(prepared, &mut solver, part, attempt)?);
         }
         let mut plan = assemble(problem, &solutions)?;
-        if self.rough {
+        if self.aim != Aim::Motion {
             return Ok(JerkLimitedPlan::of(prepared, plan, &solutions));
         }
         let mut factors = vec![1.0; parts.len()];

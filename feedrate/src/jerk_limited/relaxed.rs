@@ -104,7 +104,7 @@ impl BarrierProblem {
     /// The bound on jerk at a place, step aside: `1 / sqrt(x)`, or that on its mean.
     #[inline(always)]
     pub fn jerk_bound(&self, k: usize, end: usize, values: &Values) -> f64 {
-        let Some(bound) = self.means.get(k) else { return 1.0 / values.x[end].sqrt() };
+        let Some(bound) = self.means.get(k) else { return values.y[end] };
         let of = |x: f64| bound.root / x.sqrt() - bound.fall * x;
         let [(first, _), (second, _)] = self.gauss(k, values);
         0.5 * (of(first) + of(second)) + bound.constant
@@ -113,8 +113,11 @@ impl BarrierProblem {
     /// By how much that falls with `x`, `u` and `w` at the place.
     #[inline(always)]
     pub fn jerk_falls(&self, k: usize, end: usize, values: &Values) -> [f64; 3] {
+        let Some(bound) = self.means.get(k) else {
+            let y = values.y[end];
+            return [0.5 * y * y * y, 0.0, 0.0];
+        };
         let fall = |x: f64| 0.5 / (x * x.sqrt());
-        let Some(bound) = self.means.get(k) else { return [fall(values.x[end]), 0.0, 0.0] };
         let mut falls = [0.0; 3];
         for (x, factors) in self.gauss(k, values) {
             let fall = 0.5 * (bound.root * fall(x) + bound.fall);

@@ -49,13 +49,15 @@ pub(super) struct Knots {
 }
 
 /// Values of the spline at the knots (`x`, `u`) and on the intervals (`w`, the value in the
-/// middle).
+/// middle), and `1 / sqrt(x)` at the knots and in the middles. Changes of a spline have none of the latter.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Values {
     pub x: Vec<f64>,
     pub u: Vec<f64>,
     pub w: Vec<f64>,
     pub middle: Vec<f64>,
+    pub y: Vec<f64>,
+    pub middle_y: Vec<f64>,
 }
 
 impl Knots {
@@ -90,6 +92,16 @@ impl Knots {
     }
 
     pub fn evaluate(&self, c: &[f64], values: &mut Values) {
+        self.evaluate_change(c, values);
+        let Values { x, middle, y, middle_y, .. } = values;
+        for (y, x) in [(y, x), (middle_y, middle)] {
+            y.clear();
+            y.extend(x.iter().map(|x| 1.0 / x.sqrt()));
+        }
+    }
+
+    /// The same for a change of the spline.
+    pub fn evaluate_change(&self, c: &[f64], values: &mut Values) {
         values.x.clear();
         values.u.clear();
         values.w.clear();

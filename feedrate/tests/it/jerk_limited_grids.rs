@@ -64,6 +64,26 @@ fn any_law_will_do_to_start_from() {
     }
 }
 
+/// A draft is near the plan, says about the same of the grid, and a plan that starts from it is as short as one of its own.
+#[test]
+fn a_draft_lays_the_grid_and_is_a_start() {
+    let planner = JerkLimited::default();
+    for path in paths().iter().take(3) {
+        for n in [400, 1200] {
+            let problem = problem(path, &path.spline.on_knots(n));
+            let own = planner.plan_noting_convergence(&problem).unwrap();
+            let draft = JerkLimited::draft(&problem).unwrap();
+            let ratio = draft.law.duration() / own.law.duration();
+            assert!((ratio - 1.0).abs() < 5e-3, "seed {}, {n}: {ratio}", path.seed);
+            let costs = [&draft, &own].map(|plan| plan.grid_costs.iter().sum::<f64>());
+            assert!((costs[0] / costs[1] - 1.0).abs() < 0.2, "seed {}, {n}: {costs:?}", path.seed);
+            let near = planner.plan_near(&problem, &draft.law).unwrap();
+            let ratio = near.law.duration() / own.law.duration();
+            assert!((ratio - 1.0).abs() < 2e-4, "seed {}, {n}: {ratio}", path.seed);
+        }
+    }
+}
+
 /// A grid of more than 800 intervals is planned on a part of its points first, and that one likewise: nothing is exceeded, and the
 /// motion is no longer than on a coarser grid, but for what shorter intervals at constant jerk next to rest cost.
 #[test]

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use arcfeed_feedrate::{ChosenLaw, LimitId, SpeedLaw};
+use arcfeed_feedrate::{ChosenLaw, Fallback, LimitId, SpeedLaw};
 
 use super::{Planner, unverified};
 use crate::error::{LimitError, PlanError};
@@ -47,8 +47,10 @@ impl<'a, const N: usize> Planner<'a, N> {
         if self.method == Method::JerkLimited && problem.path().tool_curve().is_some() {
             problem = resolved(problem)?;
         }
-        let mut chosen = self.choose_over_grids(&mut problem)?;
-        self.choose_on_finer_grid(&mut problem, &mut chosen);
+        let mut chosen = match self.choose_by_draft(&mut problem) {
+            Some(chosen) => chosen,
+            None => self.choose_over_grids(&mut problem)?,
+        };
         let (mut verifying, mut refined, mut finer_for_stuck) = (Duration::ZERO, 1, 0);
         let (mut rounds, mut margin, mut last_excess) = (0, 1.2 * SLIGHT, f64::INFINITY);
         let verification = loop {
@@ -215,13 +217,33 @@ impl<'a, const N: usize> Planner<'a, N> {
         best
     }
 
-    /// Divides the intervals that cost time by their length, and keeps the law on this grid where it is shorter.
-    fn choose_on_finer_grid(&self, problem: &mut PathProblem<'_, N>, chosen: &mut ChosenLaw) {
-        let Some(parts) = parts_by_cost(&chosen.grid_costs, chosen.law.duration()) else { return };
-        // Where the path cannot be followed on a finer grid, or not be planned on it, there is the law on this one.
-        let Ok(finer) = problem.refined(|k| parts[k]) else { return };
-        let Ok(again) = self.choose_near(&finer, &LimitFractions::default(), &chosen.law) else { return };
-        if again.law.duration() < chosen.law.duration() {
+    /// The law on a grid whose intervals are divided where a draft says that their length costs time, from that draft; none where that
+    /// is not the planner's own.
+    fn choose_by_draft(&self, problem: &mut PathProblem<'_, N>) -> Option<ChosenLaw> {
+        let full = LimitFractions::default();
+        let draft = self.method.draft(&problem.rows_within(&full, self.method.needs()).ok()?)?;
+        if let Some(parts) = parts_by_cost(&draft.grid_costs, draft.law.duration())
+            && let Ok(finer) = problem.refined(|k| parts[k])
+        {
+            // Where the path cannot be followed on a finer grid, there is this one.
+            *problem = finer;
+        }
+        let mut chosen = self.choose_near(problem, &full, &draft.law).ok()?;
+        self.choose_shorter_than_scan(problem, &mut chosen);
+        (chosen.converged && chosen.fallback.is_none()).then_some(chosen)
+    }
+
+    /// Where the scan's law is the shorter one, jerk changes between the grid points: halves all intervals, as long as that makes the
+    /// law shorter.
+    fn choose_shorter_than_scan(&self, problem: &mut PathProblem<'_, N>, chosen: &mut ChosenLaw) {
+        // As long as the grid has no more intervals than that.
+        const MOST_HALVED: usize = 4000;
+        while matches!(chosen.fallback, Some(Fallback::Slower { .. })) && problem.intervals() <= MOST_HALVED {
+            let Ok(finer) = problem.refined(|_| 2) else { return };
+            let Ok(again) = self.choose_near(&finer, &LimitFractions::default(), &chosen.law) else { return };
+            if again.law.duration() >= chosen.law.duration() {
+                return;
+            }
             (*problem, *chosen) = (finer, again);
         }
     }

@@ -12,7 +12,7 @@ use crate::error::PlanError;
 /// Parts of the duration: what the lengths of all intervals cost together where a finer grid is worth its time, and what one may
 /// cost.
 const WORTH: f64 = 3e-4;
-const COSTS_LITTLE: f64 = 1e-6;
+const COSTS_LITTLE: f64 = 8e-7;
 /// No interval is divided into more parts for that, nor the grid into more intervals per interval.
 const MOST_PARTS_BY_COST: f64 = 8.0;
 const MOST_BY_COST: usize = 4;
@@ -152,6 +152,6 @@ pub(crate) fn parts_by_cost(costs: &[f64], duration: f64) -> Option<Vec<usize>> 
         if parts.iter().sum::<usize>() <= most_intervals {
             return parts.iter().any(|parts| *parts > 1).then_some(parts);
         }
-        most *= 2.0;
+        most *= 1.5;
     }
 }
