@@ -16,13 +16,13 @@ use crate::{
 use file::{Joint, JointType, Robot};
 use nalgebra::Isometry3;
 use std::collections::HashSet;
-use tree::{Tip, Tree, broken};
+use tree::{Tip, Tree, broken, listed};
 
 impl ArmDescription {
     /// Reads the chain from link `base` to link `tip` of a URDF text. Without a base the root is
     /// taken; without a tip, the end of the one chain of moving joints: its only last link, or `tool0`. Four joints or more
-    /// that are followed by fingers of at most three joints each end at the link that carries these, which a note says. A
-    /// link `world` that joints start from need not be in the file.
+    /// that are followed by fingers alone end at the link that carries these, which a note says: joints that slide, follow
+    /// others or are called fingers, at most three in a row. A link `world` that joints start from need not be in the file.
     ///
     /// Only links, joints and inertials are read: what a file says of meshes, materials or
     /// simulators has no influence. No other file is opened.
@@ -41,8 +41,9 @@ impl ArmDescription {
             None => tree.tip(base)?,
         };
         let notes = tip.fingers.first().map(|_| {
-            let fingers: Vec<&str> = tip.fingers.iter().map(|number| tree.joint(*number).name.as_str()).collect();
-            format!("ends at the hand: {} and what they carry are left out, with their mass", fingers.join(", "))
+            let fingers = listed(tip.fingers.iter().map(|number| tree.joint(*number).name.as_str()));
+            let hand = tree.name(tip.link);
+            format!("the arm ends at the hand '{hand}': the joints {fingers} and what they carry are left out, with their mass")
         });
         let tip = tip.link;
         let ends = || format!("{}, {}", tree.name(base), tree.name(tip));

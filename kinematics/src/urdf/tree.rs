@@ -16,6 +16,8 @@ const MAX_NAMES: usize = 20;
 const TRUNK: usize = 4;
 /// The most joints of a finger in a row.
 const FINGER: usize = 3;
+/// Customary names of the link at which an arm ends.
+const MOUNTS: [&str; 2] = ["tool0", "flange"];
 
 pub(super) struct Tree<'a> {
     robot: &'a Robot,
@@ -61,7 +63,7 @@ pub(super) fn broken(rule: &'static str, found: impl Into<String>) -> Kinematics
     KinematicsError::Structure { rule, found: found.into() }
 }
 
-fn listed<'n>(names: impl Iterator<Item = &'n str>) -> String {
+pub(super) fn listed<'n>(names: impl Iterator<Item = &'n str>) -> String {
     let names: Vec<&str> = names.collect();
     let shown = names[..names.len().min(MAX_NAMES)].join(", ");
     match names.len().checked_sub(MAX_NAMES) {
@@ -181,7 +183,7 @@ impl<'a> Tree<'a> {
         if joints == 0 && last.leaving.is_empty() {
             return Err(broken("there must be a moving joint below the base link", self.name(base)));
         }
-        let is_hand = joints >= TRUNK && last.leaving.iter().all(|joint| self.moving_below(*joint) < FINGER);
+        let is_hand = joints >= TRUNK && last.leaving.iter().all(|joint| self.is_finger(*joint));
         let tool0 = last.links.iter().find(|link| self.name(**link) == "tool0");
         let chosen = if last.leaving.is_empty() {
             let mut ends = last.links.iter().filter(|link| self.below[**link].is_empty());
@@ -229,15 +231,23 @@ impl<'a> Tree<'a> {
         body
     }
 
-    /// The most moving joints in a row below `joint`.
-    fn moving_below(&self, joint: usize) -> usize {
-        let (mut most, mut open) = (0, vec![(self.child(joint), 0)]);
-        while let Some((link, count)) = open.pop() {
-            most = most.max(count);
-            let more = |joint: &usize| count + usize::from(self.joint(*joint).kind != JointType::Fixed);
+    /// True if the joint slides, follows another one or is called a finger, and what it moves is no longer than a finger and
+    /// does not carry the mounting face of an arm.
+    fn is_finger(&self, joint: usize) -> bool {
+        let first = self.joint(joint);
+        let is_called_so = first.name.to_ascii_lowercase().contains("finger");
+        if !(first.kind == JointType::Prismatic || first.mimic.is_some() || is_called_so) {
+            return false;
+        }
+        let mut open = vec![(self.child(joint), 1)];
+        while let Some((link, moving)) = open.pop() {
+            if moving > FINGER || MOUNTS.contains(&self.name(link)) {
+                return false;
+            }
+            let more = |joint: &usize| moving + usize::from(self.joint(*joint).kind != JointType::Fixed);
             open.extend(self.below[link].iter().map(|joint| (self.child(*joint), more(joint))));
         }
-        most
+        true
     }
 
     /// The links at which an arm from `base` may end.

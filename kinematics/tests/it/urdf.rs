@@ -136,7 +136,7 @@ fn the_end_is_found_or_asked_for() {
         .replace("tool0", "grip")
         .replace(r#"<parent link="bracket"/><child link="camera"/>"#, r#"<parent link="hand"/><child link="camera"/>"#);
     let two = ArmDescription::from_urdf(&two, None, None).unwrap_err();
-    assert!(two.to_string().contains("one of these") && two.to_string().contains("camera, grip"), "{two}");
+    assert!(two.to_string().contains("one of these") && two.to_string().contains("camera, hand, grip"), "{two}");
     let plain = models::description("ur5e").unwrap().to_urdf();
     let with_sensor = plain.replace(
         "</robot>",
@@ -184,6 +184,15 @@ fn an_arm_with_fingers_ends_at_the_hand() {
     let tool = with_fingers(6, 2, 1, true).replace("other", "tool0");
     let arm = ArmDescription::from_urdf(&tool, None, None).unwrap();
     assert!(arm.source.contains("to link 'tool0'"), "{}", arm.source);
+    // A camera that turns on the last link but one of an arm is no finger, and what carries the mounting face is none.
+    let turning = with_fingers(6, 2, 1, false).replace("prismatic", "continuous");
+    let mounted = with_fingers(6, 2, 1, false).replace("f00", "tool0");
+    let called = turning.replace("to f", "finger ");
+    assert!(ArmDescription::from_urdf(&called, None, None).unwrap().source.contains("to link 'hand'"));
+    for text in [turning, mounted] {
+        let error = ArmDescription::from_urdf(&text, None, None).unwrap_err().to_string();
+        assert!(error.contains("the tip link must be named"), "{error}");
+    }
     // Legs rather than fingers, a trunk rather than an arm, two hands.
     for text in [with_fingers(7, 2, 4, false), with_fingers(3, 2, 1, false), with_fingers(7, 2, 1, true)] {
         let error = ArmDescription::from_urdf(&text, None, None).unwrap_err().to_string();

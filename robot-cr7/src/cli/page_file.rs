@@ -10,7 +10,9 @@ use crate::cli::Failure;
 #[cfg(feature = "html")]
 use crate::cli::formats::Format;
 use crate::cli::plan_args::Args;
-use crate::cli::plan_files::{Drawn, PAGE};
+use crate::cli::plan_files::Drawn;
+#[cfg(feature = "html")]
+use crate::cli::plan_files::PAGE;
 
 /// The page while its samples are collected.
 pub struct PageFile<'a, const N: usize> {

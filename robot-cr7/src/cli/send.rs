@@ -5,8 +5,8 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::controller::{
-    DobotLink, Fault, JointStream, Order, Outcome, Ports, SendLog, SendSettings, Session, TcpWire,
-    VerifiedMotion, drive, lead_in, survey,
+    DobotLink, Fault, JointStream, Order, Outcome, Ports, SendLog, SendSettings, Session, TcpWire, VerifiedMotion,
+    drive, lead_in, survey,
 };
 use crate::plot::sent_picture;
 use crate::{JointReport, LimitsHold, ReportHead, Robot, Staging, trajectory_columns};

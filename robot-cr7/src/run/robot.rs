@@ -42,7 +42,15 @@ pub struct Drives<const N: usize = 6> {
 pub struct Robot {
     description: ArmDescription,
     any: AnyArm,
-    built_in: bool,
+    origin: Origin,
+}
+
+/// Where a robot is described.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Origin {
+    BuiltIn,
+    Urdf,
+    Json,
 }
 
 impl Robot {
@@ -69,13 +77,17 @@ impl Robot {
                 .ok_or_else(|| Cr7Error::NoSuchRobot { name: name.to_owned(), known: &Self::NAMES })?,
         };
         let any = description.build_any().map_err(wrong)?;
-        let built_in = !matches!(extension.as_str(), "urdf" | "json");
-        Ok(Self { description, any, built_in })
+        let origin = match extension.as_str() {
+            "urdf" => Origin::Urdf,
+            "json" => Origin::Json,
+            _ => Origin::BuiltIn,
+        };
+        Ok(Self { description, any, origin })
     }
 
     /// True for the arm that this crate is named after.
     pub fn is_cr7(&self) -> bool {
-        self.built_in && self.description.name == "cr7"
+        self.origin == Origin::BuiltIn && self.description.name == "cr7"
     }
 
     /// Notes of its source.
@@ -103,14 +115,15 @@ impl Robot {
     }
 
     /// The limits of the joints: those of `job` where it gives them, else the robot's own, else assumed ones, which the second
-    /// value names in words.
+    /// value names in words, beside what of a URDF is left out.
     ///
     /// # Errors
     /// [`Cr7Error::JointCount`] for a list of another length.
     pub fn limits<const N: usize>(&self, job: &JointOverrides) -> Result<(JointLimits<N>, Vec<String>), Cr7Error> {
         let arm = self.arm::<N>(Isometry3::identity())?;
         let drives = arm.drive_limits();
-        let mut assumed = Vec::new();
+        // The notes of a URDF say what of the file is left out.
+        let mut assumed = if self.origin == Origin::Urdf { self.description.notes.clone() } else { Vec::new() };
         let mut choose = |key, given: &Option<JointValues>, own: Option<Joints<N>>, value: f64| match (given, own) {
             (Some(values), _) => {
                 values.of::<N>().map(Joints::from).map_err(|given| Cr7Error::JointCount { key, given, joints: N })

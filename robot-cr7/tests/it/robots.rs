@@ -56,6 +56,24 @@ fn seven_joints_from_a_urdf_file_and_by_name_are_the_same_robot() {
 }
 
 #[test]
+fn what_is_left_out_of_a_file_is_said_by_every_command() {
+    let desk = Desk::new("urdf_hand");
+    let urdf = desk.run(&["robots", "--urdf", "panda"]).done().stdout;
+    let last = urdf.rsplit("<child link=\"").next().and_then(|rest| rest.split('"').next()).expect("a last link");
+    let finger = |k: usize| {
+        format!(
+            "<link name=\"f{k}\"/><joint name=\"jaw{k}\" type=\"prismatic\"><parent link=\"{last}\"/><child link=\"f{k}\"/>\
+             <axis xyz=\"0 1 0\"/><limit lower=\"0\" upper=\"0.04\" effort=\"10\" velocity=\"0.1\"/></joint>"
+        )
+    };
+    desk.write("hand.urdf", &urdf.replace("</robot>", &format!("{}{}</robot>", finger(1), finger(2))));
+    let report = desk.run(&["plan", "--robot", "hand.urdf", "--json"]).done().json();
+    assert_eq!(report["joint_names"].as_array().map(Vec::len), Some(7));
+    let warnings = report["warnings"].as_array().expect("a list");
+    assert!(warnings.iter().any(|w| w.as_str().is_some_and(|w| w.contains("jaw1, jaw2"))), "{warnings:?}");
+}
+
+#[test]
 fn one_configuration_of_any_robot() {
     let desk = Desk::new("one_configuration");
     let q = ["0.1", "-0.4", "0.2", "-2", "0.3", "1.6", "0.7"];
