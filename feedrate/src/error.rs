@@ -361,15 +361,16 @@ pub enum FeedError {
     },
     /// No motion takes this long: too short, or inside a blocked interval.
     #[error(
-        "no motion takes exactly {duration} s; {}{above} s is the next one that is possible",
-        LastBelow(*.below)
+        "no motion takes exactly {duration} s; {}{}",
+        LastBelow(*.below),
+        NextAbove(*.above)
     )]
     DurationImpossible {
         /// The duration asked for (s).
         duration: f64,
         /// The longest possible duration below it (s), if there is one.
         below: Option<f64>,
-        /// The shortest possible duration above it (s).
+        /// The shortest possible duration above it (s); infinite where none is known.
         above: f64,
     },
     /// The motion leaves the range of positions.
@@ -449,6 +450,19 @@ impl std::fmt::Display for LastBelow {
         match self.0 {
             Some(t) => write!(f, "{t} s is the last one below, "),
             None => Ok(()),
+        }
+    }
+}
+
+/// The next duration that is possible, if one is known.
+struct NextAbove(f64);
+
+impl std::fmt::Display for NextAbove {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if self.0.is_finite() {
+            write!(f, "{} s is the next one that is possible", self.0)
+        } else {
+            write!(f, "no longer one is known: take a shorter one, or widen the range of positions")
         }
     }
 }

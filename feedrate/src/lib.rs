@@ -97,7 +97,7 @@ mod state_to_state;
 pub use baseline::{Bounded, ClarabelBaseline};
 pub use error::{FeedError, PathEnd};
 #[cfg(feature = "std")]
-pub use jerk_limited::{JerkLimited, JerkLimitedPlan, LowerBound, WindowedJerkLimited, WindowedPlan};
+pub use jerk_limited::{JerkLimited, JerkLimitedDraft, JerkLimitedPlan, LowerBound, WindowedJerkLimited, WindowedPlan};
 pub use limits::AxisLimits;
 #[cfg(feature = "std")]
 pub use live::{FeedOverride, LiveSection, LiveStatus, LiveStep, MAX_SECTIONS, VelocityLimitCurve};

@@ -4,7 +4,7 @@ use std::fmt;
 
 use arcfeed_feedrate::{
     ChosenLaw, ContinuousAccelerationScan, FeedError, FeedPlanner, FeedProblem, ForwardBackwardScan,
-    InterpolatedReachability, JerkLimited, JerkLimitedOrScan, JerkLimitedPlan, PerSegmentScan, Reachability, SpeedLaw,
+    InterpolatedReachability, JerkLimitedOrScan, PerSegmentScan, Reachability, SpeedLaw,
 };
 
 use crate::problem::RowsNeeded;
@@ -80,11 +80,6 @@ impl Method {
     /// True if it plans interval by interval, so that chord segments of a curve begin and end on its grid.
     pub(crate) const fn is_by_interval(self) -> bool {
         matches!(self, Self::ContinuousAcceleration | Self::PerSegment { .. })
-    }
-
-    /// A law that may exceed limits, for the grid and to start from; only where the planner has one.
-    pub(crate) fn draft(self, problem: &FeedProblem) -> Option<JerkLimitedPlan> {
-        if self == Self::JerkLimited { JerkLimited::draft(problem).ok() } else { None }
     }
 
     /// The law for a problem, from one that it is expected to be close to.

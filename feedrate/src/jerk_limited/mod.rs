@@ -59,5 +59,5 @@ mod windowed;
 
 pub use lower_bound::LowerBound;
 pub use planner::JerkLimited;
-pub use solution::JerkLimitedPlan;
+pub use solution::{JerkLimitedDraft, JerkLimitedPlan};
 pub use windowed::{WindowedJerkLimited, WindowedPlan};

@@ -2,7 +2,7 @@
 
 use super::end_speed::explain;
 use super::passes::{Aim, Passes};
-use super::solution::JerkLimitedPlan;
+use super::solution::{JerkLimitedDraft, JerkLimitedPlan};
 use crate::error::{FeedError, positive};
 use crate::problem::{FeedPlanner, FeedProblem};
 use crate::speed_law::SpeedLaw;
@@ -28,7 +28,7 @@ const DRAFT_TOLERANCE: f64 = 1e-3;
 /// far as the limits on jerk ask for.
 ///
 /// Time and memory grow with the number of rows. A grid of more than 800 intervals is planned on a part
-/// of its points first, so that the iterations on all of them are 12 to 17, however many there are. More than 200 000 intervals or five
+/// of its points first, so that the iterations on all of them are 12 to 30, however many there are. More than 200 000 intervals or five
 /// million rows (some 160 000 intervals of a six-axis arm) are refused: such a path is better
 /// planned on a coarser grid, which keeps the limits between its points as well, or in windows
 /// ([`WindowedJerkLimited`](crate::WindowedJerkLimited)).
@@ -87,14 +87,16 @@ impl JerkLimited {
         Self { tolerance: part * self.tolerance }.plan_from(problem, Some(law))
     }
 
-    /// A law within some 0.1 % of the optimum, in half of the time. It may exceed limits, which makes it good for two things: its grid
-    /// costs say where the grid should be finer, and the plan on that grid starts from it ([`JerkLimited::plan_near`]).
+    /// A law near the optimum of the problem, in half of the time. It may exceed limits between grid points and is good for two
+    /// things: its grid costs say where the grid should be finer, and the plan on that grid starts from it
+    /// ([`JerkLimited::plan_near`]).
     ///
     /// # Errors
-    /// As [`FeedPlanner::plan`].
-    pub fn draft(problem: &FeedProblem) -> Result<JerkLimitedPlan, FeedError> {
+    /// Those of [`FeedPlanner::plan`], without the search for the reason: plan to be told it.
+    pub fn draft(problem: &FeedProblem) -> Result<JerkLimitedDraft, FeedError> {
         let passes = Passes { tolerance: DRAFT_TOLERANCE, near: None, aim: Aim::Draft };
-        passes.plan(problem).map_err(|why| why.error)
+        let JerkLimitedPlan { law, grid_costs, .. } = passes.plan(problem).map_err(|why| why.error)?;
+        Ok(JerkLimitedDraft { law, grid_costs })
     }
 
     /// The law, if there is one. Nothing is spent on the reasons where there is none.

@@ -22,6 +22,15 @@ pub struct JerkLimitedPlan {
     pub grid_costs: Vec<f64>,
 }
 
+/// A draft of a plan ([`JerkLimited::draft`](crate::JerkLimited::draft)), which is no motion: its law may exceed limits.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JerkLimitedDraft {
+    /// A law near the optimum, from which a plan can start. Between grid points its jerk can be several times the limit.
+    pub law: SpeedLaw,
+    /// As [`JerkLimitedPlan::grid_costs`].
+    pub grid_costs: Vec<f64>,
+}
+
 impl JerkLimitedPlan {
     pub(super) fn of(prepared: &Prepared<'_>, law: SpeedLaw, solutions: &[Solution]) -> Self {
         let (original, refined) = (prepared.original.grid(), prepared.problem.grid());

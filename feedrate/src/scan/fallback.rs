@@ -8,11 +8,6 @@ use crate::jerk_limited::{JerkLimited, JerkLimitedPlan};
 use crate::problem::{FeedPlanner, FeedProblem};
 use crate::speed_law::SpeedLaw;
 
-/// On grids of no more intervals than this the scan is run beside the jerk-limited planner: the
-/// quadratic spline of [`JerkLimited`] may lose to a profile of seven phases there, and the scan
-/// takes a millisecond or two.
-const COARSE_INTERVALS: usize = 500;
-
 /// [`JerkLimited`]; [`ContinuousAccelerationScan`] where that finds no law, or where the grid is
 /// coarse and the scan's law is shorter.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -58,6 +53,11 @@ pub struct ChosenLaw {
 }
 
 impl JerkLimitedOrScan {
+    /// On grids of no more intervals than this the scan is run beside the jerk-limited planner: the
+    /// quadratic spline of [`JerkLimited`] may lose to a profile of seven phases there, and the scan
+    /// takes a millisecond or two.
+    pub const COARSE_INTERVALS: usize = 500;
+
     /// The law, and why it is not the jerk-limited planner's where it is not.
     ///
     /// # Errors
@@ -83,7 +83,8 @@ impl JerkLimitedOrScan {
         };
         match planned {
             Ok(JerkLimitedPlan { law, converged, grid_costs }) => {
-                let scanned = if problem.intervals() > COARSE_INTERVALS && converged { None } else { scan().ok() };
+                let scanned =
+                    if problem.intervals() > Self::COARSE_INTERVALS && converged { None } else { scan().ok() };
                 Ok(match scanned {
                     Some(scanned) if law.duration() >= scanned.duration() => {
                         let fallback = Some(Fallback::Slower { duration: law.duration() });

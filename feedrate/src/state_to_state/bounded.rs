@@ -94,8 +94,8 @@ impl BoundedProblem {
     ///
     /// # Errors
     /// [`FeedError::DurationImpossible`]: `above` is the shortest duration with a rest on the way,
-    /// from which on every duration is possible, or infinite where the axis cannot rest inside. A
-    /// shorter one may exist that was not found.
+    /// from which on every duration is possible, or infinite where no stop stays inside or no way from
+    /// there to the target was found. A shorter one may exist that was not found.
     pub fn with_duration(&self, duration: f64) -> Result<StateToState, FeedError> {
         if duration == self.shortest.duration() {
             return Ok(self.shortest);
@@ -121,7 +121,8 @@ impl BoundedProblem {
         let stop =
             StateToState::stop_within(start, limits, (positions.lower(), positions.upper())).map_err(|_| none)?;
         let rest = AxisState::rest(stop.at(stop.duration()).p);
-        let go = Frame { start: rest, ..self.frame }.shortest().ok_or(none)?;
+        let onward = Frame { start: rest, ..self.frame };
+        let go = onward.shortest().or_else(|| onward.with_rests()).ok_or(none)?;
         let least = stop.duration() + go.duration();
         if duration < least {
             return Err(FeedError::DurationImpossible { duration, below, above: least });

@@ -2,7 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use arcfeed_feedrate::{ChosenLaw, Fallback, LimitId, SpeedLaw};
+use arcfeed_feedrate::{
+    ChosenLaw, ContinuousAccelerationScan, Fallback, FeedPlanner, JerkLimited, JerkLimitedOrScan, LimitId, SpeedLaw,
+};
 
 use super::{Planner, unverified};
 use crate::error::{LimitError, PlanError};
@@ -40,6 +42,7 @@ impl<'a, const N: usize> Planner<'a, N> {
         const FINER_ROUNDS: usize = 2;
         // Rounds in which a limit is lowered only where it is exceeded; later ones lower it everywhere.
         const LOCAL_ROUNDS: usize = 6;
+        self.check_ends_of_whole_cycles()?;
         let begin = Instant::now();
         let needs = self.method.needs();
         let mut problem = PathProblem::new(&self.settings, path, needs, self.method.is_by_interval())?;
@@ -109,17 +112,21 @@ impl<'a, const N: usize> Planner<'a, N> {
         Err(unverified(&problem, &verification, needs > RowsNeeded::Points).into())
     }
 
-    /// The law, slowed down to a whole number of control periods where that is asked for.
-    fn in_whole_cycles(&self, problem: &PathProblem<'_, N>, law: SpeedLaw) -> Result<SpeedLaw, PlanError> {
-        if !self.settings.whole_cycles {
-            return Ok(law);
-        }
-        if self.settings.ends != [0.0; 2] {
+    fn check_ends_of_whole_cycles(&self) -> Result<(), PlanError> {
+        if self.settings.whole_cycles && self.settings.ends != [0.0; 2] {
             return Err(PlanError::Limit(LimitError::Unsuited {
                 limit: "a whole number of control periods",
                 problem: "is reached by slowing the motion down, which would change the speeds at its ends",
                 remedy: "begin and end at rest, or leave out with_whole_cycles",
             }));
+        }
+        Ok(())
+    }
+
+    /// The law, slowed down to a whole number of control periods where that is asked for.
+    fn in_whole_cycles(&self, problem: &PathProblem<'_, N>, law: SpeedLaw) -> Result<SpeedLaw, PlanError> {
+        if !self.settings.whole_cycles {
+            return Ok(law);
         }
         // A duration that is whole but for rounding stays.
         let cycles = law.duration() / self.settings.period;
@@ -220,8 +227,15 @@ impl<'a, const N: usize> Planner<'a, N> {
     /// The law on a grid whose intervals are divided where a draft says that their length costs time, from that draft; none where that
     /// is not the planner's own.
     fn choose_by_draft(&self, problem: &mut PathProblem<'_, N>) -> Option<ChosenLaw> {
+        if self.method != Method::JerkLimited {
+            return None;
+        }
         let full = LimitFractions::default();
-        let draft = self.method.draft(&problem.rows_within(&full, self.method.needs()).ok()?)?;
+        let rows = problem.rows_within(&full, self.method.needs()).ok()?;
+        let draft = JerkLimited::draft(&rows).ok()?;
+        // On grids of more intervals the planner is not compared with the scan.
+        let is_coarse = rows.intervals() <= JerkLimitedOrScan::COARSE_INTERVALS;
+        let scanned = if is_coarse { ContinuousAccelerationScan.plan(&rows).ok() } else { None };
         if let Some(parts) = parts_by_cost(&draft.grid_costs, draft.law.duration())
             && let Ok(finer) = problem.refined(|k| parts[k])
         {
@@ -229,8 +243,12 @@ impl<'a, const N: usize> Planner<'a, N> {
             *problem = finer;
         }
         let mut chosen = self.choose_near(problem, &full, &draft.law).ok()?;
+        if let Some(law) = scanned.filter(|law| law.duration() < chosen.law.duration()) {
+            let fallback = chosen.fallback.or(Some(Fallback::Slower { duration: chosen.law.duration() }));
+            chosen = ChosenLaw { law, fallback, converged: chosen.converged, grid_costs: Vec::new() };
+        }
         self.choose_shorter_than_scan(problem, &mut chosen);
-        (chosen.converged && chosen.fallback.is_none()).then_some(chosen)
+        chosen.converged.then_some(chosen)
     }
 
     /// Where the scan's law is the shorter one, jerk changes between the grid points: halves all intervals, as long as that makes the

@@ -219,3 +219,20 @@ fn a_residual_limit_that_nobody_keeps_is_refused() {
     desk.run(&["plan", "dwell.ngc", "--job", "job.toml"]).refused(2, &parts("dwells or joint moves"));
     desk.run(&["plan", "--job", "no_jerk.toml"]).refused(2, &parts("jerk-limited"));
 }
+
+/// A line of 100 mm on which only the tangential jerk limits: four phases of it take (32 d / j)^(1/3).
+#[cfg(feature = "cli")]
+#[test]
+fn a_line_limited_by_jerk_alone_takes_the_time_of_four_phases() {
+    let desk = crate::common::Desk::new("jerk_line");
+    desk.write("line.csv", "0,0,0\n100,0,0\n");
+    for jerk in [1000.0_f64, 100.0] {
+        let job = format!(
+            "[path]\nfile = \"line.csv\"\ncsv_unit = \"mm\"\nthrough = \"polyline\"\n[feed]\nfeed_mm_s = 500\ntangential_jerk_mm_s3 = {jerk}\n"
+        );
+        desk.write("job.toml", &job);
+        let report = desk.run(&["plan", "--job", "job.toml", "--json"]).done().json();
+        let (duration, ideal) = (report["duration_s"].as_f64().expect("a number"), (32.0 * 100.0 / jerk).cbrt());
+        assert!(duration >= ideal * (1.0 - 1e-9) && duration <= ideal * (1.0 + 1e-6), "{duration} against {ideal}");
+    }
+}

@@ -11,7 +11,7 @@ use crate::error::SyncError;
 #[cfg(not(feature = "std"))]
 use num_traits::Float;
 
-/// Plans motions through way-points. Holds the memory of the computation, some 480 kB for six axes:
+/// Plans motions through way-points. Holds the memory of the computation, some 450 kB for six axes:
 /// nothing else is allocated.
 ///
 /// The velocities and accelerations in the points come from a program in which every section has
@@ -22,7 +22,7 @@ use num_traits::Float;
 /// of every phase before it is handed out.
 ///
 /// The motion is near the shortest one, not exactly it. On random routes it is in the median up to
-/// 0.7 % longer than a local optimum on a fine grid, and at most 5 % (example `way_point_gap` of the
+/// 0.7 % longer than a local optimum on a fine grid, and 5 % at the worst of 500 routes (example `way_point_gap` of the
 /// integration tests). It is never longer than one that stops in every point.
 ///
 /// ```
@@ -84,7 +84,8 @@ impl<const N: usize> WayPointPlanner<N> {
         Self::with_rounds(Self::DEFAULT_ROUNDS)
     }
 
-    /// With at most so many rounds of improvement: each costs the same time.
+    /// With at most so many rounds of improvement: one costs 0.03 ms for ten points and six axes, and up to ten times its usual time where
+    /// the equations of the durations have to be mended.
     pub const fn with_rounds(rounds: usize) -> Self {
         Self { program: Program::new(), rounds }
     }

@@ -204,6 +204,12 @@ fn where_no_touch_is_found_the_axis_rests_on_the_way() {
     let end = phase.after(dt);
     assert!((end.p - target.p).abs() < 1e-12 && (end.v - target.v).abs() < 1e-10, "{end:?}");
     assert!(motion.duration() < 0.69, "{}", motion.duration());
+    // The axis starts at rest, so that it can wait: every longer duration is possible.
+    for duration in [1.0001, 1.5, 10.0, 1000.0].map(|k| k * motion.duration()) {
+        let longer = problem.with_duration(duration).unwrap();
+        positions.check(&longer).unwrap();
+        assert_eq!(longer.duration(), duration);
+    }
 }
 
 /// The target can be reached, but no stop stays inside: longer durations are named as impossible.
