@@ -73,11 +73,13 @@ def kill_workers(cluster, client, kills, done, killed):
 
     All of them work before the next one dies: one that is killed while it starts is given up by its nanny, as one that can never start.
     """
-    workers = len(cluster.workers)
     while len(killed) < kills and not done.wait(random.uniform(2.0, 10.0)):
-        process = random.choice(list(cluster.workers.values())).pid
-        # A worker that its nanny is about to start has no process yet, and one that just ended has none any more.
-        if process is None or len(client.nthreads()) < workers:
+        nannies = list(cluster.workers.values())
+        # A nanny knows the address of its worker once that has started; the scheduler forgets it when the worker dies.
+        if not nannies or {nanny.worker_address for nanny in nannies} != set(client.nthreads()):
+            continue
+        process = random.choice(nannies).pid
+        if process is None:  # it has just ended by itself
             continue
         try:
             os.kill(process, signal.SIGKILL)
