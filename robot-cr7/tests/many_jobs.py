@@ -2,8 +2,8 @@
 
     python robot-cr7/tests/many_jobs.py target/release/cr7 [JOBS, else 2000] [KILLS, else 3] [FOLDER, else a temporary one]
 
-Needs no package. FOLDER must not be there yet. One of ten jobs is out of reach. Says the jobs a second of the clock, and a second of processor time, which does not depend
-on what else the machine does.
+Needs no package. FOLDER must not be there yet. One of ten jobs is out of reach. Says the jobs a second of the clock, and a second of
+processor time, which does not depend on what else the machine does.
 """
 
 import json

@@ -1,13 +1,14 @@
 //! Motion generated cycle by cycle, towards targets and within limits that change on the way.
 
 use arcfeed_feedrate::{AxisLimits, AxisState};
-use arcfeed_sync::{JointState, OnlineGenerator as Inner, SyncError};
-use numpy::{PyArray1, PyArray2};
+use arcfeed_sync::{OnlineGenerator as Inner, SyncError};
+use numpy::PyArray2;
 use pyo3::prelude::*;
 
 use crate::array::Table;
 use crate::axes::{self, for_axes};
 use crate::error::{input, undone};
+use crate::online_step::{OnlineStep, values};
 
 /// A generator without its number of axes. Lists have a value an axis.
 trait Generator: Send + Sync {
@@ -111,59 +112,6 @@ impl<const N: usize> Generator for Inner<N> {
 
     fn is_held(&self) -> bool {
         Self::is_held(self)
-    }
-}
-
-/// Position, velocity, acceleration and jerk of every axis.
-pub fn values<const N: usize>(state: &JointState<N>) -> [Vec<f64>; 4] {
-    [state.q, state.qd, state.qdd, state.qddd].map(|values| values.as_slice().to_vec())
-}
-
-/// What one cycle of an OnlineGenerator gave: the state at its end and what happened in it.
-#[pyclass(module = "arcfeed", frozen)]
-pub struct OnlineStep {
-    values: [Vec<f64>; 4],
-    /// True in the cycle in which the last axis arrives, or rests after a stop.
-    #[pyo3(get)]
-    reached: bool,
-    /// True in the first cycle of a new plan.
-    #[pyo3(get)]
-    replanned: bool,
-    /// True while a state is outside the limits: it was when they were set, and is brought back inside.
-    #[pyo3(get)]
-    outside_limits: bool,
-    /// For each axis, True in the cycle in which it arrives.
-    #[pyo3(get)]
-    arrived: Vec<bool>,
-    /// For each axis, True when it brakes after its target because its range ends.
-    #[pyo3(get)]
-    range_ends: Vec<bool>,
-}
-
-#[pymethods]
-impl OnlineStep {
-    /// Positions (axes,), rad or m.
-    #[getter]
-    fn q<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        axes::row(py, &self.values[0])
-    }
-
-    /// Velocities (axes,), 1/s.
-    #[getter]
-    fn qd<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        axes::row(py, &self.values[1])
-    }
-
-    /// Accelerations (axes,), 1/s^2.
-    #[getter]
-    fn qdd<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        axes::row(py, &self.values[2])
-    }
-
-    /// Jerks (axes,), 1/s^3.
-    #[getter]
-    fn jerk<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        axes::row(py, &self.values[3])
     }
 }
 
