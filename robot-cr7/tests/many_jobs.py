@@ -2,20 +2,22 @@
 
     python robot-cr7/tests/many_jobs.py target/release/cr7 [JOBS, else 2000] [KILLS, else 3] [FOLDER, else a temporary one]
 
-Needs no package. One of ten jobs is out of reach. Says the jobs a second of the clock, and a second of processor time, which does not depend
-on what else the machine does.
+Needs no package. FOLDER must not be there yet. One of ten jobs is out of reach. Says the jobs a second of the clock, and a second of
+processor time, which does not depend on what else the machine does.
 """
 
 import json
 import pathlib
 import random
 import resource
+import signal
 import subprocess
 import sys
 import tempfile
 import time
 
 PATHS = 100
+JOBS_A_KILL = 20  # fewer, and the program may be at its end before it is killed
 ROBOTS = ["cr7", "ur5e", "kr6_r700"]
 
 
@@ -47,17 +49,19 @@ def processor_seconds():
     return usage.ru_utime + usage.ru_stime
 
 
-def run(command, kills=0, pause=(0.0, 0.0)):
-    """Runs to the end, and is killed on the way as often as that; the seconds of the clock and of the processor."""
+def run(command, file=None, kills=()):
+    """Runs to the end; the seconds of the clock and of the processor, and how often it was killed: when its file has so many bytes, each in turn."""
     begin, used, killed = time.monotonic(), processor_seconds(), 0
     random_numbers = random.Random(2)
     while True:
         program = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        try:
-            code = program.wait(random_numbers.uniform(*pause) if killed < kills else None)
-        except subprocess.TimeoutExpired:
-            program.kill()
-            program.wait()
+        while killed < len(kills) and program.poll() is None:
+            time.sleep(random_numbers.uniform(0.001, 0.01))  # anywhere in a job
+            if file.exists() and file.stat().st_size >= kills[killed]:
+                program.kill()
+                break
+        code = program.wait()
+        if code == -signal.SIGKILL:
             killed += 1
             continue
         assert code in (0, 1), f"{command} ended with {code}"
@@ -83,9 +87,13 @@ def check(found, count):
 def main():
     program = sys.argv[1]
     count, kills = (int(sys.argv[i]) if len(sys.argv) > i else default for i, default in [(2, 2000), (3, 3)])
+    if kills * JOBS_A_KILL > count:
+        sys.exit(f"{kills} kills of {count} jobs: give at least {JOBS_A_KILL} jobs a kill")
     with tempfile.TemporaryDirectory() as temporary:
-        folder = pathlib.Path(sys.argv[4] if len(sys.argv) > 4 else temporary)
-        folder.mkdir(exist_ok=True)
+        folder = pathlib.Path(sys.argv[4]) if len(sys.argv) > 4 else pathlib.Path(temporary) / "jobs"
+        if folder.exists():
+            sys.exit(f"{folder} is there: name a new folder, since a batch takes up the results that it finds")
+        folder.mkdir()
         write_jobs(folder, min(count, 2000))
         batch = lambda out, threads: [program, "batch", str(folder / "jobs.jsonl"), "-j", threads, "--out", str(folder / out)]
         few = min(count, 2000)
@@ -95,8 +103,12 @@ def main():
         expected = {result["id"]: result["duration_s"] for result in results(folder / "one")}
 
         write_jobs(folder, count)
-        pause = (0.2, 1.2 * count * seconds / few / (2 * kills + 2))
-        seconds, used, killed = run(batch("two", "2"), kills, pause)
+        # One kill in each part of the results but the last.
+        size = (folder / "one" / "results.jsonl").stat().st_size * count / few
+        random_numbers = random.Random(3)
+        at = [size * (i + random_numbers.random()) / (kills + 1) for i in range(kills)]
+        seconds, used, killed = run(batch("two", "2"), folder / "two" / "results.jsonl", at)
+        assert killed == kills, f"killed {killed} times instead of {kills}"
         found = results(folder / "two")
         check(found, count)
         for result in found:

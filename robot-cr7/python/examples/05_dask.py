@@ -68,17 +68,24 @@ def plan_all(frame):
     return pd.DataFrame([plan(job) for job in frame.itertuples()], columns=list(COLUMNS)).astype(COLUMNS)
 
 
-def kill_workers(cluster, client, kills, done):
-    """Kills a worker now and then, as a machine that goes away would; how many were killed.
+def kill_workers(cluster, client, kills, done, killed):
+    """Kills a worker now and then, as a machine that goes away would; adds its process to killed.
 
     All of them work before the next one dies: one that is killed while it starts is given up by its nanny, as one that can never start.
     """
-    workers, killed = len(cluster.workers), 0
-    while killed < kills and not done.wait(random.uniform(2.0, 10.0)):
-        if len(client.nthreads()) == workers:
-            os.kill(random.choice(list(cluster.workers.values())).pid, signal.SIGKILL)
-            killed += 1
-    return killed
+    while len(killed) < kills and not done.wait(random.uniform(2.0, 10.0)):
+        nannies = list(cluster.workers.values())
+        # A nanny knows the address of its worker once that has started; the scheduler forgets it when the worker dies.
+        if not nannies or {nanny.worker_address for nanny in nannies} != set(client.nthreads()):
+            continue
+        process = random.choice(nannies).pid
+        if process is None:  # it has just ended by itself
+            continue
+        try:
+            os.kill(process, signal.SIGKILL)
+        except ProcessLookupError:
+            continue
+        killed.append(process)
 
 
 def run(jobs, results, workers, kills):
@@ -93,7 +100,7 @@ def run(jobs, results, workers, kills):
     with LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
         client.wait_for_workers(workers)
         begin = time.perf_counter()
-        killer = threading.Thread(target=lambda: killed.append(kill_workers(cluster, client, kills, done)))
+        killer = threading.Thread(target=kill_workers, args=(cluster, client, kills, done, killed))
         killer.start()
         try:
             frame = dd.read_parquet(jobs, split_row_groups=1)
@@ -103,11 +110,13 @@ def run(jobs, results, workers, kills):
         finally:
             done.set()
             killer.join()
-    return seconds, killed[0]
+    return seconds, len(killed)
 
 
 def main():
     count, workers, kills = (int(sys.argv[i]) if len(sys.argv) > i else default for i, default in [(1, 200), (2, 2), (3, 1)])
+    if count < 1 or workers < 1:
+        sys.exit(f"{count} jobs, {workers} workers: give at least 1 of each")
     all_jobs = make_jobs(count)
     few = all_jobs.head(PARTITION)
     begin, used = time.perf_counter(), time.process_time()
@@ -130,8 +139,8 @@ def main():
     for i, (ours, theirs) in enumerate(zip(alone["q_rad"], done["q_rad"])):
         assert failed[i] or np.array_equal(ours, theirs)
     print(f"{killed} workers killed; {(~failed).sum()} motions, {failed.sum()} failures with their reason, none lost, none twice")
-    joints = np.reshape(done["q_rad"][1], (-1, 6))
-    print(f"first motion: {len(joints)} setpoints in {done['duration_s'][1]:.3f} s")
+    for motion in done[~failed].head(1).itertuples():
+        print(f"first motion: {len(np.reshape(motion.q_rad, (-1, 6)))} setpoints in {motion.duration_s:.3f} s")
     print(f"first failure: {done['error'][0][:100]}...")
 
 

@@ -5,7 +5,7 @@ use arcfeed_sync::Synchronisation;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
-use crate::array::Table;
+use crate::array::{Array1, Table};
 use crate::error::input;
 
 /// One array of shape (n, axes) for each of position, velocity and acceleration.
@@ -48,11 +48,12 @@ pub fn limits(velocity: &[f64], acceleration: &[f64], jerk: &[f64]) -> PyResult<
             return Err(input(format!("{what} lists {} numbers, and velocity {axes}: give one an axis", values.len())));
         }
     }
-    let limit = |k: usize| {
-        AxisLimits::symmetric(velocity[k], acceleration[k], jerk[k])
-            .map_err(|error| input(format!("axis {}: {error}", k + 1)))
-    };
-    (0..axes).map(limit).collect()
+    (0..axes).map(|k| axis_limits(k, velocity[k], acceleration[k], jerk[k])).collect()
+}
+
+/// Greatest magnitudes of one axis.
+pub fn axis_limits(axis: usize, velocity: f64, acceleration: f64, jerk: f64) -> PyResult<AxisLimits> {
+    AxisLimits::symmetric(velocity, acceleration, jerk).map_err(|error| input(format!("axis {}: {error}", axis + 1)))
 }
 
 /// How axes move together, by its name.
@@ -82,17 +83,27 @@ pub fn state_array<'py>(py: Python<'py>, states: &[AxisState]) -> PyResult<Bound
     table.to_array(py)
 }
 
-/// Samples of a motion at times (s), from what adds a row to each of the three tables.
+/// Samples of a motion at finite times (s), from what adds a row to each of the three tables.
 pub fn sampled<'py>(
     py: Python<'py>,
     axes: usize,
-    times: impl ExactSizeIterator<Item = f64>,
+    times: &Array1<'py>,
     mut at: impl FnMut(f64, &mut [Table; 3]),
 ) -> PyResult<Arrays<'py>> {
+    let times = times.as_array();
+    check_times(times.iter())?;
     let mut tables: [Table; 3] = std::array::from_fn(|_| Table::new(axes, times.len()));
-    times.for_each(|t| at(t, &mut tables));
+    times.iter().for_each(|&t| at(t, &mut tables));
     let [q, qd, qdd] = &tables;
     Ok((q.to_array(py)?, qd.to_array(py)?, qdd.to_array(py)?))
+}
+
+/// Times at which a motion is sampled are finite.
+pub fn check_times<'a>(times: impl Iterator<Item = &'a f64>) -> PyResult<()> {
+    match times.enumerate().find(|(_, t)| !t.is_finite()) {
+        Some((i, t)) => Err(input(format!("t[{i}] is {t}: give finite times, in s"))),
+        None => Ok(()),
+    }
 }
 
 /// The values of one cycle as an array.

@@ -7,6 +7,7 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
 use crate::array::{Array1, Table};
+use crate::axes::check_times;
 use crate::error::input;
 
 /// A trajectory of any number of joints.
@@ -123,9 +124,10 @@ impl JointTrajectory {
     }
 
     /// Position, velocity, acceleration and jerk of the joints at the times t (n,), s: four arrays (n, N). Times outside count as the
-    /// nearest end.
+    /// nearest end; a time that is not finite raises InputError.
     fn sample<'py>(&self, py: Python<'py>, t: Array1<'py>) -> PyResult<Arrays<'py>> {
         let times = t.as_array();
+        check_times(times.iter())?;
         let joints = self.inner.joint_names().len();
         let mut tables: [Table; 4] = std::array::from_fn(|_| Table::new(joints, times.len()));
         times.iter().for_each(|&t| self.inner.at(t, &mut tables));

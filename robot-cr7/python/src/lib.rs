@@ -10,6 +10,7 @@ mod error;
 mod input;
 mod motion;
 mod online;
+mod online_step;
 mod papers;
 mod plan;
 mod researcher;
@@ -32,7 +33,9 @@ mod _core {
     #[pymodule_export]
     use super::motion::Motion;
     #[pymodule_export]
-    use super::online::{OnlineGenerator, OnlineStep};
+    use super::online::OnlineGenerator;
+    #[pymodule_export]
+    use super::online_step::OnlineStep;
     #[pymodule_export]
     use super::papers::reproduce;
     #[pymodule_export]

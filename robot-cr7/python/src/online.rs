@@ -1,13 +1,14 @@
 //! Motion generated cycle by cycle, towards targets and within limits that change on the way.
 
 use arcfeed_feedrate::{AxisLimits, AxisState};
-use arcfeed_sync::{JointState, OnlineGenerator as Inner, SyncError};
-use numpy::{PyArray1, PyArray2};
+use arcfeed_sync::{OnlineGenerator as Inner, SyncError};
+use numpy::PyArray2;
 use pyo3::prelude::*;
 
 use crate::array::Table;
 use crate::axes::{self, for_axes};
 use crate::error::{input, undone};
+use crate::online_step::{OnlineStep, values};
 
 /// A generator without its number of axes. Lists have a value an axis.
 trait Generator: Send + Sync {
@@ -114,59 +115,6 @@ impl<const N: usize> Generator for Inner<N> {
     }
 }
 
-/// Position, velocity, acceleration and jerk of every axis.
-pub fn values<const N: usize>(state: &JointState<N>) -> [Vec<f64>; 4] {
-    [state.q, state.qd, state.qdd, state.qddd].map(|values| values.as_slice().to_vec())
-}
-
-/// What one cycle of an OnlineGenerator gave: the state at its end and what happened in it.
-#[pyclass(module = "arcfeed", frozen)]
-pub struct OnlineStep {
-    values: [Vec<f64>; 4],
-    /// True in the cycle in which the last axis arrives, or rests after a stop.
-    #[pyo3(get)]
-    reached: bool,
-    /// True in the first cycle of a new plan.
-    #[pyo3(get)]
-    replanned: bool,
-    /// True while a state is outside the limits: it was when they were set, and is brought back inside.
-    #[pyo3(get)]
-    outside_limits: bool,
-    /// For each axis, True in the cycle in which it arrives.
-    #[pyo3(get)]
-    arrived: Vec<bool>,
-    /// For each axis, True when it brakes after its target because its range ends.
-    #[pyo3(get)]
-    range_ends: Vec<bool>,
-}
-
-#[pymethods]
-impl OnlineStep {
-    /// Positions (axes,), rad or m.
-    #[getter]
-    fn q<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        axes::row(py, &self.values[0])
-    }
-
-    /// Velocities (axes,), 1/s.
-    #[getter]
-    fn qd<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        axes::row(py, &self.values[1])
-    }
-
-    /// Accelerations (axes,), 1/s^2.
-    #[getter]
-    fn qdd<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        axes::row(py, &self.values[2])
-    }
-
-    /// Jerks (axes,), 1/s^3.
-    #[getter]
-    fn jerk<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        axes::row(py, &self.values[3])
-    }
-}
-
 /// Generates the motion of 1 to 10 axes one control cycle at a time, towards targets and within limits that may change at any cycle.
 ///
 /// start: list of rows, position alone or with velocity and acceleration, a number an axis; it is the target until one is set.
@@ -174,12 +122,23 @@ impl OnlineStep {
 /// arrive together), "none", "straight" (on the line where that is possible) or "forced-straight". ranges: lower and upper end of each axis,
 /// which no position leaves.
 ///
-/// A plan starts in the state of the last step, so that position, velocity and acceleration never jump. What is refused raises
-/// PlanError and changes nothing.
+/// A plan starts in the state of the last step, so that position, velocity and acceleration never jump. An argument that cannot be used (a
+/// wrong count, an axis that there is not, a limit that is not above 0) raises InputError, what cannot be done within limits and ranges PlanError;
+/// both change nothing. Arguments count axes from 0, the texts of errors from 1.
 #[pyclass(module = "arcfeed")]
 pub struct OnlineGenerator {
     inner: Box<dyn Generator>,
+    /// A jog or a stop whose end is still to come.
+    ending: bool,
+    /// The scale that was set is 0.
+    paused: bool,
 }
+
+/// Most cycles of one run: 32 MB an axis.
+const MOST_CYCLES: i64 = 1_000_000;
+
+/// Cycles between two looks at the signals.
+const CYCLES_A_LOOK: i64 = 4096;
 
 impl OnlineGenerator {
     fn states(&self, rows: &[Vec<f64>]) -> PyResult<Vec<AxisState>> {
@@ -189,6 +148,28 @@ impl OnlineGenerator {
     fn limits(&self, velocity: &[f64], acceleration: &[f64], jerk: &[f64]) -> PyResult<Vec<AxisLimits>> {
         self.one_an_axis("velocity", velocity)?;
         axes::limits(velocity, acceleration, jerk)
+    }
+
+    fn axis(&self, axis: i64) -> PyResult<usize> {
+        let axes = self.inner.axes();
+        usize::try_from(axis)
+            .ok()
+            .filter(|&axis| axis < axes)
+            .ok_or_else(|| input(format!("axis is {axis}: there are {axes}, counted from 0; give 0 to {}", axes - 1)))
+    }
+
+    /// One cycle, with the note of what has ended in it.
+    fn advance(&mut self) -> OnlineStep {
+        let step = self.inner.step();
+        self.ending &= !step.reached;
+        step
+    }
+
+    /// Returns true if cycles alone bring nothing nearer its end.
+    fn has_nothing_to_do(&self) -> bool {
+        let stands = || self.inner.state().iter().all(|s| s.v == 0.0 && s.a == 0.0);
+        let is_held = (self.inner.is_held() || self.paused) && self.inner.scale() == 0.0 && stands();
+        !self.ending && (is_held || !self.inner.is_underway())
     }
 
     fn one_an_axis(&self, what: &str, values: &[f64]) -> PyResult<()> {
@@ -230,14 +211,16 @@ impl OnlineGenerator {
                 Some(ranges) => made.with_ranges(axes::of(ranges)).map_err(input)?,
                 None => made,
             };
-            Ok(Self { inner: Box::new(made) })
+            Ok(Self { inner: Box::new(made), ending: false, paused: false })
         })
     }
 
     /// Sets the state to reach: rows as of start.
     fn set_target(&mut self, target: Vec<Vec<f64>>) -> PyResult<()> {
         let target = self.states(&target)?;
-        self.inner.set(Some(&target), None).map_err(refused)
+        self.inner.set(Some(&target), None).map_err(refused)?;
+        self.ending = false;
+        Ok(())
     }
 
     /// Sets the limits: greatest magnitudes, a number an axis. A state outside is brought back inside.
@@ -256,63 +239,88 @@ impl OnlineGenerator {
     ) -> PyResult<()> {
         let target = self.states(&target)?;
         let limits = self.limits(&velocity, &acceleration, &jerk)?;
-        self.inner.set(Some(&target), Some(&limits)).map_err(refused)
+        self.inner.set(Some(&target), Some(&limits)).map_err(refused)?;
+        self.ending = false;
+        Ok(())
     }
 
-    /// Sets the target of one axis, from 0.
+    /// Sets the target of one axis, counted from 0.
     #[pyo3(signature = (axis, position, velocity=0.0, acceleration=0.0))]
-    fn set_axis_target(&mut self, axis: usize, position: f64, velocity: f64, acceleration: f64) -> PyResult<()> {
-        self.inner.set_axis_target(axis, AxisState::new(position, velocity, acceleration)).map_err(refused)
+    fn set_axis_target(&mut self, axis: i64, position: f64, velocity: f64, acceleration: f64) -> PyResult<()> {
+        let target = AxisState::new(position, velocity, acceleration);
+        self.inner.set_axis_target(self.axis(axis)?, target).map_err(refused)?;
+        self.ending = false;
+        Ok(())
     }
 
-    /// Sets the limits of one axis, from 0.
-    fn set_axis_limits(&mut self, axis: usize, velocity: f64, acceleration: f64, jerk: f64) -> PyResult<()> {
-        let limits = AxisLimits::symmetric(velocity, acceleration, jerk).map_err(input)?;
+    /// Sets the limits of one axis, counted from 0.
+    fn set_axis_limits(&mut self, axis: i64, velocity: f64, acceleration: f64, jerk: f64) -> PyResult<()> {
+        let axis = self.axis(axis)?;
+        let limits = axes::axis_limits(axis, velocity, acceleration, jerk)?;
         self.inner.set_axis_limits(axis, limits).map_err(refused)
     }
 
     /// Moves on by one cycle.
     fn step(&mut self) -> OnlineStep {
-        self.inner.step()
+        self.advance()
     }
 
-    /// Moves on until the target is reached, by at most so many cycles: positions, velocities, accelerations and jerks, four arrays
-    /// (cycles, axes). One call in place of many, where nothing changes on the way.
+    /// Moves on until the target is reached or a stop or jog has ended, by at most so many cycles (up to 1 000 000): positions, velocities,
+    /// accelerations and jerks, four arrays (cycles, axes). One call in place of many, where nothing changes on the way.
+    ///
+    /// It ends, too, once the axes rest because of hold() or scale 0. Where nothing is underway the arrays have no rows: axes that go on with the
+    /// velocity of a target that was reached, or of the start, move by step() alone. A signal (Ctrl-C) ends it with its
+    /// exception; state is where the axes are then.
     #[allow(clippy::type_complexity)]
-    fn run<'py>(&mut self, py: Python<'py>, most_cycles: usize) -> PyResult<[Bound<'py, PyArray2<f64>>; 4]> {
+    fn run<'py>(&mut self, py: Python<'py>, most_cycles: i64) -> PyResult<[Bound<'py, PyArray2<f64>>; 4]> {
+        if !(0..=MOST_CYCLES).contains(&most_cycles) {
+            return Err(input(format!(
+                "most_cycles is {most_cycles}: give 0 to {MOST_CYCLES}, and call run again for what is left"
+            )));
+        }
         let axes = self.inner.axes();
-        let inner = &mut self.inner;
         let tables = py.detach(|| {
             let mut tables: [Table; 4] = std::array::from_fn(|_| Table::new(axes, 0));
-            for _ in 0..most_cycles {
-                let step = inner.step();
+            for cycle in 1..=most_cycles {
+                if self.has_nothing_to_do() {
+                    break;
+                }
+                let step = self.advance();
                 for (table, values) in tables.iter_mut().zip(&step.values) {
                     table.push(values);
                 }
                 if step.reached {
                     break;
                 }
+                if cycle % CYCLES_A_LOOK == 0 {
+                    Python::attach(|py| py.check_signals())?;
+                }
             }
-            tables
-        });
+            Ok::<_, PyErr>(tables)
+        })?;
         let [q, qd, qdd, jerk] = &tables;
         Ok([q.to_array(py)?, qd.to_array(py)?, qdd.to_array(py)?, jerk.to_array(py)?])
     }
 
     /// Brings every axis to rest in the shortest way of its own, and gives up the targets.
     fn stop(&mut self) -> PyResult<()> {
-        self.inner.stop().map_err(refused)
+        self.inner.stop().map_err(refused)?;
+        self.ending = true;
+        Ok(())
     }
 
     /// Brings all axes to rest on the curve of their plan, and gives up the targets.
     fn stop_on_path(&mut self) {
         self.inner.stop_on_path();
+        self.ending = true;
     }
 
     /// Moves the axes at velocities, a number an axis, until timeout (s) is over; then they stop. Another call renews the time.
     fn jog(&mut self, velocity: Vec<f64>, timeout: f64) -> PyResult<()> {
         self.one_an_axis("velocity", &velocity)?;
-        self.inner.jog(&velocity, timeout).map_err(refused)
+        self.inner.jog(&velocity, timeout).map_err(refused)?;
+        self.ending = true;
+        Ok(())
     }
 
     /// Brings the scale of time to 0: the axes rest on their curve until resume.
@@ -333,7 +341,9 @@ impl OnlineGenerator {
 
     #[setter]
     fn set_scale(&mut self, scale: f64) -> PyResult<()> {
-        self.inner.set_scale(scale).map_err(refused)
+        self.inner.set_scale(scale).map_err(refused)?;
+        self.paused = scale == 0.0;
+        Ok(())
     }
 
     /// True from hold until resume.

@@ -7,7 +7,8 @@ use pyo3::prelude::*;
 
 use crate::axes::{self, for_axes};
 use crate::error::input;
-use crate::online::{refused, values};
+use crate::online::refused;
+use crate::online_step::values;
 
 trait Tracker: Send + Sync {
     fn axes(&self) -> usize;

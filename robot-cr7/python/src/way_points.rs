@@ -59,9 +59,11 @@ impl WayPointMotion {
     }
 
     /// Position, velocity and acceleration at the times t (n,), s: three arrays (n, axes).
+    ///
+    /// Before 0 it is the start. After the end the axes go on from the target: its acceleration is brought to 0 with the greatest jerk, and its
+    /// velocity stays; a target at rest stays where it is. A time that is not finite raises InputError.
     fn sample<'py>(&self, py: Python<'py>, t: Array1<'py>) -> PyResult<Arrays<'py>> {
-        let times = t.as_array();
-        axes::sampled(py, self.inner.axes(), times.iter().copied(), |t, into| self.inner.at(t, into))
+        axes::sampled(py, self.inner.axes(), &t, |t, into| self.inner.at(t, into))
     }
 
     fn __repr__(&self) -> String {

@@ -59,6 +59,8 @@ def test_a_compiled_motion_is_the_plan(butterfly):
     again = arcfeed.JointTrajectory.from_json(compiled.to_json())
     assert np.array_equal(again.sample(butterfly.t)[0], q) and again.joint_names == butterfly.joint_names
     back = compiled.reversed().sample([0.0, compiled.duration])[0]
+    with pytest.raises(arcfeed.InputError, match=r"t\[1\] is NaN"):
+        compiled.sample([0.0, float("nan")])
     assert np.abs(back - q[[-1, 0]]).max() < 1e-12
     assert len(compiled.times(0.004)) == int(compiled.duration / 0.004) + 2
 
