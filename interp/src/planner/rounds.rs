@@ -110,7 +110,7 @@ impl<'a, const N: usize> Planner<'a, N> {
     }
 
     /// The law, slowed down to a whole number of control periods where that is asked for.
-    fn in_whole_cycles(&self, problem: &PathProblem<'_, N>, law: SpeedLaw) -> Result<SpeedLaw, PlanError> {
+    pub(super) fn in_whole_cycles(&self, problem: &PathProblem<'_, N>, law: SpeedLaw) -> Result<SpeedLaw, PlanError> {
         if !self.settings.whole_cycles {
             return Ok(law);
         }
