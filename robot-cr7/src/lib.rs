@@ -23,12 +23,13 @@ pub use input::gcode::{
 };
 pub use input::job::{FeedLimits, Job, Payload, TableJob, ToolOrientation, TorqueJob, VibrationJob};
 pub use input::joint_values::{JointOverrides, JointValues};
+pub use input::named_column::NamedColumn;
 pub use input::online_file::OnlineFile;
 pub use input::online_scenario::OnlineScenario;
 pub use input::online_settings::OnlineSettings;
 pub use input::path_file::{PathFile, PathGeometry, PointTools};
 pub use input::rapid_moves::{RapidKind, RapidMoves};
-pub use input::recorded_rows::{NamedColumn, RecordedRounding, RecordedRow, RecordedRows};
+pub use input::recorded_rows::{RecordedRounding, RecordedRow, RecordedRows};
 pub use input::sample_paths::{SamplePath, butterfly};
 pub use input::scenario::Scenario;
 pub use input::schedule_file::{ScheduleFile, SchedulePlace, ScheduleWay};

@@ -7,6 +7,7 @@ use arcfeed_kinematics::Joints;
 
 use super::csv_points::cells_of;
 use super::error::InputError;
+use super::named_column::NamedColumn;
 
 const RULE: &str = "the columns are t_s or t_ms, and of every joint q1_rad or q1_deg; also known are qd1_rad_s, qd1_deg_s, \
                     qdd1_rad_s2, qdd1_deg_s2";
@@ -52,17 +53,6 @@ pub struct RecordedRows<R, const N: usize> {
     columns: Columns<N>,
     rounding: RecordedRounding<N>,
     before: Option<f64>,
-}
-
-/// A column with the name of its joint.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct NamedColumn {
-    /// The column without the name of the joint, as `qd1_rad_s`.
-    pub column: String,
-    /// The joint, from 0.
-    pub joint: usize,
-    /// The name of the joint.
-    pub name: String,
 }
 
 /// Where the values stand, and what they are multiplied with.
@@ -269,19 +259,6 @@ impl<const N: usize> Columns<N> {
             ));
         }
         Ok(Self { line, count: header.len(), t, joints, named, ignored })
-    }
-}
-
-impl NamedColumn {
-    /// The column of that name, where it is one of a joint: of positions, velocities, accelerations or of the jerks that the
-    /// project's own files have.
-    fn of(name: &str) -> Option<Self> {
-        let (column, joint) = name.split_once(':')?;
-        let quantity = column.split_once('_')?.0;
-        let group = quantity.trim_end_matches(|c: char| c.is_ascii_digit());
-        let number: usize =
-            quantity[group.len()..].parse().ok().filter(|_| ["q", "qd", "qdd", "jerk"].contains(&group))?;
-        Some(Self { column: column.to_owned(), joint: number.checked_sub(1)?, name: joint.to_owned() })
     }
 }
 
