@@ -88,7 +88,7 @@ impl<'a, const N: usize> Planner<'a, N> {
     }
 
     /// Makes motions last a whole number of control periods: they are slowed down as a whole by less than a period. It needs rest at both
-    /// ends.
+    /// ends. [`Planner::plan`] and [`Planner::finish`] do so; [`Planner::prepare`] and [`Planner::verify`] take a motion as it is.
     ///
     /// ```
     /// use arcfeed_interp::{JointSpline, Limits, Planner};
@@ -205,10 +205,11 @@ impl<'a, const N: usize> Planner<'a, N> {
     }
 
     /// A trajectory of a law from elsewhere, which has to run over the whole path; verified, and with a limit on jerk where
-    /// `jerk_limited` says so.
+    /// `jerk_limited` says so. [`Planner::with_whole_cycles`] slows it down first.
     ///
     /// # Errors
-    /// [`PlanError::Unverified`] for a law that breaks a limit, [`LimitError::Law`] for one that does not run over the path.
+    /// [`PlanError::Unverified`] for a law that breaks a limit, [`LimitError::Law`] for one that does not run over the path,
+    /// [`LimitError::Unsuited`] for whole cycles without rest at both ends.
     pub fn finish<'p>(
         &self,
         problem: PathProblem<'p, N>,
@@ -219,6 +220,8 @@ impl<'a, const N: usize> Planner<'a, N> {
         'a: 'p,
     {
         let begin = Instant::now();
+        problem.runs_over(&law)?;
+        let law = self.in_whole_cycles(&problem, law)?;
         let verification = self.verify(&problem, &law, jerk_limited)?;
         let [grid, joint_path] = problem.times();
         let timings = Timings { grid, joint_path, speed: Duration::ZERO, verification: begin.elapsed() };
@@ -238,7 +241,8 @@ impl<'a, const N: usize> Planner<'a, N> {
         Ok(Trajectory::new(problem, law, info, verification, timings))
     }
 
-    /// Holds the motion by a law, whoever made it, against all limits; see [`verify`](crate::verify).
+    /// Holds the motion by a law, whoever made it, against all limits; see [`verify`](crate::verify). The law is taken as it is, with
+    /// [`Planner::with_whole_cycles`], too.
     ///
     /// # Errors
     /// [`LimitError::Law`] for a law that does not run over the path, [`PlanError::Path`] where a setpoint cannot be computed.

@@ -138,6 +138,27 @@ fn every<const N: usize>(
     Some(values)
 }
 
+/// Refuses names of joints that cannot be told apart, or that a table of text would not give back.
+#[cfg(any(feature = "json", feature = "urdf"))]
+pub(crate) fn have_usable_names(joints: &[JointDescription]) -> Result<(), KinematicsError> {
+    let refused = |rule, name: &str| Err(KinematicsError::Structure { rule, found: name.escape_debug().to_string() });
+    for (k, JointDescription { name, .. }) in joints.iter().enumerate() {
+        if name.is_empty() {
+            return refused("every joint must have a name", name);
+        }
+        if name.trim() != name || name.contains(char::is_control) {
+            return refused(
+                "the name of a joint must not begin or end with a blank, nor hold a control character",
+                name,
+            );
+        }
+        if joints[..k].iter().any(|before| before.name == *name) {
+            return refused("every joint must have a name of its own", name);
+        }
+    }
+    Ok(())
+}
+
 /// Largest difference from 1 of the length of an axis in a file: digits cut off, not another meaning.
 const AXIS_ROUNDING: f64 = 1e-3;
 

@@ -15,7 +15,7 @@
 //! not known are passed over.
 
 use crate::{
-    description::{ArmDescription, JointDescription},
+    description::{ArmDescription, JointDescription, have_usable_names},
     dynamics::Inertial,
     error::{KinematicsError, Part},
     joint::JointKind,
@@ -172,7 +172,8 @@ impl ArmDescription {
     /// Reads a description in the format "arm-params/1".
     ///
     /// # Errors
-    /// [`KinematicsError::Unreadable`] with line and column, or what is wrong with a joint, by name.
+    /// [`KinematicsError::Unreadable`] with line and column, or what is wrong with a joint, by name. [`KinematicsError::Structure`] for a
+    /// name of a joint that is empty, begins or ends with a blank, holds a control character or is there twice.
     pub fn from_json(text: &str) -> Result<Self, KinematicsError> {
         let unreadable = |reason: String| KinematicsError::Unreadable { format: "JSON", reason };
         let file: File = serde_json::from_str(text).map_err(|error| unreadable(error.to_string()))?;
@@ -184,6 +185,7 @@ impl ArmDescription {
             let name = joint.name.clone();
             joints.push(joint.described().map_err(|error| error.in_part(Part::Joint, &name))?);
         }
+        have_usable_names(&joints)?;
         let pose = |frame: Option<Frame>| frame.map_or(Ok(Isometry3::identity()), |frame| frame.pose());
         let (source, licence) = match &file.source {
             Value::Object(fields) => {

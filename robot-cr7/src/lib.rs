@@ -23,6 +23,7 @@ pub use input::gcode::{
 };
 pub use input::job::{FeedLimits, Job, Payload, TableJob, ToolOrientation, TorqueJob, VibrationJob};
 pub use input::joint_values::{JointOverrides, JointValues};
+pub use input::named_column::NamedColumn;
 pub use input::online_file::OnlineFile;
 pub use input::online_scenario::OnlineScenario;
 pub use input::online_settings::OnlineSettings;

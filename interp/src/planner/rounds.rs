@@ -124,10 +124,11 @@ impl<'a, const N: usize> Planner<'a, N> {
     }
 
     /// The law, slowed down to a whole number of control periods where that is asked for.
-    fn in_whole_cycles(&self, problem: &PathProblem<'_, N>, law: SpeedLaw) -> Result<SpeedLaw, PlanError> {
+    pub(super) fn in_whole_cycles(&self, problem: &PathProblem<'_, N>, law: SpeedLaw) -> Result<SpeedLaw, PlanError> {
         if !self.settings.whole_cycles {
             return Ok(law);
         }
+        self.check_ends_of_whole_cycles()?;
         // A duration that is whole but for rounding stays.
         let cycles = law.duration() / self.settings.period;
         let whole = (cycles * (1.0 - 1e-12)).ceil();

@@ -248,3 +248,27 @@ fn a_way_point_at_the_very_end_of_a_range_is_inside_and_one_beyond_is_refused() 
     let error = planner.plan(&beyond).expect_err("beyond the range");
     assert!(matches!(error, PlanError::Path(PathError::JointRange { joint: 0, .. })), "{error}");
 }
+
+#[test]
+fn laws_of_others_are_rounded_to_whole_cycles_where_that_is_asked_for() {
+    let arm = models::ur5e();
+    let joints = arm.range().with_rates(Joints::repeat(3.0), Joints::repeat(10.0), Joints::repeat(100.0));
+    let path = line(0.5);
+    let exact = Planner::new(&arm, Limits::new(joints.expect("limits"))).with_period(0.05).expect("a period");
+    let whole = exact.clone().with_whole_cycles();
+    let law = exact.plan(&path).expect("a motion").law().clone();
+    let finish = |planner: &Planner<'_>| {
+        let problem = planner.prepare(&path, Method::JerkLimited.needs()).expect("a grid");
+        planner.finish(problem, law.clone(), true).map(|motion| motion.duration() / 0.05)
+    };
+    let (shortest, rounded) = (finish(&exact).expect("keeps its limits"), finish(&whole).expect("is slower"));
+    assert!(shortest.fract() > 1e-3 && (rounded - shortest.ceil()).abs() < 1e-9, "{shortest} {rounded}");
+    let moving = whole.clone().with_end_speeds(0.0, 0.1).expect("speeds");
+    let error = finish(&moving).expect_err("an end in motion");
+    assert!(matches!(error, PlanError::Limit(LimitError::Unsuited { .. })), "{error}");
+    // A law of another path is refused as such.
+    let other = line(0.7);
+    let problem = whole.prepare(&other, Method::JerkLimited.needs()).expect("a grid");
+    let error = whole.finish(problem, law.clone(), true).expect_err("too short");
+    assert!(matches!(error, PlanError::Limit(LimitError::Law { .. })), "{error}");
+}

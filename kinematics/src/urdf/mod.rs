@@ -9,7 +9,7 @@ mod markup;
 mod tree;
 
 use crate::{
-    description::{ArmDescription, JointDescription},
+    description::{ArmDescription, JointDescription, have_usable_names},
     error::KinematicsError,
     joint::JointKind,
 };
@@ -52,6 +52,7 @@ impl ArmDescription {
             _ => return Err(broken("the tip link must be below the base link", ends())),
         };
         let (joints, flange) = folded(&tree, &way)?;
+        have_usable_names(&joints)?;
         if joints.is_empty() {
             return Err(broken("there must be a moving joint between base and tip", ends()));
         }

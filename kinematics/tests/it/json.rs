@@ -112,6 +112,16 @@ fn bad_files_say_what_and_where() {
     about(refused("\"ixx\":0.010267499999999999", "\"ixx\":1.5"), ["shoulder_pan_joint", "principal moment"]);
     about(refused("\"mass\":3.761", "\"mass\":-1"), ["shoulder_pan_joint", "mass"]);
     about(refused("\"mass\":3.761", "\"mass\":\"heavy\""), ["JSON", "line 1 column"]);
+    let joint = "\"name\":\"shoulder_pan_joint\"";
+    for (name, what) in [
+        ("", ["must have a name", "''"]),
+        (" lift", ["begin or end with a blank", "' lift'"]),
+        ("lift\\t", ["begin or end with a blank", "'lift\\t'"]),
+        ("li\\nft", ["control character", "'li\\nft'"]),
+        ("elbow_joint", ["name of its own", "'elbow_joint'"]),
+    ] {
+        about(refused(joint, &format!("\"name\":\"{name}\"")), what);
+    }
     assert!(matches!(ArmDescription::from_json(""), Err(KinematicsError::Unreadable { format: "JSON", .. })));
 }
 

@@ -251,7 +251,8 @@ extern "C" {
 enum ArcfeedStatus arcfeed_arm_builtin(const char *name, struct ArcfeedArm **out);
 
 // The arm of a file: JSON of the format "arm-params/1" if the name ends in ".json", else URDF. `base` and `tip` name
-// links of a URDF; NULL for the root and for the only end. On success `*out` holds the arm, else NULL.
+// links of a URDF; NULL for the root, and for the hand, `tool0` or the only end of its chain. On success `*out` holds the arm,
+// else NULL.
 //
 // Pointers are NULL or point to what their names say.
 enum ArcfeedStatus arcfeed_arm_load(const char *path,

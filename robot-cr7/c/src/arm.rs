@@ -112,7 +112,8 @@ pub unsafe extern "C" fn arcfeed_arm_builtin(name: *const c_char, out: *mut *mut
 }
 
 /// The arm of a file: JSON of the format "arm-params/1" if the name ends in ".json", else URDF. `base` and `tip` name
-/// links of a URDF; NULL for the root and for the only end. On success `*out` holds the arm, else NULL.
+/// links of a URDF; NULL for the root, and for the hand, `tool0` or the only end of its chain. On success `*out` holds the arm,
+/// else NULL.
 ///
 /// # Safety
 /// Pointers are NULL or point to what their names say.

@@ -26,7 +26,7 @@ pub struct Args {
     /// Link of a .urdf file where the arm begins [default: its root]
     #[arg(long, requires = "robot")]
     base_link: Option<String>,
-    /// Link of a .urdf file where the arm ends, the flange [default: its only end]
+    /// Link of a .urdf file where the arm ends, the flange [default: the hand, tool0 or the only end of its chain]
     #[arg(long, requires = "robot")]
     tip_link: Option<String>,
     /// Path file: .json (NURBS curve), .csv (points), .ngc, .nc, .gcode (G-code) or .dxf, .svg (drawings). Without it: an embedded butterfly

@@ -10,6 +10,7 @@ mod joint_space;
 mod online;
 mod output;
 mod page_file;
+mod path_places;
 mod place;
 mod plan;
 mod plan_args;

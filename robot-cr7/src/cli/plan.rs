@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Instant;
 
-use crate::plot::{PathPlace, speed_picture};
+use crate::plot::speed_picture;
 use crate::{
     ArmPoses, BindingLine, BoundReport, CompiledReport, Cr7Error, Job, Motion, OnToolPath, ProgramReport, ProgramTask,
     ReportHead, Series, Staging, Task, TrajectoryRow, TrajectoryWriter, drawn_segments, few_enough, line_times,
@@ -14,9 +14,10 @@ use crate::cli::Failure;
 use crate::cli::formats::{self};
 use crate::cli::output::conclude;
 use crate::cli::page_file::PageFile;
+use crate::cli::path_places::{distance_of_places, places_of_path};
 use crate::cli::plan_args::Args;
 use crate::cli::plan_files::{
-    COMPILED, Drawn, FILES, LEVERS, LINES, MOST_PLACES, Picture, limit_at, pictures, stream_figure, write_lines,
+    COMPILED, Drawn, FILES, LEVERS, LINES, Picture, limit_at, pictures, stream_figure, write_lines,
 };
 use crate::cli::plan_program;
 use crate::cli::progress::Progress;
@@ -162,13 +163,15 @@ fn drawn<'m, const N: usize>(
     let limit: Vec<(f64, f64)> = caps.iter().map(|point| (point.s, point.speed)).collect();
     let [t, s] = [0, 1].map(|column| series.column(column));
     page.see_limits(&caps, 0.0);
+    let segments = drawn_segments(plan, &job.workpiece);
+    let apart = distance_of_places(&segments, plan.path().length());
     Ok(Drawn {
         name: motion.name(),
-        segments: drawn_segments(plan, &job.workpiece),
+        segments,
         deviations: plan.segmentation().map_or_else(Vec::new, |segmentation| segmentation.deviations().to_vec()),
         chord_tolerance: plan.chord_tolerance(),
         limit_by_time: t.iter().zip(s).map(|(&t, &s)| (t, limit_at(&limit, s))).collect(),
-        places: places(motion, job, series),
+        places: places_of_path(plan, &job.workpiece, 0.0, apart),
         joints: plan.limits().joints(),
         limit,
         poses,
@@ -188,17 +191,4 @@ fn path_pictures<const N: usize>(
         all.push(("stream.svg", speed_picture(&figure)));
     }
     all
-}
-
-/// Places along the motion.
-fn places<const N: usize>(motion: &Motion<'_, N>, job: &Job, series: &Series) -> Vec<PathPlace> {
-    let Some(path) = motion.trajectory().path().tool_curve() else { return Vec::new() };
-    let inverse = job.workpiece.inverse();
-    let (s, v) = (series.column(1), series.column(2));
-    let place = |(&s, &v): (&f64, &f64)| PathPlace {
-        at: inverse.transform_point(&path.curve().point(s).into()).into(),
-        s,
-        speed: v,
-    };
-    s.iter().zip(v).step_by(s.len().div_ceil(MOST_PLACES).max(1)).map(place).collect()
 }

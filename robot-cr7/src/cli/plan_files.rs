@@ -51,9 +51,6 @@ pub fn write_lines(file: std::fs::File, lines: &[LineTime]) -> std::io::Result<(
 
 pub type Picture = (&'static str, Result<String, std::io::Error>);
 
-/// Most places of the path that are drawn with their speeds.
-pub const MOST_PLACES: usize = 6000;
-
 /// What the pictures of a motion show beside its samples.
 pub struct Drawn<'a, const N: usize> {
     pub name: &'a str,

@@ -2,7 +2,6 @@
 
 use std::time::Instant;
 
-use crate::plot::PathPlace;
 use crate::{
     ArmPoses, BoundReport, Cr7Error, Job, OnProgram, PartMotion, PathFile, ProgramMotion, ProgramPart, ProgramTask,
     ReportHead, Series, Staging, TrajectoryWriter, drawn_segments, few_enough,
@@ -12,8 +11,9 @@ use arcfeed_interp::PathArm;
 use crate::cli::Failure;
 use crate::cli::output::conclude;
 use crate::cli::page_file::PageFile;
+use crate::cli::path_places::{distance_of_places, places_of_program};
 use crate::cli::plan_args::Args;
-use crate::cli::plan_files::{COMPILED, Drawn, FILES, LEVERS, LINES, MOST_PLACES, limit_at, pictures, write_lines};
+use crate::cli::plan_files::{COMPILED, Drawn, FILES, LEVERS, LINES, limit_at, pictures, write_lines};
 use crate::cli::progress::Progress;
 use crate::cli::ros::RosFiles;
 
@@ -68,9 +68,7 @@ impl OnProgram for PlanProgram<'_> {
         let sampler = motion.samples().map_err(|e| Failure::Undoable(e.to_string()))?;
         let samples = sampler.len();
         let mut series = Series::new(3 + 3 * N, samples);
-        let mut places = Vec::new();
         let mut check = motion.check();
-        let inverse = job.workpiece.inverse();
         let (robot, name) = (args.robot.load()?, FILES[0]);
         let (file, names) = (staging.create(name)?, robot.any().joint_names());
         let mut trajectory = TrajectoryWriter::new(file, names).map_err(|e| staging.failed(name, e))?;
@@ -79,7 +77,7 @@ impl OnProgram for PlanProgram<'_> {
         let torque = motion.parts().iter().find_map(|part| part.trajectory()?.limits().torque());
         let mut page = PageFile::new(args, &robot, motion.joint_limits(), torque, samples);
         let mut poses = ArmPoses::new(*robot.arm::<N>(job.tool).map_err(Cr7Error::from)?.chain(), samples);
-        for (i, sample) in sampler.enumerate() {
+        for sample in sampler {
             let sample = sample.map_err(|e| Failure::Undoable(e.to_string()))?;
             let row = sample.row;
             trajectory.write(&row).map_err(|e| staging.failed(name, e))?;
@@ -89,10 +87,6 @@ impl OnProgram for PlanProgram<'_> {
             check.see(&row);
             let rates = [row.qd, row.qdd, row.jerk];
             series.push([row.t, sample.s, sample.feed].into_iter().chain(rates.iter().flatten().copied()));
-            if i % samples.div_ceil(MOST_PLACES) == 0 {
-                let at = inverse.transform_point(&row.position.into()).into();
-                places.push(PathPlace { at, s: sample.s, speed: sample.feed });
-            }
         }
         trajectory.finish().map_err(|e| staging.failed(name, e))?;
         ros.finish(&staging)?;
@@ -101,7 +95,7 @@ impl OnProgram for PlanProgram<'_> {
         let check = check.finish(job.feed.end_speeds[1] == 0.0);
 
         progress.step("drawing");
-        let drawn = drawn(&motion, job, &series, places, poses, &mut page)?;
+        let drawn = drawn(&motion, job, &series, poses, &mut page)?;
         let mut report = motion.report(&check, samples, sampling);
         for (name, svg) in pictures(&drawn, &series, &report.binding) {
             staging.write(name, &svg.map_err(|source| staging.failed(name, source))?)?;
@@ -135,7 +129,6 @@ fn drawn<'m, const N: usize>(
     motion: &'m ProgramMotion<'_, N>,
     job: &Job,
     series: &Series,
-    places: Vec<PathPlace>,
     poses: ArmPoses<N>,
     page: &mut PageFile<'_, N>,
 ) -> Result<Drawn<'m, N>, Failure> {
@@ -166,6 +159,9 @@ fn drawn<'m, const N: usize>(
         let free = own.len() < 2 || own.iter().any(|(_, speed)| speed.is_infinite());
         (t, if free { f64::INFINITY } else { limit_at(own, s) })
     };
+    let apart = distance_of_places(&segments, motion.length());
+    let places = places_of_program(motion, &job.workpiece, apart);
+    let places = places.map_err(|e| Failure::Undoable(e.to_string()))?;
     Ok(Drawn {
         name: motion.name(),
         segments,

@@ -13,7 +13,7 @@ pub struct RobotArgs {
     /// Link of a .urdf file where the arm begins [default: its root]
     #[arg(long)]
     pub base_link: Option<String>,
-    /// Link of a .urdf file where the arm ends, the flange [default: its only end]
+    /// Link of a .urdf file where the arm ends, the flange [default: the hand, tool0 or the only end of its chain]
     #[arg(long)]
     pub tip_link: Option<String>,
 }

@@ -215,14 +215,17 @@ fn write_setpoints(
     staging: &mut Staging,
 ) -> Result<(), Failure> {
     // The first columns of a trajectory: time and positions.
-    let mut text = trajectory_columns(names)[..=names.len()].join(",") + "\n";
-    for i in 0..count {
-        let t = i as f64 * settings.period;
-        let q = motion.trajectory().at(t).q;
-        let values: Vec<String> = q.iter().map(|q| format!("{q}")).collect();
-        text.push_str(&format!("{t},{}\n", values.join(",")));
-    }
-    Ok(staging.write(SETPOINTS, &text)?)
+    let columns = &trajectory_columns(names)[..=names.len()];
+    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(staging.create(SETPOINTS)?);
+    let mut write = || {
+        writer.write_record(columns)?;
+        for i in 0..count {
+            let t = i as f64 * settings.period;
+            writer.serialize((t, motion.trajectory().at(t).q.as_slice()))?;
+        }
+        writer.flush().map_err(csv::Error::from)
+    };
+    write().map_err(|error| Failure::from(staging.failed(SETPOINTS, error.into())))
 }
 
 /// Publishes the files, and ends with the doubt where there was one.

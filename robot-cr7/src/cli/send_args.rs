@@ -8,6 +8,9 @@ use crate::controller::{Dialect, SendSettings};
 use crate::cli::Failure;
 use crate::cli::robot_args::RobotArgs;
 
+/// The least tolerance of the following error, deg: rounded up to what a person reads.
+const LEAST_FOLLOWING: f64 = 0.006;
+
 /// Arguments of `cr7 send`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
@@ -91,6 +94,10 @@ impl Args {
 
     pub fn settings(&self, models: &'static [u8]) -> Result<SendSettings, Failure> {
         let wrong = |e: crate::controller::SettingsError| Failure::BadInput(e.to_string());
+        if !(LEAST_FOLLOWING..=5.0).contains(&self.following_deg) {
+            let words = format!("--following-deg {}: give {LEAST_FOLLOWING} to 5 degrees", self.following_deg);
+            return Err(Failure::BadInput(words));
+        }
         let settings = SendSettings::new(self.period_ms * 1e-3).map_err(wrong)?;
         let settings = SendSettings {
             following_tolerance: self.following_deg.to_radians(),

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use crate::{
-    Cr7Error, InputError, Job, JointReport, LimitsHold, RapidKind, RecordedCheck, RecordedLimits, RecordedRows,
-    ReportHead, Robot,
+    Cr7Error, InputError, Job, JointReport, LimitsHold, NamedColumn, RapidKind, RecordedCheck, RecordedLimits,
+    RecordedRows, ReportHead, Robot,
 };
 
 use crate::cli::Failure;
@@ -61,7 +61,7 @@ fn run_with<const N: usize>(args: &Args, robot: &Robot) -> Result<(), Failure> {
     })?;
     let progress = Progress::new("checking");
     let mut rows = RecordedRows::<_, N>::new(file, &args.trajectory)?;
-    same_joints(args, robot, rows.joint_names())?;
+    same_joints(args, robot, rows.named_columns())?;
     let mut check = RecordedCheck::new(RecordedLimits { arm, joints, drives, feed }, rows.rounding());
     let mut stated = [true; 2];
     for row in rows.by_ref() {
@@ -95,13 +95,13 @@ fn run_with<const N: usize>(args: &Args, robot: &Robot) -> Result<(), Failure> {
     if !ignored.is_empty() {
         warnings.push(format!("columns that are passed over: {}", ignored.join(", ")));
     }
-    let limits = check.finish();
+    let (period_s, limits) = (check.period(), check.finish());
     let held = LimitsHold::of(&limits);
     let report = JointReport {
         name: args.trajectory.display().to_string(),
         duration_s,
         samples,
-        period_s: duration_s / (samples - 1) as f64,
+        period_s,
         facts: Vec::new(),
         events: Vec::new(),
         limits,
@@ -113,16 +113,17 @@ fn run_with<const N: usize>(args: &Args, robot: &Robot) -> Result<(), Failure> {
 }
 
 /// Refuses the motion of a robot whose joints have other names.
-fn same_joints(args: &Args, robot: &Robot, names: &[Option<String>]) -> Result<(), Failure> {
+fn same_joints(args: &Args, robot: &Robot, columns: &[NamedColumn]) -> Result<(), Failure> {
     let own = robot.any().joint_names();
-    let differs =
-        |(_, (name, own)): &(usize, (&Option<String>, &String))| name.as_ref().is_some_and(|name| name != *own);
-    let Some((k, (Some(name), own))) = names.iter().zip(own).enumerate().find(differs) else { return Ok(()) };
+    let Some(wrong) = columns.iter().find(|column| own.get(column.joint) != Some(&column.name)) else { return Ok(()) };
     Err(Failure::BadInput(format!(
-        "{}: joint {} is called {name:?}, and that of {} {own:?}: the motion is of another robot; give it by --robot",
+        "{}: joint {} is called {:?} in column {}, and that of {} {:?}: the motion is of another robot; give it by --robot",
         args.trajectory.display(),
-        k + 1,
-        robot.description().name
+        wrong.joint + 1,
+        wrong.name,
+        wrong.column,
+        robot.description().name,
+        own.get(wrong.joint).map_or("", String::as_str)
     )))
 }
 

@@ -32,6 +32,7 @@ impl OnlineSettings {
         longest: Option<f64>,
         joints: &RawJoints,
     ) -> Result<Self, InputError> {
+        check.no_whole_cycles(sampling)?;
         Ok(Self {
             file: check.file.to_owned(),
             text: check.text.to_owned(),

@@ -7,6 +7,7 @@ use arcfeed_kinematics::Joints;
 
 use super::csv_points::cells_of;
 use super::error::InputError;
+use super::named_column::NamedColumn;
 
 const RULE: &str = "the columns are t_s or t_ms, and of every joint q1_rad or q1_deg; also known are qd1_rad_s, qd1_deg_s, \
                     qdd1_rad_s2, qdd1_deg_s2";
@@ -61,8 +62,7 @@ struct Columns<const N: usize> {
     count: usize,
     t: (usize, f64),
     joints: [Option<[(usize, f64); N]>; 3],
-    /// Names of the joints, where the columns of their positions have some.
-    names: [Option<String>; N],
+    named: Vec<NamedColumn>,
     ignored: Vec<String>,
 }
 
@@ -73,14 +73,8 @@ impl<R: Read + Seek, const N: usize> RecordedRows<R, N> {
     /// [`InputError::Empty`], [`InputError::Column`] for a column that is missing or there twice, [`InputError::Read`].
     pub fn new(reader: R, file: &Path) -> Result<Self, InputError> {
         let (reader, text) = (BufReader::new(reader), String::new());
-        let columns = Columns {
-            line: 0,
-            count: 0,
-            t: (0, 1.0),
-            joints: [None; 3],
-            names: [const { None }; N],
-            ignored: Vec::new(),
-        };
+        let columns =
+            Columns { line: 0, count: 0, t: (0, 1.0), joints: [None; 3], named: Vec::new(), ignored: Vec::new() };
         let record = csv::StringRecord::new();
         let rounding = RecordedRounding { t: 0.0, joints: [Joints::zeros(); 3] };
         let mut rows = Self { reader, text, line: 0, record, file: file.to_owned(), columns, rounding, before: None };
@@ -122,9 +116,9 @@ impl<R: Read + Seek, const N: usize> RecordedRows<R, N> {
         InputError::Read { file: self.file.clone(), source, remedy: "give a CSV file in UTF-8" }
     }
 
-    /// Names of the joints, where the columns of their positions have some.
-    pub fn joint_names(&self) -> &[Option<String>; N] {
-        &self.columns.names
+    /// The columns that name a joint of the arm, in the order of the file.
+    pub fn named_columns(&self) -> &[NamedColumn] {
+        &self.columns.named
     }
 
     /// Names of the columns that are passed over.
@@ -227,20 +221,16 @@ impl<const N: usize> Columns<N> {
             rule,
         };
         let mut known: Vec<(String, (usize, f64))> = Vec::new();
-        let (mut ignored, mut names) = (Vec::new(), [const { None }; N]);
+        let (mut ignored, mut named) = (Vec::new(), Vec::new());
         for (column, name) in header.iter().enumerate() {
             let name = name.trim_start_matches('\u{feff}');
+            named.extend(NamedColumn::of(name).filter(|column| column.joint < N));
             let Some((quantity, factor)) = quantity_of(name) else {
                 ignored.push(name.to_owned());
                 continue;
             };
             if known.iter().any(|(other, _)| *other == quantity) {
                 return Err(wrong(column, name, "a quantity has one column"));
-            }
-            if let Some((_, joint)) = name.split_once(':') {
-                let index = quantity.strip_prefix('q').and_then(|index| index.parse::<usize>().ok());
-                let own = index.and_then(|index| names.get_mut(index.wrapping_sub(1)));
-                own.into_iter().for_each(|own| *own = Some(joint.to_owned()));
             }
             known.push((quantity, (column, factor)));
         }
@@ -268,14 +258,15 @@ impl<const N: usize> Columns<N> {
                 "the arm has fewer joints: name the one that the file is of with --robot",
             ));
         }
-        Ok(Self { line, count: header.len(), t, joints, names, ignored })
+        Ok(Self { line, count: header.len(), t, joints, named, ignored })
     }
 }
 
 /// The quantity of a column, without its unit and the name of its joint, and the factor to SI.
 fn quantity_of(name: &str) -> Option<(String, f64)> {
     let degree = std::f64::consts::PI / 180.0;
-    let (quantity, unit) = name.split(':').next()?.split_once('_')?;
+    let (column, joint) = name.split_once(':').map_or((name, None), |(column, joint)| (column, Some(joint)));
+    let (quantity, unit) = column.split_once('_')?;
     let group = quantity.trim_end_matches(|c: char| c.is_ascii_digit());
     let factor = match (group, unit) {
         ("t", "s") | ("q", "rad") | ("qd", "rad_s") | ("qdd", "rad_s2") => 1.0,
@@ -283,7 +274,9 @@ fn quantity_of(name: &str) -> Option<(String, f64)> {
         ("q", "deg") | ("qd", "deg_s") | ("qdd", "deg_s2") => degree,
         _ => return None,
     };
-    ((group == "t") == (group == quantity)).then(|| (quantity.to_owned(), factor))
+    // The time has neither a number nor the name of a joint.
+    let is_time = group == "t";
+    (is_time == (group == quantity) && !(is_time && joint.is_some())).then(|| (quantity.to_owned(), factor))
 }
 
 /// The digits of a column.
@@ -346,7 +339,9 @@ mod tests {
     fn the_name_of_a_joint_may_stand_behind_a_colon() {
         let text = "t_s,q2_deg:fore:arm,q1_rad,qd1_rad_s:upper arm,qd2_rad_s\n0,90,1,2,3\n";
         let mut rows = RecordedRows::<_, 2>::new(std::io::Cursor::new(text), Path::new("a.csv")).expect("a header");
-        assert_eq!(rows.joint_names(), &[None, Some("fore:arm".to_owned())]);
+        let named =
+            |column: &str, joint, name: &str| NamedColumn { column: column.to_owned(), joint, name: name.to_owned() };
+        assert_eq!(rows.named_columns(), &[named("q2_deg", 1, "fore:arm"), named("qd1_rad_s", 0, "upper arm")]);
         let row = rows.next().expect("a row").expect("numbers");
         assert!(row.q[0] == 1.0 && (row.q[1] - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
         assert_eq!(row.qd.map(|qd| (qd[0], qd[1])), Some((2.0, 3.0)));
@@ -376,6 +371,7 @@ mod tests {
         for (text, parts) in [
             ("", &["a.csv", "header"] as &[_]),
             ("q1_rad,q2_rad\n", &["t_s is missing"]),
+            ("t_s:shoulder,q1_rad,q2_rad\n", &["t_s is missing"]),
             ("t_s,q1_rad\n", &["q2 is missing"]),
             ("t_s,q1_rad,q2_rad,qd1_rad_s\n", &["qd2 is missing"]),
             ("t_s,q1_rad,q1_deg,q2_rad\n", &["q1_deg", "one column"]),

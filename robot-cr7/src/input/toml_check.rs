@@ -172,6 +172,13 @@ impl<'a> Check<'a> {
         Ok(whole)
     }
 
+    /// Refuses whole cycles for a motion that is made cycle by cycle.
+    pub fn no_whole_cycles(&self, raw: &RawSampling) -> Result<(), InputError> {
+        let Some(whole) = raw.whole_cycles else { return Ok(()) };
+        let rule = "a motion that is made cycle by cycle lasts whole cycles anyway";
+        Err(self.wrong("sampling.whole_cycles", whole, rule, "remove the key"))
+    }
+
     /// The time of change `i` (s), not before that of the change `before` it.
     pub fn time_of_change(&self, i: usize, at: f64, before: Option<f64>) -> Result<f64, InputError> {
         let key = format!("change[{i}].at_s");

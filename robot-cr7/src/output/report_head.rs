@@ -7,7 +7,7 @@ use crate::text::json;
 
 /// The keys with which every report of a motion begins in its JSON form.
 ///
-/// [`ReportHead::SCHEMA`] says what every key means, of all reports: the same keys mean the same everywhere.
+/// [`ReportHead::SCHEMA`] says what every key means: those that all reports have mean the same everywhere, others what their command says.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ReportHead {
     /// Name and version of the format.

@@ -27,8 +27,12 @@ impl<W: Write, const N: usize> TrajectoryWriter<W, N> {
     /// Starts a file with its header, with the names of the joints. The writer buffers by itself.
     ///
     /// # Errors
-    /// The error of `writer`.
+    /// [`InvalidInput`](std::io::ErrorKind::InvalidInput) unless there are `N` names; the error of `writer`.
     pub fn new(writer: W, names: &[String]) -> std::io::Result<Self> {
+        if names.len() != N {
+            let words = format!("{} names for {N} joints: give one for each joint", names.len());
+            return Err(std::io::Error::new(std::io::ErrorKind::InvalidInput, words));
+        }
         let mut writer = csv::WriterBuilder::new().has_headers(false).buffer_capacity(1 << 16).from_writer(writer);
         writer.write_record(trajectory_columns(names)).map_err(into_io)?;
         Ok(Self { writer })
@@ -56,7 +60,7 @@ impl<W: Write, const N: usize> TrajectoryWriter<W, N> {
 /// Writes a trajectory of joints with these names to a file, whole or not at all.
 ///
 /// # Errors
-/// Fails when the file cannot be written.
+/// Fails when the file cannot be written, or there are not `N` names.
 pub fn write_trajectory<I, const N: usize>(file: &Path, names: &[String], rows: I) -> Result<(), InputError>
 where
     I: IntoIterator<Item = TrajectoryRow<N>>,

@@ -185,7 +185,8 @@ fn scaled<const N: usize>(mut values: Joints<N>, joint: usize, factor: f64) -> J
 }
 
 impl Advice {
-    /// Plans the task once for each limit that binds, with 10 % more of it, and once without it. `tell` hears which.
+    /// Plans the task once for each limit that binds, with 10 % more of it, and once without it. `tell` hears which. Durations are those
+    /// before they are rounded up to whole control periods, which a warning says where the job asks for these.
     ///
     /// # Errors
     /// [`Cr7Error::Plan`] where the task cannot be planned.
@@ -193,7 +194,7 @@ impl Advice {
         let path: Arc<dyn MotionPath<N> + '_> = Arc::new(task.tool_path()?);
         let own = task.own_limits();
         tell("within all limits");
-        let plan = task.planner()?.plan_shared(path.clone()).map_err(|source| task.error(source))?;
+        let plan = task.planner_within(own)?.plan_shared(path.clone()).map_err(|source| task.error(source))?;
         let duration = plan.duration();
         let lines = limit_lines(plan.verification(), plan.path().parameter());
         let (mut limits, mut idle) = (Vec::new(), Vec::new());
@@ -221,7 +222,7 @@ impl Advice {
         }
         let saving = |cost: &LimitCost| cost.raised_saves_s.unwrap_or(f64::NEG_INFINITY);
         limits.sort_by(|a, b| saving(b).total_cmp(&saving(a)));
-        let warnings = task.warnings().to_vec();
+        let warnings = task.warnings().iter().cloned().chain(task.unrounded_words()).collect();
         Ok(Self { path: task.name().to_owned(), duration_s: duration, limits, warnings, idle })
     }
 

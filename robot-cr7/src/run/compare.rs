@@ -88,7 +88,8 @@ pub struct Comparison {
     pub limit_curve: Vec<(f64, f64)>,
 }
 
-/// Runs every planner on the job; `progress` is told which one is at work.
+/// Runs every planner on the job; `progress` is told which one is at work. Durations are not rounded up to whole control periods, which a
+/// warning says where the job asks for these.
 ///
 /// # Errors
 /// [`Cr7Error::Plan`] where the arm cannot follow the path, or no speed keeps the limits.
@@ -97,7 +98,7 @@ pub fn compare<A: PathArm<N>, const N: usize>(
     mut progress: impl FnMut(&'static str),
 ) -> Result<Comparison, Cr7Error> {
     let fail = |error: PlanError| task.error(error);
-    let planner = task.planner()?;
+    let planner = task.planner_within(task.own_limits())?;
     let path = task.tool_path()?;
     progress("joint path");
     let second = Field::new(&planner, &path, Method::InterpolatedReachability).map_err(fail)?;
@@ -152,7 +153,7 @@ pub fn compare<A: PathArm<N>, const N: usize>(
         lower_bound_s,
         jerk_limited_bound,
         entries,
-        warnings: task.warnings().to_vec(),
+        warnings: task.warnings().iter().cloned().chain(task.unrounded_words()).collect(),
         files: Vec::new(),
         limit_curve: limit_curve.iter().map(|point| (point.s, point.speed)).collect(),
     })

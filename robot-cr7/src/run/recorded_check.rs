@@ -48,6 +48,8 @@ pub struct RecordedCheck<const N: usize> {
     last: Vec<RecordedRow<N>>,
     rows: usize,
     begin: f64,
+    /// Time between the first two rows, s.
+    period: f64,
     /// What rounding can feign of velocity, acceleration, jerk and of the speed of the tool, over their limits.
     blur: [f64; 4],
 }
@@ -67,6 +69,7 @@ impl<const N: usize> RecordedCheck<N> {
             last: Vec::with_capacity(4),
             rows: 0,
             begin: 0.0,
+            period: 0.0,
             blur: [0.0; 4],
         }
     }
@@ -76,6 +79,9 @@ impl<const N: usize> RecordedCheck<N> {
         self.rows += 1;
         if self.last.is_empty() {
             self.begin = row.t;
+        }
+        if self.rows == 2 {
+            self.period = row.t - self.begin;
         }
         let (lower, upper) = (self.limits.joints.lower(), self.limits.joints.upper());
         for k in 0..N {
@@ -173,6 +179,11 @@ impl<const N: usize> RecordedCheck<N> {
     /// Number of rows seen.
     pub fn rows(&self) -> usize {
         self.rows
+    }
+
+    /// Time between the first two rows, s: the last one may come earlier, as the end of a motion does. 0 before the second row.
+    pub fn period(&self) -> f64 {
+        self.period
     }
 
     /// Time from the first to the last row, s.

@@ -12,7 +12,7 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
     /// # Errors
     /// [`Cr7Error::Plan`] for a limit that cannot be used.
     pub fn planner(&self) -> Result<Planner<'_, N>, Cr7Error> {
-        self.planner_within(&self.limits)
+        self.planner_beside(&self.limits, &self.limits.tables)
     }
 
     /// The limits of the job.
@@ -20,19 +20,34 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
         &self.limits
     }
 
-    /// The planner with other limits.
+    /// The planner with other limits, of motions that are compared by their durations: they are not slowed down to whole cycles.
     ///
     /// # Errors
     /// As [`Task::planner`].
     pub(crate) fn planner_within<'t>(&'t self, limits: &'t TaskLimits<N>) -> Result<Planner<'t, N>, Cr7Error> {
-        self.planner_beside(limits, &limits.tables)
+        self.planner_between(limits, &limits.tables)
     }
 
-    /// The same with tables from elsewhere in place of its own.
+    /// What is said where [`Task::planner_within`] leaves out whole cycles that the job asks for.
+    pub(crate) fn unrounded_words(&self) -> Option<String> {
+        let words =
+            "durations are compared as they are before sampling.whole_cycles rounds them up to whole control periods";
+        self.whole_cycles.then(|| words.to_owned())
+    }
+
+    /// The planner with other limits, and with tables from elsewhere in place of its own.
     ///
     /// # Errors
     /// As [`Task::planner`].
     pub(crate) fn planner_beside<'t>(
+        &'t self,
+        limits: &TaskLimits<N>,
+        tables: &'t JointTables<N>,
+    ) -> Result<Planner<'t, N>, Cr7Error> {
+        self.planner_between(limits, tables).map(|planner| self.in_cycles(planner))
+    }
+
+    fn planner_between<'t>(
         &'t self,
         limits: &TaskLimits<N>,
         tables: &'t JointTables<N>,
@@ -49,7 +64,13 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
             Some(speed) => ToolLimits::new().with_angular_speed(speed)?,
             None => ToolLimits::new(),
         };
-        self.planner_under(&TaskLimits { tool, ..self.limits.clone() }, &self.limits.tables)
+        let planner = self.planner_under(&TaskLimits { tool, ..self.limits.clone() }, &self.limits.tables)?;
+        Ok(self.in_cycles(planner))
+    }
+
+    /// The planner with whole cycles where the job asks for them.
+    fn in_cycles<'t>(&self, planner: Planner<'t, N>) -> Planner<'t, N> {
+        if self.whole_cycles { planner.with_whole_cycles() } else { planner }
     }
 
     fn planner_under<'t>(
@@ -62,7 +83,6 @@ impl<A: PathArm<N>, const N: usize> Task<A, N> {
             limits = limits.with_torque(&drives.dynamics, torque)?;
         }
         let planner = Planner::new(&self.arm, limits).with_chord_tolerance(self.chord_tolerance)?;
-        let planner = planner.with_period(self.period)?.with_method(self.method);
-        Ok(if self.whole_cycles { planner.with_whole_cycles() } else { planner })
+        Ok(planner.with_period(self.period)?.with_method(self.method))
     }
 }

@@ -232,3 +232,46 @@ fn what_a_program_cannot_do_is_said_with_its_line() {
         desk.run(&["plan", "p.ngc", "--job", "job.toml"]).refused(code, parts);
     }
 }
+
+/// Points of all lines of a picture that are drawn as a path is, pixels, line by line.
+fn drawn_path(desk: &Desk) -> Vec<Vec<[f64; 2]>> {
+    let svg = std::fs::read_to_string(desk.folder.join("out/path.svg")).expect("a picture");
+    let lines = svg.split("<polyline").filter(|tag| tag.contains("stroke-width=\"34\""));
+    let points = |tag: &str| {
+        let text = tag.split("points=\"").nth(1).and_then(|p| p.split('"').next()).expect("points");
+        let values: Vec<f64> = text.split([' ', ',']).filter_map(|n| n.parse().ok()).collect();
+        values.chunks_exact(2).map(|p| [p[0], p[1]]).collect::<Vec<_>>()
+    };
+    // The legend has lines of two points.
+    lines.map(points).filter(|line| line.len() > 2).collect()
+}
+
+#[test]
+fn circles_are_round_in_the_picture_however_few_setpoints_they_have() {
+    let desk = Desk::new("gcode_laps");
+    // Some ten setpoints a lap, in one part and in several.
+    for dwell in ["", "G4 P0.5\n"] {
+        let laps = "G2 X0 Y0 I5 J0 F6000\n".repeat(5);
+        desk.write("laps.ngc", &format!("G21 G90 G17\nG1 X0 Y0 F6000\n{dwell}{laps}{dwell}G2 X10 Y0 I5 J0\nM2\n"));
+        let report = planned(
+            &desk,
+            "laps.ngc",
+            "[feed]\nfeed_mm_s = 100\n[tolerance]\nchord_mm = 2\n[sampling]\nperiod_ms = 50\n",
+        );
+        assert!(report["samples"].as_u64().is_some_and(|samples| samples < 150), "{}", report["samples"]);
+        let lines = drawn_path(&desk);
+        let all = || lines.iter().flatten();
+        let ends = |k: usize| all().fold([f64::MAX, f64::MIN], |e, p| [e[0].min(p[k]), e[1].max(p[k])]);
+        let [[left, right], [top, bottom]] = [ends(0), ends(1)];
+        let (centre, radius) = ([0.5 * (left + right), 0.5 * (top + bottom)], 0.5 * (right - left));
+        assert!(radius > 1000.0 && (bottom - top - right + left).abs() < 0.01 * radius, "{radius}");
+        for pair in lines.iter().flat_map(|line| line.windows(2)) {
+            let middle = [0, 1].map(|k| 0.5 * (pair[0][k] + pair[1][k]) - centre[k]);
+            let inside = 1.0 - middle[0].hypot(middle[1]) / radius;
+            assert!(inside.abs() < 5e-3, "{dwell:?}: {inside} inside, {pair:?}");
+        }
+        // The end of the last, half lap is on the right.
+        let last = lines.last().and_then(|line| line.last()).expect("a point");
+        assert!((last[0] - right).abs() < 3.0 && (last[1] - centre[1]).abs() < 3.0, "{last:?}");
+    }
+}

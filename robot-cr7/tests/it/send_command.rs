@@ -36,6 +36,8 @@ fn wrong_usage_is_refused_with_the_way_out() {
     desk.run(&["send", "--period-ms", "10", "--dialect", "v3"]).refused(2, &["20 ms and more"]);
     desk.run(&["send", "--period-ms", "4.4"]).refused(2, &["whole number of milliseconds"]);
     desk.run(&["send", "--start-tolerance-deg", "6"]).refused(2, &["0 to 5", "--approach"]);
+    desk.run(&["send", "--following-deg", "6"]).refused(2, &["--following-deg 6", "give 0.006 to 5 degrees"]);
+    desk.run(&["send", "--following-deg", "0.005"]).refused(2, &["--following-deg 0.005", "give 0.006 to 5"]);
     desk.run(&["send", "--lag-ms", "1100"]).refused(2, &["lag", "1.000000"]);
     desk.run(&["send", "--robot", "panda"]).refused(2, &["six joints"]);
     desk.run(&["send", "--model", "10"]).refused(2, &["--model 10", "[7, 117, 207]"]);
@@ -78,4 +80,20 @@ fn joints_that_slide_are_refused() {
         .collect();
     desk.write("slide.urdf", &format!("<robot name='slide'><link name='l0'/>{joints}</robot>"));
     desk.run(&["send", "--robot", "slide.urdf"]).refused(2, &["j3 of slide slides"]);
+}
+
+#[test]
+fn names_of_joints_with_commas_and_quotes_stay_one_column() {
+    let desk = Desk::new("send_quoted");
+    let urdf = desk.run(&["robots", "--urdf", "ur5e"]).done().stdout;
+    assert!(urdf.contains("shoulder_pan_joint"));
+    desk.write("quoted.urdf", &urdf.replace("shoulder_pan_joint", "pan, &quot;left&quot;"));
+    desk.run(&["send", "--robot", "quoted.urdf"]).done();
+    let text = std::fs::read_to_string(desk.folder.join("out/setpoints.csv")).expect("setpoints");
+    assert!(
+        text.starts_with("t_s,\"q1_rad:pan, \"\"left\"\"\",q2_rad:shoulder_lift_joint,"),
+        "{:?}",
+        text.lines().next()
+    );
+    desk.run(&["verify", "out/setpoints.csv", "--robot", "quoted.urdf"]).done();
 }

@@ -56,6 +56,15 @@ fn columns_name_their_units_and_stand_in_order() {
 }
 
 #[test]
+fn a_trajectory_has_a_name_for_each_joint() {
+    for count in [0, 5, 7] {
+        let names: Vec<String> = (0..count).map(|k| format!("j{k}")).collect();
+        let error = TrajectoryWriter::<_, 6>::new(Vec::new(), &names).expect_err("six joints");
+        assert_eq!(error.to_string(), format!("{count} names for 6 joints: give one for each joint"));
+    }
+}
+
+#[test]
 fn files_round_trip() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
     let file = folder.join("trajectory.csv");

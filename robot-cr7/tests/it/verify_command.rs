@@ -70,6 +70,18 @@ fn a_trajectory_of_another_robot_is_refused_by_the_names_of_its_joints() {
         desk.run(&["verify", "q.csv", "--robot", "planar_2r"])
     };
     run("t_s,q1_rad,q2_rad:joint2").done();
+    for (header, column) in [
+        ("t_s,q1_rad,q2_rad,qd1_rad_s,qd2_rad_s:elbow", "qd2_rad_s"),
+        ("t_s,q1_rad,q2_rad:joint2,jerk2_rad_s3:elbow,y", "jerk2_rad_s3"),
+        ("t_s,q1_rad,q2_rad,qdd1_rad_s2:joint1,qdd2_rad_s2:elbow", "qdd2_rad_s2"),
+    ] {
+        let more = ",0".repeat(header.matches(',').count() - 2);
+        desk.write("q.csv", &format!("{header}\n0,0,0{more}\n1,0,0{more}\n"));
+        let wrong = ["joint 2 is called \"elbow\" in column", column];
+        desk.run(&["verify", "q.csv", "--robot", "planar_2r"]).refused(2, &wrong);
+    }
+    let time = run("t_s:anything,q1_rad,q2_rad");
+    assert!(time.code == 2 && time.stderr.contains("t_s is missing"), "{time:?}");
     let other = run("t_s,q1_rad:joint1,q2_rad:elbow");
     assert!(other.code == 2 && other.stderr.contains("joint 2 is called \"elbow\""), "{other:?}");
 }

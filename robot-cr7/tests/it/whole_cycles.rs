@@ -78,3 +78,37 @@ fn schedules_last_whole_cycles_and_speeds_at_the_ends_are_refused() {
     let run = desk.run(&["plan", "--job", "whole.toml", "--stream", "20"]);
     assert!(run.code == 2 && run.stderr.contains("sampling.whole_cycles"), "{run:?}");
 }
+
+#[test]
+fn what_is_compared_by_its_duration_is_not_rounded() {
+    let desk = Desk::new("whole_compared");
+    desk.write("six.json", robot_cr7::SamplePath::SixPoint.json());
+    let plain = "[path]\nfile = \"six.json\"\n[feed]\nfeed_mm_s = 37.0\n[sampling]\nperiod_ms = 8.0\n";
+    desk.write("plain.toml", plain);
+    desk.write("whole.toml", &format!("{plain}whole_cycles = true\n"));
+    for command in ["advise", "compare"] {
+        let [exact, whole] = ["plain.toml", "whole.toml"].map(|job| desk.run(&[command, job, "--json"]).done().json());
+        let says = |report: &serde_json::Value| report["warnings"].to_string().contains("sampling.whole_cycles");
+        assert!(says(&whole) && !says(&exact), "{command}: {whole}");
+        let numbers = |report: &serde_json::Value| match report["entries"].as_array() {
+            Some(entries) => entries.iter().map(|entry| entry["duration_s"].clone()).collect(),
+            None => vec![report["duration_s"].clone(), report["limits"].clone()],
+        };
+        assert_eq!(numbers(&exact), numbers(&whole), "{command}");
+    }
+}
+
+#[test]
+fn motions_that_are_made_cycle_by_cycle_take_no_such_key() {
+    let desk = Desk::new("whole_online");
+    for (command, example) in
+        [("online", "--print-example"), ("online", "--print-tool-example"), ("run", "--print-example")]
+    {
+        let text = desk.run(&[command, example]).done().stdout;
+        assert!(text.contains("\n[sampling]\n"), "{command} {example}: {text}");
+        for value in ["true", "false"] {
+            desk.write("s.toml", &text.replace("\n[sampling]\n", &format!("\n[sampling]\nwhole_cycles = {value}\n")));
+            desk.run(&[command, "s.toml"]).refused(2, &["s.toml", "sampling.whole_cycles", "remove the key"]);
+        }
+    }
+}

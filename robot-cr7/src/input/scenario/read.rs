@@ -146,6 +146,7 @@ fn job_of(text: &str, file: &Path, raw: &RawScenario) -> Result<Job, InputError>
     let check = Check::new(text, file);
     let joints = joints_of(&check, &raw.joints)?;
     let feed = &raw.feed;
+    check.no_whole_cycles(&raw.sampling)?;
     for (key, given) in [
         ("angular_speed_deg_s", feed.angular_speed_deg_s),
         ("start_mm_s", feed.start_mm_s),

@@ -1,5 +1,6 @@
 //! How places in space come onto a page.
 
+use std::f64::consts::PI;
 use std::io;
 
 use nalgebra::Vector3;
@@ -181,16 +182,101 @@ fn round_length(length: f64) -> f64 {
     rounded.filter(|step| step.is_normal()).unwrap_or(10.0)
 }
 
-/// Points at least a third of a pixel apart.
+/// What may be left out of a line, pixels.
+const INVISIBLE: f64 = 0.15;
+
+/// A line without the points that nobody sees: those that are left out lie within a part of a pixel of what remains. First and last stay.
 pub(super) fn thin(points: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
-    let mut out: Vec<(f64, f64)> = Vec::new();
-    for p in points.filter(|p| p.0.is_finite() && p.1.is_finite()) {
-        if out.last().is_none_or(|l| (l.0 - p.0).hypot(l.1 - p.1) > 0.33) {
-            out.push(p);
+    let mut points = points.filter(|p| p.0.is_finite() && p.1.is_finite());
+    let first = points.next().unwrap_or_default();
+    let (mut out, mut chord, mut before) = (vec![first], ChordFan::from(first), first);
+    for p in points {
+        if !chord.takes(p) {
+            out.push(before);
+            chord = ChordFan::from(before);
+            chord.takes(p);
         }
+        before = p;
     }
-    if out.is_empty() {
-        out.push((0.0, 0.0));
+    if before != first || out.len() > 1 {
+        out.push(before);
     }
     out
+}
+
+/// The chords from one point that pass by all points seen so far.
+struct ChordFan {
+    from: (f64, f64),
+    /// Distance of the farthest point.
+    far: f64,
+    /// The direction of the first point that has one, and the least and the greatest angle from it, rad.
+    axis: Option<(f64, f64)>,
+    least: f64,
+    greatest: f64,
+}
+
+impl ChordFan {
+    fn from(from: (f64, f64)) -> Self {
+        Self { from, far: 0.0, axis: None, least: -0.5 * PI, greatest: 0.5 * PI }
+    }
+
+    /// Takes one more point, or is false where the chord to it would miss another one, or would turn back.
+    fn takes(&mut self, p: (f64, f64)) -> bool {
+        let (x, y) = (p.0 - self.from.0, p.1 - self.from.1);
+        let distance = x.hypot(y);
+        if distance < self.far - INVISIBLE {
+            return false;
+        }
+        if distance <= INVISIBLE {
+            return true;
+        }
+        let axis = *self.axis.get_or_insert((x, y));
+        let angle = (axis.0 * y - axis.1 * x).atan2(axis.0 * x + axis.1 * y);
+        if !(self.least..=self.greatest).contains(&angle) {
+            return false;
+        }
+        let half = (INVISIBLE / distance).asin();
+        self.least = self.least.max(angle - half);
+        self.greatest = self.greatest.min(angle + half);
+        self.far = self.far.max(distance);
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Distance of a point from a line of points.
+    fn off(p: (f64, f64), line: &[(f64, f64)]) -> f64 {
+        let one = |w: &[(f64, f64)]| {
+            let (dx, dy) = (w[1].0 - w[0].0, w[1].1 - w[0].1);
+            let along = ((p.0 - w[0].0) * dx + (p.1 - w[0].1) * dy) / (dx * dx + dy * dy).max(1e-300);
+            let along = along.clamp(0.0, 1.0);
+            (p.0 - w[0].0 - along * dx).hypot(p.1 - w[0].1 - along * dy)
+        };
+        line.windows(2).map(one).fold(f64::INFINITY, f64::min)
+    }
+
+    #[test]
+    fn what_is_left_out_of_a_line_lies_on_it() {
+        // 60 laps of a circle, and a line that turns back on itself.
+        let circle = (0..=60_000).map(|i| f64::from(i) * 0.00628).map(|a| (300.0 + 200.0 * a.cos(), 200.0 * a.sin()));
+        let circle: Vec<_> = circle.collect();
+        let there: Vec<_> = (0..=1000).map(|i| (f64::from(i) * 0.1, 0.0)).collect();
+        let back: Vec<_> = there.iter().chain(there[500..].iter().rev()).copied().collect();
+        for line in [&circle, &back] {
+            let thinned = thin(line.iter().copied());
+            assert_eq!((thinned.first(), thinned.last()), (line.first(), line.last()));
+            assert!(thinned.len() < line.len() / 2, "{} of {}", thinned.len(), line.len());
+            // The first laps are enough.
+            for p in line.iter().take(2000) {
+                let away = off(*p, &thinned[..thinned.len().min(200)]);
+                assert!(away < 1.5 * INVISIBLE, "{p:?}: {away}");
+            }
+        }
+        assert_eq!(thin(std::iter::empty()), [(0.0, 0.0)]);
+        assert_eq!(thin([(1.0, 2.0)].into_iter()), [(1.0, 2.0)]);
+        assert_eq!(thin([(1.0, 2.0), (f64::NAN, 0.0), (1.1, 2.0)].into_iter()), [(1.0, 2.0), (1.1, 2.0)]);
+    }
 }
