@@ -52,8 +52,10 @@ fn worst(report: &Value) -> f64 {
 fn joints(csv: &str) -> f64 {
     let mut lines = csv.lines();
     let header: Vec<&str> = lines.next().expect("a header").split(',').collect();
+    // Behind a colon stands the name of the joint.
+    let quantity = |i: &usize| header[*i].split(':').next().unwrap_or_default();
     let columns: Vec<usize> =
-        (0..header.len()).filter(|&i| header[i].starts_with('q') && header[i].ends_with("_rad")).collect();
+        (0..header.len()).filter(|i| quantity(i).starts_with('q') && quantity(i).ends_with("_rad")).collect();
     let row = |line: &str| -> f64 {
         let values: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap_or(f64::NAN)).collect();
         columns.iter().enumerate().map(|(k, &i)| (k + 1) as f64 * values[i]).sum()
