@@ -150,7 +150,7 @@ def main():
             file = f"{folder}/{number}.urdf"
             pathlib.Path(file).write_text(text)
             robot, how = read(file)
-            tally[how if robot else "not read"] += 1
+            tally[how.split(",")[0] if robot else "not read"] += 1
             if robot is None:
                 rows.append([name, "", how[:160], "", "", "", ""])
                 continue
