@@ -45,11 +45,8 @@ impl<'a, const N: usize> Planner<'a, N> {
         self.check_ends_of_whole_cycles()?;
         let begin = Instant::now();
         let needs = self.method.needs();
-        let mut problem = PathProblem::new(&self.settings, path, needs, self.method.is_by_interval())?;
+        let mut problem = self.laid_out(path)?;
         let mut used = LimitFractions::default();
-        if self.method == Method::JerkLimited && problem.path().tool_curve().is_some() {
-            problem = resolved(problem)?;
-        }
         let mut chosen = match self.choose_by_draft(&mut problem) {
             Some(chosen) => chosen,
             None => self.choose_over_grids(&mut problem)?,
@@ -110,6 +107,16 @@ impl<'a, const N: usize> Planner<'a, N> {
             chosen = again;
         };
         Err(unverified(&problem, &verification, needs > RowsNeeded::Points).into())
+    }
+
+    /// The problem of a path on its first grid.
+    fn laid_out<'p>(&self, path: Held<'p, N>) -> Result<PathProblem<'p, N>, PlanError>
+    where
+        'a: 'p,
+    {
+        let problem = PathProblem::new(&self.settings, path, self.method.needs(), self.method.is_by_interval())?;
+        let has_tool_curve = problem.path().tool_curve().is_some();
+        if self.method == Method::JerkLimited && has_tool_curve { Ok(resolved(problem)?) } else { Ok(problem) }
     }
 
     fn check_ends_of_whole_cycles(&self) -> Result<(), PlanError> {
