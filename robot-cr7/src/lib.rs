@@ -1,7 +1,7 @@
 //! The Dobot CR7 on arcfeed: path and job files, plots, reports and the command line.
 //!
 //! Checked files (`input`) become verified motions (`run`), and these become trajectories, reports and
-//! pictures (`output`). [`reproduce`] sets the figures of the papers beside ours.
+//! pictures (`output`). The command line (`cli`) joins the three. [`reproduce`] sets the figures of the papers beside ours.
 #![forbid(unsafe_code)]
 
 #[cfg(feature = "cli")]

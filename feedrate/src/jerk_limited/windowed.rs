@@ -7,7 +7,7 @@ use crate::error::FeedError;
 use crate::problem::FeedProblem;
 use crate::speed_law::SpeedLaw;
 
-/// A window of fewer intervals leaves no room to look ahead.
+/// The fewest intervals of a window: the law of a shorter one is not near that of the whole path.
 const LEAST: usize = 64;
 
 /// The last window may have half as many intervals more, and is planned at once.

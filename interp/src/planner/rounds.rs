@@ -232,8 +232,8 @@ impl<'a, const N: usize> Planner<'a, N> {
         best
     }
 
-    /// The law on a grid whose intervals are divided where a draft says that their length costs time, from that draft; none where that
-    /// is not the planner's own.
+    /// The law on a grid whose intervals are divided where a draft says that their length costs time, from that draft, or the scan's
+    /// where that is shorter; none where the planner makes no drafts or did not converge.
     fn choose_by_draft(&self, problem: &mut PathProblem<'_, N>) -> Option<ChosenLaw> {
         if self.method != Method::JerkLimited {
             return None;

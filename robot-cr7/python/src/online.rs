@@ -271,7 +271,6 @@ impl OnlineGenerator {
     /// It ends, too, once the axes rest because of hold() or scale 0. Where nothing is underway the arrays have no rows: axes that go on with the
     /// velocity of a target that was reached, or of the start, move by step() alone. A signal (Ctrl-C) ends it with its
     /// exception; state is where the axes are then.
-    #[allow(clippy::type_complexity)]
     fn run<'py>(&mut self, py: Python<'py>, most_cycles: i64) -> PyResult<[Bound<'py, PyArray2<f64>>; 4]> {
         if !(0..=MOST_CYCLES).contains(&most_cycles) {
             return Err(input(format!(
