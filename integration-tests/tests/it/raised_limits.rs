@@ -9,11 +9,11 @@ const LONGER: f64 = 1e-3;
 #[test]
 fn a_raised_limit_never_makes_a_random_motion_longer() {
     let mut planned = 0;
-    for seed in 0..30 {
+    for seed in 0..16 {
         let Some(durations) = RaisedLimit::random(seed).durations() else { continue };
         let [before, after] = durations.unwrap_or_else(|error| panic!("`soak_raised_limits 1 {seed}`: {error}"));
         planned += 1;
         assert!(after <= before * (1.0 + LONGER), "`soak_raised_limits 1 {seed}`: {before} s, then {after} s");
     }
-    assert!(planned >= 15, "{planned} of 30 planned: too few to say anything");
+    assert!(planned >= 8, "{planned} of 16 planned: too few to say anything");
 }
