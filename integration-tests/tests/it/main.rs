@@ -12,6 +12,7 @@ mod controller;
 mod hybrid;
 #[cfg(feature = "oracle")]
 mod large_fits;
+mod paths_of_others;
 mod raised_limits;
 mod random_jobs;
 mod regressions;
