@@ -60,7 +60,7 @@ pub use output::trajectory_csv::{TrajectoryWriter, read_trajectory, trajectory_c
 pub use output::whole_file::interrupt;
 pub use run::advice::{Advice, IdleLimit, LimitCost};
 pub use run::batch::{BatchItem, BatchResult};
-pub use run::compare::{Comparison, Entry, Use, compare};
+pub use run::compare::{Comparison, Entry, compare};
 pub use run::cr7::{ACCELERATION, Cr7, JERK, VELOCITY};
 pub use run::error::Cr7Error;
 pub use run::joint_move::{JointMove, Leaves, Passed};

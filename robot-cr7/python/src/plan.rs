@@ -134,14 +134,16 @@ pub fn job_and_path(job: Option<&Job>, path: Option<&Path>) -> PyResult<(robot_c
     Ok((job, file))
 }
 
-struct Compare;
+struct Compare {
+    head: ReportHead,
+}
 
 impl OnToolPath for Compare {
     type Output = String;
     type Error = Failure;
 
     fn run<A: PathArm<N>, const N: usize>(self, task: Task<A, N>, _: Vec<String>) -> Result<String, Failure> {
-        Ok(robot_cr7::compare(&task, |_| {})?.to_json())
+        Ok(self.head.json(&robot_cr7::compare(&task, |_| {})?))
     }
 }
 
@@ -156,6 +158,7 @@ pub fn compare<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let robot = robot_of(robot)?;
     let (job, file) = job_and_path(job, path)?;
-    let json = py.detach(|| robot.on_tool_path(&job, &file, Compare))?;
+    let head = ReportHead::new("compare", &robot);
+    let json = py.detach(|| robot.on_tool_path(&job, &file, Compare { head }))?;
     py.import("json")?.call_method1("loads", (json,))
 }

@@ -136,6 +136,7 @@ def test_planning_frees_the_interpreter():
 
 def test_comparison():
     result = arcfeed.compare(arcfeed.Path.through([[0, 0], [0.03, 0.02], [0.06, 0]]))
+    assert (result["command"], result["robot"]) == ("compare", "cr7")
     planners = {entry["planner"]: entry for entry in result["entries"]}
     assert planners["jerk-limited"]["duration_s"] > planners["reachability"]["duration_s"]
 

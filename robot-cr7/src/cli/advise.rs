@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::{Advice, OnToolPath, Task};
+use crate::{Advice, OnToolPath, ReportHead, Task};
 use arcfeed_interp::PathArm;
 
 use crate::cli::Failure;
@@ -16,7 +16,7 @@ use crate::cli::tool_path::{read_job, read_path};
 #[command(after_help = "Examples:
   cr7 advise                               the embedded butterfly
   cr7 advise job.toml --robot ur5e
-  cr7 advise job.toml --json | jq '.limits[0]'")]
+  cr7 advise job.toml --json | jq '.costs[0]'")]
 pub struct Args {
     #[command(flatten)]
     robot: RobotArgs,
@@ -30,11 +30,13 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let job = read_job(args.job.as_deref())?;
     let file = read_path(job.path_file.as_deref(), None, &job)?;
-    args.robot.load()?.on_tool_path(&job, &file, Advise { json: args.json })
+    let robot = args.robot.load()?;
+    robot.on_tool_path(&job, &file, Advise { json: args.json, head: ReportHead::new("advise", &robot) })
 }
 
 struct Advise {
     json: bool,
+    head: ReportHead,
 }
 
 impl OnToolPath for Advise {
@@ -46,7 +48,7 @@ impl OnToolPath for Advise {
         let mut advice = Advice::new(&task, |limit| progress.step(limit))?;
         advice.warnings.extend(assumed);
         drop(progress);
-        show(&advice, self.json.then(|| advice.to_json()));
+        show(&advice, self.json.then(|| self.head.json(&advice)));
         Ok(())
     }
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use crate::plot::{compare_picture, save_picture};
-use crate::{InputError, OnToolPath, Task, compare};
+use crate::{InputError, OnToolPath, ReportHead, Task, compare};
 use arcfeed_interp::PathArm;
 
 use crate::cli::Failure;
@@ -35,11 +35,13 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let job = read_job(args.job.as_deref())?;
     let file = read_path(job.path_file.as_deref(), None, &job)?;
     std::fs::create_dir_all(&args.out).map_err(|source| InputError::Write { file: args.out.clone(), source })?;
-    args.robot.load()?.on_tool_path(&job, &file, Compare { args })
+    let robot = args.robot.load()?;
+    robot.on_tool_path(&job, &file, Compare { args, head: ReportHead::new("compare", &robot) })
 }
 
 struct Compare<'a> {
     args: &'a Args,
+    head: ReportHead,
 }
 
 impl OnToolPath for Compare<'_> {
@@ -57,7 +59,7 @@ impl OnToolPath for Compare<'_> {
         comparison.files.push(picture);
         comparison.warnings.extend(warnings);
         drop(progress);
-        show(&comparison, args.json.then(|| comparison.to_json()));
+        show(&comparison, args.json.then(|| self.head.json(&comparison)));
         Ok(())
     }
 }

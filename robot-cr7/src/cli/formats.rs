@@ -14,6 +14,8 @@ pub enum Format {
     Mcap,
     /// One page for a browser: the arm moving, curves, limits and where they bind; needs the feature `html` of this program
     Html,
+    /// The pictures as PNG beside the SVG files, with the fonts of the system; needs the feature `png` of this program
+    Png,
 }
 
 impl Format {
@@ -27,6 +29,7 @@ impl Format {
         match self {
             Self::Mcap if !cfg!(feature = "mcap") => Some("mcap"),
             Self::Html if !cfg!(feature = "html") => Some("html"),
+            Self::Png if !cfg!(feature = "png") => Some("png"),
             _ => None,
         }
     }

@@ -11,6 +11,7 @@ mod online;
 mod output;
 mod page_file;
 mod path_places;
+mod picture_files;
 mod place;
 mod plan;
 mod plan_args;
@@ -111,7 +112,7 @@ enum Command {
     Verify(verify::Args),
     /// Reproduce a paper's numbers beside ours, and check our guarantees
     Reproduce(reproduce::Args),
-    /// The JSON schema of all reports of motions: what every key means
+    /// The JSON schema of all reports: what every key means
     Schema(shell::SchemaArgs),
     /// A script with which a shell completes the commands
     Completions(shell::CompletionArgs),

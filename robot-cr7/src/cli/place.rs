@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::{Cr7Error, PlacementSearch, Placements};
+use crate::{Cr7Error, PlacementSearch, Placements, ReportHead};
 
 use crate::cli::Failure;
 use crate::cli::output::show;
@@ -70,6 +70,6 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             found.looked_at
         )));
     }
-    show(&found, args.json.then(|| found.to_json()));
+    show(&found, args.json.then(|| ReportHead::new("place", &robot).json(&found)));
     Ok(())
 }

@@ -15,6 +15,7 @@ use crate::cli::formats::{self};
 use crate::cli::output::conclude;
 use crate::cli::page_file::PageFile;
 use crate::cli::path_places::{distance_of_places, places_of_path};
+use crate::cli::picture_files::PictureFiles;
 use crate::cli::plan_args::Args;
 use crate::cli::plan_files::{
     COMPILED, Drawn, FILES, LEVERS, LINES, Picture, limit_at, pictures, stream_figure, write_lines,
@@ -29,6 +30,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         return Err(Failure::BadInput(format!("--compile-rad {value}: give a number above 0, such as 1e-6")));
     }
     formats::check(&args.format)?;
+    let pictures = PictureFiles::new(&args.format)?;
     let inputs: Vec<&Path> = [&args.path, &args.job].into_iter().filter_map(|file| file.as_deref()).collect();
     let mut staging = Staging::new(&args.out, &FILES, &inputs)?;
     let job = read_job(args.job.as_deref())?;
@@ -44,15 +46,16 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     staging.clear()?;
     let progress = Progress::new("planning");
     if ProgramTask::is_needed(&job, &file) {
-        return plan_program::run(args, &job, &file, staging, progress);
+        return plan_program::run(args, (&job, &file), pictures, staging, progress);
     }
-    args.robot.load()?.on_tool_path(&job, &file, Plan { args, job: &job, staging, progress })
+    args.robot.load()?.on_tool_path(&job, &file, Plan { args, job: &job, pictures, staging, progress })
 }
 
 /// Plans and samples the motion, and writes all there is to write.
 struct Plan<'a> {
     args: &'a Args,
     job: &'a Job,
+    pictures: PictureFiles,
     staging: Staging,
     progress: Progress,
 }
@@ -62,7 +65,7 @@ impl OnToolPath for Plan<'_> {
     type Error = Failure;
 
     fn run<A: PathArm<N>, const N: usize>(self, task: Task<A, N>, warnings: Vec<String>) -> Result<(), Failure> {
-        let Self { args, job, mut staging, progress } = self;
+        let Self { args, job, pictures, mut staging, progress } = self;
         // A lower bound of the duration, before the work.
         few_enough(task.least_duration(), task.period(), LEVERS)?;
         let path;
@@ -116,9 +119,7 @@ impl OnToolPath for Plan<'_> {
         progress.step("drawing");
         let drawn = drawn(&motion, job, &series, poses, &mut page)?;
         let mut report = motion.report(samples, sampling);
-        for (name, svg) in path_pictures(&motion, &drawn, &series, &report.binding) {
-            staging.write(name, &svg.map_err(|source| staging.failed(name, source))?)?;
-        }
+        pictures.write(path_pictures(&motion, &drawn, &series, &report.binding), &mut staging)?;
         let compiled = match compiled {
             Some((tolerance, pieces, certificate)) => {
                 let names = std::array::from_fn(|k| names.get(k).cloned().unwrap_or_default());
@@ -175,6 +176,7 @@ fn drawn<'m, const N: usize>(
         joints: plan.limits().joints(),
         limit,
         poses,
+        workpiece: job.workpiece,
     })
 }
 

@@ -39,7 +39,7 @@ pub struct Args {
     /// Also write joint_trajectory.json: polynomials of the time that stay within this tolerance of the planned joints, in rad
     #[arg(long, value_name = "TOLERANCE", conflicts_with = "stream")]
     pub compile_rad: Option<f64>,
-    /// Also write the motion for others: `ros2` for trajectory_msgs/JointTrajectory as YAML and JSON, `mcap` for a recording, `html` for a page on which the arm moves
+    /// Also write the motion for others: `ros2` for trajectory_msgs/JointTrajectory as YAML and JSON, `mcap` for a recording, `html` for a page on which the arm moves, `png` for the pictures as PNG
     #[arg(long, value_enum, value_delimiter = ',', conflicts_with = "stream")]
     pub format: Vec<Format>,
     /// Also bound the duration of all motions within the limits from below; takes a few to forty times as long as the plan

@@ -1,17 +1,18 @@
 //! The files of `cr7 plan`.
 
 use crate::plot::{
-    Along, Bound, JointQuantity, PathMotion, PathPlace, feed_picture, joint_picture, motion_picture, path_picture,
-    speed_path_picture,
+    Along, ArmAtEnds, Bound, JointQuantity, PathMotion, PathPlace, feed_picture, joint_picture, motion_picture,
+    path_picture, speed_path_picture,
 };
 use crate::{ArmPoses, BindingBar, BindingLine, LineTime, Series, SpeedFigure, StreamReport};
 use arcfeed_kinematics::JointLimits;
+use nalgebra::Isometry3;
 
 use crate::cli::output::REPORTS;
 use crate::cli::ros;
 
 /// The files of the command.
-pub const FILES: [&str; 18] = [
+pub const FILES: [&str; 26] = [
     "trajectory.csv",
     "path.svg",
     "path_speed.svg",
@@ -21,6 +22,14 @@ pub const FILES: [&str; 18] = [
     "joint_velocity.svg",
     "joint_acceleration.svg",
     "joint_jerk.svg",
+    "path.png",
+    "path_speed.png",
+    "motion.png",
+    "feed.png",
+    "feed_time.png",
+    "joint_velocity.png",
+    "joint_acceleration.png",
+    "joint_jerk.png",
     COMPILED,
     "stream.svg",
     LINES,
@@ -62,8 +71,9 @@ pub struct Drawn<'a, const N: usize> {
     /// The highest speed (m/s) by the way of the tool (m), and by the time (s).
     pub limit: Vec<(f64, f64)>,
     pub limit_by_time: Vec<(f64, f64)>,
-    /// The arm along the motion.
+    /// The arm along the motion, and the frame of the workpiece in that of its base.
     pub poses: ArmPoses<N>,
+    pub workpiece: Isometry3<f64>,
     /// Places with the speed there.
     pub places: Vec<PathPlace>,
     pub joints: &'a JointLimits<N>,
@@ -72,7 +82,9 @@ pub struct Drawn<'a, const N: usize> {
 /// Pictures of a motion whose time, place, feed and joint rates are the columns of `series`.
 pub fn pictures<const N: usize>(drawn: &Drawn<'_, N>, series: &Series, binding: &[BindingLine]) -> Vec<Picture> {
     let name = drawn.name;
-    let motion = Some(PathMotion { places: &drawn.places, binding });
+    let ends = drawn.poses.poses().first().zip(drawn.poses.poses().last());
+    let arm = ends.map(|(start, end)| ArmAtEnds { start, end, workpiece: &drawn.workpiece });
+    let motion = PathMotion { places: &drawn.places, binding, arm };
     let duration = series.column(0).last().copied().unwrap_or(0.0);
     let picture = |quantity, column: usize, limits: [f64; N]| {
         let values: [&[f64]; N] = std::array::from_fn(|k| series.column(column + k));
@@ -81,8 +93,8 @@ pub fn pictures<const N: usize>(drawn: &Drawn<'_, N>, series: &Series, binding: 
     let joints = drawn.joints;
     let rates = [joints.velocity(), joints.acceleration(), joints.jerk()].map(|limits| (*limits).into());
     vec![
-        ("path.svg", path_picture(name, &drawn.segments, &drawn.deviations, drawn.chord_tolerance, motion)),
-        ("path_speed.svg", speed_path_picture(name, &drawn.places)),
+        ("path.svg", path_picture(name, &drawn.segments, &drawn.deviations, drawn.chord_tolerance, Some(motion))),
+        ("path_speed.svg", speed_path_picture(name, motion)),
         ("motion.svg", Ok(motion_picture(name, drawn.poses.poses(), duration))),
         ("feed.svg", feed_picture(name, Along::Length, &series.pairs(1, 2), &drawn.limit)),
         ("feed_time.svg", feed_picture(name, Along::Time, &series.pairs(0, 2), &drawn.limit_by_time)),

@@ -12,12 +12,19 @@ use crate::cli::Failure;
 use crate::cli::output::conclude;
 use crate::cli::page_file::PageFile;
 use crate::cli::path_places::{distance_of_places, places_of_program};
+use crate::cli::picture_files::PictureFiles;
 use crate::cli::plan_args::Args;
 use crate::cli::plan_files::{COMPILED, Drawn, FILES, LEVERS, LINES, limit_at, pictures, write_lines};
 use crate::cli::progress::Progress;
 use crate::cli::ros::RosFiles;
 
-pub fn run(args: &Args, job: &Job, file: &PathFile, staging: Staging, progress: Progress) -> Result<(), Failure> {
+pub fn run(
+    args: &Args,
+    (job, file): (&Job, &PathFile),
+    pictures: PictureFiles,
+    staging: Staging,
+    progress: Progress,
+) -> Result<(), Failure> {
     if args.stream.is_some() {
         return Err(Failure::BadInput(
             "--stream runs one path, and this program has dwells (G4) or rapid moves of the joints between its paths: leave \
@@ -25,13 +32,14 @@ pub fn run(args: &Args, job: &Job, file: &PathFile, staging: Staging, progress: 
                 .to_owned(),
         ));
     }
-    args.robot.load()?.on_program(job, file, PlanProgram { args, job, staging, progress })
+    args.robot.load()?.on_program(job, file, PlanProgram { args, job, pictures, staging, progress })
 }
 
 /// Plans and samples the motion of a program, and writes all there is to write.
 struct PlanProgram<'a> {
     args: &'a Args,
     job: &'a Job,
+    pictures: PictureFiles,
     staging: Staging,
     progress: Progress,
 }
@@ -45,7 +53,7 @@ impl OnProgram for PlanProgram<'_> {
         task: ProgramTask<A, N>,
         warnings: Vec<String>,
     ) -> Result<(), Failure> {
-        let Self { args, job, mut staging, progress } = self;
+        let Self { args, job, pictures: files, mut staging, progress } = self;
         few_enough(task.least_duration(), task.period(), LEVERS)?;
         let (mut motion, compiled) = match args.tolerance() {
             None => (task.plan()?, None),
@@ -97,9 +105,7 @@ impl OnProgram for PlanProgram<'_> {
         progress.step("drawing");
         let drawn = drawn(&motion, job, &series, poses, &mut page)?;
         let mut report = motion.report(&check, samples, sampling);
-        for (name, svg) in pictures(&drawn, &series, &report.binding) {
-            staging.write(name, &svg.map_err(|source| staging.failed(name, source))?)?;
-        }
+        files.write(pictures(&drawn, &series, &report.binding), &mut staging)?;
         let file = staging.create(LINES)?;
         write_lines(file, &motion.line_times()).map_err(|source| staging.failed(LINES, source))?;
         if let Some((tolerance, compiled)) = &compiled {
@@ -170,6 +176,7 @@ fn drawn<'m, const N: usize>(
         limit_by_time: t.iter().zip(s).map(at).collect(),
         limit,
         poses,
+        workpiece: job.workpiece,
         places,
         joints: motion.joint_limits(),
     })

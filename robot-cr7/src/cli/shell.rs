@@ -59,7 +59,7 @@ pub fn man(_: &ManArgs) -> Result<(), Failure> {
   cr7 schema | jq '.properties'")]
 pub struct SchemaArgs {}
 
-/// The JSON schema of the reports of motions.
+/// The JSON schema of the reports.
 pub fn schema(_: &SchemaArgs) -> Result<(), Failure> {
     say_as_is!("{}", crate::ReportHead::SCHEMA);
     Ok(())

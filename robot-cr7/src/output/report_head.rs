@@ -1,11 +1,11 @@
-//! What all reports of motions have in common, as JSON.
+//! What all reports have in common, as JSON.
 
 use serde::Serialize;
 
 use crate::run::robot::Robot;
 use crate::text::json;
 
-/// The keys with which every report of a motion begins in its JSON form.
+/// The keys with which every report begins in its JSON form.
 ///
 /// [`ReportHead::SCHEMA`] says what every key means: those that all reports have mean the same everywhere, others what their command says.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -33,7 +33,7 @@ impl ReportHead {
     /// The JSON schema (draft 2020-12) of the reports of all commands.
     pub const SCHEMA: &'static str = include_str!("../../data/report.schema.json");
 
-    /// The head of the reports of `command` for a motion of `robot`.
+    /// The head of the reports of `command` about `robot`.
     pub fn new(command: &'static str, robot: &Robot) -> Self {
         let (robot, joint_names) = (robot.description().name.clone(), robot.any().joint_names().to_vec());
         Self { format: "report/1", command, robot, joint_names }

@@ -12,7 +12,7 @@ use super::limit_line::{LimitLine, LimitUnit};
 use super::limit_lines::limit_lines;
 use super::task::Task;
 use super::task_limits::TaskLimits;
-use crate::text::{json, number};
+use crate::text::number;
 
 /// By how much a limit is raised to see what that gains.
 const RAISED: f64 = 1.1;
@@ -49,15 +49,17 @@ pub struct IdleLimit {
     pub joint: Option<usize>,
 }
 
-/// The cost of every limit that binds, the one first of which 10 % more save most.
+/// The cost of every limit that binds. Its fields are the keys of the JSON form, SI units in their names.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Advice {
     /// Name of the path.
-    pub path: String,
+    pub name: String,
     /// Duration of the motion within all limits, s.
     pub duration_s: f64,
-    /// The limits that bind somewhere.
-    pub limits: Vec<LimitCost>,
+    /// Every limit with its worst place in that motion.
+    pub limits: Vec<LimitLine>,
+    /// The limits that bind somewhere, the one first of which 10 % more save most.
+    pub costs: Vec<LimitCost>,
     /// What was assumed, and what the duration leaves out.
     pub warnings: Vec<String>,
     /// Limits that bind nowhere: raising one of them alone changes nothing.
@@ -196,9 +198,9 @@ impl Advice {
         tell("within all limits");
         let plan = task.planner_within(own)?.plan_shared(path.clone()).map_err(|source| task.error(source))?;
         let duration = plan.duration();
-        let lines = limit_lines(plan.verification(), plan.path().parameter());
-        let (mut limits, mut idle) = (Vec::new(), Vec::new());
-        for line in &lines {
+        let limits = limit_lines(plan.verification(), plan.path().parameter());
+        let (mut costs, mut idle) = (Vec::new(), Vec::new());
+        for line in &limits {
             let Some(limit) = Limit::of(line) else { continue };
             if line.ratio < BINDS {
                 idle.push(IdleLimit { name: line.name.clone(), joint: line.joint });
@@ -210,7 +212,7 @@ impl Advice {
                 let plan = task.planner_within(&raised).ok()?.plan_shared(path.clone()).ok()?;
                 Some(duration - plan.duration())
             };
-            limits.push(LimitCost {
+            costs.push(LimitCost {
                 name: line.name.clone(),
                 joint: line.joint,
                 key: limit.key(own, task.outline().is_some()),
@@ -221,14 +223,9 @@ impl Advice {
             });
         }
         let saving = |cost: &LimitCost| cost.raised_saves_s.unwrap_or(f64::NEG_INFINITY);
-        limits.sort_by(|a, b| saving(b).total_cmp(&saving(a)));
+        costs.sort_by(|a, b| saving(b).total_cmp(&saving(a)));
         let warnings = task.warnings().iter().cloned().chain(task.unrounded_words()).collect();
-        Ok(Self { path: task.name().to_owned(), duration_s: duration, limits, warnings, idle })
-    }
-
-    /// One JSON object on one line.
-    pub fn to_json(&self) -> String {
-        json(self)
+        Ok(Self { name: task.name().to_owned(), duration_s: duration, limits, costs, warnings, idle })
     }
 }
 
@@ -239,14 +236,14 @@ fn seconds(saved: Option<f64>) -> String {
 
 impl fmt::Display for Advice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{}: {} s within all limits", self.path, number(self.duration_s))?;
+        writeln!(f, "{}: {} s within all limits", self.name, number(self.duration_s))?;
         writeln!(
             f,
             "\n  {:<24}{:>4}{:>12} {:<9}{:>14}{:>14}  key of the job",
             "limit that binds", "", "limit", "", "10 % more", "without it"
         )?;
         writeln!(f, "  {:<24}{:>4}{:>12} {:<9}{:>14}{:>14}", "", "", "", "", "saves [s]", "saves [s]")?;
-        for cost in &self.limits {
+        for cost in &self.costs {
             let (factor, unit) = cost.unit.for_people();
             let joint = cost.joint.map(|joint| format!("J{joint}")).unwrap_or_default();
             writeln!(
@@ -259,7 +256,7 @@ impl fmt::Display for Advice {
                 cost.key
             )?;
         }
-        let first = self.limits.first().and_then(|first| Some((first, first.raised_saves_s.filter(|s| *s > 0.0)?)));
+        let first = self.costs.first().and_then(|first| Some((first, first.raised_saves_s.filter(|s| *s > 0.0)?)));
         if let Some((first, saves)) = first {
             let joint = first.joint.map(|joint| format!(" of joint {joint}")).unwrap_or_default();
             let share = 100.0 * saves / self.duration_s;

@@ -8,31 +8,19 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use arcfeed_feedrate::{FeedError, FeedPlanner, FeedProblem, SpeedLaw};
-use arcfeed_interp::{Method, MotionPath, PathArm, PathProblem, PlanError, Planner, Verification};
+use arcfeed_interp::{Method, MotionPath, PathArm, PathParameter, PathProblem, PlanError, Planner, Verification};
 use serde::Serialize;
 
 use super::error::Cr7Error;
-use super::limit_line::TOLERANCE;
+use super::limit_line::{LimitLine, TOLERANCE};
+use super::limit_lines::limit_lines;
 use super::task::Task;
 use crate::output::bound_report::BoundReport;
 use crate::reproduce::qb::published::PublishedScan;
-use crate::text::{clip, json};
+use crate::text::clip;
 
 /// Places of the path at which profiles are drawn.
 const DRAWN: usize = 3000;
-
-/// The place where one kind of limit is used most.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Use {
-    /// The limit, such as "joint acceleration" or "feed".
-    pub limit: &'static str,
-    /// The joint, from 1, for limits that each joint has of its own.
-    pub joint: Option<usize>,
-    /// The part of it that is used: above 1 it is broken.
-    pub ratio: f64,
-    /// The place, m along the path.
-    pub at_s_m: f64,
-}
 
 /// One planner on the job.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -47,8 +35,8 @@ pub struct Entry {
     pub ratio_to_bound: Option<f64>,
     /// Time to plan, s: rows or boxes included, joint path and verification not.
     pub planning_time_s: f64,
-    /// Worst use of each kind of limit that the planner is to keep, the worst first.
-    pub worst: Vec<Use>,
+    /// The worst place of each kind of limit that the planner is to keep, the worst first.
+    pub worst: Vec<LimitLine>,
     /// Why there is no motion.
     pub error: Option<String>,
     /// Speed (m/s) over the path (m), for a picture.
@@ -59,15 +47,15 @@ pub struct Entry {
 impl Entry {
     /// True if every limit it is to keep is kept.
     pub fn keeps(&self) -> bool {
-        self.duration_s.is_some() && self.worst.iter().all(|worst| worst.ratio <= 1.0 + TOLERANCE)
+        self.duration_s.is_some() && self.worst.iter().all(LimitLine::holds)
     }
 }
 
-/// All planners on one job.
+/// All planners on one job. Its fields are the keys of the JSON form, SI units in their names.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
     /// Name of the path.
-    pub path: String,
+    pub name: String,
     /// Length of the path, m.
     pub length_m: f64,
     /// Intervals of the grid that all planners share.
@@ -147,7 +135,7 @@ pub fn compare<A: PathArm<N>, const N: usize>(
     }
     let limit_curve = second.problem.initial_velocity_limit().map_err(|error| fail(error.into()))?;
     Ok(Comparison {
-        path: task.name().to_owned(),
+        name: task.name().to_owned(),
         length_m: path.length(),
         intervals: second.problem.intervals(),
         lower_bound_s,
@@ -231,32 +219,23 @@ impl Entry {
     }
 }
 
-/// The worst use of each kind of limit, the worst first.
-fn worst(verification: &Verification) -> Vec<Use> {
-    let mut uses: Vec<Use> = Vec::new();
-    for check in verification.checks() {
-        let (limit, joint) = (check.quantity().name(), check.joint().map(|joint| joint + 1));
-        let new = Use { limit, joint, ratio: check.ratio, at_s_m: check.s };
-        match uses.iter_mut().find(|known| known.limit == limit) {
-            Some(known) if known.ratio.is_nan() || check.ratio <= known.ratio => {}
-            Some(known) => *known = new,
-            None => uses.push(new),
+/// The worst place of each kind of limit, the worst first.
+fn worst(verification: &Verification) -> Vec<LimitLine> {
+    let mut worst: Vec<LimitLine> = Vec::new();
+    for line in limit_lines(verification, PathParameter::ArcLength) {
+        match worst.iter_mut().find(|known| known.name == line.name) {
+            Some(known) if known.ratio.is_nan() || line.ratio <= known.ratio => {}
+            Some(known) => *known = line,
+            None => worst.push(line),
         }
     }
-    uses.sort_by(|a, b| b.ratio.total_cmp(&a.ratio));
-    uses
-}
-
-impl Comparison {
-    /// The whole comparison as one JSON object on one line.
-    pub fn to_json(&self) -> String {
-        json(self)
-    }
+    worst.sort_by(|a, b| b.ratio.total_cmp(&a.ratio));
+    worst
 }
 
 impl Display for Comparison {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{}: {:.2} mm, {} intervals", clip(&self.path, 60), self.length_m * 1e3, self.intervals)?;
+        writeln!(f, "{}: {:.2} mm, {} intervals", clip(&self.name, 60), self.length_m * 1e3, self.intervals)?;
         if let Some(bound) = self.lower_bound_s {
             writeln!(f, "  bound without jerk at least {bound:.6} s (dual of the conic program)")?;
         }
@@ -279,7 +258,8 @@ impl Display for Comparison {
             let ratio = entry.ratio_to_bound.map_or(String::new(), |ratio| format!("{ratio:.5}"));
             let worst = entry.worst.first().map_or(String::new(), |worst| {
                 let joint = worst.joint.map(|joint| format!(" J{joint}")).unwrap_or_default();
-                let place = format!("{}{joint} at {:.2} mm", worst.limit, worst.at_s_m * 1e3);
+                let place = worst.at_s_m.map(|s| format!(" at {:.2} mm", s * 1e3)).unwrap_or_default();
+                let place = format!("{}{joint}{place}", worst.name);
                 if worst.ratio > 1.0 + TOLERANCE {
                     format!("BROKEN by {:.3} %: {place}", 100.0 * (worst.ratio - 1.0))
                 } else {

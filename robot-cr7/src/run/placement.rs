@@ -14,7 +14,7 @@ use super::error::Cr7Error;
 use super::placed_path::PlacedPath;
 use crate::input::job::Job;
 use crate::input::path_file::PathFile;
-use crate::text::json;
+use crate::text::{WIDTH, clip};
 
 /// Poses along the path by which most frames are sorted out, those that rank the others, and those that a frame which is
 /// handed out was checked at.
@@ -55,31 +55,33 @@ pub struct PlacementSearch {
 /// A frame of the workpiece in which the whole path is in reach.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Placement {
-    /// Its origin in the base frame, mm.
-    pub position_mm: [f64; 3],
-    /// Its rotation in the base frame: roll, pitch, yaw in deg.
-    pub rotation_rpy_deg: [f64; 3],
+    /// Its origin in the base frame, m.
+    pub position_m: [f64; 3],
+    /// Its rotation in the base frame: roll, pitch, yaw in rad.
+    pub rotation_rpy_rad: [f64; 3],
     /// The posture of the arm at the start, where its solutions have names.
     pub configuration: Option<String>,
     /// Least of the smallest singular values of the Jacobian along the path (m and rad).
     pub smallest_singular_value: f64,
-    /// Least distance of a joint from the end of its range along the path, deg.
-    pub range_left_deg: f64,
-    /// Largest of some distances up to 300 mm by which the frame can be moved along each axis either way, in the same configuration, mm.
-    pub movable_mm: f64,
+    /// Least distance of a joint from the end of its range along the path, rad.
+    pub range_left_rad: f64,
+    /// Largest of some distances up to 0.3 m by which the frame can be moved along each axis either way, in the same configuration, m.
+    pub movable_m: f64,
 }
 
-/// Frames of the workpiece for one path and one arm, the best first.
+/// Frames of the workpiece for one path and one arm, the best first. Its fields are the keys of the JSON form, SI units in their names.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Placements {
     /// Name of the path.
-    pub path: String,
-    /// Length of the path, mm.
-    pub length_mm: f64,
+    pub name: String,
+    /// Length of the path, m.
+    pub length_m: f64,
     /// Number of frames that were looked at.
     pub looked_at: usize,
     /// The frames.
     pub frames: Vec<Placement>,
+    /// What was assumed about the path.
+    pub warnings: Vec<String>,
 }
 
 /// How well an arm follows a path.
@@ -137,8 +139,9 @@ impl Placements {
     where
         A: ForwardKinematics<6> + InverseKinematics<6> + AnalyticInverse<6>,
     {
-        let PlacedPath { path, .. } = PlacedPath::new(job, file)?;
-        let mut searcher = Searcher::new(arm, range, path, (job.workpiece, search.height));
+        let placed = PlacedPath::new(job, file)?;
+        let warnings = [file.warnings.as_slice(), &job.warnings, placed.own_warnings()].concat();
+        let mut searcher = Searcher::new(arm, range, placed.path, (job.workpiece, search.height));
         let found = searcher.grid(reach, search, &mut tell);
         let mut frames: Vec<(Trial, Placement)> = Vec::new();
         for (start, _) in found.iter().take(STARTS * search.count) {
@@ -154,19 +157,29 @@ impl Placements {
         }
         let mut frames: Vec<Placement> = frames.into_iter().map(|(_, placement)| placement).collect();
         frames.sort_by(|a, b| b.rank().total_cmp(&a.rank()));
-        let length_mm = searcher.path.length() * 1e3;
-        Ok(Self { path: file.name.clone(), length_mm, looked_at: searcher.looked_at, frames })
-    }
-
-    /// One JSON object on one line.
-    pub fn to_json(&self) -> String {
-        json(self)
+        let (length_m, looked_at) = (searcher.path.length(), searcher.looked_at);
+        Ok(Self { name: file.name.clone(), length_m, looked_at, frames, warnings })
     }
 }
 
+/// A value for people, in millionths of mm or degrees; none is minus zero.
+fn tidy(v: f64) -> f64 {
+    (v * 1e6).round() / 1e6 + 0.0
+}
+
 impl Placement {
+    /// Its origin in mm, as jobs have it.
+    fn position_mm(&self) -> [f64; 3] {
+        self.position_m.map(|v| tidy(v * 1e3))
+    }
+
+    /// Roll, pitch, yaw in deg, as jobs have them.
+    fn rotation_deg(&self) -> [f64; 3] {
+        self.rotation_rpy_rad.map(|v| tidy(v.to_degrees()))
+    }
+
     fn rank(&self) -> f64 {
-        self.smallest_singular_value.min(0.1 * self.range_left_deg.to_radians())
+        self.smallest_singular_value.min(0.1 * self.range_left_rad)
     }
 }
 
@@ -253,7 +266,7 @@ where
     /// The frame of a trial in whole millimetres and degrees, checked at many places of the path.
     fn placement(&self, trial: &Trial) -> Option<Placement> {
         let frame = self.frame(&Trial { turn: trial.turn.to_degrees().round().to_radians(), ..*trial });
-        let mut at = frame.translation.vector.map(|v| (v * 1e3).round() / 1e3);
+        let mut at = frame.translation.vector.map(|v| (v * 1e3).round() / 1e3 + 0.0);
         at.z = self.height.unwrap_or(at.z);
         let frame = Isometry3::from_parts(Translation3::from(at), frame.rotation);
         let many: Vec<_> = poses(&self.path, &self.placed, MANY).collect();
@@ -272,14 +285,13 @@ where
         };
         let movable = MOVES.into_iter().take_while(|by| stays(*by)).last().unwrap_or(0.0);
         let (roll, pitch, yaw) = frame.rotation.euler_angles();
-        let tidy = |v: f64| (v * 1e6).round() / 1e6 + 0.0;
         Some(Placement {
-            position_mm: (at * 1e3).map(tidy).into(),
-            rotation_rpy_deg: [roll, pitch, yaw].map(|v| tidy(v.to_degrees())),
+            position_m: at.into(),
+            rotation_rpy_rad: [roll, pitch, yaw].map(|v| tidy(v.to_degrees()).to_radians()),
             configuration: posture.map(|posture| posture.to_string()),
             smallest_singular_value: quality.singular_value,
-            range_left_deg: quality.range_left.to_degrees(),
-            movable_mm: movable * 1e3,
+            range_left_rad: quality.range_left,
+            movable_m: movable,
         })
     }
 
@@ -355,7 +367,13 @@ fn neighbours(trial: &Trial, step: f64, search: &PlacementSearch) -> Vec<Trial> 
 
 impl fmt::Display for Placements {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{}: {:.2} mm, {} frames of the workpiece looked at", self.path, self.length_mm, self.looked_at)?;
+        writeln!(
+            f,
+            "{}: {:.2} mm, {} frames of the workpiece looked at",
+            self.name,
+            self.length_m * 1e3,
+            self.looked_at
+        )?;
         writeln!(
             f,
             "\n     {:>26}  {:>22}   can be moved   joint range   smallest",
@@ -368,20 +386,21 @@ impl fmt::Display for Placements {
                 f,
                 "  {}  {:>26}  {:>22}  {:>12}  {:>12.1}  {:>12.4}",
                 i + 1,
-                list(&frame.position_mm),
-                list(&frame.rotation_rpy_deg),
-                frame.movable_mm,
-                frame.range_left_deg,
+                list(&frame.position_mm()),
+                list(&frame.rotation_deg()),
+                tidy(frame.movable_m * 1e3),
+                frame.range_left_rad.to_degrees(),
                 frame.smallest_singular_value
             )?;
         }
         let Some(best) = self.frames.first() else { return Ok(()) };
         writeln!(f, "\nThe first one, for the job:\n\n[workpiece]")?;
-        writeln!(f, "position_mm = {:?}", best.position_mm)?;
-        writeln!(f, "rotation_rpy_deg = {:?}", best.rotation_rpy_deg)?;
-        match &best.configuration {
-            Some(name) => writeln!(f, "\n[start]\nconfiguration = \"{name}\""),
-            None => Ok(()),
+        writeln!(f, "position_mm = {:?}", best.position_mm())?;
+        writeln!(f, "rotation_rpy_deg = {:?}", best.rotation_deg())?;
+        if let Some(name) = &best.configuration {
+            writeln!(f, "\n[start]\nconfiguration = \"{name}\"")?;
         }
+        let mut warnings = self.warnings.iter();
+        warnings.try_for_each(|warning| writeln!(f, "\nNote: {}", clip(warning, 2 * WIDTH)))
     }
 }

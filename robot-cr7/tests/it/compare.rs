@@ -51,12 +51,12 @@ fn every_planner_is_held_against_the_same_limits() {
     for name in ["jerk-limited", "continuous-acceleration", "per-segment", "cr7 plan, verified"] {
         let worst = &entry(name).worst[0];
         assert!(entry(name).jerk_limited && worst.ratio < 1.001, "{name}: {worst:?}");
-        assert!(entry(name).worst.iter().any(|w| w.limit == "joint jerk"));
+        assert!(entry(name).worst.iter().any(|w| w.name == "joint jerk"));
     }
     assert!(entry("cr7 plan, verified").keeps());
     let published = &entry("published").worst[0];
     assert!(published.ratio > 1.001 && published.ratio > entry("forward-backward").worst[0].ratio, "{published:?}");
-    assert!(!entry("published").jerk_limited && entry("published").worst.iter().all(|w| w.limit != "joint jerk"));
+    assert!(!entry("published").jerk_limited && entry("published").worst.iter().all(|w| w.name != "joint jerk"));
     for name in ["published", "interpolated-reachability", "jerk-limited", "plan of the job"] {
         assert!(seen.contains(&name), "{name} in {seen:?}");
     }
@@ -70,7 +70,7 @@ fn every_planner_is_held_against_the_same_limits() {
         assert!(comparison.lower_bound_s.is_none() && text.contains("--features baseline"));
     }
     assert!(text.contains("ignored") && text.contains("BROKEN by"), "{text}");
-    let json: serde_json::Value = serde_json::from_str(&comparison.to_json()).expect("valid JSON");
+    let json: serde_json::Value = serde_json::to_value(&comparison).expect("valid JSON");
     assert_eq!(json["entries"].as_array().expect("a list").len(), comparison.entries.len());
     assert!(json["entries"][0]["worst"][0]["at_s_m"].is_number());
     #[cfg(feature = "plot")]

@@ -198,10 +198,10 @@ fn advice_names_the_keys_of_the_new_limits() {
     let text = FAST.replace(" }", ", tool_jerk_mm_s3 = 30000 }")
         + "[[tables]]\nspeed_deg_s = [5, 60]\nacceleration_deg_s2 = [100, 40]";
     let advice = Advice::new(&task(&text), |_| {}).expect("it can be planned");
-    let found = |name: &str| advice.limits.iter().find(|limit| limit.name == name).map(|limit| limit.key);
+    let found = |name: &str| advice.costs.iter().find(|limit| limit.name == name).map(|limit| limit.key);
     assert_eq!(found("tool jerk"), Some("feed.tool_jerk_mm_s3"), "{advice}");
     assert_eq!(found("joint acceleration"), Some("joints.acceleration_deg_s2, and [[tables]]"), "{advice}");
-    let saved = advice.limits.iter().map(|limit| limit.raised_saves_s.unwrap_or(0.0)).fold(0.0, f64::max);
+    let saved = advice.costs.iter().map(|limit| limit.raised_saves_s.unwrap_or(0.0)).fold(0.0, f64::max);
     assert!(saved > 0.0, "{advice}");
 }
 

@@ -43,6 +43,7 @@ mod pictures;
 mod pinned;
 #[cfg(feature = "cli")]
 mod place;
+mod png;
 #[cfg(feature = "cli")]
 mod program_case;
 #[cfg(feature = "cli")]
@@ -59,6 +60,8 @@ mod sabotage;
 mod scenarios;
 #[cfg(feature = "cli")]
 mod schedule;
+#[cfg(feature = "cli")]
+mod schema;
 #[cfg(all(feature = "cli", feature = "controller"))]
 mod send_command;
 mod tool_targets;

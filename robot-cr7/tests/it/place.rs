@@ -7,9 +7,9 @@ fn square() -> &'static str {
 }
 
 /// A job with the workpiece at this place.
-fn job(position: &[f64], rotation: &serde_json::Value, configuration: &str) -> String {
+fn job(position: &[f64], rotation: &[f64], configuration: &str) -> String {
     format!(
-        "[path]\nthrough = \"polyline\"\n[workpiece]\nposition_mm = {position:?}\nrotation_rpy_deg = {rotation}\n[start]\nconfiguration = \
+        "[path]\nthrough = \"polyline\"\n[workpiece]\nposition_mm = {position:?}\nrotation_rpy_deg = {rotation:?}\n[start]\nconfiguration = \
          \"{configuration}\"\n"
     )
 }
@@ -28,20 +28,23 @@ fn the_named_frames_are_planned_in_even_moved_as_far_as_is_said() {
         let frames = found["frames"].as_array().expect("a list");
         assert_eq!(frames.len(), 2, "{found}");
         let frame = &frames[0];
-        let position: Vec<f64> =
-            frame["position_mm"].as_array().expect("three").iter().filter_map(serde_json::Value::as_f64).collect();
+        let numbers = |key: &str| -> Vec<f64> {
+            frame[key].as_array().expect("three").iter().filter_map(serde_json::Value::as_f64).collect()
+        };
+        let position: Vec<f64> = numbers("position_m").iter().map(|v| v * 1e3).collect();
+        let rotation: Vec<f64> = numbers("rotation_rpy_rad").iter().map(|v| v.to_degrees()).collect();
         if let Some(height) = height {
-            assert_eq!(position[2], height);
+            assert!((position[2] - height).abs() < 1e-9, "{position:?}");
         } else {
-            assert_eq!(frame["rotation_rpy_deg"], serde_json::json!([0.0, 0.0, 0.0]));
+            assert_eq!(rotation, [0.0; 3]);
             assert!(position[2] >= 0.0);
         }
-        let movable = frame["movable_mm"].as_f64().expect("a number");
+        let movable = 1e3 * frame["movable_m"].as_f64().expect("a number");
         assert!(movable >= 20.0, "{frame}");
         let configuration = frame["configuration"].as_str().expect("a name");
         for way in [[0.0; 3], [movable, 0.0, 0.0], [0.0, -movable, 0.0], [0.0, 0.0, movable]] {
             let moved: Vec<f64> = position.iter().zip(way).map(|(at, by)| at + by).collect();
-            desk.write("moved.toml", &job(&moved, &frame["rotation_rpy_deg"], configuration));
+            desk.write("moved.toml", &job(&moved, &rotation, configuration));
             desk.run(&["plan", "square.csv", "--job", "moved.toml"]).done();
         }
     }

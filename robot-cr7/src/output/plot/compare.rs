@@ -40,8 +40,8 @@ pub fn compare_picture(comparison: &Comparison) -> Result<String, io::Error> {
         .entries
         .iter()
         .find(|e| e.planner == "published")
-        .and_then(|e| e.worst.first())
-        .map_or(0.5 * length, |worst| worst.at_s_m * 1e3);
+        .and_then(|e| e.worst.first()?.at_s_m)
+        .map_or(0.5 * length, |s| s * 1e3);
     let half = 0.5 * ZOOM * length;
     let middle = middle.clamp(half, length - half);
     let zoom = (middle - half, middle + half);
@@ -57,7 +57,7 @@ pub fn compare_picture(comparison: &Comparison) -> Result<String, io::Error> {
         let pen = Pen::solid(LIMIT, 1.1);
         let mut legend: Vec<(&str, Pen)> = drawn.iter().map(|(e, pen)| (e.planner, *pen)).collect();
         legend.push(("limit at constant speed", pen));
-        canvas.header(&comparison.path, &facts, &legend)?;
+        canvas.header(&comparison.name, &facts, &legend)?;
         for (panel, label) in [(&above, "speed [mm/s]"), (&below, "speed [mm/s], closer")] {
             let cut: Vec<_> = limit
                 .windows(2)

@@ -3,6 +3,7 @@
 //! Every input is in SI; the pictures show millimetres and degrees. Long series are thinned so that each pixel column
 //! keeps its least and largest value: no peak is lost. Values that are not finite leave a gap.
 
+mod arm;
 mod canvas;
 mod compare;
 mod decimate;
@@ -10,6 +11,8 @@ mod motion;
 mod panel;
 mod paper;
 mod path;
+#[cfg(feature = "png")]
+mod png;
 mod run;
 mod run_space;
 mod run_states;
@@ -25,9 +28,12 @@ use crate::input::error::InputError;
 use crate::output::whole_file::write_whole;
 use crate::run::limit_line::TOLERANCE;
 use crate::text::{number, percent};
+pub use arm::ArmAtEnds;
 pub use motion::motion_picture;
 pub use paper::paper_picture;
 pub use path::{PathMotion, PathPlace, path_picture, speed_path_picture};
+#[cfg(feature = "png")]
+pub use png::{PngError, PngPainter};
 pub use run::{Picture, run_pictures};
 pub use schedule::{joint_panels_picture, shares_picture, speed_picture};
 #[cfg(feature = "controller")]

@@ -4,10 +4,11 @@ use std::io;
 
 use plotters::style::RGBColor;
 
+use super::arm::{ArmAtEnds, ArmShape};
 use super::canvas::{Anchor, Canvas, LIMIT, PALETTE, Pen, page};
 use super::panel::Panel;
-use super::view::{FAINT, PathPage, thin};
-use super::{RIGHT, WIDTH};
+use super::view::{FAINT, PathPage, Sheet, thin};
+use super::{LEFT, RIGHT, WIDTH};
 use crate::output::binding_line::BindingLine;
 use crate::text::number;
 
@@ -26,6 +27,14 @@ const RAMP: [(u8, u8, u8); 6] =
 const LEVELS: usize = 24;
 /// Width of a path, pixels.
 const THICK: f64 = 3.4;
+/// Heights of the picture of a path, pixels, and the least one where the arm is drawn beside it.
+const HEIGHTS: (f64, f64) = (220.0, 640.0);
+const BESIDE_ARM: f64 = 320.0;
+/// Width of the picture of the arm beside that of the path, and of the gap between both, pixels.
+const ARM_WIDTH: f64 = 310.0;
+const GAP: f64 = 24.0;
+/// The arm stands in the picture of a path that has this part of its size at least; beside a smaller one it has a picture of its own.
+const LARGE: f64 = 0.35;
 /// The tolerance in a legend.
 const TOLERANCE: (&str, Pen) = ("tolerance", Pen::dashed(LIMIT, 2.0));
 
@@ -47,10 +56,55 @@ pub struct PathMotion<'a> {
     pub places: &'a [PathPlace],
     /// The limits.
     pub binding: &'a [BindingLine],
+    /// The arm at both ends.
+    pub arm: Option<ArmAtEnds<'a>>,
+}
+
+/// The picture of a path, and that of arm and path where the path is small beside the arm.
+struct Papers<'a> {
+    path: PathPage,
+    beside: Option<(PathPage, ArmAtEnds<'a>)>,
+}
+
+impl<'a> Papers<'a> {
+    fn of<'p>(points: impl Iterator<Item = &'p [f64; 3]> + Clone, arm: Option<ArmAtEnds<'a>>, top: f64) -> Self {
+        let points = points.copied();
+        let sheet = Sheet { left: LEFT, right: RIGHT, top, heights: HEIGHTS };
+        let Some((arm, shape)) = arm.and_then(|arm| Some((arm, ArmShape::of(&arm)?))) else {
+            return Self { path: PathPage::of(points, sheet, None), beside: None };
+        };
+        let (size, is_flat) = PathPage::size_of(points.clone());
+        let is_upright = (arm.workpiece.rotation * nalgebra::Vector3::z()).z > 1.0 - 1e-9;
+        if !is_flat && is_upright && size * 1e3 >= LARGE * shape.size() {
+            return Self { path: PathPage::of(points, sheet, Some(shape.seen_from(arm.workpiece))), beside: None };
+        }
+        let right = RIGHT - ARM_WIDTH - GAP;
+        let path = PathPage::of(points.clone(), Sheet { right, heights: (BESIDE_ARM, HEIGHTS.1), ..sheet }, None);
+        let height = path.shape.bottom - path.shape.top;
+        let sheet = Sheet { left: RIGHT - ARM_WIDTH, heights: (height, height), ..sheet };
+        let in_base = points.map(|p| arm.workpiece.transform_point(&p.into()).into());
+        Self { path, beside: Some((PathPage::of(in_base, sheet, Some(shape)), arm)) }
+    }
+
+    /// Axes or floors, with the arm, and the path in the picture of the arm.
+    fn ground<'p>(&self, canvas: &Canvas<'_>, points: impl Iterator<Item = &'p [f64; 3]>) -> Result<(), io::Error> {
+        self.path.axes(canvas)?;
+        self.path.arm(canvas)?;
+        let Some((paper, arm)) = &self.beside else { return Ok(()) };
+        paper.axes(canvas)?;
+        paper.arm(canvas)?;
+        let words = paper.words();
+        let words = words.trim_start_matches("; ");
+        canvas.text(words, (paper.shape.left + 10.0, paper.shape.top + 34.0), Anchor::Left)?;
+        let finite = points.filter(|p| p.iter().all(|v| v.is_finite()));
+        let in_base = finite.map(|p| arm.workpiece.transform_point(&(*p).into()).into());
+        canvas.line(&thin(in_base.map(|p| paper.place(&p))), Pen::solid(PALETTE[0], 1.6))
+    }
 }
 
 /// The path at equal scale of both axes, and the deviation of every segment below. With a motion it is coloured by the limit that binds,
-/// else few segments are coloured in turn. A path that is not flat is seen from aside, over a floor.
+/// else few segments are coloured in turn. A path that is not flat is seen from aside, over a floor. The arm of a motion stands behind a path
+/// in space that is as large as a third of it, else beside the path in a picture of its own, which has the path at the same scale.
 ///
 /// `segments` are dense polylines (x, y, z in m), one a segment; `deviations` the largest deviation of each from its chord in m;
 /// `tolerance` in m.
@@ -66,11 +120,13 @@ pub fn path_picture(
 ) -> Result<String, io::Error> {
     let points = || segments.iter().flatten();
     let top = if motion.is_some() { 92.0 } else { 66.0 };
-    let paper = PathPage::of(points().chain(motion.iter().flat_map(|m| m.places.iter().map(|place| &place.at))), top);
+    let on_way = motion.iter().flat_map(|m| m.places.iter().map(|place| &place.at));
+    let papers = Papers::of(points().chain(on_way), motion.and_then(|m| m.arm), top);
+    let paper = &papers.path;
     let worst = deviations.iter().fold(0.0, |a: f64, &d| a.max(d));
     let under = paper.shape.bottom + 62.0;
     let (x, y) = ((0.0, deviations.len().max(1) as f64), (0.0, 1.15e6 * worst.max(tolerance).max(1e-12)));
-    let below = Panel { top: under, bottom: under + 150.0, x, y, ..paper.shape };
+    let below = Panel { left: LEFT, right: RIGHT, top: under, bottom: under + 150.0, x, y };
     let distance = |w: &[[f64; 3]]| (0..3).map(|k| (w[1][k] - w[0][k]).powi(2)).sum::<f64>().sqrt();
     let length: f64 = segments.iter().flat_map(|s| s.windows(2)).map(distance).sum();
     let facts = format!(
@@ -86,16 +142,16 @@ pub fn path_picture(
             Some(motion) => {
                 let shares = Shares::of(&motion);
                 canvas.tall_header(name, &facts, &shares.legend())?;
-                paper.axes(canvas)?;
-                shadow(canvas, &paper, motion.places.iter().map(|place| &place.at))?;
+                papers.ground(canvas, motion.places.iter().map(|place| &place.at))?;
+                shadow(canvas, paper, motion.places.iter().map(|place| &place.at))?;
                 let colours = motion.places.iter().map(|place| shares.colour(place.s));
-                coloured(canvas, &paper, motion.places, &colours.collect::<Vec<_>>())?;
+                coloured(canvas, paper, motion.places, &colours.collect::<Vec<_>>())?;
             }
             None => {
                 canvas.header(name, &facts, &[TOLERANCE])?;
-                paper.axes(canvas)?;
-                shadow(canvas, &paper, points())?;
-                in_turn(canvas, &paper, segments)?;
+                papers.ground(canvas, points())?;
+                shadow(canvas, paper, points())?;
+                in_turn(canvas, paper, segments)?;
             }
         }
         if let Some(start) = points().next() {
@@ -114,17 +170,19 @@ pub fn path_picture(
 ///
 /// # Errors
 /// The error of the picture's memory, which does not happen.
-pub fn speed_path_picture(name: &str, places: &[PathPlace]) -> Result<String, io::Error> {
-    let paper = PathPage::of(places.iter().map(|place| &place.at), 82.0);
+pub fn speed_path_picture(name: &str, motion: PathMotion<'_>) -> Result<String, io::Error> {
+    let places = motion.places;
+    let papers = Papers::of(places.iter().map(|place| &place.at), motion.arm, 82.0);
+    let paper = &papers.path;
     let speeds = || places.iter().map(|place| place.speed).filter(|speed| speed.is_finite());
     let highest = speeds().fold(0.0f64, f64::max);
     page(WIDTH, (paper.shape.bottom + 52.0) as u32, |canvas| {
         let facts = format!("the path of the tool, coloured by its speed{}", paper.words());
         canvas.header(name, &facts, &[])?;
-        paper.axes(canvas)?;
-        shadow(canvas, &paper, places.iter().map(|place| &place.at))?;
+        papers.ground(canvas, places.iter().map(|place| &place.at))?;
+        shadow(canvas, paper, places.iter().map(|place| &place.at))?;
         let colours = places.iter().map(|place| colour_of(level_of(place.speed, highest)));
-        coloured(canvas, &paper, places, &colours.collect::<Vec<_>>())?;
+        coloured(canvas, paper, places, &colours.collect::<Vec<_>>())?;
         // The scale of the colours.
         let (left, width) = (RIGHT - 330.0, 200.0 / LEVELS as f64);
         for k in 0..LEVELS {

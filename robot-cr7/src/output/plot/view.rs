@@ -6,9 +6,9 @@ use std::io;
 use nalgebra::Vector3;
 use plotters::prelude::RGBColor;
 
+use super::arm::ArmShape;
 use super::canvas::{Anchor, Canvas, FRAME, PALETTE, Pen};
 use super::panel::{Panel, range, widened};
-use super::{LEFT, RIGHT};
 
 pub(super) const FAINT: RGBColor = RGBColor(215, 215, 215);
 /// A path whose height changes by more than this part of its width is seen from aside.
@@ -89,24 +89,40 @@ pub(super) fn grid(
     Ok(())
 }
 
+/// The part of a page that is left for a picture in space, pixels.
+#[derive(Clone, Copy)]
+pub(super) struct Sheet {
+    pub left: f64,
+    pub right: f64,
+    pub top: f64,
+    /// The least and the greatest height.
+    pub heights: (f64, f64),
+}
+
 /// The part of a page on which a path is drawn at equal scale of both axes: along z where it is flat, else from aside over a floor.
 pub(super) struct PathPage {
     view: View,
     pub shape: Panel,
     /// The floor and all points over it (mm), where the path is seen from aside.
     floor: Option<(PathGrid, Vec<Vector3<f64>>)>,
+    /// The arm that stands on the floor.
+    arm: Option<ArmShape>,
 }
 
 impl PathPage {
-    /// For a path through `points` (x, y, z in m), from `top` (pixels) downwards.
-    pub fn of<'p>(points: impl Iterator<Item = &'p [f64; 3]>, top: f64) -> Self {
+    /// For a path through `points` (x, y, z in m), with an arm beside it where there is one.
+    pub fn of(points: impl Iterator<Item = [f64; 3]>, sheet: Sheet, arm: Option<ArmShape>) -> Self {
         let finite = points.filter(|p| p.iter().all(|v| v.is_finite()));
-        let mut all: Vec<Vector3<f64>> = finite.map(|p| Vector3::from(*p) * 1e3).collect();
+        let mut all: Vec<Vector3<f64>> = finite.map(|p| Vector3::from(p) * 1e3).collect();
+        let lowest = ends(all.iter().map(|p| p.z))[0];
+        all.extend(arm.iter().flat_map(ArmShape::points));
         let sides = [0, 1, 2].map(|k| ends(all.iter().map(|p| p[k])));
         let [wide, deep, high] = sides.map(|side| side[1] - side[0]);
         let size = wide.max(deep).max(high);
         let (view, floor) = if high > FLAT * wide.max(deep) {
-            let ground = PathGrid { height: sides[2][0] - 0.15 * size, square: round_length(size / SQUARES) };
+            // An arm stands on the floor, unless the path is below it.
+            let height = arm.as_ref().map_or(lowest - 0.15 * size, |arm| arm.base().z.min(lowest));
+            let ground = PathGrid { height, square: round_length(size / SQUARES) };
             // The whole of its squares.
             let whole = |[low, high]: [f64; 2]| {
                 [(low / ground.square).floor() * ground.square, (high / ground.square).ceil() * ground.square]
@@ -120,15 +136,31 @@ impl PathPage {
         let (x, y) = view.ranges(&all);
         let (x, y) = (widened(x, 0.04), widened(y, 0.04));
         // Equal scale: the height of the panel follows the path, within what fits a screen; then the width gives way.
-        let height = ((RIGHT - LEFT) * (y.1 - y.0) / (x.1 - x.0)).clamp(220.0, 640.0);
-        let scale = ((RIGHT - LEFT) / (x.1 - x.0)).min(height / (y.1 - y.0));
+        let Sheet { left, right, top, heights } = sheet;
+        let height = ((right - left) * (y.1 - y.0) / (x.1 - x.0)).max(heights.0).min(heights.1);
+        let scale = ((right - left) / (x.1 - x.0)).min(height / (y.1 - y.0));
         let grown = |(a, b): (f64, f64), pixels: f64| {
             let (middle, half) = (0.5 * (a + b), 0.5 * pixels / scale);
             (middle - half, middle + half)
         };
-        let (x, y) = (grown(x, RIGHT - LEFT), grown(y, height));
-        let shape = Panel { left: LEFT, right: RIGHT, top, bottom: top + height, x, y };
-        Self { view, shape, floor: floor.map(|ground| (ground, all)) }
+        let (x, y) = (grown(x, right - left), grown(y, height));
+        let shape = Panel { left, right, top, bottom: top + height, x, y };
+        Self { view, shape, floor: floor.map(|ground| (ground, all)), arm }
+    }
+
+    /// The longest side of the box around these points (m) and whether they lie in a plane of one height.
+    pub fn size_of(points: impl Iterator<Item = [f64; 3]> + Clone) -> (f64, bool) {
+        let side = |k: usize| ends(points.clone().map(|p| p[k]).filter(|v| v.is_finite()));
+        let [wide, deep, high] = [0, 1, 2].map(side).map(|[low, high]| high - low);
+        (wide.max(deep).max(high), high <= FLAT * wide.max(deep))
+    }
+
+    /// The arm, where there is one: what is drawn after it is on top.
+    pub fn arm(&self, canvas: &Canvas<'_>) -> Result<(), io::Error> {
+        let Some(arm) = &self.arm else { return Ok(()) };
+        let Panel { left, right, top, x, .. } = self.shape;
+        arm.draw(canvas, &|p| self.shape.place(self.view.flat(p)), (right - left) / (x.1 - x.0))?;
+        canvas.text("the arm at the start; thin: at the end", (left + 10.0, top + 16.0), Anchor::Left)
     }
 
     /// Pixel of a place in m.
