@@ -91,6 +91,6 @@ pub use place::{PathParameter, PathPlace};
 pub use planner::Planner;
 pub use problem::{PathProblem, RowsNeeded};
 pub use setpoint::Setpoint;
-pub use trajectory::{LimitPoint, PlanInfo, Setpoints, Timings, Trajectory};
+pub use trajectory::{LimitPoint, PlanInfo, PlanWindows, Setpoints, Timings, Trajectory};
 pub use verify::{Binding, Check, JointCheck, JointRates, JointSample, Requirement, Verification, verify};
 pub use vibration::{AccelerationPiece, Oscillator, Vibration};
