@@ -71,9 +71,10 @@ mod vibration;
 pub use arcfeed_feedrate::{LimitId, Quantity};
 pub use arm::{MIN_SINGULAR_VALUE, PathArm};
 pub use compiled::{
-    Certificate, CertifiedBound, CertifiedJump, CertifiedLimit, CompileError, CompiledPlan, Deviation, Interpolation,
-    JointCursor, JointPoint, JointSetpoint, JointSetpoints, JointTrajectory, JointTrajectoryError, MotionCertificate,
-    TableBound, TableCertificate, ToolBound, ToolCertificate, TorqueBound, TorqueCertificate, certify,
+    Certificate, CertifiedBound, CertifiedFeed, CertifiedJump, CertifiedLimit, CompileError, CompiledPlan, Deviation,
+    Interpolation, JointCursor, JointPoint, JointSetpoint, JointSetpoints, JointTrajectory, JointTrajectoryError,
+    MotionCertificate, TableBound, TableCertificate, ToolBound, ToolCertificate, TorqueBound, TorqueCertificate,
+    certify,
 };
 pub use error::{Cause, Infeasibility, LimitError, PathEnd, PathError, PlanError, SpeedError};
 pub use limits::{
