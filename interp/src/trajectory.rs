@@ -49,6 +49,16 @@ pub struct PlanWindows {
     pub stops: Vec<f64>,
 }
 
+impl fmt::Display for PlanWindows {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} windows of {} intervals", self.count, self.intervals)?;
+        match self.stops.len() {
+            0 => Ok(()),
+            stops => write!(f, ", with rest at {stops} places that the path does not ask for"),
+        }
+    }
+}
+
 impl fmt::Display for PlanInfo {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.method {
@@ -56,7 +66,7 @@ impl fmt::Display for PlanInfo {
             None => f.write_str("given law")?,
         }
         if let Some(windows) = &self.windows {
-            write!(f, " in {} windows", windows.count)?;
+            write!(f, " in {windows}")?;
         }
         match &self.fallback {
             Some(reason) => write!(f, " instead of jerk-limited: {reason}"),

@@ -246,12 +246,15 @@ impl<'a, const N: usize> Planner<'a, N> {
     /// The law on a grid whose intervals are divided where a draft says that their length costs time, from that draft, or the scan's
     /// where that is shorter; none where the planner makes no drafts or did not converge.
     fn choose_by_draft(&self, problem: &mut PathProblem<'_, N>) -> Option<Chosen> {
+        // On grids of fewer intervals a finer one may lose: limits hold at more points there, and its first and last interval are shorter.
+        const FEW: usize = 50;
         if self.method != Method::JerkLimited || self.plans_in_windows(problem.intervals()) {
             return None;
         }
         let full = LimitFractions::default();
         let rows = problem.rows_within(&full, self.method.needs()).ok()?;
         let draft = JerkLimited::draft(&rows).ok()?;
+        let coarse = if rows.intervals() < FEW { JerkLimited::default().plan(&rows).ok() } else { None };
         // On grids of more intervals the planner is not compared with the scan.
         let is_coarse = rows.intervals() <= JerkLimitedOrScan::COARSE_INTERVALS;
         let scanned = if is_coarse { ContinuousAccelerationScan.plan(&rows).ok() } else { None };
@@ -262,6 +265,9 @@ impl<'a, const N: usize> Planner<'a, N> {
             *problem = finer;
         }
         let mut chosen = self.choose_near(problem, &full, &draft.law).ok()?;
+        if let Some(law) = coarse.filter(|law| law.duration() < chosen.law.duration()) {
+            chosen = Chosen { law, fallback: None, ..chosen };
+        }
         if let Some(law) = scanned.filter(|law| law.duration() < chosen.law.duration()) {
             let fallback = chosen.fallback.or(Some(Fallback::Slower { duration: chosen.law.duration() }));
             chosen = Chosen { law, fallback, converged: chosen.converged, windows: None };

@@ -3,10 +3,12 @@
 use std::ops::{Range, RangeInclusive};
 
 use arcfeed_feedrate::constraint::{
-    Feed, JointAcceleration, JointJerk, JointVelocity, PathConstraint, PathDerivatives, SpeedCap, Stop,
+    Feed, JointAcceleration, JointJerk, JointVelocity, PathConstraint, PathDerivatives, Place, RowSink, SpeedCap,
     TangentialAcceleration, TangentialJerk,
 };
-use arcfeed_feedrate::{FeedError, FeedProblem, JerkLimited, Quantity, WindowedJerkLimited, WindowedPlan};
+use arcfeed_feedrate::{
+    FeedError, FeedProblem, IntervalBound, JerkLimited, LimitId, Quantity, WindowedJerkLimited, WindowedPlan,
+};
 use arcfeed_kinematics::Joints;
 
 use super::bounds::BendLimits;
@@ -22,6 +24,26 @@ use crate::place::PathParameter;
 const BETWEEN: f64 = 2e-4;
 
 type Constraints<'c> = Vec<Box<dyn PathConstraint + 'c>>;
+
+/// The stops of a path, in order: one constraint for all of them, as a raster has thousands.
+struct Stops<'c>(&'c [usize]);
+
+impl PathConstraint for Stops<'_> {
+    fn points(&self) -> Option<usize> {
+        None
+    }
+
+    fn rows(&self, place: Place, out: &mut RowSink<'_>) {
+        if let Place::Point(i) = place
+            && self.0.binary_search(&i).is_ok()
+        {
+            out.cap(0.0, LimitId::path(Quantity::Corner));
+        }
+    }
+
+    /// None: where the motion rests needs none.
+    fn interval_bounds(&self, _k: usize, _h: f64, _out: &mut Vec<IntervalBound>) {}
+}
 
 /// What constraints borrow: numbers along the path with a part of each limit.
 struct Numbers<const N: usize> {
@@ -69,9 +91,7 @@ impl<const N: usize> PathProblem<'_, N> {
         if needs > RowsNeeded::Points {
             return self.part(&constraints, used, 0..self.intervals());
         }
-        let mut all: Vec<&dyn PathConstraint> = constraints.iter().map(|one| &**one).collect();
-        let stops: Vec<Stop> = self.stops.iter().map(|&at| Stop { at }).collect();
-        all.extend(stops.iter().map(|stop| stop as &dyn PathConstraint));
+        let all: Vec<&dyn PathConstraint> = constraints.iter().map(|one| &**one).collect();
         let problem = FeedProblem::at_points(&self.layout.grid, &all)?;
         self.with_ends_and_fractions(problem, used, 0..self.intervals())
     }
@@ -83,10 +103,7 @@ impl<const N: usize> PathProblem<'_, N> {
         used: &LimitFractions,
         intervals: Range<usize>,
     ) -> Result<FeedProblem, FeedError> {
-        let mut all: Vec<&dyn PathConstraint> = constraints.iter().map(|one| &**one).collect();
-        let stops = self.stops.iter().filter(|at| intervals.start <= **at && **at <= intervals.end);
-        let stops: Vec<Stop> = stops.map(|&at| Stop { at }).collect();
-        all.extend(stops.iter().map(|stop| stop as &dyn PathConstraint));
+        let all: Vec<&dyn PathConstraint> = constraints.iter().map(|one| &**one).collect();
         let problem = FeedProblem::between_points_of(&self.layout.grid, intervals.clone(), &all)?;
         self.with_ends_and_fractions(problem, used, intervals)
     }
@@ -113,7 +130,7 @@ impl<const N: usize> PathProblem<'_, N> {
         Ok(problem)
     }
 
-    /// All limits but the stops.
+    /// All limits, and the stops.
     fn constraints<'c>(
         &'c self,
         numbers: &'c Numbers<N>,
@@ -127,6 +144,7 @@ impl<const N: usize> PathProblem<'_, N> {
             self.jerk(numbers, derivatives, used, &mut constraints)?;
         }
         constraints.extend(self.torque.iter().map(|torque| Box::new(torque.rows(used)) as _));
+        constraints.push(Box::new(Stops(&self.stops)));
         Ok(constraints)
     }
 
