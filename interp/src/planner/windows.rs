@@ -85,9 +85,10 @@ impl<const N: usize> Planner<'_, N> {
         let mut window = self.settings.window.unwrap_or(WINDOW);
         loop {
             let plan = problem.planned_in_windows(used, window)?;
-            let short = || self.shortest_half(problem, &plan.law, window) < 2.0 * self.braking_time();
-            if self.settings.window.is_none() && window < LONGEST && window < problem.intervals() && short() {
-                window = (2 * window).min(LONGEST);
+            let longer = 2.0 * self.braking_time() / self.shortest_half(problem, &plan.law, window);
+            let may_be_longer = self.settings.window.is_none() && window < LONGEST.min(problem.intervals());
+            if may_be_longer && longer > 1.0 {
+                window = ((window as f64 * longer.max(1.5)) as usize).min(LONGEST);
                 continue;
             }
             let windows = PlanWindows { intervals: window, count: plan.windows, stops: plan.stops };

@@ -95,6 +95,11 @@ fn a_compiled_plan_keeps_every_limit() {
             // Quintics exceed a jump of the jerk by a part of it: limits on jerk cost more.
             let most = if matches!(kind.quantity(), Quantity::JointJerk | Quantity::ToolJerk) { 1.2 } else { 1.02 };
             let slower = plan.trajectory.duration() / ordinary.duration();
+            println!(
+                "{at}: {slower} times as long, {} pieces, {} of the ordinary plan",
+                plan.compiled.len(),
+                pieces.len()
+            );
             assert!(slower < most, "{at}: {slower} times as long");
         }
     }

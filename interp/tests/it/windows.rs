@@ -78,7 +78,7 @@ fn very_long_paths_are_planned_in_windows_by_themselves() {
 fn windows_are_longer_where_intervals_are_short() {
     let arm = models::ur5e();
     let path = route(5, 3);
-    let planner = Planner::new(&arm, limits()).with_intervals(60_000).expect("allowed");
+    let planner = Planner::new(&arm, limits()).with_intervals(51_000).expect("allowed");
     let plan = planner.plan(&path).expect("is planned");
     let info = plan.info().windows.as_ref().expect("a long path");
     assert!(info.intervals > 10_000, "{info:?} of {} s", plan.duration());
