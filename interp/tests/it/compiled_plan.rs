@@ -92,8 +92,8 @@ fn a_compiled_plan_keeps_every_limit() {
             let [bound, seen] = worst.fold([0.0f64; 2], |m, x| [m[0].max(x[0]), m[1].max(x[1])]);
             assert!(bound >= ratio && seen <= bound && seen >= 0.999 * ratio, "{at}: {bound} {seen} {ratio}");
             assert!(bound > 0.85, "{at}: {bound} does not bind");
-            // Quintics exceed a jump of the jerk by a part of it: limits on jerk cost more.
-            let most = if matches!(kind.quantity(), Quantity::JointJerk | Quantity::ToolJerk) { 1.2 } else { 1.02 };
+            // The magnitude of the tool's jerk is followed joint by joint, which costs more.
+            let most = if kind.quantity() == Quantity::ToolJerk { 1.05 } else { 1.02 };
             let slower = plan.trajectory.duration() / ordinary.duration();
             println!(
                 "{at}: {slower} times as long, {} pieces, {} of the ordinary plan",
