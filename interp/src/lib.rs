@@ -71,9 +71,10 @@ mod vibration;
 pub use arcfeed_feedrate::{LimitId, Quantity};
 pub use arm::{MIN_SINGULAR_VALUE, PathArm};
 pub use compiled::{
-    Certificate, CertifiedBound, CertifiedJump, CertifiedLimit, CompileError, CompiledPlan, Deviation, Interpolation,
-    JointCursor, JointPoint, JointSetpoint, JointSetpoints, JointTrajectory, JointTrajectoryError, MotionCertificate,
-    TableBound, TableCertificate, ToolBound, ToolCertificate, TorqueBound, TorqueCertificate, certify,
+    Certificate, CertifiedBound, CertifiedFeed, CertifiedJump, CertifiedLimit, CompileError, CompiledPlan, Deviation,
+    Interpolation, JointCursor, JointPoint, JointSetpoint, JointSetpoints, JointTrajectory, JointTrajectoryError,
+    MotionCertificate, TableBound, TableCertificate, ToolBound, ToolCertificate, TorqueBound, TorqueCertificate,
+    certify,
 };
 pub use error::{Cause, Infeasibility, LimitError, PathEnd, PathError, PlanError, SpeedError};
 pub use limits::{
@@ -91,6 +92,6 @@ pub use place::{PathParameter, PathPlace};
 pub use planner::Planner;
 pub use problem::{PathProblem, RowsNeeded};
 pub use setpoint::Setpoint;
-pub use trajectory::{LimitPoint, PlanInfo, Setpoints, Timings, Trajectory};
+pub use trajectory::{LimitPoint, PlanInfo, PlanWindows, Setpoints, Timings, Trajectory};
 pub use verify::{Binding, Check, JointCheck, JointRates, JointSample, Requirement, Verification, verify};
 pub use vibration::{AccelerationPiece, Oscillator, Vibration};

@@ -1,6 +1,7 @@
 //! From a path to a verified trajectory.
 
 mod rounds;
+mod windows;
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -63,6 +64,7 @@ impl<'a, const N: usize> Planner<'a, N> {
             chord_tolerance: 1e-6,
             period: 1e-3,
             intervals: INTERVALS,
+            window: None,
             whole_cycles: false,
         };
         Self { settings, method: Method::JerkLimited }
@@ -234,6 +236,7 @@ impl<'a, const N: usize> Planner<'a, N> {
             fallback: None,
             rounds: 1,
             intervals,
+            windows: None,
             refined: 1,
             lowered: Vec::new(),
             slowed: 1.0,

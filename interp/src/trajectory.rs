@@ -26,6 +26,8 @@ pub struct PlanInfo {
     pub rounds: usize,
     /// Intervals of the grid.
     pub intervals: usize,
+    /// The windows in which the speed was planned; `None` where the whole path was planned at once.
+    pub windows: Option<PlanWindows>,
     /// Into how many parts intervals were divided, at the most, for the sake of the limits between their points; 1 for none.
     pub refined: usize,
     /// Limits that the last round planned with less of, and the fraction where it is least: what was exceeded between the points of the
@@ -36,11 +38,35 @@ pub struct PlanInfo {
     pub slowed: f64,
 }
 
+/// The windows in which the speed along a long path was planned.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlanWindows {
+    /// Intervals of a window.
+    pub intervals: usize,
+    /// Number of windows.
+    pub count: usize,
+    /// Values of the parameter at which the motion rests although the path does not ask for it: no motion was found that goes on there.
+    pub stops: Vec<f64>,
+}
+
+impl fmt::Display for PlanWindows {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} windows of {} intervals", self.count, self.intervals)?;
+        match self.stops.len() {
+            0 => Ok(()),
+            stops => write!(f, ", with rest at {stops} places that the path does not ask for"),
+        }
+    }
+}
+
 impl fmt::Display for PlanInfo {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.method {
             Some(method) => write!(f, "{method}")?,
             None => f.write_str("given law")?,
+        }
+        if let Some(windows) = &self.windows {
+            write!(f, " in {windows}")?;
         }
         match &self.fallback {
             Some(reason) => write!(f, " instead of jerk-limited: {reason}"),

@@ -1,31 +1,12 @@
-//! Choosing among inverse solutions: turns of 2 pi inside the joint limits, nearest to a seed, bounded steps.
+//! Choosing among inverse solutions: inside the joint limits, nearest to a seed, bounded steps.
 
 use crate::{
     error::KinematicsError,
     joint::{JointRange, Joints},
     traits::InverseKinematics,
-    trig::{floor, round},
+    turns::{LimitExcess, nearest_turns},
 };
 use nalgebra::Isometry3;
-use std::f64::consts::TAU;
-
-/// Joint values this little outside a limit are put onto it, rad: rounding, not an excess.
-const LIMIT_ROUNDING: f64 = 1e-10;
-
-/// A joint that no turn of 2 pi brings inside its limits.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LimitExcess {
-    /// Which joint, from 0.
-    pub joint: usize,
-    /// Its value on the turn that misses the limits least, rad.
-    pub value: f64,
-    /// Its lower limit, rad.
-    pub lower: f64,
-    /// Its upper limit, rad.
-    pub upper: f64,
-    /// By how much it misses, rad.
-    pub excess: f64,
-}
 
 /// The fate of one inverse solution: see [`ParallelAxisArm::candidates`](crate::ParallelAxisArm::candidates).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,43 +40,6 @@ impl<const N: usize> Candidate<N> {
             Err(excess) => Self::OutsideLimits { q: *solution, excess },
         }
     }
-}
-
-/// `q` with each joint on the turn of 2 pi that is nearest to `seed` among all turns inside `range`.
-///
-/// # Errors
-/// The joint that misses its limits most, if one has no turn inside them.
-pub fn nearest_turns<const N: usize>(
-    q: &Joints<N>,
-    seed: &Joints<N>,
-    range: &JointRange<N>,
-) -> Result<Joints<N>, LimitExcess> {
-    let mut nearest = *q;
-    let mut worst: Option<LimitExcess> = None;
-    for joint in 0..N {
-        let (lower, upper) = (range.lower()[joint], range.upper()[joint]);
-        let nearest_turn = round((seed[joint] - q[joint]) * (1.0 / TAU));
-        let value = q[joint] + TAU * nearest_turn;
-        if lower <= value && value <= upper {
-            nearest[joint] = value;
-            continue;
-        }
-        let first = -floor((q[joint] - (lower - LIMIT_ROUNDING)) / TAU);
-        let last = floor((upper + LIMIT_ROUNDING - q[joint]) / TAU);
-        if first <= last {
-            let turns = nearest_turn.clamp(first, last);
-            nearest[joint] = (q[joint] + TAU * turns).clamp(lower, upper);
-            continue;
-        }
-        // No turn fits: the last one below the range and the first one above it miss it least.
-        let (below, above) = (q[joint] + TAU * last, q[joint] + TAU * first);
-        let (value, excess) =
-            if lower - below <= above - upper { (below, lower - below) } else { (above, above - upper) };
-        if worst.is_none_or(|known| excess > known.excess) {
-            worst = Some(LimitExcess { joint, value, lower, upper, excess });
-        }
-    }
-    worst.map_or(Ok(nearest), Err)
 }
 
 /// The joint with the largest difference between `a` and `b` (from 0), and that difference.

@@ -1,7 +1,7 @@
 //! A six-joint arm with a closed-form inverse: chain, joint range and solver in one.
 
 use crate::{
-    analytic::{ClosedForm, ParallelAxes, Solutions, SphericalWrist},
+    analytic::{ClosedForm, Collector, ParallelAxes, Solutions, SphericalWrist},
     branch::{Candidate, nearest_solution},
     chain::Chain,
     error::KinematicsError,
@@ -112,7 +112,29 @@ impl<S: ClosedForm> ClosedFormArm<S> {
 
     pub(crate) fn solve(&self, target: &Isometry3<f64>, seed: &Joints<6>) -> Result<Solutions<6>, KinematicsError> {
         check_finite("the seed", seed)?;
-        let mut solutions = self.solver.solve(target, seed)?;
+        self.polished(target, self.solver.solve(target, seed)?)
+    }
+
+    /// The solutions of which the nearest to `seed` is the nearest of all. What a singular pose leaves free takes its value from
+    /// `free`.
+    fn solve_near(
+        &self,
+        target: &Isometry3<f64>,
+        free: &Joints<6>,
+        seed: &Joints<6>,
+    ) -> Result<Solutions<6>, KinematicsError> {
+        // Polish may change which one is nearest.
+        if !self.solver.is_exact() {
+            return self.solve(target, free);
+        }
+        check_finite("the seed", free)?;
+        let mut found = Collector::nearest(seed, &self.range);
+        self.solver.collect(target, free, &mut found)?;
+        Ok(found.into_solutions())
+    }
+
+    /// The solutions of the real chain from those of the ideal geometry.
+    fn polished(&self, target: &Isometry3<f64>, mut solutions: Solutions<6>) -> Result<Solutions<6>, KinematicsError> {
         if !self.solver.is_exact() {
             solutions.retain_map(|q| self.polish(target, q));
             if solutions.is_empty() {
@@ -178,7 +200,7 @@ impl<S: ClosedForm> InverseKinematics<6> for ClosedFormArm<S> {
     fn inverse(&self, target: &Isometry3<f64>, seed: &Joints<6>) -> Result<Joints<6>, KinematicsError> {
         // What a singular pose leaves free takes its value from the seed, so that must be a possible one.
         let possible = |seed: &Joints<6>| seed.zip_zip_map(self.range.lower(), self.range.upper(), f64::clamp);
-        let solutions = self.solve(target, &possible(seed))?;
+        let solutions = self.solve_near(target, &possible(seed), seed)?;
         let found = nearest_solution(&solutions, seed, &self.range);
         match found {
             Err(KinematicsError::OutsideLimits { excess, .. }) if solutions.wrist_singular() => {

@@ -78,6 +78,7 @@ mod singularity;
 mod singularity_kind;
 mod traits;
 mod trig;
+mod turns;
 #[cfg(feature = "urdf")]
 mod urdf;
 #[cfg(feature = "std")]
@@ -89,7 +90,7 @@ pub use analytic::{ClosedForm, Solutions};
 #[cfg(feature = "std")]
 pub use any_arm::{AnyArm, AnySingularPose, Dexterity};
 pub use arm::{Arm, DriveLimits, InverseMethod};
-pub use branch::{BranchTracker, Candidate, LimitExcess, largest_step, nearest_solution, nearest_turns};
+pub use branch::{BranchTracker, Candidate, largest_step, nearest_solution};
 pub use chain::Chain;
 pub use closed_form::{ClosedFormArm, ParallelAxisArm, SphericalWristArm};
 #[cfg(feature = "std")]
@@ -112,3 +113,4 @@ pub use singularity::{
 };
 pub use singularity_kind::SingularityKind;
 pub use traits::{AnalyticInverse, ForwardKinematics, InverseKinematics, PoseResidual};
+pub use turns::{LimitExcess, nearest_turns};

@@ -6,6 +6,7 @@ mod feed_problem;
 mod inside;
 mod intervals;
 mod lowered;
+mod part;
 mod row_table;
 mod thinned;
 

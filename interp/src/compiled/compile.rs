@@ -71,6 +71,16 @@ impl<const N: usize> Trajectory<'_, N> {
         tolerance: f64,
         interpolation: Interpolation,
     ) -> Result<JointTrajectory<N>, CompileError> {
+        self.compile_following(tolerance, interpolation, false)
+    }
+
+    /// The same, where it goes with pieces whose jerk stays between the smallest and the largest of the plan (`follows_jerk`).
+    pub(super) fn compile_following(
+        &self,
+        tolerance: f64,
+        interpolation: Interpolation,
+        follows_jerk: bool,
+    ) -> Result<JointTrajectory<N>, CompileError> {
         positive("tolerance", tolerance)?;
         let plan_keeps_jerk = self.verification().worst_of(Quantity::JointJerk).is_some();
         let keeps_jerk = interpolation == Interpolation::Quintic;
@@ -81,7 +91,7 @@ impl<const N: usize> Trajectory<'_, N> {
         let steps = if plan_keeps_jerk { steps(self)? } else { Vec::new() };
         let mut compiler = Compiler {
             nodes: Nodes::new(self, steps, tolerance, plan_keeps_jerk)?,
-            bounds: Bounds::new(limits, tolerance, keeps_jerk, plan_keeps_jerk),
+            bounds: Bounds::new(limits, tolerance, keeps_jerk, plan_keeps_jerk).following_jerk(follows_jerk),
             interpolation,
             times: vec![0.0],
             pieces: Vec::new(),
@@ -174,7 +184,7 @@ impl<const N: usize> Compiler<'_, '_, N> {
         let most = last - begin;
         let (mut length, mut best) = match self.first(begin, most, from) {
             Ok(first) => first,
-            Err(least) => return self.partial(begin, last, from).map_err(|_| least.error),
+            Err(least) => return self.otherwise(begin, last, from).map_err(|_| least.error),
         };
         while 2 * length <= most {
             let Ok(fit) = self.attempt(begin, begin + 2 * length, from, Shape::Full) else { break };
@@ -202,6 +212,19 @@ impl<const N: usize> Compiler<'_, '_, N> {
         Err(least.unwrap_or(Misfit { excess: f64::INFINITY, error: CompileError::AccelerationSteps }))
     }
 
+    /// A piece where none follows the jerk of the plan: one that keeps the limits, or one that does not end in the planned state.
+    fn otherwise(&mut self, begin: usize, last: usize, from: &State<N>) -> Result<Fit<N>, Misfit> {
+        let follows_jerk = self.bounds.follows_jerk();
+        self.bounds = self.bounds.following_jerk(false);
+        let short = if follows_jerk { self.first(begin, last - begin, from).ok() } else { None };
+        let fit = match short {
+            Some((_, fit)) => Ok(fit),
+            None => self.partial(begin, last, from),
+        };
+        self.bounds = self.bounds.following_jerk(follows_jerk);
+        fit
+    }
+
     /// A short piece that does not end in the planned state: the next one makes up for it.
     fn partial(&mut self, begin: usize, last: usize, from: &State<N>) -> Result<Fit<N>, Misfit> {
         let mut result = self.attempt(begin, begin + 1, from, Shape::WithoutPosition);
@@ -226,7 +249,9 @@ impl<const N: usize> Compiler<'_, '_, N> {
             (Shape::WithoutPosition, _) => quartic(from, &to, h),
             (Shape::ConstantJerk, _) => constant_jerk(from, &to.qdd, h),
         };
-        let deviation = self.bounds.check(&piece, h, nodes)?;
+        // Other shapes are there for what the plan cannot be followed in.
+        let follows_jerk = self.bounds.follows_jerk() && shape == Shape::Full;
+        let deviation = self.bounds.following_jerk(follows_jerk).check(&piece, h, nodes)?;
         let state = if shape == Shape::Full { to } else { state(&piece, h) };
         Ok(Fit { end, piece, state, deviation })
     }

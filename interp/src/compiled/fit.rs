@@ -22,6 +22,8 @@ pub(super) struct Bounds<const N: usize> {
     jerk: Joints<N>,
     /// The limit on the jerk of the plan; infinite where it has none.
     plan_jerk: Joints<N>,
+    /// Whether the jerk of a piece stays between the smallest and the largest of the plan.
+    follows_jerk: bool,
     tolerance: f64,
 }
 
@@ -43,7 +45,24 @@ impl<const N: usize> Bounds<N> {
     /// For pieces with limited jerk (`keeps_jerk`), of a plan that limits it (`plan_keeps_jerk`).
     pub fn new(limits: &JointLimits<N>, tolerance: f64, keeps_jerk: bool, plan_keeps_jerk: bool) -> Self {
         let jerk = |kept: bool| if kept { *limits.jerk() } else { Joints::repeat(f64::INFINITY) };
-        Self { limits: *limits, jerk: jerk(keeps_jerk), plan_jerk: jerk(plan_keeps_jerk), tolerance }
+        Self {
+            limits: *limits,
+            jerk: jerk(keeps_jerk),
+            plan_jerk: jerk(plan_keeps_jerk),
+            follows_jerk: false,
+            tolerance,
+        }
+    }
+
+    /// The same for pieces whose jerk stays between the smallest and the largest of the plan over their time: a limit on jerk that is
+    /// not constant, or not one of the joints, is kept as the plan keeps it.
+    pub fn following_jerk(self, follows_jerk: bool) -> Self {
+        Self { follows_jerk, ..self }
+    }
+
+    /// Whether the jerk of pieces follows that of the plan.
+    pub fn follows_jerk(&self) -> bool {
+        self.follows_jerk
     }
 
     /// Checks the piece `c` that starts at `t`, over the samples `nodes` at which it begins and ends and all between.
@@ -59,6 +78,9 @@ impl<const N: usize> Bounds<N> {
             let c: [f64; 6] = std::array::from_fn(|k| c[k][joint]);
             let [acceleration, jerk] = self.check_limits(&c, h, joint, t)?;
             (largest[0][joint], largest[1][joint]) = (acceleration, jerk);
+        }
+        if self.follows_jerk {
+            self.check_jerk_of_plan(c, h, nodes.clone())?;
         }
         self.check_deviation(c, &largest, nodes)
     }
@@ -102,6 +124,49 @@ impl<const N: usize> Bounds<N> {
             exceeds(Quantity::JointPosition, largest(off, places), half)?;
         }
         Ok([largest_acceleration.0.abs(), largest_jerk.0.abs()])
+    }
+
+    /// The jerk of the piece between the smallest and the largest of the plan.
+    fn check_jerk_of_plan<'n>(
+        &self,
+        c: &Coefficients<N>,
+        h: f64,
+        nodes: impl Iterator<Item = &'n Node<N>>,
+    ) -> Result<(), Misfit> {
+        // By so much of the largest jerk, and of the limit, the jerk may be beyond.
+        const BEYOND: f64 = 2e-3;
+        const NEGLIGIBLE: f64 = 1e-3;
+        let [mut least, mut most] = [f64::INFINITY, f64::NEG_INFINITY].map(Joints::<N>::repeat);
+        let (mut last, mut start): (Option<&Node<N>>, _) = (None, 0.0);
+        for node in nodes {
+            if let Some(last) = last {
+                // The mean between two samples, and with it the end.
+                let mean = (node.before - last.state.qdd) / (node.t - last.t);
+                for jerk in [last.jerk, mean, mean * 2.0 - last.jerk] {
+                    (least, most) = (least.inf(&jerk), most.sup(&jerk));
+                }
+            } else {
+                start = node.t;
+            }
+            last = Some(node);
+        }
+        for joint in 0..N {
+            let [j0, j1, j2] = [6.0 * c[3][joint], 24.0 * c[4][joint], 60.0 * c[5][joint]];
+            let (middle, half) = (0.5 * (least[joint] + most[joint]), 0.5 * (most[joint] - least[joint]));
+            let size = least[joint].abs().max(most[joint].abs());
+            let allowed = half + BEYOND * size + NEGLIGIBLE * self.jerk[joint].min(self.plan_jerk[joint]);
+            let off = |x: f64| j0 + x * (j1 + x * j2) - middle;
+            let (value, tau) = largest(off, [0.0, h, inside(-0.5 * j1 / j2, h)]);
+            // Not `>`: a NaN has to show.
+            let keeps = value.abs() <= allowed;
+            if !keeps {
+                let limit = LimitId::joint(Quantity::JointJerk, joint);
+                let (value, t) = (middle + value, start + tau);
+                let error = CompileError::Limit { limit, value, allowed: middle.abs() + allowed, t };
+                return Err(Misfit { excess: (value - middle).abs() / allowed, error });
+            }
+        }
+        Ok(())
     }
 
     /// The bound of the deviation: the larger one of two neighbouring samples, and what the second derivative of the deviation can

@@ -27,7 +27,7 @@ pub use certificate::{Certificate, CertifiedBound, CertifiedJump, certify};
 pub use certified_limit::CertifiedLimit;
 pub use error::{CompileError, JointTrajectoryError};
 pub use joint_trajectory::{Deviation, Interpolation, JointSetpoint, JointTrajectory};
-pub use motion_certificate::MotionCertificate;
+pub use motion_certificate::{CertifiedFeed, MotionCertificate};
 pub use plan::CompiledPlan;
 pub use points::JointPoint;
 pub use sampling::{JointCursor, JointSetpoints};

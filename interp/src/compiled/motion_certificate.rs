@@ -18,12 +18,24 @@ use crate::verify::JointRates;
 /// What a compiled motion makes of the limits that its plan was asked to keep: a [`CertifiedLimit`] for each of them.
 ///
 /// Position, velocity, acceleration and jerk of the joints, torque, tables of all three; feed, angular speed, tangential and normal
-/// acceleration of the tool, and the magnitudes of its acceleration and jerk. Limits on tangential and normal jerk, on the chord error and
-/// feeds of single sections are those of the plan alone.
+/// acceleration of the tool, and the magnitudes of its acceleration and jerk. Limits on tangential and normal jerk and on the chord error
+/// are those of the plan alone.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MotionCertificate {
     tool: ToolCertificate,
+    feeds: Vec<CertifiedFeed>,
     limits: Vec<CertifiedLimit>,
+}
+
+/// A part of a motion with one programmed feed, and what the motion does not exceed there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CertifiedFeed {
+    /// The time at which the plan comes to this part of the path, s.
+    pub from: f64,
+    /// The time at which it leaves it, s.
+    pub to: f64,
+    /// The feed of the section, or that of the limits where no section is.
+    pub limit: CertifiedLimit,
 }
 
 impl MotionCertificate {
@@ -39,9 +51,12 @@ impl MotionCertificate {
             limits.extend(of_torque(torque, compiled)?);
         }
         limits.extend(of_tables(plan, compiled)?);
+        let feeds = feeds(arm, plan, compiled, &tool);
+        let by_ratio = |a: &&CertifiedFeed, b: &&CertifiedFeed| a.limit.ratio().total_cmp(&b.limit.ratio());
+        limits.extend(feeds.iter().max_by(by_ratio).map(|feed| feed.limit));
         limits.extend(of_tool(plan, &tool));
         limits.extend(of_magnitudes(arm, plan, compiled));
-        Ok(Self { tool, limits })
+        Ok(Self { tool, feeds, limits })
     }
 
     /// Bounds on the motion of the tool, limited or not, and on its deviation from the plan.
@@ -49,7 +64,12 @@ impl MotionCertificate {
         &self.tool
     }
 
-    /// One for each limit that was asked for.
+    /// The programmed feeds in the order of the path: those of its sections, and that of the limits elsewhere.
+    pub fn feeds(&self) -> &[CertifiedFeed] {
+        &self.feeds
+    }
+
+    /// One for each limit that was asked for; of the feeds the one that is used most.
     pub fn limits(&self) -> &[CertifiedLimit] {
         &self.limits
     }
@@ -127,7 +147,6 @@ fn of_tool<const N: usize>(plan: &Trajectory<'_, N>, tool: &ToolCertificate) -> 
     let limits = plan.limits().tool();
     let by_length = |limit: Option<f64>| limit.filter(|_| plan.path().parameter() == PathParameter::ArcLength);
     let all = [
-        (Quantity::Feed, highest_feed(plan)),
         (Quantity::AngularSpeed, limits.angular_speed()),
         (Quantity::TangentialAcceleration, by_length(limits.tangential_acceleration())),
         (Quantity::NormalAcceleration, by_length(limits.normal_acceleration())),
@@ -135,16 +154,42 @@ fn of_tool<const N: usize>(plan: &Trajectory<'_, N>, tool: &ToolCertificate) -> 
     all.into_iter().filter_map(|(quantity, limit)| Some(tool_line(tool.of(quantity)?, limit?))).collect()
 }
 
-/// The highest feed that is programmed anywhere: sections take the place of the feed of the limits.
-fn highest_feed<const N: usize>(plan: &Trajectory<'_, N>) -> Option<f64> {
+/// The feeds that are programmed along the path, each with the times between which the plan is there: those of its sections, and the
+/// one of the limits elsewhere.
+fn feeds<const N: usize>(
+    arm: &dyn ForwardKinematics<N>,
+    plan: &Trajectory<'_, N>,
+    compiled: &JointTrajectory<N>,
+    whole: &ToolCertificate,
+) -> Vec<CertifiedFeed> {
     // A gap this small between sections is rounding.
     const GAP: f64 = 1e-9;
-    let (sections, slack) = (plan.sections(), GAP * plan.path().length());
-    let follows = |to: f64, section: &Section| (section.from <= to + slack).then_some(section.to);
-    let covered = sections.iter().try_fold(0.0, follows).is_some_and(|to| to >= plan.path().length() - slack);
     let elsewhere = plan.limits().tool().feed();
-    let highest = sections.iter().map(|section| section.feed).reduce(f64::max);
-    if covered { highest } else { [elsewhere, highest].into_iter().flatten().reduce(f64::max) }
+    let certified = |[from, to]: [f64; 2], bound: &ToolBound, limit: f64| CertifiedFeed {
+        from,
+        to,
+        limit: tool_line(bound, limit),
+    };
+    if plan.sections().is_empty() {
+        let feed = whole.of(Quantity::Feed).zip(elsewhere);
+        return feed.map(|(bound, limit)| certified([0.0, compiled.duration()], bound, limit)).into_iter().collect();
+    }
+    let (length, mut from, mut stretches) = (plan.path().length(), 0.0, Vec::new());
+    let end = Section { from: length, to: length, feed: f64::INFINITY };
+    for section in plan.sections().iter().chain([&end]) {
+        if section.from - from > GAP * length {
+            stretches.extend(elsewhere.map(|feed| Section { from, to: section.from, feed }));
+        }
+        if section.to > section.from {
+            stretches.push(*section);
+        }
+        from = section.to;
+    }
+    let at = |s: f64| plan.law().time_at_position(s);
+    let times: Vec<[f64; 2]> = stretches.iter().map(|section| [at(section.from), at(section.to)]).collect();
+    let bounds = compiled.certify_feeds(arm, &times);
+    let lines = times.iter().zip(&bounds).zip(&stretches);
+    lines.map(|((times, bound), section)| certified(*times, bound, section.feed)).collect()
 }
 
 fn of_magnitudes<const N: usize>(

@@ -46,6 +46,8 @@ pub(super) struct Node<const N: usize> {
     pub t: f64,
     pub kind: Kind,
     pub state: State<N>,
+    /// The jerk just after.
+    pub jerk: Joints<N>,
     /// The acceleration just before.
     pub before: Joints<N>,
 }
@@ -113,11 +115,11 @@ impl<'t, 'p, const N: usize> Nodes<'t, 'p, N> {
         let node = match kind {
             Kind::Step(i) => {
                 let step = &self.steps[i];
-                Node { t, kind, state: step.after, before: step.before.qdd }
+                Node { t, kind, state: step.after, jerk: Joints::zeros(), before: step.before.qdd }
             }
             _ => {
                 let at = self.setpoints.at(t)?;
-                Node { t, kind, state: State { q: at.q, qd: at.qd, qdd: at.qdd }, before: at.qdd }
+                Node { t, kind, state: State { q: at.q, qd: at.qd, qdd: at.qdd }, jerk: at.jerk, before: at.qdd }
             }
         };
         self.made.push_back(node);

@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use super::error::CompileError;
-use super::joint_trajectory::JointTrajectory;
+use super::joint_trajectory::{Interpolation, JointTrajectory};
 use super::motion_certificate::MotionCertificate;
+use crate::limits::{JointTables, TableKind};
 use crate::path::MotionPath;
 use crate::planner::Planner;
 use crate::problem::Held;
@@ -54,8 +55,7 @@ impl<'a, const N: usize> Planner<'a, N> {
     /// The compiled motion was certified. At all times it keeps the limits that a [`MotionCertificate`] lists: those of the joints,
     /// constant or by tables, of their torques, and of the tool. Where the pieces would exceed a limit of the tool, a torque or a table
     /// by more than 1 %, they are made closer to the plan than `tolerance` asks for; what is exceeded by less, or still, is planned again with
-    /// less of that limit. Limits on tangential and normal jerk and on the chord error are those of the plan alone,
-    /// and feeds of sections are.
+    /// less of that limit. Limits on tangential and normal jerk and on the chord error are those of the plan alone.
     ///
     /// # Errors
     /// [`CompileError::Plan`] as [`Planner::plan`], others as [`Trajectory::compile_with`]; [`CompileError::Exceeded`] where the motion
@@ -108,8 +108,14 @@ impl<'a, const N: usize> Planner<'a, N> {
         tolerance: f64,
         closeness: &mut Closeness,
     ) -> Result<Made<N>, CompileError> {
+        // The fit knows constant limits of the joints.
+        let by_table = |tables: &JointTables<N>| {
+            [TableKind::JerkBySpeed, TableKind::JerkByPosition].iter().any(|kind| tables.has(*kind))
+        };
+        let limits = plan.limits();
+        let follows_jerk = limits.tool().jerk().is_some() || limits.tables().is_some_and(by_table);
         let make = |part: f64| -> Result<(f64, Made<N>), CompileError> {
-            let compiled = plan.compile(tolerance * part)?;
+            let compiled = plan.compile_following(tolerance * part, Interpolation::Quintic, follows_jerk)?;
             let certificate = MotionCertificate::of(self.settings().arm, plan, &compiled)?;
             let excess = certificate.exceeded(TOLERANCE).map(|limit| limit.ratio() - 1.0).fold(0.0, f64::max);
             Ok((excess, (compiled, certificate)))

@@ -82,6 +82,39 @@ impl<const N: usize> JointTrajectory<N> {
         let deviation = self.deviation().map(|deviation| reach.per_unit().map(|moved| moved * deviation.bound));
         ToolCertificate { bounds: search.finish(QUANTITIES), deviation }
     }
+
+    /// Bounds on the feed of the tool between two times (s) each.
+    pub(super) fn certify_feeds(&self, arm: &dyn ForwardKinematics<N>, stretches: &[[f64; 2]]) -> Vec<ToolBound> {
+        let motion = Motion { times: self.times(), pieces: self.coefficients() };
+        let reach = Reach::of(arm, &motion);
+        let one = |&[from, to]: &[f64; 2]| {
+            let mut search = ToolSearch::new(motion, |[q, qd, _, _]| {
+                let twist: Twist = arm.configuration(&q).jacobian() * qd;
+                ([twist.fixed_rows::<3>(0).norm()], ())
+            });
+            let first = self.times().partition_point(|t| *t <= from).saturating_sub(1);
+            let pieces = (first..self.len()).take_while(|&piece| piece == first || self.times()[piece] < to);
+            let of = |piece: usize| {
+                let (begin, h) = (self.times()[piece], motion.duration(piece));
+                let within = [from, to].map(|t| (t - begin).max(0.0).min(h));
+                (piece, within, JointRateBounds::of(&motion, piece))
+            };
+            for (piece, within, rates) in pieces.clone().map(of) {
+                let [point, ..] = reach.largest_rates(&rates);
+                search.look_within(piece, within, [point]);
+            }
+            for (piece, within, rates) in pieces.map(of) {
+                let [third, _] = reach.point_rates(&rates);
+                search.enclose_within(piece, within, |a, b| {
+                    let d = b.tau - a.tau;
+                    [a.sizes[0].max(b.sizes[0]) + 0.125 * d * d * third]
+                });
+            }
+            let [feed] = search.finish([Quantity::Feed]);
+            feed
+        };
+        stretches.iter().map(one).collect()
+    }
 }
 
 /// Velocity and acceleration of the tool point.

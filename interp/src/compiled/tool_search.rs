@@ -71,29 +71,40 @@ where
         Moment { tau, sizes, data }
     }
 
-    fn intervals(&self, piece: usize) -> usize {
-        (self.motion.duration(piece) / LONGEST).ceil().max(1.0).min(MOST_DIVISIONS as f64) as usize
-    }
-
     /// Samples a piece on which the joints could bring the quantities to these sizes.
     pub fn look(&mut self, piece: usize, possible: [f64; K]) {
+        self.look_within(piece, [0.0, self.motion.duration(piece)], possible);
+    }
+
+    /// The same between two times since the start of the piece, s.
+    pub fn look_within(&mut self, piece: usize, [from, to]: [f64; 2], possible: [f64; K]) {
         for (least, size) in self.least.iter_mut().zip(possible) {
             *least = least.max(NEGLIGIBLE * size);
         }
-        let (h, n) = (self.motion.duration(piece), self.intervals(piece));
+        let n = intervals(to - from);
         for i in 0..=n {
-            self.moment(piece, h * i as f64 / n as f64);
+            self.moment(piece, from + (to - from) * i as f64 / n as f64);
         }
     }
 
     /// Divides a piece until its bounds are near the largest sizes found anywhere; `between` gives the sizes that are not exceeded between
     /// two moments of it.
     pub fn enclose(&mut self, piece: usize, between: impl Fn(&Moment<D, K>, &Moment<D, K>) -> [f64; K]) {
-        let (h, n) = (self.motion.duration(piece), self.intervals(piece));
+        self.enclose_within(piece, [0.0, self.motion.duration(piece)], between);
+    }
+
+    /// The same between two times since the start of the piece, s.
+    pub fn enclose_within(
+        &mut self,
+        piece: usize,
+        [from, to]: [f64; 2],
+        between: impl Fn(&Moment<D, K>, &Moment<D, K>) -> [f64; K],
+    ) {
+        let n = intervals(to - from);
         let mut open = Vec::with_capacity(n + 32);
-        let mut begin = self.moment(piece, 0.0);
+        let mut begin = self.moment(piece, from);
         for i in 1..=n {
-            let end = self.moment(piece, h * i as f64 / n as f64);
+            let end = self.moment(piece, from + (to - from) * i as f64 / n as f64);
             open.push((begin, end));
             begin = end;
         }
@@ -127,4 +138,9 @@ where
             bound: self.bounds[k] * (1.0 + ROUNDING),
         })
     }
+}
+
+/// Intervals at the start of the search over some time, s.
+fn intervals(time: f64) -> usize {
+    (time / LONGEST).ceil().max(1.0).min(MOST_DIVISIONS as f64) as usize
 }

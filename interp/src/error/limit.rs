@@ -74,6 +74,16 @@ pub enum LimitError {
         /// The most that are taken.
         most: usize,
     },
+    /// The windows in which long paths are planned are too short or too long.
+    #[error("windows of {intervals} intervals: a window takes {fewest} to {most}; 2000 to 20000 are usual")]
+    Window {
+        /// Intervals asked for.
+        intervals: usize,
+        /// The fewest that are taken.
+        fewest: usize,
+        /// The most.
+        most: usize,
+    },
     /// A section with a feed of its own is not a part of the path.
     #[error("feed section {}, {from} to {to} {unit}: {rule}", index + 1)]
     Section {

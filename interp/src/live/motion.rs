@@ -431,7 +431,9 @@ impl<'a, const N: usize> HybridMotion<'a, N> {
     fn on_path_at(&self, state: MotionState) -> Setpoint<N> {
         let (path, t) = (self.live.path(), self.cycles as f64 * self.live.period());
         // The path was followed before, so that the inverse is there; should it fail by rounding, the series from the grid is good.
-        let jet = path.jet(state.p, &self.last.q).unwrap_or_else(|_| self.live.joint_path().near(state.p));
-        jet.setpoint(t, &state, path.pose_path().jet(state.p).pose)
+        match path.jet_with_tool(state.p, &self.last.q) {
+            Ok((jet, Some(tool))) => jet.setpoint(t, &state, tool.pose),
+            _ => self.live.joint_path().near(state.p).setpoint(t, &state, path.pose_path().jet(state.p).pose),
+        }
     }
 }

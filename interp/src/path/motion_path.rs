@@ -3,6 +3,7 @@
 use arcfeed_geometry::{PoseJet, PosePath};
 use arcfeed_kinematics::Joints;
 
+use super::inverse::rounding_of_parameter;
 use super::jet::JointJet;
 use crate::error::PathError;
 use crate::place::{PathParameter, PathPlace};
@@ -51,14 +52,23 @@ pub trait MotionPath<const N: usize>: std::fmt::Debug + Send + Sync {
         None
     }
 
+    /// [`MotionPath::jet`] and [`MotionPath::tool`] at once, for paths that need the tool to find the joints.
+    ///
+    /// # Errors
+    /// As [`MotionPath::jet`].
+    fn jet_with_tool(&self, s: f64, near: &Joints<N>) -> Result<(JointJet<N>, Option<PoseJet>), PathError> {
+        Ok((self.jet(s, near)?, self.tool(s)))
+    }
+
     /// The curve of the tool, where the path is one: its chords can be bounded and parts of it can have a feed of their own.
     fn tool_curve(&self) -> Option<&PosePath> {
         None
     }
 
     /// By how much rounding may have moved each joint of a setpoint at `s` and `q`, rad.
-    fn rounding(&self, _s: f64, q: &Joints<N>) -> Joints<N> {
-        q.map(|value| 16.0 * f64::EPSILON * value.abs())
+    fn rounding(&self, s: f64, q: &Joints<N>) -> Joints<N> {
+        let slope = self.jet(s, q).map_or(Joints::repeat(0.0), |jet| jet.d1);
+        q.map(|value| 16.0 * f64::EPSILON * value.abs()) + rounding_of_parameter(&slope, self.length())
     }
 
     /// The place at `s`, for messages.

@@ -83,12 +83,18 @@ impl<const N: usize> MotionPath<N> for PoseMove<'_, N> {
     }
 
     fn jet(&self, s: f64, near: &Joints<N>) -> Result<JointJet<N>, PathError> {
+        self.jet_with_tool(s, near).map(|(jet, _)| jet)
+    }
+
+    fn jet_with_tool(&self, s: f64, near: &Joints<N>) -> Result<(JointJet<N>, Option<PoseJet>), PathError> {
+        let tool = self.motion.jet(s);
         let jet = match passage_at(&self.passages, s) {
             Some(passage) => passage.jet(s),
-            None => inverse::jet_near(self.arm, s, &self.motion.jet(s), near)
+            None => inverse::jet_near(self.arm, s, &tool, near)
                 .map_err(|source| PathError::Arm { place: self.place(s), source })?,
         };
-        Ok(JointJet { d1: settled(jet.d1), d2: settled(jet.d2), d3: settled(jet.d3), ..jet })
+        let jet = JointJet { d1: settled(jet.d1), d2: settled(jet.d2), d3: settled(jet.d3), ..jet };
+        Ok((jet, Some(tool)))
     }
 
     fn tool(&self, s: f64) -> Option<PoseJet> {

@@ -173,6 +173,15 @@ impl<const N: usize> MotionPath<N> for ToolPath<'_, N> {
         inverse::jet_near(self.arm, s, &self.path.jet(s), near).map_err(self.refused(s))
     }
 
+    fn jet_with_tool(&self, s: f64, near: &Joints<N>) -> Result<(JointJet<N>, Option<PoseJet>), PathError> {
+        let tool = self.path.jet(s);
+        let jet = match passage_at(&self.passages, s) {
+            Some(passage) => passage.jet(s),
+            None => inverse::jet_near(self.arm, s, &tool, near).map_err(self.refused(s))?,
+        };
+        Ok((jet, Some(tool)))
+    }
+
     fn jet_before(&self, after: &JointJet<N>) -> Result<JointJet<N>, PathError> {
         if passage_at(&self.passages, after.s).is_some() {
             return Ok(*after);

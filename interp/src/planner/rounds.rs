@@ -3,9 +3,10 @@
 use std::time::{Duration, Instant};
 
 use arcfeed_feedrate::{
-    ChosenLaw, ContinuousAccelerationScan, Fallback, FeedPlanner, JerkLimited, JerkLimitedOrScan, LimitId, SpeedLaw,
+    ContinuousAccelerationScan, Fallback, FeedPlanner, JerkLimited, JerkLimitedOrScan, LimitId, SpeedLaw,
 };
 
+use super::windows::{Chosen, MOST_AT_ONCE};
 use super::{Planner, unverified};
 use crate::error::{LimitError, PlanError};
 use crate::lowering::{TOLERANCE, exceeded_stretches, fraction, lower_where_exceeded, lowerable};
@@ -116,7 +117,11 @@ impl<'a, const N: usize> Planner<'a, N> {
     {
         let problem = PathProblem::new(&self.settings, path, self.method.needs(), self.method.is_by_interval())?;
         let has_tool_curve = problem.path().tool_curve().is_some();
-        if self.method == Method::JerkLimited && has_tool_curve { Ok(resolved(problem)?) } else { Ok(problem) }
+        if self.method == Method::JerkLimited && has_tool_curve {
+            Ok(resolved(problem, MOST_AT_ONCE)?)
+        } else {
+            Ok(problem)
+        }
     }
 
     fn check_ends_of_whole_cycles(&self) -> Result<(), PlanError> {
@@ -165,9 +170,12 @@ impl<'a, const N: usize> Planner<'a, N> {
         Ok(Some(slower.map_err(|error| problem.explained(error))?))
     }
 
-    fn choose(&self, problem: &PathProblem<'_, N>, used: &LimitFractions) -> Result<ChosenLaw, PlanError> {
+    fn choose(&self, problem: &PathProblem<'_, N>, used: &LimitFractions) -> Result<Chosen, PlanError> {
+        if self.plans_in_windows(problem.intervals()) {
+            return self.choose_in_windows(problem, used);
+        }
         let rows = problem.rows_within(used, self.method.needs())?;
-        Ok(self.method.choose(&rows).map_err(|error| problem.explained(error))?)
+        Ok(self.method.choose(&rows).map_err(|error| problem.explained(error))?.into())
     }
 
     /// Parts into which to divide the intervals on which a law exceeds limits; none where that makes too many.
@@ -194,13 +202,16 @@ impl<'a, const N: usize> Planner<'a, N> {
         problem: &PathProblem<'_, N>,
         used: &LimitFractions,
         law: &SpeedLaw,
-    ) -> Result<ChosenLaw, PlanError> {
+    ) -> Result<Chosen, PlanError> {
+        if self.plans_in_windows(problem.intervals()) {
+            return self.choose_in_windows(problem, used);
+        }
         let rows = problem.rows_within(used, self.method.needs())?;
-        Ok(self.method.choose_near(&rows, law).map_err(|error| problem.explained(error))?)
+        Ok(self.method.choose_near(&rows, law).map_err(|error| problem.explained(error))?.into())
     }
 
     /// The law; where the planner did not converge on a grid of equal steps, the fastest of several grids.
-    fn choose_over_grids(&self, problem: &mut PathProblem<'_, N>) -> Result<ChosenLaw, PlanError> {
+    fn choose_over_grids(&self, problem: &mut PathProblem<'_, N>) -> Result<Chosen, PlanError> {
         // Another attempt of a planner that did not converge does not take a finer grid than this.
         const MOST_AGAIN: usize = 8000;
         let full = LimitFractions::default();
@@ -234,13 +245,16 @@ impl<'a, const N: usize> Planner<'a, N> {
 
     /// The law on a grid whose intervals are divided where a draft says that their length costs time, from that draft, or the scan's
     /// where that is shorter; none where the planner makes no drafts or did not converge.
-    fn choose_by_draft(&self, problem: &mut PathProblem<'_, N>) -> Option<ChosenLaw> {
-        if self.method != Method::JerkLimited {
+    fn choose_by_draft(&self, problem: &mut PathProblem<'_, N>) -> Option<Chosen> {
+        // On grids of fewer intervals a finer one may lose: limits hold at more points there, and its first and last interval are shorter.
+        const FEW: usize = 50;
+        if self.method != Method::JerkLimited || self.plans_in_windows(problem.intervals()) {
             return None;
         }
         let full = LimitFractions::default();
         let rows = problem.rows_within(&full, self.method.needs()).ok()?;
         let draft = JerkLimited::draft(&rows).ok()?;
+        let coarse = if rows.intervals() < FEW { JerkLimited::default().plan(&rows).ok() } else { None };
         // On grids of more intervals the planner is not compared with the scan.
         let is_coarse = rows.intervals() <= JerkLimitedOrScan::COARSE_INTERVALS;
         let scanned = if is_coarse { ContinuousAccelerationScan.plan(&rows).ok() } else { None };
@@ -251,9 +265,12 @@ impl<'a, const N: usize> Planner<'a, N> {
             *problem = finer;
         }
         let mut chosen = self.choose_near(problem, &full, &draft.law).ok()?;
+        if let Some(law) = coarse.filter(|law| law.duration() < chosen.law.duration()) {
+            chosen = Chosen { law, fallback: None, ..chosen };
+        }
         if let Some(law) = scanned.filter(|law| law.duration() < chosen.law.duration()) {
             let fallback = chosen.fallback.or(Some(Fallback::Slower { duration: chosen.law.duration() }));
-            chosen = ChosenLaw { law, fallback, converged: chosen.converged, grid_costs: Vec::new() };
+            chosen = Chosen { law, fallback, converged: chosen.converged, windows: None };
         }
         self.choose_shorter_than_scan(problem, &mut chosen);
         chosen.converged.then_some(chosen)
@@ -261,7 +278,7 @@ impl<'a, const N: usize> Planner<'a, N> {
 
     /// Where the scan's law is the shorter one, jerk changes between the grid points: halves all intervals, as long as that makes the
     /// law shorter.
-    fn choose_shorter_than_scan(&self, problem: &mut PathProblem<'_, N>, chosen: &mut ChosenLaw) {
+    fn choose_shorter_than_scan(&self, problem: &mut PathProblem<'_, N>, chosen: &mut Chosen) {
         // As long as the grid has no more intervals than that.
         const MOST_HALVED: usize = 4000;
         while matches!(chosen.fallback, Some(Fallback::Slower { .. })) && problem.intervals() <= MOST_HALVED {
@@ -277,7 +294,7 @@ impl<'a, const N: usize> Planner<'a, N> {
     fn info(
         &self,
         problem: &PathProblem<'_, N>,
-        chosen: &ChosenLaw,
+        chosen: &Chosen,
         (rounds, refined): (usize, usize),
         used: &LimitFractions,
     ) -> PlanInfo {
@@ -287,6 +304,7 @@ impl<'a, const N: usize> Planner<'a, N> {
             fallback: chosen.fallback,
             rounds,
             intervals: problem.intervals(),
+            windows: chosen.windows.clone(),
             refined,
             lowered: used.lowered(),
             slowed: used.everywhere(),

@@ -38,7 +38,7 @@ pub(crate) fn jumps<const N: usize>(
         let square = step.component_div(&of).min();
         (square < f64::INFINITY).then(|| Jump { at: i, of, reach: period * square.sqrt().min(fastest) })
     };
-    (1..joints.intervals()).filter(|i| !stops.contains(i)).filter_map(one).collect()
+    (1..joints.intervals()).filter(|i| stops.binary_search(i).is_err()).filter_map(one).collect()
 }
 
 /// For every interval the sum of the jumps that it is near to.

@@ -279,8 +279,8 @@ impl<'p, const N: usize> PathProblem<'p, N> {
         near: &JointJet<N>,
     ) -> Result<(crate::setpoint::Setpoint<N>, JointJet<N>), PlanError> {
         let path = self.path.get();
-        let jet = path.jet(state.p, &near.ahead(state.p - near.s))?;
-        let pose = path.tool(state.p).map_or_else(|| self.settings.arm.forward(&jet.q), |tool| tool.pose);
+        let (jet, tool) = path.jet_with_tool(state.p, &near.ahead(state.p - near.s))?;
+        let pose = tool.map_or_else(|| self.settings.arm.forward(&jet.q), |tool| tool.pose);
         Ok((jet.setpoint(t, state, pose), jet))
     }
 
@@ -393,7 +393,7 @@ fn sides<const N: usize>(joints: &JointPath<N>, stops: &[usize]) -> [[Vec<f64>; 
         let (left, right) = joints.sides(i);
         // At a smooth knot both sides are the same but for rounding, which must not count as a corner or a jump.
         let jumps = (left.d2 - right.d2).amax() > 1e-7 * (1.0 + left.d2.amax());
-        let (first, second) = match (stops.contains(&i), jumps) {
+        let (first, second) = match (stops.binary_search(&i).is_ok(), jumps) {
             (true, _) => (&left.d1, &left.d2),
             (false, true) => (&right.d1, &left.d2),
             (false, false) => (&right.d1, &right.d2),

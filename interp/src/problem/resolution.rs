@@ -1,9 +1,8 @@
 //! A grid fine enough for a motion: intervals are short in time where the speed changes, and short where the third derivatives of the
 //! joints bend.
 
-use arcfeed_feedrate::{ContinuousAccelerationScan, FeedPlanner, MotionState, SpeedLaw};
+use arcfeed_feedrate::{ContinuousAccelerationScan, FeedPlanner, FeedProblem, MotionState, SpeedLaw};
 
-use super::fractions::LimitFractions;
 use super::grid;
 use super::needs::RowsNeeded;
 use super::path_problem::PathProblem;
@@ -37,8 +36,28 @@ impl Place {
     }
 }
 
-/// The problem on a finer grid, by the law of the continuous-acceleration scan; the same problem where that finds none.
-pub(crate) fn resolved<const N: usize>(problem: PathProblem<'_, N>) -> Result<PathProblem<'_, N>, PlanError> {
+/// The problem on a finer grid, by the law of the continuous-acceleration scan; the same problem where that finds none. Longer grids are
+/// looked at in parts of `most` intervals, each from rest to rest.
+pub(crate) fn resolved<const N: usize>(
+    problem: PathProblem<'_, N>,
+    most: usize,
+) -> Result<PathProblem<'_, N>, PlanError> {
+    let n = problem.intervals();
+    let parts = n.div_ceil(most).max(1);
+    let (mut grid, mut is_finer) = (vec![0.0], false);
+    for part in 0..parts {
+        let (from, to) = (part * n / parts, (part + 1) * n / parts);
+        let rows = problem.rows_of(from..to, RowsNeeded::Jerk)?;
+        let finer = ContinuousAccelerationScan.plan(&rows).ok().map(|law| finer(&problem, &rows, &law, from));
+        is_finer |= finer.is_some();
+        grid.pop();
+        grid.extend(finer.unwrap_or_else(|| rows.grid().to_vec()));
+    }
+    if is_finer { problem.on_grid(grid) } else { Ok(problem) }
+}
+
+/// A finer grid for the intervals of `rows`, the first of which is the interval `first` of the problem.
+fn finer<const N: usize>(problem: &PathProblem<'_, N>, rows: &FeedProblem, law: &SpeedLaw, first: usize) -> Vec<f64> {
     // Part of the time in which a joint's acceleration builds up that an interval takes at the most where the speed changes.
     const OF_BUILD_UP: f64 = 0.1;
     // Part of a limit on jerk by which the middle of an interval may be off the mean of its ends: its middle is in the rows, and what is left
@@ -50,12 +69,10 @@ pub(crate) fn resolved<const N: usize>(problem: PathProblem<'_, N>) -> Result<Pa
     const MOST_PARTS: f64 = 100.0;
     // As many intervals are made for the sake of bends, unless the grid has half as many before.
     const MOST_BENDS: usize = 20_000;
-    let rows = problem.rows_within(&LimitFractions::default(), RowsNeeded::Jerk)?;
-    let Ok(law) = ContinuousAccelerationScan.plan(&rows) else { return Ok(problem) };
     let joints = problem.settings.limits.joints();
     let build_up = joints.acceleration().component_div(joints.jerk());
     let build_up = build_up.iter().copied().filter(|time| *time > 0.0).fold(f64::INFINITY, f64::min);
-    let mut grid = grid::graded(with_changes(rows.grid(), &law, OF_BUILD_UP * build_up));
+    let grid = grid::graded(with_changes(rows.grid(), law, OF_BUILD_UP * build_up));
     let speeds: Vec<f64> = rows.grid().iter().map(|&s| law.v_at_s(s)).collect();
     let shortest = grid::shortest(grid.len(), problem.settings.period);
     let mut k = 0;
@@ -67,16 +84,16 @@ pub(crate) fn resolved<const N: usize>(problem: PathProblem<'_, N>) -> Result<Pa
             }
             let fastest = FASTER * speeds[k].max(speeds[k + 1]);
             let of = (pair[1] - pair[0]) / rows.h(k);
-            let by_bend = of * (problem.third_misfit(k) * fastest.powi(3) / MISFIT).sqrt();
+            let by_bend = of * (problem.third_misfit(first + k) * fastest.powi(3) / MISFIT).sqrt();
             let by_time = (pair[1] - pair[0]) / (shortest * fastest);
             by_bend.min(by_time).ceil().max(1.0).min(MOST_PARTS) as usize
         })
         .collect();
     // Where bends ask for more than can be planned at once, verification will ask for less of the limits.
-    if parts.iter().sum::<usize>() <= MOST_BENDS.max(2 * grid.len()) {
-        grid = grid::refined(&grid, |k| parts[k]);
+    if parts.iter().sum::<usize>() > MOST_BENDS.max(2 * grid.len()) {
+        return grid;
     }
-    problem.on_grid(grid)
+    grid::refined(&grid, |k| parts[k])
 }
 
 /// The grid with places of the law in between, where its speed changes: at most `longest` (s) apart, or a little more on a motion that

@@ -1,12 +1,14 @@
 //! The limits of a path as constraints of the feedrate crate.
 
-use std::ops::RangeInclusive;
+use std::ops::{Range, RangeInclusive};
 
 use arcfeed_feedrate::constraint::{
-    Feed, JointAcceleration, JointJerk, JointVelocity, PathConstraint, PathDerivatives, SpeedCap, Stop,
+    Feed, JointAcceleration, JointJerk, JointVelocity, PathConstraint, PathDerivatives, Place, RowSink, SpeedCap,
     TangentialAcceleration, TangentialJerk,
 };
-use arcfeed_feedrate::{FeedError, FeedProblem, Quantity};
+use arcfeed_feedrate::{
+    FeedError, FeedProblem, IntervalBound, JerkLimited, LimitId, Quantity, WindowedJerkLimited, WindowedPlan,
+};
 use arcfeed_kinematics::Joints;
 
 use super::bounds::BendLimits;
@@ -22,6 +24,26 @@ use crate::place::PathParameter;
 const BETWEEN: f64 = 2e-4;
 
 type Constraints<'c> = Vec<Box<dyn PathConstraint + 'c>>;
+
+/// The stops of a path, in order: one constraint for all of them, as a raster has thousands.
+struct Stops<'c>(&'c [usize]);
+
+impl PathConstraint for Stops<'_> {
+    fn points(&self) -> Option<usize> {
+        None
+    }
+
+    fn rows(&self, place: Place, out: &mut RowSink<'_>) {
+        if let Place::Point(i) = place
+            && self.0.binary_search(&i).is_ok()
+        {
+            out.cap(0.0, LimitId::path(Quantity::Corner));
+        }
+    }
+
+    /// None: where the motion rests needs none.
+    fn interval_bounds(&self, _k: usize, _h: f64, _out: &mut Vec<IntervalBound>) {}
+}
 
 /// What constraints borrow: numbers along the path with a part of each limit.
 struct Numbers<const N: usize> {
@@ -41,31 +63,89 @@ impl<const N: usize> PathProblem<'_, N> {
         self.build(used, needs).map_err(|error| self.explained(error))
     }
 
-    fn build(&self, used: &LimitFractions, needs: RowsNeeded) -> Result<FeedProblem, FeedError> {
-        let between = needs > RowsNeeded::Points;
-        let numbers = self.numbers(used);
-        let derivatives = self.derivatives(&numbers, between)?;
-        let mut constraints = self.speed_and_acceleration_of_joints(&numbers, derivatives, used)?;
-        self.speed_and_acceleration_of_tool(&numbers, used, &mut constraints)?;
-        if needs == RowsNeeded::Jerk {
-            self.jerk(&numbers, derivatives, used, &mut constraints)?;
-        }
-        constraints.extend(self.torque.iter().map(|torque| Box::new(torque.rows(used)) as _));
-        constraints.extend(self.stops.iter().map(|&at| Box::new(Stop { at }) as _));
-        let constraints: Vec<&dyn PathConstraint> = constraints.iter().map(|one| &**one).collect();
-        let problem = match between {
-            true => FeedProblem::between_points(&self.layout.grid, &constraints)?,
-            false => FeedProblem::at_points(&self.layout.grid, &constraints)?,
+    /// The rows of some intervals with all of each limit, from rest to rest but for the ends of the path.
+    pub(super) fn rows_of(&self, intervals: Range<usize>, needs: RowsNeeded) -> Result<FeedProblem, SpeedError> {
+        let part = || {
+            let used = LimitFractions::default();
+            let numbers = self.numbers(&used);
+            let constraints = self.constraints(&numbers, &used, needs)?;
+            self.part(&constraints, &used, intervals)
         };
-        let mut problem = problem.with_end_speeds(self.settings.ends[0], self.settings.ends[1])?;
+        part().map_err(|error| self.explained(error))
+    }
+
+    /// The law of the jerk-limited planner in windows of so many intervals, with a part of each limit.
+    pub(crate) fn planned_in_windows(&self, used: &LimitFractions, window: usize) -> Result<WindowedPlan, SpeedError> {
+        let plan = || {
+            let numbers = self.numbers(used);
+            let constraints = self.constraints(&numbers, used, RowsNeeded::Jerk)?;
+            let windows = WindowedJerkLimited::new(JerkLimited::default(), window)?;
+            windows.plan(self.intervals(), |intervals| self.part(&constraints, used, intervals))
+        };
+        plan().map_err(|error| self.explained(error))
+    }
+
+    fn build(&self, used: &LimitFractions, needs: RowsNeeded) -> Result<FeedProblem, FeedError> {
+        let numbers = self.numbers(used);
+        let constraints = self.constraints(&numbers, used, needs)?;
+        if needs > RowsNeeded::Points {
+            return self.part(&constraints, used, 0..self.intervals());
+        }
+        let all: Vec<&dyn PathConstraint> = constraints.iter().map(|one| &**one).collect();
+        let problem = FeedProblem::at_points(&self.layout.grid, &all)?;
+        self.with_ends_and_fractions(problem, used, 0..self.intervals())
+    }
+
+    /// The rows of some intervals, between their points too.
+    fn part(
+        &self,
+        constraints: &Constraints<'_>,
+        used: &LimitFractions,
+        intervals: Range<usize>,
+    ) -> Result<FeedProblem, FeedError> {
+        let all: Vec<&dyn PathConstraint> = constraints.iter().map(|one| &**one).collect();
+        let problem = FeedProblem::between_points_of(&self.layout.grid, intervals.clone(), &all)?;
+        self.with_ends_and_fractions(problem, used, intervals)
+    }
+
+    /// The rows of some intervals with the speeds at the ends of the path, and with less of the limits that are lowered there.
+    fn with_ends_and_fractions(
+        &self,
+        problem: FeedProblem,
+        used: &LimitFractions,
+        intervals: Range<usize>,
+    ) -> Result<FeedProblem, FeedError> {
+        let [start, end] = self.settings.ends;
+        let start = if intervals.start == 0 { start } else { 0.0 };
+        let end = if intervals.end == self.intervals() { end } else { 0.0 };
+        let mut problem = problem.with_end_speeds(start, end)?;
         for stretch in used.stretches() {
-            problem = problem.with_fraction(
-                stretch.limit,
-                self.intervals_between(stretch.from, stretch.to),
-                stretch.factor,
-            )?;
+            let lowered = self.intervals_between(stretch.from, stretch.to);
+            let (first, last) = (*lowered.start().max(&intervals.start), (*lowered.end()).min(intervals.end - 1));
+            if first <= last {
+                let within = first - intervals.start..=last - intervals.start;
+                problem = problem.with_fraction(stretch.limit, within, stretch.factor)?;
+            }
         }
         Ok(problem)
+    }
+
+    /// All limits, and the stops.
+    fn constraints<'c>(
+        &'c self,
+        numbers: &'c Numbers<N>,
+        used: &LimitFractions,
+        needs: RowsNeeded,
+    ) -> Result<Constraints<'c>, FeedError> {
+        let derivatives = self.derivatives(numbers, needs > RowsNeeded::Points)?;
+        let mut constraints = self.speed_and_acceleration_of_joints(numbers, derivatives, used)?;
+        self.speed_and_acceleration_of_tool(numbers, used, &mut constraints)?;
+        if needs == RowsNeeded::Jerk {
+            self.jerk(numbers, derivatives, used, &mut constraints)?;
+        }
+        constraints.extend(self.torque.iter().map(|torque| Box::new(torque.rows(used)) as _));
+        constraints.push(Box::new(Stops(&self.stops)));
+        Ok(constraints)
     }
 
     fn numbers(&self, used: &LimitFractions) -> Numbers<N> {

@@ -19,6 +19,8 @@ pub(crate) struct Settings<'a, const N: usize> {
     pub period: f64,
     /// Intervals of the grid, where no curve of the tool says how many there have to be.
     pub intervals: usize,
+    /// Intervals of a window in which the jerk-limited planner plans longer grids, where it is set.
+    pub window: Option<usize>,
     /// Whether motions last a whole number of control periods.
     pub whole_cycles: bool,
 }
@@ -32,6 +34,7 @@ impl<const N: usize> std::fmt::Debug for Settings<'_, N> {
             .field("chord_tolerance", &self.chord_tolerance)
             .field("period", &self.period)
             .field("intervals", &self.intervals)
+            .field("window", &self.window)
             .field("whole_cycles", &self.whole_cycles)
             .finish_non_exhaustive()
     }

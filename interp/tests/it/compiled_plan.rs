@@ -92,36 +92,67 @@ fn a_compiled_plan_keeps_every_limit() {
             let [bound, seen] = worst.fold([0.0f64; 2], |m, x| [m[0].max(x[0]), m[1].max(x[1])]);
             assert!(bound >= ratio && seen <= bound && seen >= 0.999 * ratio, "{at}: {bound} {seen} {ratio}");
             assert!(bound > 0.85, "{at}: {bound} does not bind");
-            // Quintics exceed a jump of the jerk by a part of it: limits on jerk cost more.
-            let most = if matches!(kind.quantity(), Quantity::JointJerk | Quantity::ToolJerk) { 1.2 } else { 1.02 };
+            // The magnitude of the tool's jerk is followed joint by joint, which costs more.
+            let most = if kind.quantity() == Quantity::ToolJerk { 1.05 } else { 1.02 };
             let slower = plan.trajectory.duration() / ordinary.duration();
+            println!(
+                "{at}: {slower} times as long, {} pieces, {} of the ordinary plan",
+                plan.compiled.len(),
+                pieces.len()
+            );
             assert!(slower < most, "{at}: {slower} times as long");
         }
     }
     assert!(exceeded > 3, "pieces of {exceeded} ordinary plans exceed a limit: nothing to mend");
 }
 
-/// Sections take the place of the feed of the limits: where they leave no gap, it is nowhere programmed.
+/// Feeds of sections are certified each on its own part of the path: by the compiled tool itself, whose place on a half circle is an
+/// angle.
 #[test]
-fn the_feed_that_is_certified_is_the_highest_programmed_one() {
+fn the_feed_of_each_section_is_certified_on_its_part() {
     let arm = qb::arm();
     let path = Arc::new(half_circle(&arm));
     let length = path.length();
     let tool = ToolLimits::new().with_feed(0.2).expect("positive");
     let planner = Planner::new(&arm, Limits::new(qb::joints(&arm, 300.0)).with_tool(tool));
-    let section = |from: f64, to: f64, feed: f64| FeedSection {
+    let section = |[from, to, feed]: [f64; 3]| FeedSection {
         extent: Extent::Length { from: from * length, to: to * length },
         feed,
     };
-    for (sections, feed) in [
-        (vec![], 0.2),
-        (vec![section(0.0, 0.5, 0.04), section(0.5, 1.0, 0.05)], 0.05),
-        (vec![section(0.0, 0.5, 0.04), section(0.6, 1.0, 0.05)], 0.2),
-        (vec![section(0.0, 0.5, 0.04), section(0.6, 1.0, 0.25)], 0.25),
+    for (sections, feeds) in [
+        (vec![], vec![[0.0, 1.0, 0.2]]),
+        (vec![[0.0, 0.5, 0.04], [0.5, 1.0, 0.08]], vec![[0.0, 0.5, 0.04], [0.5, 1.0, 0.08]]),
+        (vec![[0.0, 0.5, 0.08], [0.6, 1.0, 0.04]], vec![[0.0, 0.5, 0.08], [0.5, 0.6, 0.2], [0.6, 1.0, 0.04]]),
+        (vec![[0.3, 0.7, 0.05]], vec![[0.0, 0.3, 0.2], [0.3, 0.7, 0.05], [0.7, 1.0, 0.2]]),
     ] {
-        let plan = planner.clone().with_sections(sections).plan_compiled(path.clone(), DEVIATION).expect("compiles");
-        let line = plan.certificate.of_limit(LimitId::path(Quantity::Feed)).expect("certified");
-        assert!(line.limit == feed && line.attained > 0.9 * feed && line.holds(TOLERANCE), "{feed}: {line:?}");
+        let planner = planner.clone().with_sections(sections.into_iter().map(section).collect());
+        let plan = planner.plan_compiled(path.clone(), DEVIATION).expect("compiles");
+        let lines = plan.certificate.feeds();
+        assert_eq!(lines.len(), feeds.len(), "{lines:?}");
+        let mut seen = vec![0.0_f64; feeds.len()];
+        for i in 0..=40_000 {
+            let p = plan.compiled.at(plan.compiled.duration() * f64::from(i) / 40_000.0);
+            let configuration = arcfeed_kinematics::ForwardKinematics::configuration(&arm, &p.q);
+            let speed = (configuration.jacobian() * p.qd).fixed_rows::<3>(0).norm();
+            let at = arcfeed_kinematics::ForwardKinematics::forward(&arm, &p.q).translation.vector;
+            let part = 0.5 + (at.y / (at.x - 0.36)).atan() / std::f64::consts::PI;
+            // Not within the deviation of a border.
+            let inside = |[from, to, _]: &[f64; 3]| from + 1e-4 < part && part < to - 1e-4;
+            if let Some(k) = feeds.iter().position(inside) {
+                seen[k] = seen[k].max(speed);
+            }
+        }
+        for ((line, [.., feed]), seen) in lines.iter().zip(&feeds).zip(seen) {
+            let limit = line.limit;
+            assert!(limit.limit == *feed && limit.holds(TOLERANCE), "{feed}: {line:?}");
+            // Between two slow sections 0.2 m/s are not reached.
+            let least = if *feed == 0.2 { 0.5 } else { 0.9 };
+            assert!(seen <= limit.bound && seen > least * feed, "{feed}: {seen} {line:?}");
+            assert!(limit.attained <= limit.bound && line.from <= limit.t && limit.t <= line.to, "{line:?}");
+        }
+        let worst = plan.certificate.of_limit(LimitId::path(Quantity::Feed)).expect("certified");
+        assert!(lines.iter().all(|line| line.limit.ratio() <= worst.ratio()), "{worst:?} {lines:?}");
+        assert!(plan.certificate.holds(TOLERANCE));
     }
 }
 

@@ -27,6 +27,7 @@ mod six_joints;
 mod torque_certificate;
 mod verify;
 mod vibration;
+mod windows;
 
 #[path = "common/qb.rs"]
 mod qb;

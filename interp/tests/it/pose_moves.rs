@@ -414,23 +414,3 @@ fn jerk_limited_did_not_converge_on_the_composite_motion() {
         }
     }
 }
-
-/// More intervals than the jerk-limited planner takes: the joined scan makes the motion, and it is said.
-#[test]
-fn plans_fall_back_to_the_joined_scan_and_say_so() {
-    let (chain, dynamics) = wheel(1.5, 0.5);
-    let path = JointSpline::through(&[Joints::<1>::new(0.0), Joints::<1>::new(2.0)]).expect("two points");
-    let limits = Limits::new(joints(10.0, [1.0, qb::FREE, 40.0]));
-    let limits = limits.with_torque(&dynamics, Joints::repeat(6.0)).expect("limits");
-    let planner = Planner::new(&chain, limits);
-    // On a coarser grid the scan may be the faster one, and is taken for that.
-    let limited = planner.clone().with_intervals(600).expect("a number").plan(&path).expect("a plan");
-    assert!(limited.info().fallback.is_none(), "{}", limited.info());
-    let fine = planner.with_intervals(250_000).expect("a number");
-    let joined = fine.plan(&path).expect("a plan");
-    let why = joined.info().fallback.as_ref().expect("it is said").to_string();
-    assert!(why.contains("250000 intervals for the jerk-limited planner"), "{why}");
-    let ratio = joined.duration() / limited.duration();
-    assert!((0.9..2.0).contains(&ratio), "{ratio}");
-    holds(joined.verification(), 1e-9);
-}

@@ -1,7 +1,7 @@
 //! A target as seen from the plane of the arm.
 
 use super::{
-    Solutions,
+    Collector,
     planar::{FirstJoint, Miss, for_first_joints, plane_of_arm},
 };
 use crate::{
@@ -59,7 +59,7 @@ impl ArmPlane {
         self.to_frame * (point - self.origin)
     }
 
-    /// All solutions for `target` that `each` finds for the values of joint 1. A free joint 1 takes its value from `seed`.
+    /// The wanted solutions for `target` that `each` finds for the values of joint 1. A free joint 1 takes its value from `seed`.
     ///
     /// # Errors
     /// [`KinematicsError::Unreachable`], or what is wrong with the target.
@@ -68,14 +68,15 @@ impl ArmPlane {
         &self,
         target: &Isometry3<f64>,
         seed: &Joints<6>,
-        mut each: impl FnMut(&FirstJoint, &Seen, &mut Solutions<6>, &mut Miss),
-    ) -> Result<Solutions<6>, KinematicsError> {
+        found: &mut Collector<'_>,
+        mut each: impl FnMut(&FirstJoint, &Seen, &mut Collector<'_>, &mut Miss),
+    ) -> Result<(), KinematicsError> {
         let target = checked_pose("target", target)?;
         let turned = self.to_frame * target.rotation.to_rotation_matrix().into_inner();
         let wrist = self.to_frame * (target.translation.vector - self.origin) + turned * self.wrist_in_tool;
         let seen = Seen { orientation: turned * self.tool_to_wrist, wrist };
-        for_first_joints(&seen.wrist, self.shoulder_offset, self.size, seed[0], |first, solutions, miss| {
-            each(first, &seen, solutions, miss);
+        for_first_joints(&seen.wrist, self.shoulder_offset, self.size, seed[0], found, |first, found, miss| {
+            each(first, &seen, found, miss);
         })
     }
 }

@@ -1,12 +1,14 @@
 //! Closed-form inverse kinematics.
 
 mod arm_plane;
+mod collector;
 mod parallel_axis;
 mod planar;
 mod rules;
 mod solutions;
 mod spherical_wrist;
 
+pub use collector::Collector;
 pub use parallel_axis::ParallelAxes;
 pub use solutions::Solutions;
 pub use spherical_wrist::SphericalWrist;
@@ -30,12 +32,27 @@ pub trait ClosedForm: Copy + Send + Sync + 'static {
     /// True if the geometry is ideal to rounding, so that solutions need no polish.
     fn is_exact(&self) -> bool;
 
-    /// All solutions for `target`. Where a singular pose leaves a joint free it takes its value from `seed` (which must
-    /// be finite).
+    /// Finds the solutions for `target` that `found` wants. Where a singular pose leaves a joint free it takes its value from
+    /// `seed` (which must be finite).
     ///
     /// # Errors
     /// [`KinematicsError::Unreachable`], or what is wrong with the target.
-    fn solve(&self, target: &Isometry3<f64>, seed: &Joints<6>) -> Result<Solutions<6>, KinematicsError>;
+    fn collect(
+        &self,
+        target: &Isometry3<f64>,
+        seed: &Joints<6>,
+        found: &mut Collector<'_>,
+    ) -> Result<(), KinematicsError>;
+
+    /// All solutions for `target`.
+    ///
+    /// # Errors
+    /// As [`ClosedForm::collect`].
+    fn solve(&self, target: &Isometry3<f64>, seed: &Joints<6>) -> Result<Solutions<6>, KinematicsError> {
+        let mut all = Collector::all();
+        self.collect(target, seed, &mut all)?;
+        Ok(all.into_solutions())
+    }
 
     /// Distances of an arm that looks like `at` from the singular poses of its kinds.
     fn singularity_distances(&self, at: &Configuration<6>) -> SingularityDistances;

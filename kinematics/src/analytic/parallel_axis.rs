@@ -17,7 +17,7 @@
 use super::arm_plane::ArmPlane;
 use super::planar::{FirstJoint, Miss, TwoLink};
 use super::rules::{Rules, WRIST_SINGULAR, distances};
-use super::{ClosedForm, Solutions};
+use super::{ClosedForm, Collector};
 use crate::error::KinematicsError;
 use crate::jacobian::Configuration;
 use crate::joint::Joints;
@@ -69,12 +69,12 @@ struct Shoulder {
 
 impl ParallelAxes {
     /// Step 2: the two values of joint 5, or the free wrist.
-    fn wrist_branches(&self, shoulder: &Shoulder, seed: &Joints<6>, solutions: &mut Solutions<6>, miss: &mut Miss) {
+    fn wrist_branches(&self, shoulder: &Shoulder, seed: &Joints<6>, found: &mut Collector<'_>, miss: &mut Miss) {
         let m = &shoulder.orientation;
         let sine = (m[(2, 0)] * m[(2, 0)] + m[(2, 1)] * m[(2, 1)]).sqrt();
         if sine < WRIST_SINGULAR {
-            solutions.mark_wrist_singular();
-            self.free_wrist(shoulder, seed, solutions, miss);
+            found.solutions().mark_wrist_singular();
+            self.free_wrist(shoulder, seed, found, miss);
             return;
         }
         let (sin_c, cos_c) = (m[(2, 0)] / sine, m[(2, 1)] / sine);
@@ -93,11 +93,13 @@ impl ParallelAxes {
                 if turn != 0.0 && sine * turn.abs() < ORIENTATION_ROUNDING {
                     let end = reach - turned(&hand, turn);
                     let q6 = q6 - turn * m[(2, 2)].signum();
-                    self.elbow_branches(&end, shoulder, [phi + turn, q5, q6], solutions, miss);
+                    self.elbow_branches(&end, shoulder, [phi + turn, q5, q6], found, miss);
                     continue;
                 }
             }
-            self.elbow_branches(&(reach - hand), shoulder, [phi, q5, q6], solutions, miss);
+            if found.wants([(4, q5), (5, q6)]) {
+                self.elbow_branches(&(reach - hand), shoulder, [phi, q5, q6], found, miss);
+            }
         }
     }
 
@@ -114,7 +116,7 @@ impl ParallelAxes {
     }
 
     /// Axis 6 is parallel to n: joint 6 keeps its value from the seed, or the nearest one at which joints 2 to 4 reach.
-    fn free_wrist(&self, shoulder: &Shoulder, seed: &Joints<6>, solutions: &mut Solutions<6>, miss: &mut Miss) {
+    fn free_wrist(&self, shoulder: &Shoulder, seed: &Joints<6>, found: &mut Collector<'_>, miss: &mut Miss) {
         let m = &shoulder.orientation;
         let parallel = m[(2, 2)] > 0.0;
         let b = if parallel { 0.0 } else { PI };
@@ -126,7 +128,7 @@ impl ParallelAxes {
         let turn = self.turn_into_reach(&reach, &hand);
         let q6 = seed[5] - if parallel { turn } else { -turn };
         let end = reach - if turn == 0.0 { hand } else { turned(&hand, turn) };
-        self.elbow_branches(&end, shoulder, [phi + turn, b - self.wrist_zero, q6], solutions, miss);
+        self.elbow_branches(&end, shoulder, [phi + turn, b - self.wrist_zero, q6], found, miss);
     }
 
     /// The least turn of `hand`, rad, after which joints 2 and 3 reach the point `reach - hand`; 0 if they do already.
@@ -152,14 +154,14 @@ impl ParallelAxes {
         end: &Vector2<f64>,
         shoulder: &Shoulder,
         [phi, q5, q6]: [f64; 3],
-        solutions: &mut Solutions<6>,
+        found: &mut Collector<'_>,
         miss: &mut Miss,
     ) {
         let q1 = shoulder.q1;
         self.links.solve(end, shoulder.rounding, miss, |q2, q3| {
             let q4 = phi - q2 - q3;
             let q = [q1, q2, q3 * self.sign3, q4 * self.sign4, q5, q6];
-            solutions.push(Joints::from(q.map(principal)));
+            found.push(Joints::from(q.map(principal)));
         });
     }
 }
@@ -215,9 +217,14 @@ impl ClosedForm for ParallelAxes {
         self.exact
     }
 
-    fn solve(&self, target: &Isometry3<f64>, seed: &Joints<6>) -> Result<Solutions<6>, KinematicsError> {
-        self.plane.solve(target, seed, |first, seen, solutions, miss| {
-            self.wrist_branches(&undo_first(first, &seen.orientation, &seen.wrist), seed, solutions, miss);
+    fn collect(
+        &self,
+        target: &Isometry3<f64>,
+        seed: &Joints<6>,
+        found: &mut Collector<'_>,
+    ) -> Result<(), KinematicsError> {
+        self.plane.solve(target, seed, found, |first, seen, found, miss| {
+            self.wrist_branches(&undo_first(first, &seen.orientation, &seen.wrist), seed, found, miss);
         })
     }
 

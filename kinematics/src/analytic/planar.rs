@@ -3,7 +3,7 @@
 //!
 //! Both work in the frame F = (u, v, n): v along axis 1, n along axis 2, u = v x n, origin on axis 1.
 
-use super::Solutions;
+use super::Collector;
 use crate::{
     error::{KinematicsError, ReachSide},
     jacobian::Configuration,
@@ -109,7 +109,7 @@ impl FirstJoints {
     }
 }
 
-/// The solutions that `each` finds for every value of joint 1, see [`FirstJoints::new`]. Where joint 1 is free it stands at
+/// The solutions that `each` finds for every wanted value of joint 1, see [`FirstJoints::new`]. Where joint 1 is free it stands at
 /// `free`.
 ///
 /// # Errors
@@ -120,29 +120,41 @@ pub(super) fn for_first_joints(
     offset: f64,
     size: f64,
     free: f64,
-    mut each: impl FnMut(&FirstJoint, &mut Solutions<6>, &mut Miss),
-) -> Result<Solutions<6>, KinematicsError> {
-    let mut solutions = Solutions::new();
+    found: &mut Collector<'_>,
+    mut each: impl FnMut(&FirstJoint, &mut Collector<'_>, &mut Miss),
+) -> Result<(), KinematicsError> {
     let mut miss = Miss::none();
-    let mut all = |two: &[FirstJoint], solutions: &mut Solutions<6>| {
-        two.iter().for_each(|first| each(first, solutions, &mut miss));
+    let mut all = |two: &[FirstJoint], found: &mut Collector<'_>| {
+        for first in two {
+            if found.wants([(0, first.q)]) {
+                each(first, found, &mut miss);
+            }
+        }
     };
     match FirstJoints::new(point, offset, size) {
         FirstJoints::Free => {
-            solutions.mark_shoulder_singular();
-            all(&[FirstJoint::at(free, size)], &mut solutions);
+            found.solutions().mark_shoulder_singular();
+            all(&[FirstJoint::at(free, size)], found);
         }
         FirstJoints::TooNear(distance) => miss.note(distance, ReachSide::TooNear),
-        FirstJoints::Two(two) => all(&two, &mut solutions),
+        // The nearer one first, so that the other one may not be wanted.
+        FirstJoints::Two([first, second]) if found.is_second_nearer(0, [first.q, second.q]) => {
+            all(&[second], found);
+            let nearer = found.solutions().len();
+            all(&[first], found);
+            // In the same order as all of them.
+            found.solutions().rotate_left(nearer);
+        }
+        FirstJoints::Two(two) => all(&two, found),
         FirstJoints::Double(one, split) => {
-            all(&[one], &mut solutions);
-            if let (true, Some(two)) = (solutions.is_empty(), split) {
-                all(&two, &mut solutions);
+            all(&[one], found);
+            if let (true, Some(two)) = (found.solutions().is_empty(), split) {
+                all(&two, found);
             }
         }
     }
-    if !solutions.is_empty() {
-        return Ok(solutions);
+    if !found.solutions().is_empty() {
+        return Ok(());
     }
     if !miss.distance.is_finite() {
         return Err(KinematicsError::NotFinite { what: "the target's distance" });

@@ -36,6 +36,11 @@ impl<const N: usize> Solutions<N> {
         }
     }
 
+    /// Moves the first `by` solutions behind the others.
+    pub(super) fn rotate_left(&mut self, by: usize) {
+        self.joints[..self.len].rotate_left(by);
+    }
+
     pub(crate) fn mark_wrist_singular(&mut self) {
         self.wrist_singular = true;
     }

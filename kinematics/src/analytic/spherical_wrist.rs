@@ -17,7 +17,7 @@
 use super::arm_plane::{ArmPlane, Seen};
 use super::planar::TwoLink;
 use super::rules::{Rules, WRIST_SINGULAR, distances};
-use super::{ClosedForm, Solutions};
+use super::{ClosedForm, Collector};
 use crate::error::KinematicsError;
 use crate::jacobian::Configuration;
 use crate::joint::Joints;
@@ -50,11 +50,11 @@ pub struct SphericalWrist {
 impl SphericalWrist {
     /// Step 3: the two values of joints 4 to 6 for orientation `m` (in the frame of the wrist), or the free wrist.
     #[inline]
-    fn wrist_branches(&self, m: &Matrix3<f64>, [q1, q2, q3]: [f64; 3], seed: &Joints<6>, solutions: &mut Solutions<6>) {
+    fn wrist_branches(&self, m: &Matrix3<f64>, [q1, q2, q3]: [f64; 3], seed: &Joints<6>, found: &mut Collector<'_>) {
         let sine = (m[(0, 2)] * m[(0, 2)] + m[(1, 2)] * m[(1, 2)]).sqrt();
         let singular = sine < WRIST_SINGULAR;
         let (a, sin_a, cos_a, b) = if singular {
-            solutions.mark_wrist_singular();
+            found.solutions().mark_wrist_singular();
             let ([sin], [cos]) = sin_cos(&[seed[3]]);
             (seed[3], sin, cos, if m[(2, 2)] > 0.0 { 0.0 } else { PI })
         } else {
@@ -63,7 +63,7 @@ impl SphericalWrist {
         };
         let c = atan2(-(cos_a * m[(0, 1)] + sin_a * m[(1, 1)]), cos_a * m[(0, 0)] + sin_a * m[(1, 0)]);
         let mut push = |q4: f64, b: f64, q6: f64| {
-            solutions.push(Joints::from([q1, q2, q3, q4, b - self.wrist_zero, q6].map(principal)));
+            found.push(Joints::from([q1, q2, q3, q4, b - self.wrist_zero, q6].map(principal)));
         };
         push(a, b, c);
         if !singular {
@@ -120,14 +120,22 @@ impl ClosedForm for SphericalWrist {
         self.exact
     }
 
-    fn solve(&self, target: &Isometry3<f64>, seed: &Joints<6>) -> Result<Solutions<6>, KinematicsError> {
-        self.plane.solve(target, seed, |first, Seen { orientation, wrist }, solutions, miss| {
+    fn collect(
+        &self,
+        target: &Isometry3<f64>,
+        seed: &Joints<6>,
+        found: &mut Collector<'_>,
+    ) -> Result<(), KinematicsError> {
+        self.plane.solve(target, seed, found, |first, Seen { orientation, wrist }, found, miss| {
             let upright = orientation_undone::<0, 2>(orientation, -first.sin, first.cos);
             let end = Vector2::new(first.cos * wrist.x - first.sin * wrist.z, wrist.y) - self.axis2;
             self.links.solve(&end, first.rounding, miss, |q2, q3| {
+                if !found.wants([(1, q2), (2, q3 * self.sign3)]) {
+                    return;
+                }
                 let ([sin], [cos]) = sin_cos(&[q2 + q3]);
                 let level = orientation_undone::<0, 1>(&upright, sin, cos);
-                self.wrist_branches(&(self.frame_to_wrist * level), [first.q, q2, q3 * self.sign3], seed, solutions);
+                self.wrist_branches(&(self.frame_to_wrist * level), [first.q, q2, q3 * self.sign3], seed, found);
             });
         })
     }

@@ -6,12 +6,12 @@ use super::{
 };
 use crate::{
     analytic::Solutions,
-    branch::nearest_turns,
     error::KinematicsError,
     jacobian::Target,
     joint::{JointKind, Joints, check_finite, checked_pose},
     traits::{AnalyticInverse, InverseKinematics, PoseResidual},
     trig::principal,
+    turns::nearest_turns,
 };
 use nalgebra::Isometry3;
 use std::f64::consts::TAU;

@@ -9,6 +9,7 @@ mod inverse;
 #[cfg(feature = "json")]
 mod json;
 mod models;
+mod nearest_branch;
 mod numeric;
 mod oracle;
 mod posture;

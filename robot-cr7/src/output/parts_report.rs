@@ -34,6 +34,7 @@ impl<const N: usize> ProgramMotion<'_, N> {
             planner: self.planners(),
             fallback: None,
             planning_rounds: motions().map(|motion| motion.info().rounds).max().unwrap_or(1),
+            planning_windows: motions().filter_map(|motion| Some(motion.info().windows.as_ref()?.count)).sum(),
             samples,
             period_s: self.period(),
             segments: self.segment_counts(),

@@ -47,6 +47,8 @@ pub struct Report {
     pub fallback: Option<String>,
     /// The number of planning rounds until the verification passed.
     pub planning_rounds: usize,
+    /// The number of windows in which the speed along very long paths was planned; 0 where each path was planned at once.
+    pub planning_windows: usize,
     /// Number of samples.
     pub samples: usize,
     /// Control period in s.
@@ -129,6 +131,7 @@ impl<const N: usize> Motion<'_, N> {
     /// The report of the motion; `samples` setpoints were computed in `sampling`.
     pub fn report(&self, samples: usize, sampling: Duration) -> Report {
         let (plan, info) = (self.trajectory(), self.trajectory().info());
+        let slowed = info.windows.as_ref().filter(|windows| !windows.stops.is_empty());
         let planning_time_s = self.planning_time().as_secs_f64();
         let verification_time_s = plan.timings().verification.as_secs_f64();
         let sampling_time_s = sampling.as_secs_f64();
@@ -139,6 +142,7 @@ impl<const N: usize> Motion<'_, N> {
             planner: info.method.map_or_else(|| STREAMED.to_owned(), |method| method.to_string()),
             fallback: info.fallback.map(|reason| reason.to_string()),
             planning_rounds: info.rounds,
+            planning_windows: info.windows.as_ref().map_or(0, |windows| windows.count),
             samples,
             period_s: plan.period(),
             segments: self.segment_counts(),
@@ -158,7 +162,12 @@ impl<const N: usize> Motion<'_, N> {
             parts: Vec::new(),
             compiled: None,
             stream: self.stream().cloned(),
-            warnings: self.warnings().to_vec(),
+            warnings: self
+                .warnings()
+                .iter()
+                .cloned()
+                .chain(slowed.map(|windows| format!("planned in {windows}")))
+                .collect(),
             files: Vec::new(),
         }
     }
@@ -246,8 +255,10 @@ impl Display for Report {
         )?;
         let rounds =
             if self.planning_rounds > 1 { format!(", {} rounds", self.planning_rounds) } else { String::new() };
+        let windows =
+            if self.planning_windows > 0 { format!(", {} windows", self.planning_windows) } else { String::new() };
         let why = self.fallback.as_ref().map(|why| format!(" instead of jerk-limited: {why}")).unwrap_or_default();
-        let planner = format!("{}{rounds}{why}", self.planner);
+        let planner = format!("{}{rounds}{windows}{why}", self.planner);
         // The whole reason, and it may take a second line.
         let words: Vec<char> = planner.chars().collect();
         writeln!(f, "  {:<11}{}", "planner", words.iter().take(WIDTH - 13).collect::<String>())?;
@@ -333,6 +344,7 @@ mod tests {
             planner: "jerk-limited".to_owned(),
             fallback: None,
             planning_rounds: 1,
+            planning_windows: 0,
             samples: 5434,
             period_s: 1e-3,
             segments: vec![

@@ -171,6 +171,9 @@ fn notes<const N: usize>(trajectory: &Trajectory<'_, N>) -> Vec<String> {
     if let Some(why) = &info.fallback {
         notes.push(format!("continuous-acceleration made the motion instead of jerk-limited: {why}"));
     }
+    if let Some(windows) = &info.windows {
+        notes.push(format!("planned in {windows}"));
+    }
     if info.rounds > 1 {
         let rounds = info.rounds;
         let mut words = format!("planned {rounds} times, so that the limits hold between the grid points");

@@ -1,0 +1,96 @@
+//! Long paths in windows: verified, as fast as the whole within 0.5 %, in less memory.
+
+use arcfeed_interp::{JointSpline, LimitError, Limits, Method, Planner, ToolPath};
+use arcfeed_kinematics::{Joints, models};
+use arcfeed_testing::{Random, most_bytes_in};
+
+use crate::common::{analytic, arm, knotted, tool, tool_down};
+
+/// Way-points all over a part of the range.
+fn route(seed: u64, points: usize) -> JointSpline<6> {
+    let mut rng = Random::new(seed);
+    let points: Vec<Joints<6>> = (0..points).map(|_| Joints::from_fn(|_, _| rng.between(-1.2, 1.2))).collect();
+    JointSpline::through(&points).expect("way-points that differ")
+}
+
+fn limits() -> Limits<'static, 6> {
+    let rates = [2.5, 8.0, 80.0].map(Joints::repeat);
+    Limits::new(models::ur5e().range().with_rates(rates[0], rates[1], rates[2]).expect("above 0"))
+}
+
+/// The knots of a spline of 40 points take some 45 s: a window takes 9 s, which is many times the way to brake.
+#[test]
+fn windows_are_as_fast_as_the_whole_in_less_memory() {
+    let arm = models::ur5e();
+    for seed in 1..=2 {
+        let path = route(seed, 40);
+        let planner = Planner::new(&arm, limits()).with_intervals(6000).expect("allowed");
+        let (mut whole, mut windows) = (None, None);
+        let at_once = most_bytes_in(|| whole = Some(planner.plan(&path).expect("is planned")));
+        let planner = planner.with_window(1200).expect("allowed");
+        let in_windows = most_bytes_in(|| windows = Some(planner.plan(&path).expect("is planned")));
+        let (whole, windows) = (whole.expect("planned"), windows.expect("planned"));
+        let info = windows.info().windows.as_ref().expect("a long path");
+        let what = format!("seed {seed}: {} and {}: {info:?}", windows.duration(), whole.duration());
+        // What rounding of so long a parameter adds to a difference of positions is no excess.
+        assert!(whole.info().rounds == 1 && windows.info().rounds == 1, "{what}");
+        assert!(whole.info().windows.is_none() && info.count >= 8 && info.stops.is_empty(), "{what}");
+        assert!(windows.duration() < 1.005 * whole.duration(), "{what}");
+        assert!(windows.duration() > 0.99 * whole.duration(), "{what}");
+        assert!(windows.verification().holds(1e-6) && windows.info().method == Some(Method::JerkLimited), "{what}");
+        assert!(2 * in_windows < at_once, "{what}: {in_windows} bytes in windows, {at_once} at once");
+    }
+}
+
+/// Along a curve of the tool, with corners at which the motion stops anyway.
+#[test]
+fn curves_of_the_tool_are_planned_in_windows() {
+    let arm = arm();
+    for curve in [knotted(), analytic()] {
+        let path = ToolPath::new(&arm, tool_down(curve), arm.range()).expect("in reach");
+        let joints = arm.range().with_rates(Joints::repeat(3.0), Joints::repeat(12.0), Joints::repeat(120.0));
+        let planner = Planner::new(&arm, Limits::new(joints.expect("above 0")).with_tool(tool()));
+        let whole = planner.plan(&path).expect("is planned");
+        let windows = planner.with_window(250).expect("allowed").plan(&path).expect("is planned");
+        let info = windows.info().windows.as_ref().expect("a long path");
+        let what = format!("{} and {}: {info:?}", windows.duration(), whole.duration());
+        assert!(info.count > 1 && info.stops.is_empty(), "{what}");
+        // Some are hardly longer than the way to brake.
+        assert!(windows.duration() < 1.02 * whole.duration(), "{what}");
+    }
+}
+
+/// Without being asked for: what would take half a gigabyte at once.
+#[test]
+fn very_long_paths_are_planned_in_windows_by_themselves() {
+    let arm = models::ur5e();
+    let path = route(4, 60);
+    let planner = Planner::new(&arm, limits());
+    let plan = planner.clone().with_intervals(60_000).expect("allowed").plan(&path).expect("is planned");
+    let info = plan.info().windows.as_ref().expect("a long path");
+    assert!(info.count > 5 && info.stops.is_empty() && plan.info().to_string().contains("windows"), "{info:?}");
+    let coarse = planner.with_intervals(6000).expect("allowed").plan(&path).expect("is planned");
+    assert!(plan.duration() < 1.005 * coarse.duration(), "{} and {}", plan.duration(), coarse.duration());
+}
+
+/// Windows that the motion passes sooner than it brakes are made longer, unless they were asked for.
+#[test]
+fn windows_are_longer_where_intervals_are_short() {
+    let arm = models::ur5e();
+    let path = route(5, 3);
+    let planner = Planner::new(&arm, limits()).with_intervals(51_000).expect("allowed");
+    let plan = planner.plan(&path).expect("is planned");
+    let info = plan.info().windows.as_ref().expect("a long path");
+    assert!(info.intervals > 10_000, "{info:?} of {} s", plan.duration());
+    let coarse = Planner::new(&arm, limits()).with_intervals(6000).expect("allowed").plan(&path).expect("is planned");
+    assert!(plan.duration() < 1.005 * coarse.duration(), "{} and {}", plan.duration(), coarse.duration());
+}
+
+#[test]
+fn windows_of_other_sizes_are_refused() {
+    let arm = models::ur5e();
+    for intervals in [0, 63, 100_001] {
+        let error = Planner::new(&arm, limits()).with_window(intervals).expect_err("too short or too long");
+        assert!(matches!(error, LimitError::Window { .. }) && error.to_string().contains("64"), "{error}");
+    }
+}
