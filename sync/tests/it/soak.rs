@@ -5,7 +5,7 @@ use soak::{FAMILIES, play};
 
 #[test]
 fn random_motions_pass_their_judges() {
-    for (family, count) in FAMILIES.iter().zip([20_000, 150_000, 60_000, 300_000, 300, 5_000]) {
+    for (family, count) in FAMILIES.iter().zip([20_000, 150_000, 60_000, 300_000, 150_000, 300, 3_000, 5_000]) {
         let tally = play(family, count, 1_000_003, 1);
         let failures: Vec<String> = tally
             .failures
