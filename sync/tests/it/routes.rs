@@ -135,6 +135,40 @@ fn a_stop_keeps_the_limits_of_its_section() {
     }
 }
 
+/// Past the calm section the generator has the limits of the fast one.
+#[test]
+fn limits_in_effect_are_those_of_the_section() {
+    let fast = [AxisLimits::symmetric(2.0, 20.0, 400.0).unwrap(); 2];
+    let calm = [AxisLimits::symmetric(0.5, 1.0, 10.0).unwrap(); 2];
+    let points = [WayPoint::new([0.5, 0.25]).with_limits(calm)];
+    let route = Route::new(&points, [2.0, 1.0].map(AxisState::rest), fast);
+    let mut g = at_rest([0.0; 2], fast);
+    g.set_route(&route, &mut WayPointPlanner::new()).unwrap();
+    while g.step().events.passed == 0 {
+        assert_eq!(*g.limits(), calm);
+    }
+    assert_eq!(*g.limits(), fast);
+    finish(&mut g, &fast);
+    assert_eq!(*g.limits(), fast);
+}
+
+/// A jog leaves a margin for a scale above 1; the route that follows has none.
+#[test]
+fn a_route_that_is_set_at_a_scale_above_one_keeps_its_limits() {
+    let limits = [AxisLimits::symmetric(1.0, 50.0, 5000.0).unwrap()];
+    let mut g = at_rest([0.0], limits);
+    g.jog([0.8], 10.0).unwrap();
+    g.set_scale(1.5).unwrap();
+    (0..700).for_each(|_| {
+        g.step();
+    });
+    assert!((g.scale() - 1.25).abs() < 1e-9);
+    let points = [WayPoint::new([1.5]), WayPoint::new([0.4]), WayPoint::new([0.9])];
+    g.set_route(&Route::new(&points, [AxisState::rest(0.2)], limits), &mut WayPointPlanner::new()).unwrap();
+    finish(&mut g, &limits);
+    assert_eq!(g.state()[0], AxisState::rest(0.2));
+}
+
 /// The limits of each section hold while time is scaled over the border between a calm and a fast one.
 #[test]
 fn a_hold_over_a_point_keeps_the_limits_of_both_sections() {
