@@ -437,7 +437,7 @@ enum ArcfeedStatus arcfeed_generator_time_left(const struct ArcfeedGenerator *ge
 enum ArcfeedStatus arcfeed_generator_scale(const struct ArcfeedGenerator *generator, double *scale);
 
 // Gives the generator the memory that routes are planned in, some 0.1 MB for one axis and 0.6 MB for eight. Called once
-// before the first route; it allocates, and takes up to 1.5 MB of stack.
+// before the first route; it allocates, and takes up to 0.8 MB of stack.
 //
 // The generator is NULL or one that is in use nowhere else.
 enum ArcfeedStatus arcfeed_generator_reserve_way_points(struct ArcfeedGenerator *generator);

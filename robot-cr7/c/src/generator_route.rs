@@ -8,7 +8,7 @@ use crate::status::ArcfeedStatus::ArcfeedInvalid;
 use crate::status::{ArcfeedStatus, guarded, refuse};
 
 /// Gives the generator the memory that routes are planned in, some 0.1 MB for one axis and 0.6 MB for eight. Called once
-/// before the first route; it allocates, and takes up to 1.5 MB of stack.
+/// before the first route; it allocates, and takes up to 0.8 MB of stack.
 ///
 /// # Safety
 /// The generator is NULL or one that is in use nowhere else.

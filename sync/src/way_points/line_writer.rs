@@ -111,11 +111,13 @@ impl<const N: usize> WayPointTrajectory<N> {
     }
 }
 
-/// The first axis that leaves the way between its ends.
+/// The first axis that leaves the way between its ends, but for the round-off of all axes: each has that
+/// of the one that moves farthest.
 fn turns<const N: usize>(motion: &Trajectory<N>, from: &[AxisState; N], to: &[AxisState; N]) -> Option<usize> {
+    let size = from.iter().chain(to).fold(0.0, |m: f64, s| m.max(s.p.abs()));
     (0..N).find(|&k| {
         let (way, x, y) = (motion.axes()[k].position_range(), from[k].p, to[k].p);
-        let slack = ROUND_OFF * (x.abs() + y.abs());
+        let slack = ROUND_OFF * size;
         way.min < x.min(y) - slack || way.max > x.max(y) + slack
     })
 }
