@@ -25,7 +25,8 @@ fn durations_at_the_end_of_the_possible_ones_are_passed_over() {
     }
 }
 
-/// What long runs found once: the position jumped in a move of 1e-9 s; starts far outside the limits were refused; so was a route of lines whose axes move very different ways.
+/// What long runs found once: the position jumped in a move of 1e-9 s; starts far outside the limits were refused, and so was a
+/// route of lines whose axes move very different ways.
 #[test]
 fn what_long_runs_found_once_passes() {
     for (family, seed) in [(0, 6083481), (1, 25597), (1, 31327), (1, 35195), (1, 44000), (1, 15092), (6, 114276)] {
