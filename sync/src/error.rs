@@ -60,10 +60,22 @@ pub enum SyncError {
         /// The rule that the value must keep.
         rule: &'static str,
     },
+    /// A blend is not possible at a way-point.
+    #[error("way-point {}: the deviation of its blend is {value}; it must be {rule}", index + 1)]
+    Blend {
+        /// Index of the way-point, from 0.
+        index: usize,
+        /// The deviation given (rad or m).
+        value: f64,
+        /// The rule that the blend must keep.
+        rule: &'static str,
+    },
     /// There are more way-points than one motion can have.
-    #[error("there are {count} way-points; at most {most} can be planned at once: send the others later")]
+    #[error(
+        "there are {count} way-points, blends counted as one more each; at most {most} can be planned at once: send the others later"
+    )]
     TooManyWayPoints {
-        /// Number of way-points given.
+        /// Number of way-points given, and of their blends.
         count: usize,
         /// The most there can be.
         most: usize,
@@ -76,6 +88,9 @@ pub enum SyncError {
         /// Number of sections.
         count: usize,
     },
+    /// Limits were set while a route is followed.
+    #[error("the limits on a route are those of the route: set a route with other limits, or stop first")]
+    LimitsOfRoute,
     /// Round-off takes an axis over a limit.
     #[error("axis {} would exceed a limit between two way-points by round-off: use units in which the numbers are closer to 1", axis + 1)]
     SectionExceeds {

@@ -9,10 +9,9 @@
 //!
 //! [`Trajectory`] moves them from any state of motion to any other: together in the shortest common
 //! time, each on its own, or on a straight line ([`Synchronisation`]). [`OnlineGenerator`] does so
-//! cycle by cycle, while targets and limits change.
+//! cycle by cycle, while targets, limits and routes change.
 //!
-//! [`WayPointPlanner`] moves them through way-points without stopping, from any state to any other,
-//! and [`WayPointGenerator`] does so cycle by cycle along routes that change.
+//! [`WayPointPlanner`] moves them through way-points without stopping, from any state to any other.
 //!
 //! [`TrackingGenerator`] follows a moving target with all axes.
 //!
@@ -59,6 +58,4 @@ pub use projection::{
 pub use sampler::Sampler;
 pub use state_to_state::Trajectory;
 pub use tracking::{TrackingGenerator, TrackingStep};
-pub use way_points::{
-    MOST_WAY_POINTS, Route, WayPoint, WayPointGenerator, WayPointPlanner, WayPointStep, WayPointTrajectory,
-};
+pub use way_points::{MOST_WAY_POINTS, Route, RouteMemory, SectionKind, WayPoint, WayPointPlanner, WayPointTrajectory};

@@ -122,6 +122,12 @@ impl<const N: usize> Trajectory<N> {
         Self { axes, duration, straight: false }
     }
 
+    /// The same motion, which is known to be on a straight line or not.
+    pub(crate) const fn on_line(mut self, straight: bool) -> Self {
+        self.straight = straight;
+        self
+    }
+
     /// Another motion for one axis.
     pub(crate) fn replace(&mut self, axis: usize, motion: &StateToState) {
         self.take(&[axis], &Trajectory::of([*motion]));

@@ -3,8 +3,9 @@
 
 use super::problem::{AxisProblem, check_target};
 use super::profile::StateToState;
-use crate::error::{FeedError, finite};
+use crate::error::{FeedError, finite, not_negative};
 use crate::limits::AxisLimits;
+use crate::scurve::phase::Phase;
 use crate::state::AxisState;
 
 /// Doublings and halvings of the distance at which a stop is looked for.
@@ -34,6 +35,39 @@ impl StateToState {
         let target = AxisState::new(start.p, v, a);
         check_target(&target, limits)?;
         AxisProblem::direct(start, &target, limits)
+    }
+
+    /// The velocity of `start` becomes that of `target` in two phases of opposite jerk that last half
+    /// of `duration` (s) each. With `d` the change of velocity and `T` the duration the jerk is
+    /// `4 d / T²`, the largest acceleration `2 d / T`, and the way `T (v0 + v1) / 2`, so that
+    /// `target.p` must be there but for round-off. The acceleration of `start` counts as 0, and so should that of
+    /// `target`, in which the motion ends.
+    ///
+    /// Axes that do so together leave a corner between two lines: the first half stays within
+    /// `T |d| / 12` of the first line and the second half of the second one.
+    ///
+    /// ```
+    /// use arcfeed_feedrate::{AxisState, MotionLaw, StateToState};
+    /// let motion = StateToState::blend(&AxisState::new(0.0, 1.0, 0.0), &AxisState::new(0.3, 0.5, 0.0), 0.4)?;
+    /// let middle = motion.at(0.2);
+    /// // Without the blend it would be at 0.2.
+    /// assert!((middle.p - (0.2 - 0.4 * 0.5 / 12.0)).abs() < 1e-15 && (middle.a + 2.5).abs() < 1e-12);
+    /// # Ok::<(), arcfeed_feedrate::FeedError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`FeedError::NotFinite`], [`FeedError::Negative`], [`FeedError::OutOfRange`].
+    pub fn blend(start: &AxisState, target: &AxisState, duration: f64) -> Result<Self, FeedError> {
+        not_negative("duration", duration)?;
+        let half = 0.5 * duration;
+        let begin = Phase { t: 0.0, s: start.p, v: start.v, a: 0.0, j: (target.v - start.v) / half / half };
+        let middle = begin.after(half);
+        let mut motion = Self::standing(target.p);
+        motion.phases.push(begin, half);
+        motion.phases.push(Phase { t: half, s: middle.p, v: middle.v, a: middle.a, j: -begin.j }, half);
+        motion.set_target(target, (0.0, 0.0));
+        motion.check_sound()?;
+        Ok(motion)
     }
 
     /// The shortest way to a standstill.

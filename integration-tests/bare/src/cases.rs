@@ -8,10 +8,10 @@ use arcfeed_kinematics::{ForwardKinematics, InverseKinematics, Joints, models};
 use arcfeed_sync::nalgebra::{Isometry3, Vector3};
 use arcfeed_sync::{
     MotionOptions, OnlineGenerator, PoseLimits, PoseProjectionSync, PoseState, ProjectionStatus, Synchronisation,
-    TrackingGenerator, Trajectory, WayPointGenerator,
+    TrackingGenerator, Trajectory, WayPointPlanner,
 };
 
-use crate::routes::routes;
+use crate::routes::{OnRoutes, routes};
 use crate::stack;
 
 const CYCLE: f64 = 1e-3;
@@ -29,7 +29,8 @@ fn sizes(out: &mut dyn Write) -> Result {
     writeln!(out, "size of Trajectory<6>           {:6} bytes", size_of::<Trajectory<6>>())?;
     writeln!(out, "size of OnlineGenerator<1>      {:6} bytes", size_of::<OnlineGenerator<1>>())?;
     writeln!(out, "size of OnlineGenerator<6>      {:6} bytes", size_of::<OnlineGenerator<6>>())?;
-    writeln!(out, "size of WayPointGenerator<6>    {:6} bytes", size_of::<WayPointGenerator<6>>())?;
+    writeln!(out, "the same with a route           {:6} bytes", size_of::<OnRoutes<6>>())?;
+    writeln!(out, "size of WayPointPlanner<6>      {:6} bytes", size_of::<WayPointPlanner<6>>())?;
     writeln!(out, "size of TrackingGenerator<6>    {:6} bytes", size_of::<TrackingGenerator<6>>())?;
     writeln!(out, "size of PoseProjectionSync      {:6} bytes", size_of::<PoseProjectionSync>())?;
     writeln!(out, "size of TargetTracker           {:6} bytes", size_of::<TargetTracker>())?;

@@ -3,12 +3,18 @@
 use core::fmt::{Error, Write};
 
 use arcfeed_feedrate::{AxisLimits, AxisState};
-use arcfeed_sync::{MOST_WAY_POINTS, Route, TrackingGenerator, WayPoint, WayPointGenerator};
+use arcfeed_sync::{
+    MOST_WAY_POINTS, OnlineGenerator, Route, Synchronisation, TrackingGenerator, WayPoint, WayPointPlanner,
+    WayPointTrajectory,
+};
 
 use crate::stack;
 
 /// Control cycle, s.
 const CYCLE: f64 = 1e-3;
+
+/// A generator with a place for a route.
+pub type OnRoutes<const N: usize> = OnlineGenerator<N, WayPointTrajectory<N>>;
 
 /// Six axes through way-points, and behind a target that moves. Returns true if both end where they should.
 pub fn routes(out: &mut dyn Write, limits: AxisLimits) -> Result<bool, Error> {
@@ -22,32 +28,33 @@ fn way_points(out: &mut dyn Write, limits: AxisLimits) -> Result<bool, Error> {
     let target = [0.5; 6].map(AxisState::rest);
     let short = Route::new(&points[..5], target, [limits; 6]);
     let long = Route::new(&points, target, [limits; 6]);
-    let mut made = None;
-    let new = stack::used_deep(|| made = WayPointGenerator::new([AxisState::rest(0.0); 6], &short, CYCLE).ok());
-    let Some(generator) = &mut made else { return Ok(false) };
-    let (mut step, mut good, mut passed) = (0, true, 0);
-    let mut go = |generator: &mut WayPointGenerator<6>, cycles: usize| {
-        let mut reached = false;
+    let made = OnlineGenerator::new([AxisState::rest(0.0); 6], [limits; 6], CYCLE, Synchronisation::Time);
+    let Ok(mut generator) = made.map(OnlineGenerator::with_way_points) else { return Ok(false) };
+    let mut planner = WayPointPlanner::new();
+    let (mut step, mut good) = (0, true);
+    let mut go = |generator: &mut OnRoutes<6>, cycles: usize| {
+        let (mut reached, mut passed) = (false, 0);
         for _ in 0..cycles {
             step = step.max(stack::used(|| {
                 let after = generator.step();
-                passed = after.passed;
-                reached |= after.reached;
+                passed += after.events.passed;
+                reached |= after.events.reached;
                 good &= after.state.qd.iter().all(|v| v.abs() <= 1.0 + 1e-9);
             }));
         }
         (passed, reached)
     };
-    let on_the_way = go(generator, 3000);
-    let mut set = true;
-    let set_route = stack::used_deep(|| set &= generator.set_route(&long).is_ok());
-    let under_way = go(generator, 4000);
+    let mut set = generator.jog([0.2; 6], 1.0).is_ok();
+    go(&mut generator, 200);
+    let mut set_route = stack::used_deep(|| set &= generator.set_route(&short, &mut planner).is_ok());
+    let on_the_way = go(&mut generator, 3000);
+    set_route = set_route.max(stack::used_deep(|| set &= generator.set_route(&long, &mut planner).is_ok()));
+    let under_way = go(&mut generator, 4000);
     let stop = stack::used(|| set &= generator.stop().is_ok());
-    let at_rest = go(generator, 1000);
-    writeln!(out, "stack of new way-points, 6 axes {new:6} bytes")?;
+    let at_rest = go(&mut generator, 1000);
     writeln!(out, "stack of set_route, 6 axes      {set_route:6} bytes")?;
-    writeln!(out, "stack of their step, 6 axes     {step:6} bytes")?;
-    writeln!(out, "stack of their stop, 6 axes     {stop:6} bytes")?;
+    writeln!(out, "stack of step on it, 6 axes     {step:6} bytes")?;
+    writeln!(out, "stack of stop on it, 6 axes     {stop:6} bytes")?;
     let ends = on_the_way.0 > 0 && under_way.0 > 0 && !under_way.1 && at_rest.1;
     Ok(good && set && ends && generator.state().iter().all(|s| s.v.abs() < 1e-12))
 }

@@ -58,35 +58,39 @@ static void pass(ArcfeedAxisState *end) {
         {.position = {0.8, 0.4, -0.2}, .least_duration = 1.0},
     };
     const ArcfeedRoute route = {.count = 3, .points = points, .target = target, .limits = limits};
-    ArcfeedWayPoints *motion = NULL;
-    check(arcfeed_way_points_new(AXES, start, &route, CYCLE, &motion), "way-points");
+    ArcfeedGenerator *generator = NULL;
+    check(arcfeed_generator_new(AXES, start, limits, CYCLE, ARCFEED_SYNC_TIME, &generator), "generator");
+    check(arcfeed_generator_reserve_way_points(generator), "memory");
+    check(arcfeed_generator_set_route(generator, AXES, &route), "route");
 
     double seconds[4];
     ArcfeedMotionState states[AXES];
-    check(arcfeed_way_points_section_durations(motion, 4, seconds), "durations");
-    check(arcfeed_way_points_at(motion, seconds[0] + seconds[1], AXES, states), "second point");
+    check(arcfeed_generator_section_durations(generator, 4, seconds), "durations");
+    check(arcfeed_generator_route_at(generator, seconds[0] + seconds[1], AXES, states), "second point");
     expect(fabs(states[0].position - 0.4) < 1e-9 && fabs(states[0].velocity - 0.15) < 1e-9, "it passes as it should");
     expect(seconds[2] >= 1.0, "a section takes its least duration");
 
-    ArcfeedProgress progress = {0, false};
+    ArcfeedEvents events;
     int cycles = 0;
-    for (; progress.passed < 2; cycles++) {
-        check(arcfeed_way_points_step(motion, AXES, states, &progress), "step");
+    size_t passed = 0;
+    for (; passed < 2; cycles++) {
+        check(arcfeed_generator_step(generator, AXES, states, &events), "step");
         command(states);
-        expect(progress.passed != 1 || fabs(states[1].velocity) <= 0.2 + 1e-9, "a section has limits of its own");
+        passed += events.passed;
+        expect(passed != 1 || fabs(states[1].velocity) <= 0.2 + 1e-9, "a section has limits of its own");
     }
     /* In motion: the last point is not wanted any more. */
     const ArcfeedWayPoint other[] = {{.position = {0.6, 0.5, 0.0}}};
     const ArcfeedRoute turn = {.count = 1, .points = other, .target = target, .limits = limits};
-    check(arcfeed_way_points_set_route(motion, AXES, &turn), "another route");
-    for (progress.reached = false; !progress.reached; cycles++) {
-        check(arcfeed_way_points_step(motion, AXES, states, &progress), "step");
+    check(arcfeed_generator_set_route(generator, AXES, &turn), "another route");
+    for (events.reached = false; !events.reached; cycles++) {
+        check(arcfeed_generator_step(generator, AXES, states, &events), "step");
         command(states);
         expect(cycles < 10000, "the end comes");
     }
-    check(arcfeed_way_points_state(motion, AXES, end), "state");
+    check(arcfeed_generator_state(generator, AXES, end), "state");
     expect(end[0].position == 1.0 && end[1].position == 0.2 && end[2].position == -0.3, "the end is the target");
-    arcfeed_way_points_free(motion);
+    arcfeed_generator_free(generator);
     printf("pass: three points and another route in %d cycles\n", cycles);
 }
 

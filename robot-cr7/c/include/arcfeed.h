@@ -82,10 +82,6 @@ typedef struct ArcfeedTracking ArcfeedTracking;
 // The shortest motion of 1 to 8 axes from a state to a state. It does not change: several threads may read it.
 typedef struct ArcfeedTrajectory ArcfeedTrajectory;
 
-// Moves 1 to 8 axes through way-points without a stop, one control cycle at a time, along a route that may be replaced in
-// any cycle. One thread uses it at a time.
-typedef struct ArcfeedWayPoints ArcfeedWayPoints;
-
 // The range of positions of an axis; infinite ends for none.
 typedef struct ArcfeedRange {
   // Lower end (rad or m).
@@ -156,6 +152,8 @@ typedef struct ArcfeedEvents {
   uint32_t arrived;
   // The axes that go on after their target and brake because their range ends.
   uint32_t range_ends;
+  // Number of way-points of the route that were passed in this cycle.
+  size_t passed;
   // The last axis that was under way arrived in this cycle.
   bool reached;
   // A new plan took effect because the target or the limits changed.
@@ -163,6 +161,44 @@ typedef struct ArcfeedEvents {
   // Limits were set below the state of an axis: it is brought back inside while this holds.
   bool outside_limits;
 } ArcfeedEvents;
+
+// A position that all axes pass at the same time, and what holds on the section that ends there. Entries past the number
+// of axes are not read; with 0 in all fields but the position, velocity, limits, duration and way are free.
+typedef struct ArcfeedWayPoint {
+  // The position of each axis (rad or m).
+  double position[ARCFEED_MAX_AXES];
+  // The velocity of each axis whose bit is in `has_velocity` (rad/s or m/s).
+  double velocity[ARCFEED_MAX_AXES];
+  // Bit k: axis k passes with `velocity[k]`. The others pass as is best.
+  uint32_t has_velocity;
+  // Limits of the section that ends here, one entry for each axis; NULL for those of the route.
+  const struct ArcfeedAxisLimits *limits;
+  // Least duration of the section that ends here (s); 0 for the shortest.
+  double least_duration;
+  // Between two straight sections the point is passed within this distance of all axes (rad or m); with 0 the axes rest.
+  double blend;
+  // All axes move on a straight line to the point.
+  bool straight;
+} ArcfeedWayPoint;
+
+// Way-points, the target after them, and limits. Points and blends together are at most `ARCFEED_MAX_WAY_POINTS`. A call copies
+// what it points to.
+typedef struct ArcfeedRoute {
+  // Number of way-points, from 0 to `ARCFEED_MAX_WAY_POINTS`.
+  size_t count;
+  // The way-points; may be NULL if there are none.
+  const struct ArcfeedWayPoint *points;
+  // The state of each axis at the end.
+  const struct ArcfeedAxisState *target;
+  // The limits of each axis.
+  const struct ArcfeedAxisLimits *limits;
+  // Limits of the section that ends in the target, one entry for each axis; NULL for those of the route.
+  const struct ArcfeedAxisLimits *last_limits;
+  // Least duration of the section that ends in the target (s); 0 for the shortest.
+  double last_least_duration;
+  // All axes move on a straight line to the target.
+  bool last_straight;
+} ArcfeedRoute;
 
 // Pose of a tool and its first two derivatives, in base axes, at the tool point.
 typedef struct ArcfeedPoseState {
@@ -201,45 +237,6 @@ typedef struct ArcfeedMotionOptions {
   // The duration is a multiple of this (s), the shortest that is possible. 0 for any duration.
   double cycle;
 } ArcfeedMotionOptions;
-
-// A position that all axes pass at the same time, and what holds on the section that ends there. Entries past the number
-// of axes are not read; with 0 in all fields but the position, velocity, limits and duration are free.
-typedef struct ArcfeedWayPoint {
-  // The position of each axis (rad or m).
-  double position[ARCFEED_MAX_AXES];
-  // The velocity of each axis whose bit is in `has_velocity` (rad/s or m/s).
-  double velocity[ARCFEED_MAX_AXES];
-  // Bit k: axis k passes with `velocity[k]`. The others pass as is best.
-  uint32_t has_velocity;
-  // Limits of the section that ends here, one entry for each axis; NULL for those of the route.
-  const struct ArcfeedAxisLimits *limits;
-  // Least duration of the section that ends here (s); 0 for the shortest.
-  double least_duration;
-} ArcfeedWayPoint;
-
-// Way-points, the target after them, and limits. A call copies what it points to.
-typedef struct ArcfeedRoute {
-  // Number of way-points, from 0 to `ARCFEED_MAX_WAY_POINTS`.
-  size_t count;
-  // The way-points; may be NULL if there are none.
-  const struct ArcfeedWayPoint *points;
-  // The state of each axis at the end.
-  const struct ArcfeedAxisState *target;
-  // The limits of each axis.
-  const struct ArcfeedAxisLimits *limits;
-  // Limits of the section that ends in the target, one entry for each axis; NULL for those of the route.
-  const struct ArcfeedAxisLimits *last_limits;
-  // Least duration of the section that ends in the target (s); 0 for the shortest.
-  double last_least_duration;
-} ArcfeedRoute;
-
-// How far a motion along a route has come.
-typedef struct ArcfeedProgress {
-  // Number of way-points of the route that have been passed.
-  size_t passed;
-  // The end was reached in this cycle: the target, or the rest after a stop.
-  bool reached;
-} ArcfeedProgress;
 
 #ifdef __cplusplus
 extern "C" {
@@ -439,6 +436,44 @@ enum ArcfeedStatus arcfeed_generator_time_left(const struct ArcfeedGenerator *ge
 // Pointers are NULL or point to what their names say.
 enum ArcfeedStatus arcfeed_generator_scale(const struct ArcfeedGenerator *generator, double *scale);
 
+// Gives the generator the memory that routes are planned in, some 0.1 MB for one axis and 0.6 MB for eight. Called once
+// before the first route; it allocates, and takes up to 0.8 MB of stack.
+//
+// The generator is NULL or one that is in use nowhere else.
+enum ArcfeedStatus arcfeed_generator_reserve_way_points(struct ArcfeedGenerator *generator);
+
+// Goes along a route from the present state of motion on, whatever the axes do. Plans it, in a time bounded by the number of
+// its points and with up to 0.4 MB of stack. The limits of the route take the place of those of the generator. A call that is
+// refused changes nothing.
+//
+// Pointers, those of the route, too, are NULL or point to what their names say.
+enum ArcfeedStatus arcfeed_generator_set_route(struct ArcfeedGenerator *generator,
+                                               size_t axes,
+                                               const struct ArcfeedRoute *route);
+
+// Number of sections of the route set last: one more than it has way-points, and one more for each blend and for a stop before a
+// straight line that begins in motion.
+//
+// Pointers are NULL or point to what their names say.
+enum ArcfeedStatus arcfeed_generator_sections(const struct ArcfeedGenerator *generator,
+                                              size_t *count);
+
+// Durations of the sections of the route set last (s); `count` must be their number.
+//
+// Pointers are NULL or point to what their names say; `seconds` has room for `count` entries.
+enum ArcfeedStatus arcfeed_generator_section_durations(const struct ArcfeedGenerator *generator,
+                                                       size_t count,
+                                                       double *seconds);
+
+// The state of the motion along the route set last at time `t` (s) from its beginning, one entry of `states` for each
+// axis, without regard to cycles and other commands. Computes the section of `t` anew.
+//
+// Pointers are NULL or point to what their names say; `states` has room for `axes` entries.
+enum ArcfeedStatus arcfeed_generator_route_at(const struct ArcfeedGenerator *generator,
+                                              double t,
+                                              size_t axes,
+                                              struct ArcfeedMotionState *states);
+
 // The trajectory of a file. On success `*out` holds it, else NULL.
 //
 // Pointers are NULL or point to what their names say.
@@ -596,71 +631,6 @@ enum ArcfeedStatus arcfeed_trajectory_is_straight(const struct ArcfeedTrajectory
 //
 // Pointers are NULL or point to what their names say; `states` has room for `axes` entries.
 enum ArcfeedStatus arcfeed_trajectory_at(const struct ArcfeedTrajectory *trajectory,
-                                         double t,
-                                         size_t axes,
-                                         struct ArcfeedMotionState *states);
-
-// A motion from `start`, which has `axes` entries, along `route`; `cycle` is the control cycle (s). A start outside the
-// limits is brought back inside. On success `*out` holds the motion, else NULL. Takes up to 2 MB of stack.
-//
-// Pointers, those of the route, too, are NULL or point to what their names say.
-enum ArcfeedStatus arcfeed_way_points_new(size_t axes,
-                                          const struct ArcfeedAxisState *start,
-                                          const struct ArcfeedRoute *route,
-                                          double cycle,
-                                          struct ArcfeedWayPoints **out);
-
-// Frees a motion through way-points; NULL is nothing to free.
-//
-// The motion is not used again.
-void arcfeed_way_points_free(struct ArcfeedWayPoints *way_points);
-
-// Goes along another route from the state of the last step on. Plans it, in a time bounded by the number of its points and with up
-// to 0.4 MB of stack.
-//
-// Pointers, those of the route, too, are NULL or point to what their names say.
-enum ArcfeedStatus arcfeed_way_points_set_route(struct ArcfeedWayPoints *way_points,
-                                                size_t axes,
-                                                const struct ArcfeedRoute *route);
-
-// Brings every axis to rest in the shortest way of its own, and gives up the route.
-//
-// The motion is NULL or one that is in use nowhere else.
-enum ArcfeedStatus arcfeed_way_points_stop(struct ArcfeedWayPoints *way_points);
-
-// Moves on by one cycle. `states` gets what to command at its end, one entry for each axis; `progress`, if it is not
-// NULL, how far the motion has come. After the end the axes go on with the velocity of the target.
-//
-// Pointers are NULL or point to what their names say; `states` has room for `axes` entries.
-enum ArcfeedStatus arcfeed_way_points_step(struct ArcfeedWayPoints *way_points,
-                                           size_t axes,
-                                           struct ArcfeedMotionState *states,
-                                           struct ArcfeedProgress *progress);
-
-// Copies the state of the last step.
-//
-// Pointers are NULL or point to what their names say; `states` has room for `axes` entries.
-enum ArcfeedStatus arcfeed_way_points_state(const struct ArcfeedWayPoints *way_points,
-                                            size_t axes,
-                                            struct ArcfeedAxisState *states);
-
-// Duration of the motion along the route set last, from its beginning (s).
-//
-// Pointers are NULL or point to what their names say.
-enum ArcfeedStatus arcfeed_way_points_duration(const struct ArcfeedWayPoints *way_points, double *seconds);
-
-// Durations of the sections of the route set last (s): one more than it has way-points, which `count` must be.
-//
-// Pointers are NULL or point to what their names say; `seconds` has room for `count` entries.
-enum ArcfeedStatus arcfeed_way_points_section_durations(const struct ArcfeedWayPoints *way_points,
-                                                        size_t count,
-                                                        double *seconds);
-
-// The state of the motion along the route set last at time `t` (s) from its beginning, one entry of `states` for each
-// axis, without regard to cycles and stops. Computes the section of `t` anew.
-//
-// Pointers are NULL or point to what their names say; `states` has room for `axes` entries.
-enum ArcfeedStatus arcfeed_way_points_at(const struct ArcfeedWayPoints *way_points,
                                          double t,
                                          size_t axes,
                                          struct ArcfeedMotionState *states);

@@ -3,13 +3,15 @@
 use std::ptr;
 
 use arcfeed_feedrate::{AxisLimits, AxisState};
-use arcfeed_sync::{OnlineGenerator, SyncError, Synchronisation};
+use arcfeed_sync::{OnlineGenerator, SyncError, Synchronisation, WayPointPlanner, WayPointTrajectory};
 
 use crate::axes::{
     self, ArcfeedAxisLimits, ArcfeedAxisState, ArcfeedMotionState, ArcfeedRange, motion_states, of_axes,
 };
 use crate::input::{All, by_count, hand_out, held, place, read_all, same_count, take_back, write_all};
-use crate::status::{ArcfeedStatus, Outcome, guarded, of_sync};
+use crate::route::{ArcfeedRoute, with_route};
+use crate::status::ArcfeedStatus::ArcfeedInvalid;
+use crate::status::{ArcfeedStatus, Outcome, guarded, of_sync, refuse};
 
 /// Generates the motion of 1 to 8 axes one control cycle at a time, towards targets and within limits that may change in
 /// any cycle. One thread uses it at a time.
@@ -25,12 +27,20 @@ pub struct ArcfeedEvents {
     pub arrived: u32,
     /// The axes that go on after their target and brake because their range ends.
     pub range_ends: u32,
+    /// Number of way-points of the route that were passed in this cycle.
+    pub passed: usize,
     /// The last axis that was under way arrived in this cycle.
     pub reached: bool,
     /// A new plan took effect because the target or the limits changed.
     pub replanned: bool,
     /// Limits were set below the state of an axis: it is brought back inside while this holds.
     pub outside_limits: bool,
+}
+
+/// A generator and, once a route is to be followed, the memory that plans one.
+struct Online<const N: usize> {
+    generator: OnlineGenerator<N, WayPointTrajectory<N>>,
+    planner: Option<Box<WayPointPlanner<N>>>,
 }
 
 /// [`OnlineGenerator`] without its number of axes.
@@ -53,64 +63,70 @@ pub(crate) trait Generate {
     fn is_underway(&self) -> bool;
     fn time_left(&self) -> f64;
     fn scale(&self) -> f64;
+    fn reserve_way_points(&mut self);
+    /// Pointers of the route are NULL, not aligned, or point to what their names say.
+    unsafe fn set_route(&mut self, route: &ArcfeedRoute) -> Outcome;
+    fn section_durations(&self) -> &[f64];
+    fn route_at(&self, t: f64) -> All<ArcfeedMotionState>;
 }
 
-impl<const N: usize> Generate for OnlineGenerator<N> {
+impl<const N: usize> Generate for Online<N> {
     fn axes(&self) -> usize {
         N
     }
 
     fn set_ranges(&mut self, ranges: &All<(f64, f64)>) -> Result<(), SyncError> {
-        *self = self.clone().with_ranges(of_axes(ranges))?;
+        self.generator = self.generator.clone().with_ranges(of_axes(ranges))?;
         Ok(())
     }
 
     fn set_target(&mut self, target: &All<AxisState>) -> Result<(), SyncError> {
-        self.set_target(of_axes(target))
+        self.generator.set_target(of_axes(target))
     }
 
     fn set_axis_target(&mut self, axis: usize, target: AxisState) -> Result<(), SyncError> {
-        self.set_axis_target(axis, target)
+        self.generator.set_axis_target(axis, target)
     }
 
     fn set_limits(&mut self, limits: &All<AxisLimits>) -> Result<(), SyncError> {
-        self.set_limits(of_axes(limits))
+        self.generator.set_limits(of_axes(limits))
     }
 
     fn set(&mut self, target: &All<AxisState>, limits: &All<AxisLimits>) -> Result<(), SyncError> {
-        self.set(of_axes(target), of_axes(limits))
+        self.generator.set(of_axes(target), of_axes(limits))
     }
 
     fn stop(&mut self) -> Result<(), SyncError> {
-        self.stop()
+        self.generator.stop()
     }
 
     fn stop_on_path(&mut self) {
-        self.stop_on_path();
+        self.generator.stop_on_path();
     }
 
     fn jog(&mut self, velocity: &All<f64>, timeout: f64) -> Result<(), SyncError> {
-        self.jog(of_axes(velocity), timeout)
+        self.generator.jog(of_axes(velocity), timeout)
     }
 
     fn set_scale(&mut self, scale: f64) -> Result<(), SyncError> {
-        self.set_scale(scale)
+        self.generator.set_scale(scale)
     }
 
     fn hold(&mut self) {
-        self.hold();
+        self.generator.hold();
     }
 
     fn resume(&mut self) {
-        self.resume();
+        self.generator.resume();
     }
 
     fn step(&mut self) -> (All<ArcfeedMotionState>, ArcfeedEvents) {
-        let step = self.step();
+        let step = self.generator.step();
         let mask = |axes: &[bool; N]| axes.iter().rev().fold(0, |bits, &axis| bits << 1 | u32::from(axis));
         let events = ArcfeedEvents {
             arrived: mask(&step.events.arrived),
             range_ends: mask(&step.events.range_ends),
+            passed: step.events.passed,
             reached: step.events.reached,
             replanned: step.events.replanned,
             outside_limits: step.events.outside_limits,
@@ -119,23 +135,43 @@ impl<const N: usize> Generate for OnlineGenerator<N> {
     }
 
     fn state(&self) -> &[AxisState] {
-        self.state()
+        self.generator.state()
     }
 
     fn target(&self) -> &[AxisState] {
-        self.target()
+        self.generator.target()
     }
 
     fn is_underway(&self) -> bool {
-        self.is_underway()
+        self.generator.is_underway()
     }
 
     fn time_left(&self) -> f64 {
-        self.time_left()
+        self.generator.time_left()
     }
 
     fn scale(&self) -> f64 {
-        self.scale()
+        self.generator.scale()
+    }
+
+    fn reserve_way_points(&mut self) {
+        self.planner.get_or_insert_default();
+    }
+
+    unsafe fn set_route(&mut self, route: &ArcfeedRoute) -> Outcome {
+        let Some(planner) = &mut self.planner else {
+            let text = "there is no memory for routes yet; call arcfeed_generator_reserve_way_points once before";
+            return Err(refuse(ArcfeedInvalid, text));
+        };
+        unsafe { with_route(route, |route| self.generator.set_route(route, planner)) }
+    }
+
+    fn section_durations(&self) -> &[f64] {
+        self.generator.route().section_durations()
+    }
+
+    fn route_at(&self, t: f64) -> All<ArcfeedMotionState> {
+        motion_states(&self.generator.route().at(t))
     }
 }
 
@@ -146,7 +182,7 @@ fn make<const N: usize>(
     mode: Synchronisation,
 ) -> Outcome<Box<dyn Generate>> {
     let generator = OnlineGenerator::<N>::new(of_axes(start), of_axes(limits), cycle, mode).map_err(of_sync)?;
-    Ok(Box::new(generator))
+    Ok(Box::new(Online { generator: generator.with_way_points(), planner: None }))
 }
 
 /// A generator at `start`, which is the target, too, until one is set. `start` and `limits` have `axes` entries; `cycle`

@@ -13,7 +13,7 @@ pub const ARCFEED_MAX_WAY_POINTS: usize = 64;
 const _: () = assert!(ARCFEED_MAX_WAY_POINTS == MOST_WAY_POINTS);
 
 /// A position that all axes pass at the same time, and what holds on the section that ends there. Entries past the number
-/// of axes are not read; with 0 in all fields but the position, velocity, limits and duration are free.
+/// of axes are not read; with 0 in all fields but the position, velocity, limits, duration and way are free.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct ArcfeedWayPoint {
@@ -27,9 +27,14 @@ pub struct ArcfeedWayPoint {
     pub limits: *const ArcfeedAxisLimits,
     /// Least duration of the section that ends here (s); 0 for the shortest.
     pub least_duration: f64,
+    /// Between two straight sections the point is passed within this distance of all axes (rad or m); with 0 the axes rest.
+    pub blend: f64,
+    /// All axes move on a straight line to the point.
+    pub straight: bool,
 }
 
-/// Way-points, the target after them, and limits. A call copies what it points to.
+/// Way-points, the target after them, and limits. Points and blends together are at most `ARCFEED_MAX_WAY_POINTS`. A call copies
+/// what it points to.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct ArcfeedRoute {
@@ -45,6 +50,8 @@ pub struct ArcfeedRoute {
     pub last_limits: *const ArcfeedAxisLimits,
     /// Least duration of the section that ends in the target (s); 0 for the shortest.
     pub last_least_duration: f64,
+    /// All axes move on a straight line to the target.
+    pub last_straight: bool,
 }
 
 /// Runs a call with a route for `N` axes.
@@ -78,6 +85,9 @@ pub unsafe fn with_route<T, const N: usize>(
         let limits = unsafe { read_all("route.last_limits", c.last_limits, N, axes::limits) }?;
         route = route.with_limits(of_axes(&limits));
     }
+    if c.last_straight {
+        route = route.with_straight_section();
+    }
     call(&route).map_err(of_sync)
 }
 
@@ -103,6 +113,12 @@ unsafe fn way_point<const N: usize>(index: usize, c: &ArcfeedWayPoint) -> Outcom
     if !c.limits.is_null() {
         let limits = unsafe { read_all(format_args!("{here}.limits"), c.limits, N, axes::limits) }?;
         point = point.with_limits(of_axes(&limits));
+    }
+    if c.straight {
+        point = point.with_straight_section();
+    }
+    if not_negative(&here, ".blend", c.blend)? > 0.0 {
+        point = point.with_blend(c.blend);
     }
     Ok(point.with_least_duration(not_negative(&here, ".least_duration", c.least_duration)?))
 }

@@ -95,6 +95,7 @@ pub fn of_sync(error: SyncError) -> ArcfeedStatus {
         | SyncError::NotStraight { .. }
         | SyncError::LineExceeds { .. }
         | SyncError::WayPoint { .. }
+        | SyncError::Blend { .. }
         | SyncError::SectionExceeds { .. }
         | SyncError::OutOfRange => ArcfeedRefused,
         _ => ArcfeedInvalid,

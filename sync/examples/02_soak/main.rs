@@ -6,7 +6,9 @@
 //! | `generator` | some thousand cycles in one mode, with targets, limits and ranges that change | cycles |
 //! | `projection` | some thousand cycles towards a target that changes | cycles |
 //! | `interrupts` | some thousand cycles with stops, jogs, holds and scales of time | cycles |
+//! | `routes` | the same, and routes through way-points, from any state of motion | cycles |
 //! | `way_points` | four axes through 1 to 64 points, from any state to any other | cases |
+//! | `lines` | four axes along straight lines with blends, some sections free, from any state of motion | cases |
 //! | `ranges` | one axis from state to state inside a range of positions, in a longer duration; three axes together | cases |
 //!
 //! Every case has a seed of its own. What fails is printed with the command that plays it alone, and with its input as code.

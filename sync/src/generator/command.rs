@@ -7,6 +7,8 @@ use arcfeed_feedrate::AxisLimits;
 pub(super) enum Command<const N: usize> {
     /// To the target, and on from there.
     Target,
+    /// Along the route to its target.
+    Route,
     /// To rest, every axis in the shortest way or all on a line.
     Stop,
     /// To rest without leaving the curve of the plan, within the limits at its begin.

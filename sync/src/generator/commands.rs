@@ -4,15 +4,15 @@ use arcfeed_feedrate::{AxisLimits, AxisState, FeedError, MotionLaw, StateToState
 
 use super::OnlineGenerator;
 use super::command::Command;
-use super::course::Course;
 use super::following::Following;
 use super::time_scale::{HIGHEST, Pace};
 use crate::error::SyncError;
 use crate::state_to_state::Trajectory;
+use crate::way_points::RouteMemory;
 #[cfg(not(feature = "std"))]
 use num_traits::Float;
 
-impl<const N: usize> OnlineGenerator<N> {
+impl<const N: usize, R: RouteMemory<N>> OnlineGenerator<N, R> {
     /// Brings every axis to rest in the shortest way of its own, and gives up the targets. The
     /// target of each axis is the place where it will stand, and [`Events::reached`] says when the
     /// last one does.
@@ -200,8 +200,7 @@ impl<const N: usize> OnlineGenerator<N> {
                     Command::PathStop { limits } => limits,
                     _ => self.limits,
                 };
-                let courses: [Course<'_>; N] =
-                    std::array::from_fn(|k| self.following.course(k, self.cycle, &limits[k]));
+                let courses = self.following.courses(self.route.motion(), &limits, self.cycle);
                 self.scale.improve(goal, &courses);
             }
         }
@@ -215,7 +214,7 @@ impl<const N: usize> OnlineGenerator<N> {
         }
         let rests = self.state.iter().all(|s| s.v == 0.0 && s.a == 0.0);
         match self.command {
-            Command::Stop if !self.is_underway() => self.command = Command::Target,
+            Command::Stop | Command::Route if !self.is_underway() => self.leave_route(),
             Command::PathStop { .. } if rests && (self.scale.steady() == Some(0.0) || !self.is_underway()) => {
                 let rest = self.state.map(|s| AxisState::rest(s.p));
                 let Ok(standing) = Following::coasting(&rest, &self.limits, &self.ranges) else { return false };
@@ -238,6 +237,7 @@ impl<const N: usize> OnlineGenerator<N> {
                 let velocity = std::array::from_fn(|k| velocity[k].clamp(limits[k].v_min(), limits[k].v_max()));
                 self.begin_jog(velocity, left, limits)
             }
+            Command::Route => Err(SyncError::LimitsOfRoute),
             Command::Target | Command::PathStop { .. } => {
                 self.limits = limits;
                 Ok(())
@@ -269,7 +269,8 @@ impl<const N: usize> OnlineGenerator<N> {
         if !(N == 1 || self.following.plan.is_straight()) {
             return None;
         }
-        let plan = Trajectory::stop_on_line(&self.state, &self.target, &self.limits)?;
+        let end = self.section_end().unwrap_or(&self.target);
+        let plan = Trajectory::stop_on_line(&self.state, end, &self.limits)?;
         let stays =
             plan.axes().iter().zip(self.following.plan.axes()).zip(&self.ranges).all(|((stop, plan), range)| {
                 let (stop_range, way) = (stop.position_range(), plan.position_range());
@@ -304,7 +305,7 @@ impl<const N: usize> OnlineGenerator<N> {
         Ok(())
     }
 
-    fn begin(&mut self, next: Following<N>, limits: [AxisLimits; N], command: Command<N>) {
+    pub(super) fn begin(&mut self, next: Following<N>, limits: [AxisLimits; N], command: Command<N>) {
         self.limits = limits;
         self.command = command;
         self.replanned = true;

@@ -16,36 +16,34 @@ const DEPTH: u32 = 7;
 /// Relative difference that counts as round-off.
 const ROUND_OFF: f64 = 1e-13;
 
-/// The motion of an axis from a time of its plan on.
+/// A motion of an axis, and what it may take.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Course<'a> {
+struct Part<'a> {
     motion: &'a StateToState,
-    now: f64,
-    /// End of `motion`, where `after` begins (s).
-    until: f64,
-    after: &'a StateToState,
-    /// The limits, widened to what the plan itself takes while it is outside of them.
-    bounds: Hull,
-    /// What the plan takes.
-    taken: Hull,
     limits: Hull,
+    /// The limits, widened to what the motion itself takes while it is outside of them.
+    bounds: Hull,
+    /// What the motion takes.
+    taken: Hull,
 }
 
-impl<'a> Course<'a> {
-    /// `motion` from `now` (s) until `until` (s), and `after` from there on.
-    pub fn new(motion: &'a StateToState, now: f64, until: f64, after: &'a StateToState, l: &AxisLimits) -> Self {
+impl<'a> Part<'a> {
+    /// Counts what the motion takes from `from` (s) to `to` (s).
+    fn new(motion: &'a StateToState, (from, to): (f64, f64), l: &AxisLimits) -> Self {
         let limits = [(l.v_min(), l.v_max()), (l.a_min(), l.a_max()), (l.j_min(), l.j_max())];
-        let mut course = Self { motion, now, until, after, bounds: limits, taken: [(0.0, 0.0); 3], limits };
-        course.taken = course.hull(0.0, f64::MAX);
-        for (bound, taken) in course.bounds.iter_mut().zip(&course.taken) {
+        let mut taken = EMPTY;
+        if from <= to {
+            extend(&mut taken, motion, from, to);
+        }
+        let mut bounds = limits;
+        for (bound, taken) in bounds.iter_mut().zip(&taken) {
             *bound = (bound.0.min(taken.0), bound.1.max(taken.1));
         }
-        course
+        Self { motion, limits, bounds, taken }
     }
 
-    /// The highest constant scale with which the rest of the plan keeps the limits, at most
-    /// infinite; 1 if the plan itself does not.
-    pub fn highest_scale(&self) -> f64 {
+    /// The highest constant scale with which the motion keeps its limits.
+    fn highest_scale(&self) -> f64 {
         let factor = |i: usize| {
             let ((lo, hi), (l, h)) = (self.taken[i], self.limits[i]);
             let up = if hi > 0.0 { h / hi } else { f64::INFINITY };
@@ -54,19 +52,61 @@ impl<'a> Course<'a> {
         };
         factor(0).min(factor(1).sqrt()).min(factor(2).cbrt()).max(1.0)
     }
+}
+
+/// The motion of an axis from a time of its plan on.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Course<'a> {
+    now: f64,
+    /// End of the first part, where the second begins (s).
+    until: f64,
+    /// The motion under way, and the one after it.
+    parts: [Part<'a>; 2],
+    /// Time of the plan from which on it is not known (s).
+    known: f64,
+}
+
+/// The motion under way and the one after it, with their limits.
+pub(super) type Motions<'a> = [(&'a StateToState, &'a AxisLimits); 2];
+
+impl<'a> Course<'a> {
+    /// The first motion from `now` (s) until `until` (s), and the second from there on. If it is
+    /// `open`, another one follows that is not known.
+    pub fn new([first, second]: Motions<'a>, (now, until): (f64, f64), open: bool) -> Self {
+        let after = if until.is_finite() { (0.0, f64::MAX) } else { (0.0, -1.0) };
+        let parts = [Part::new(first.0, (now, until.min(f64::MAX)), first.1), Part::new(second.0, after, second.1)];
+        let known = if open { until + second.0.duration() } else { f64::INFINITY };
+        Self { now, until, parts, known }
+    }
+
+    /// The highest constant scale with which the rest of the plan keeps the limits, at most
+    /// infinite; 1 if the plan itself does not, or is not known to its end.
+    pub fn highest_scale(&self) -> f64 {
+        if self.known < f64::INFINITY {
+            return 1.0;
+        }
+        self.parts[0].highest_scale().min(self.parts[1].highest_scale())
+    }
 
     /// Bounds on the first two derivatives of the scale that keep acceleration and jerk at the
     /// highest velocity of the plan, were it constant.
     pub fn scale_rates(&self) -> (f64, f64) {
-        let speed = self.taken[0].1.max(-self.taken[0].0);
-        let least = |(l, h): (f64, f64)| if speed > 0.0 { (h.min(-l) / speed).min(1e12) } else { 1e12 };
-        (least(self.limits[1]), least(self.limits[2]))
+        let mut rates = (1e12, 1e12);
+        for Part { taken, limits, .. } in &self.parts {
+            let speed = taken[0].1.max(-taken[0].0);
+            let least = |(l, h): (f64, f64)| if speed > 0.0 { (h.min(-l) / speed).min(1e12) } else { 1e12 };
+            rates = (f64::min(rates.0, least(limits[1])), f64::min(rates.1, least(limits[2])));
+        }
+        rates
     }
 
     /// Returns true if the limits hold for certain at all times of a ramp from `from` (s) on, whose
-    /// position is the time of the plan and whose velocity is the scale.
+    /// position is the time of the plan and whose velocity is the scale, and after it.
     pub fn keeps(&self, ramp: &StateToState, from: f64) -> bool {
-        let passed = ramp.at(from).p;
+        let (passed, end) = (ramp.at(from).p, ramp.at(ramp.duration()));
+        if self.now + (end.p - passed) > self.known || (end.v > 1.0 && end.v > self.highest_scale()) {
+            return false;
+        }
         let mut budget = BUDGET;
         ramp.phases().all(|(phase, dt)| {
             let begin = (from - phase.t).max(0.0);
@@ -80,7 +120,6 @@ impl<'a> Course<'a> {
         }
         *budget -= 1;
         let (from, to) = (phase.after(x0), phase.after(x1));
-        let [v, a, j] = self.hull(from.p.max(0.0), to.p.max(0.0));
         let mut scale = ordered(from.v, to.v);
         if let Some(t) = phase.turn(x1).filter(|&t| t > x0) {
             let v = phase.after(t).v;
@@ -91,12 +130,16 @@ impl<'a> Course<'a> {
         let square = (scale.0 * scale.0, scale.1 * scale.1);
         let cube = (square.0 * scale.0, square.1 * scale.1);
         let cross = times(scale, rate);
-        let all = [
-            times(v, scale),
-            sum(times(a, square), times(v, rate)),
-            sum(sum(times(j, cube), times(a, (3.0 * cross.0, 3.0 * cross.1))), ordered(v.0 * phase.j, v.1 * phase.j)),
-        ];
-        if all.iter().zip(&self.bounds).all(|(x, bound)| within(x, bound)) {
+        let mut hulls = self.hulls(from.p.max(0.0), to.p.max(0.0)).into_iter().zip(&self.parts);
+        let certain = hulls.all(|([v, a, j], part)| {
+            v == EMPTY[0] || {
+                let jerk = sum(times(j, cube), times(a, (3.0 * cross.0, 3.0 * cross.1)));
+                let jerk = sum(jerk, ordered(v.0 * phase.j, v.1 * phase.j));
+                let all = [times(v, scale), sum(times(a, square), times(v, rate)), jerk];
+                all.iter().zip(&part.bounds).all(|(x, bound)| within(x, bound))
+            }
+        });
+        if certain {
             return true;
         }
         let middle = 0.5 * (x0 + x1);
@@ -110,24 +153,31 @@ impl<'a> Course<'a> {
     /// one of both is examined.
     fn keeps_at(&self, phase: &Phase, x: f64) -> bool {
         let s = phase.after(x);
-        let [v, a, j] = self.hull(s.p.max(0.0), s.p.max(0.0)).map(|h| h.0);
-        let all = [v * s.v, a * s.v * s.v + v * s.a, j * s.v.powi(3) + 3.0 * a * s.v * s.a + v * phase.j];
-        all.iter().zip(&self.bounds).all(|(&x, bound)| within(&(x, x), bound))
+        let mut hulls = self.hulls(s.p.max(0.0), s.p.max(0.0)).into_iter().zip(&self.parts);
+        hulls.all(|(hull, part)| {
+            let [v, a, j] = hull.map(|h| h.0);
+            let all = [v * s.v, a * s.v * s.v + v * s.a, j * s.v.powi(3) + 3.0 * a * s.v * s.a + v * phase.j];
+            hull == EMPTY || all.iter().zip(&part.bounds).all(|(&x, bound)| within(&(x, x), bound))
+        })
     }
 
-    /// Bounds of the plan between two times from now on (s).
-    fn hull(&self, from: f64, to: f64) -> Hull {
+    /// Bounds of both parts between two times from now on (s); empty for one that is not under way
+    /// then.
+    fn hulls(&self, from: f64, to: f64) -> [Hull; 2] {
         let (from, to) = (self.now + from, self.now + to);
-        let mut hull = [(f64::INFINITY, f64::NEG_INFINITY); 3];
+        let mut hulls = [EMPTY; 2];
         if from <= self.until {
-            extend(&mut hull, self.motion, from, to.min(self.until));
+            extend(&mut hulls[0], self.parts[0].motion, from, to.min(self.until));
         }
         if to > self.until {
-            extend(&mut hull, self.after, (from - self.until).max(0.0), to - self.until);
+            extend(&mut hulls[1], self.parts[1].motion, (from - self.until).max(0.0), to - self.until);
         }
-        hull
+        hulls
     }
 }
+
+/// The bounds of nothing.
+const EMPTY: Hull = [(f64::INFINITY, f64::NEG_INFINITY); 3];
 
 /// Widens bounds to a motion between two times (s); beyond its end it goes on at constant velocity.
 fn extend(hull: &mut Hull, motion: &StateToState, from: f64, to: f64) {

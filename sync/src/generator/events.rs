@@ -20,6 +20,8 @@ pub struct Events<const N: usize> {
     pub reached: bool,
     /// The axes that arrived in this cycle: each is in its target exactly.
     pub arrived: [bool; N],
+    /// Number of way-points of the route that were passed in this cycle.
+    pub passed: usize,
     /// A new plan took effect because the target or the limits changed.
     pub replanned: bool,
     /// Limits were set below the state of an axis: it is brought back inside, with its jerk
@@ -31,6 +33,13 @@ pub struct Events<const N: usize> {
 
 impl<const N: usize> Default for Events<N> {
     fn default() -> Self {
-        Self { reached: false, arrived: [false; N], replanned: false, outside_limits: false, range_ends: [false; N] }
+        Self {
+            reached: false,
+            arrived: [false; N],
+            passed: 0,
+            replanned: false,
+            outside_limits: false,
+            range_ends: [false; N],
+        }
     }
 }

@@ -7,6 +7,7 @@ use super::course::Course;
 use crate::error::SyncError;
 use crate::sampler::Window;
 use crate::state_to_state::Trajectory;
+use crate::way_points::WayPointTrajectory;
 #[cfg(not(feature = "std"))]
 use num_traits::Float;
 
@@ -15,6 +16,8 @@ use num_traits::Float;
 pub(super) struct Following<const N: usize> {
     pub plan: Trajectory<N>,
     pub axes: [Axis; N],
+    /// The section of the route that is under way; the one after it is what the axes do after.
+    pub section: Option<usize>,
 }
 
 /// One axis: how far it is on its motion and how it goes on after that.
@@ -60,7 +63,7 @@ impl<const N: usize> Following<N> {
             axes[k].after = motion(k)?;
             motions[k] = axes[k].after.motion;
         }
-        Ok(Self { plan: Trajectory::of(motions), axes })
+        Ok(Self { plan: Trajectory::of(motions), axes, section: None })
     }
 
     /// Every axis by itself to a velocity, within its range.
@@ -89,7 +92,76 @@ impl<const N: usize> Following<N> {
             let motion = &plan.axes()[k];
             Axis::new((motion.duration() / cycle).ceil(), true, rest(motion))
         });
-        Self { plan, axes }
+        Self { plan, axes, section: None }
+    }
+
+    /// Along a route from its begin on.
+    ///
+    /// Every section is computed, and checked against the ranges.
+    pub fn along(route: &WayPointTrajectory<N>, cycle: f64, ranges: &[PositionLimits; N]) -> Result<Self, SyncError> {
+        let sections = route.section_durations().len();
+        let first = route.section(0)?;
+        check_sections(route, (0, 0.0), ranges)?;
+        let axes = [Axis::new(route.section_durations()[0] / cycle, true, Coast::default()); N];
+        let mut following = Self { plan: first, axes, section: Some(0) };
+        // What cannot go on after the target is refused at once.
+        following.load_last(route, ranges)?;
+        if sections > 1 {
+            following.load_next(route, ranges)?;
+        }
+        Ok(following)
+    }
+
+    /// Goes on to the next section of a route where this one ends within so many cycles. Returns the
+    /// number of points passed.
+    pub fn pass(
+        &mut self,
+        route: &WayPointTrajectory<N>,
+        cycles: f64,
+        cycle: f64,
+        ranges: &[PositionLimits; N],
+    ) -> usize {
+        let mut ended = 0;
+        while let (Some(section), Some(first)) = (self.section, self.axes.first()) {
+            let beyond = first.steps + cycles - first.planned;
+            if beyond < -WHOLE || section + 1 >= route.section_durations().len() {
+                break;
+            }
+            self.plan = Trajectory::of(self.axes.map(|axis| axis.after.motion)).on_line(route.is_line(section + 1));
+            let planned = route.section_durations()[section + 1] / cycle;
+            for axis in &mut self.axes {
+                *axis = Axis::new(planned, true, axis.after);
+                axis.steps = beyond.max(0.0) - cycles;
+            }
+            self.section = Some(section + 1);
+            ended += usize::from(route.ends_in_point(section));
+            // Computed when the route was set, with the same result. Without it the axes would go on
+            // at the velocity of the end.
+            if self.load_next(route, ranges).is_err() {
+                self.section = None;
+                self.axes.iter_mut().for_each(|axis| axis.underway = false);
+            }
+        }
+        ended
+    }
+
+    /// What follows the section under way: the next one, or what follows the target.
+    fn load_next(&mut self, route: &WayPointTrajectory<N>, ranges: &[PositionLimits; N]) -> Result<(), SyncError> {
+        let next = self.section.map_or(0, |section| section + 1);
+        if next == route.section_durations().len() {
+            return self.load_last(route, ranges);
+        }
+        let motion = route.section(next)?;
+        for (axis, motion) in self.axes.iter_mut().zip(motion.axes()) {
+            axis.after = Coast { motion: *motion, brakes_from: f64::INFINITY };
+        }
+        Ok(())
+    }
+
+    /// What follows the target of a route.
+    pub fn load_last(&mut self, route: &WayPointTrajectory<N>, ranges: &[PositionLimits; N]) -> Result<(), SyncError> {
+        let (target, limits) = (route.target(), route.limits(usize::MAX));
+        (0..N).try_for_each(|k| self.arrange_after(k, &target[k], &limits[k], &ranges[k]))
     }
 
     /// Axis `k` goes on from `state` without a target.
@@ -159,11 +231,25 @@ impl<const N: usize> Following<N> {
         AxisStep { state, arrived, range_ends }
     }
 
-    /// What axis `k` has before it.
-    pub fn course(&self, k: usize, cycle: f64, limits: &AxisLimits) -> Course<'_> {
-        let axis = &self.axes[k];
-        let until = if axis.underway { axis.planned * cycle } else { f64::INFINITY };
-        Course::new(&self.plan.axes()[k], axis.steps * cycle, until, &axis.after.motion, limits)
+    /// What the axes have before them, with the limits of a route, or `limits`.
+    pub fn courses<'a>(
+        &'a self,
+        route: Option<&'a WayPointTrajectory<N>>,
+        limits: &'a [AxisLimits; N],
+        cycle: f64,
+    ) -> [Course<'a>; N] {
+        let mut of_motions = [limits; 2];
+        let mut open = false;
+        if let (Some(section), Some(route)) = (self.section, route) {
+            of_motions = [route.limits(section), route.limits(section + 1)];
+            open = section + 2 < route.section_durations().len();
+        }
+        std::array::from_fn(|k| {
+            let (axis, motion) = (&self.axes[k], &self.plan.axes()[k]);
+            let until = if axis.underway { axis.planned * cycle } else { f64::INFINITY };
+            let motions = [(motion, &of_motions[0][k]), (&axis.after.motion, &of_motions[1][k])];
+            Course::new(motions, (axis.steps * cycle, until), open)
+        })
     }
 
     fn arrive(&mut self, k: usize) {
@@ -179,6 +265,29 @@ impl<const N: usize> Following<N> {
 
 /// Part of a cycle that counts as round-off.
 const WHOLE: f64 = 1e-9;
+
+/// Returns an error if a section of a route, from the one given on, leaves a range; that section is
+/// `since` seconds under way.
+pub(super) fn check_sections<const N: usize>(
+    route: &WayPointTrajectory<N>,
+    (first, since): (usize, f64),
+    ranges: &[PositionLimits; N],
+) -> Result<(), SyncError> {
+    if ranges.iter().all(|range| *range == PositionLimits::ALL) {
+        return Ok(());
+    }
+    let mut begin = -since;
+    for (index, duration) in route.section_durations().iter().enumerate().skip(first) {
+        let section = route.section(index)?;
+        for (axis, (motion, range)) in section.axes().iter().zip(ranges).enumerate() {
+            if let Err(FeedError::LeavesPositions { position, time, limit }) = range.check(motion) {
+                return Err(SyncError::LeavesRange { axis, position, time: begin + time, limit });
+            }
+        }
+        begin += duration;
+    }
+    Ok(())
+}
 
 /// Going on from `state`, checked against the range.
 fn coast(

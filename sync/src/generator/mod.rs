@@ -7,6 +7,7 @@ mod course;
 mod events;
 mod following;
 mod planning;
+mod route;
 mod time_scale;
 
 use arcfeed_feedrate::{AxisLimits, AxisState, PositionLimits};
@@ -18,6 +19,7 @@ use crate::error::SyncError;
 use crate::joint_state::JointState;
 use crate::mode::{MotionOptions, Synchronisation};
 use crate::state_to_state::Trajectory;
+use crate::way_points::RouteMemory;
 
 pub use self::events::{Events, Step};
 
@@ -63,6 +65,11 @@ pub use self::events::{Events, Step};
 /// ([`OnlineGenerator::set_scale`]), to a hold and back ([`OnlineGenerator::hold`],
 /// [`OnlineGenerator::resume`]).
 ///
+/// # Way-points
+/// A generator with a place for a route ([`OnlineGenerator::with_way_points`]) goes through
+/// way-points without stopping, from any state and at any cycle ([`OnlineGenerator::set_route`]).
+/// Every other command is possible on a route, and leaves it.
+///
 /// No call allocates. A refused setting leaves everything as it was.
 ///
 /// ```
@@ -87,7 +94,7 @@ pub use self::events::{Events, Step};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone)]
-pub struct OnlineGenerator<const N: usize> {
+pub struct OnlineGenerator<const N: usize, R = ()> {
     cycle: f64,
     options: MotionOptions,
     limits: [AxisLimits; N],
@@ -102,6 +109,8 @@ pub struct OnlineGenerator<const N: usize> {
     following: Following<N>,
     replanned: bool,
     outside_limits: bool,
+    /// The motion along the route set last, where there is a place for one.
+    route: R,
 }
 
 impl<const N: usize> OnlineGenerator<N> {
@@ -132,9 +141,12 @@ impl<const N: usize> OnlineGenerator<N> {
             following,
             replanned: false,
             outside_limits: is_outside(&start, &limits),
+            route: (),
         })
     }
+}
 
+impl<const N: usize, R: RouteMemory<N>> OnlineGenerator<N, R> {
     /// The range of positions of each axis, lower and upper end; infinite for none.
     ///
     /// # Errors
@@ -163,6 +175,10 @@ impl<const N: usize> OnlineGenerator<N> {
         }
         self.check_inside("start", &self.planned)?;
         self.check_inside("target", &self.target)?;
+        if self.following.section.is_some() {
+            self.check_route()?;
+            return Ok(self);
+        }
         if let Command::Jog { velocity, left } = self.command {
             self.begin_jog(velocity, left, self.limits)?;
             return Ok(self);
@@ -184,6 +200,7 @@ impl<const N: usize> OnlineGenerator<N> {
         let pace = self.pace();
         let cycles = if pace.elapsed == self.cycle { 1.0 } else { pace.elapsed / self.cycle };
         let mut events = Events { replanned: self.replanned, outside_limits: self.outside_limits, ..Events::default() };
+        events.passed = self.pass_points(cycles);
         let mut state = JointState::default();
         for k in 0..N {
             let step = self.following.step(k, (pace.elapsed, cycles), self.cycle, &self.target[k]);
@@ -216,7 +233,7 @@ impl<const N: usize> OnlineGenerator<N> {
         &self.limits
     }
 
-    /// Returns true if an axis has still to reach its target.
+    /// Returns true if an axis has still to reach its target, at the end of the route if there is one.
     pub fn is_underway(&self) -> bool {
         self.following.axes.iter().any(|a| a.underway)
     }
@@ -228,10 +245,11 @@ impl<const N: usize> OnlineGenerator<N> {
 
     fn time_left_of(&self, k: usize) -> f64 {
         let axis = &self.following.axes[k];
-        if axis.underway { (axis.planned - axis.steps).max(0.0) * self.cycle } else { 0.0 }
+        if axis.underway { (axis.planned - axis.steps).max(0.0) * self.cycle + self.time_after_section() } else { 0.0 }
     }
 
-    /// The motion followed at present, each axis since its own was planned.
+    /// The motion followed at present, each axis since its own was planned; on a route that of the
+    /// section under way.
     pub const fn plan(&self) -> &Trajectory<N> {
         &self.following.plan
     }

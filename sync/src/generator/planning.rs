@@ -3,16 +3,16 @@
 use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, StateToState};
 
 use super::command::Command;
-use super::course::Course;
 use super::following::Following;
 use super::{OnlineGenerator, is_outside};
 use crate::error::SyncError;
 use crate::mode::Synchronisation;
 use crate::state_to_state::{Trajectory, keeps};
+use crate::way_points::RouteMemory;
 #[cfg(not(feature = "std"))]
 use num_traits::Float;
 
-impl<const N: usize> OnlineGenerator<N> {
+impl<const N: usize, R: RouteMemory<N>> OnlineGenerator<N, R> {
     /// Sets the state to reach.
     ///
     /// # Errors
@@ -32,7 +32,8 @@ impl<const N: usize> OnlineGenerator<N> {
         self.set_target(all)
     }
 
-    /// Sets the limits. A stop or a jog goes on within them, a jog no faster than they allow; a stop
+    /// Sets the limits, of a target that is followed: a route has its own
+    /// ([`SyncError::LimitsOfRoute`]). A stop or a jog goes on within them, a jog no faster than they allow; a stop
     /// on the path is finished with the limits it began with.
     ///
     /// # Errors
@@ -111,8 +112,7 @@ impl<const N: usize> OnlineGenerator<N> {
         if self.scale.steady().is_some_and(|s| s <= 1.0) {
             return true;
         }
-        let courses: [Course<'_>; N] = std::array::from_fn(|k| next.course(k, self.cycle, &limits[k]));
-        self.scale.fits(&courses)
+        self.scale.fits(&next.courses(None, limits, self.cycle))
     }
 
     /// The motions for an order, where they are new, and whether a plan is.
@@ -184,6 +184,7 @@ impl<const N: usize> OnlineGenerator<N> {
             }
             return Ok(false);
         }
+        next.section = None;
         next.plan.take(&group, &plan);
         for (&k, motion) in group.iter().zip(plan.axes()) {
             let planned = (motion.duration() / self.cycle).round();

@@ -2,10 +2,11 @@
 
 use arcfeed_feedrate::{AxisLimits, AxisState};
 
+use super::distinct::Distinct;
 use super::guess::Guess;
 use super::program::Program;
 use super::route::Route;
-use super::trajectory::{WayPointTrajectory, section};
+use super::trajectory::{SectionKind, WayPointTrajectory, section};
 use super::{NODES, SECTIONS};
 use crate::error::SyncError;
 #[cfg(not(feature = "std"))]
@@ -21,7 +22,11 @@ use num_traits::Float;
 /// every point is shorter, or nothing else is left, the axes rest in the points. The limits of the motion are checked at the extremes
 /// of every phase before it is handed out.
 ///
-/// The motion is near the shortest one, not exactly it. On random routes it is in the median up to
+/// Sections that have to be straight ([`WayPoint::with_straight_section`](crate::WayPoint::with_straight_section))
+/// are lines, with blends at the corners where they are asked for. They are computed corner by corner,
+/// within all limits but not in the least time: a share of the speed of both lines is passed on to the next.
+///
+/// The motion through free sections is near the shortest one, not exactly it. On random routes it is in the median up to
 /// 0.7 % longer than a local optimum on a fine grid, and 5 % at the worst of 500 routes (example `way_point_gap` of the
 /// integration tests). It is never longer than one that stops in every point.
 ///
@@ -96,10 +101,49 @@ impl<const N: usize> WayPointPlanner<N> {
     ///
     /// # Errors
     /// [`SyncError::TooManyWayPoints`], [`SyncError::WayPoint`] naming point and axis,
+    /// [`SyncError::Blend`], [`SyncError::NotStraight`] for a target that moves off its straight section,
     /// [`SyncError::Duration`], and [`SyncError::State`] naming the axis, as
     /// [`Trajectory::new`](crate::Trajectory::new) for start and target.
     pub fn plan(&mut self, start: &[AxisState; N], route: &Route<'_, N>) -> Result<WayPointTrajectory<N>, SyncError> {
         route.check(start)?;
+        if !(0..route.sections()).any(|i| route.is_straight(i)) {
+            return self.pass(start, route);
+        }
+        let mut motion = WayPointTrajectory::standing(start, route.limits(0));
+        (motion.sections, motion.states[0]) = (0, *start);
+        let mut first = 0;
+        while first < route.sections() {
+            let straight = route.is_straight(first);
+            let last = (first..route.sections()).take_while(|&i| route.is_straight(i) == straight).last();
+            let last = last.unwrap_or(first);
+            let run = route.part(first, last);
+            if straight {
+                motion.add_lines(&run)?;
+            } else {
+                let begin = motion.states[motion.sections];
+                motion.append(&self.pass(&begin, &run)?);
+            }
+            first = last + 1;
+        }
+        Ok(motion)
+    }
+
+    /// A motion whose sections are all free.
+    fn pass(&mut self, start: &[AxisState; N], route: &Route<'_, N>) -> Result<WayPointTrajectory<N>, SyncError> {
+        match Distinct::new(start, route) {
+            Some(distinct) => {
+                let short = self.pass_distinct(start, &distinct.route(route))?;
+                Ok(distinct.expand(&short, route.sections()))
+            }
+            None => self.pass_distinct(start, route),
+        }
+    }
+
+    fn pass_distinct(
+        &mut self,
+        start: &[AxisState; N],
+        route: &Route<'_, N>,
+    ) -> Result<WayPointTrajectory<N>, SyncError> {
         let guess = Guess::new(start, route);
         guess.write(route, &mut self.program);
         self.program.begin_with_spline();
@@ -145,6 +189,7 @@ impl<const N: usize> WayPointPlanner<N> {
             states: guess.states,
             durations: self.program.durations,
             limits: [*route.limits(0); SECTIONS],
+            kinds: [SectionKind::Free; SECTIONS],
         };
         for (i, limits) in motion.limits[..n].iter_mut().enumerate() {
             *limits = *route.limits(i);

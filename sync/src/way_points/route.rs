@@ -23,6 +23,7 @@ use crate::error::SyncError;
 pub struct WayPoint<const N: usize> {
     position: [f64; N],
     velocity: [Option<f64>; N],
+    blend: Option<f64>,
     pub(super) section: Section<N>,
 }
 
@@ -31,10 +32,11 @@ pub struct WayPoint<const N: usize> {
 pub(super) struct Section<const N: usize> {
     pub limits: Option<[AxisLimits; N]>,
     pub least_duration: f64,
+    pub straight: bool,
 }
 
 impl<const N: usize> Section<N> {
-    pub const FREE: Self = Self { limits: None, least_duration: 0.0 };
+    pub const FREE: Self = Self { limits: None, least_duration: 0.0, straight: false };
 
     fn check(&self) -> Result<(), SyncError> {
         let value = self.least_duration;
@@ -45,7 +47,7 @@ impl<const N: usize> Section<N> {
 impl<const N: usize> WayPoint<N> {
     /// A point with free velocities; the section that ends there has the limits of the axes.
     pub const fn new(position: [f64; N]) -> Self {
-        Self { position, velocity: [None; N], section: Section::FREE }
+        Self { position, velocity: [None; N], blend: None, section: Section::FREE }
     }
 
     /// The velocity of one axis in the point. An axis that there is not is left out.
@@ -71,9 +73,39 @@ impl<const N: usize> WayPoint<N> {
         self
     }
 
+    /// All axes move on the straight line to the point, from the one before. Without a blend they rest
+    /// in the point, and so they do between a straight section and one that is not.
+    ///
+    /// Axes that move when the route is set, and not towards the point, come to rest first, each in the
+    /// shortest way; the line begins there.
+    #[must_use]
+    pub const fn with_straight_section(mut self) -> Self {
+        self.section.straight = true;
+        self
+    }
+
+    /// Between two straight sections the corner is passed without a stop within `deviation` (rad or m)
+    /// of the point: the blend is nowhere farther from the lines, and the point is no farther from the
+    /// blend, by the Euclidean distance of all axes. It begins and ends at most half way to the
+    /// neighbouring points. A smaller deviation makes the axes slower at the corner, which rest at 0.
+    #[must_use]
+    pub const fn with_blend(mut self, deviation: f64) -> Self {
+        self.blend = Some(deviation);
+        self
+    }
+
     /// The position (rad or m).
     pub const fn position(&self) -> [f64; N] {
         self.position
+    }
+
+    pub(super) const fn take_velocity(&mut self, velocity: [Option<f64>; N]) {
+        self.velocity = velocity;
+    }
+
+    /// The deviation of the blend (rad or m); `None` where there is none.
+    pub const fn blend(&self) -> Option<f64> {
+        self.blend
     }
 
     /// The velocities that are given (1/s).
@@ -102,7 +134,7 @@ pub struct Route<'a, const N: usize> {
 }
 
 impl<'a, const N: usize> Route<'a, N> {
-    /// Through `points`, at most [`MOST_WAY_POINTS`], to `target`.
+    /// Through `points` to `target`. Points and blends together are at most [`MOST_WAY_POINTS`].
     pub const fn new(points: &'a [WayPoint<N>], target: [AxisState; N], limits: [AxisLimits; N]) -> Self {
         Self { points, target, limits, last: Section::FREE }
     }
@@ -121,6 +153,13 @@ impl<'a, const N: usize> Route<'a, N> {
         self
     }
 
+    /// The last section is straight, as by [`WayPoint::with_straight_section`].
+    #[must_use]
+    pub const fn with_straight_section(mut self) -> Self {
+        self.last.straight = true;
+        self
+    }
+
     /// Number of sections, one more than points.
     pub const fn sections(&self) -> usize {
         self.points.len() + 1
@@ -136,7 +175,12 @@ impl<'a, const N: usize> Route<'a, N> {
         &self.target
     }
 
-    fn section(&self, i: usize) -> &Section<N> {
+    /// Through other points.
+    pub(super) const fn through(&self, points: &'a [WayPoint<N>], last: Section<N>) -> Self {
+        Self { points, target: self.target, limits: self.limits, last }
+    }
+
+    pub(super) fn section(&self, i: usize) -> &Section<N> {
         self.points.get(i).map_or(&self.last, |point| &point.section)
     }
 
@@ -150,10 +194,47 @@ impl<'a, const N: usize> Route<'a, N> {
         self.section(section).least_duration
     }
 
+    /// Returns true if a section has to be straight; the last one counts after the last.
+    pub fn is_straight(&self, section: usize) -> bool {
+        self.section(section).straight
+    }
+
+    /// The sections from `first` to `last`, which end at rest before the target.
+    pub(super) fn part(&self, first: usize, last: usize) -> Self {
+        let target = match self.points.get(last) {
+            Some(point) => point.position.map(AxisState::rest),
+            None => self.target,
+        };
+        Self { points: &self.points[first..last], target, limits: self.limits, last: *self.section(last) }
+    }
+
+    fn check_lines(&self) -> Result<(), SyncError> {
+        for (index, point) in self.points.iter().enumerate() {
+            let (before, after) = (self.is_straight(index), self.is_straight(index + 1));
+            if let Some(value) = point.blend {
+                let refuse = |rule| Err(SyncError::Blend { index, value, rule });
+                if !(value.is_finite() && value >= 0.0) {
+                    return refuse("finite and not negative");
+                }
+                if !(before && after) {
+                    return refuse("between two straight sections");
+                }
+            }
+            for (axis, given) in point.velocity.iter().enumerate() {
+                if let (Some(value), true) = (*given, before || after) {
+                    let (what, rule) = ("velocity", "free where a straight section begins or ends");
+                    return Err(SyncError::WayPoint { index, axis, what, value, rule });
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// Returns an error that names what is no motion.
     pub(super) fn check(&self, start: &[AxisState; N]) -> Result<(), SyncError> {
-        if self.points.len() > MOST_WAY_POINTS {
-            return Err(SyncError::TooManyWayPoints { count: self.points.len(), most: MOST_WAY_POINTS });
+        let count = self.points.len() + self.points.iter().filter(|point| point.blend.is_some()).count();
+        if count > MOST_WAY_POINTS {
+            return Err(SyncError::TooManyWayPoints { count, most: MOST_WAY_POINTS });
         }
         for (name, state) in
             [(["start.p", "start.v", "start.a"], start), (["target.p", "target.v", "target.a"], &self.target)]
@@ -183,6 +264,6 @@ impl<'a, const N: usize> Route<'a, N> {
                 }
             }
         }
-        Ok(())
+        self.check_lines()
     }
 }

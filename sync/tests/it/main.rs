@@ -12,9 +12,11 @@ mod projection_allocation;
 mod projection_pose;
 mod ranges;
 mod rest_to_rest;
+mod routes;
 mod so3;
 mod soak;
 mod state_to_state;
+mod straight_routes;
 mod tracking;
 mod way_points;
 

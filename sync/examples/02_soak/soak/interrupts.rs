@@ -3,10 +3,15 @@
 //! Judged from the samples: every step is possible within the limits; a stop, a hold and a jog whose time is over end at rest in
 //! the time they can take; a jog gets to its velocities; a stop on the path, a hold and a scale leave no curve that was planned.
 
+use std::cell::RefCell;
+
 use arcfeed_sync::feedrate::AxisState;
-use arcfeed_sync::{OnlineGenerator, Step, Synchronisation, Trajectory};
+use arcfeed_sync::{
+    OnlineGenerator, Route, Step, SyncError, Synchronisation, WayPoint, WayPointPlanner, WayPointTrajectory,
+};
 use arcfeed_testing::Random;
 
+use super::curve::Curve;
 use super::generator_input::{AXES, Limits, Scene, States};
 use super::judge::{Precision, broken};
 use super::{Failure, Outcome, random};
@@ -25,18 +30,33 @@ enum Expect {
 
 struct Play {
     scene: Scene,
-    generator: OnlineGenerator<AXES>,
+    generator: OnlineGenerator<AXES, WayPointTrajectory<AXES>>,
     now: States,
     limits: Limits,
     expect: Expect,
-    /// The plan on whose curve the axes are, and how far they are.
-    curve: Option<(Trajectory<AXES>, f64)>,
+    /// The plan on whose curve the axes are.
+    curve: Option<Curve>,
     /// The scale that is set.
     scale: f64,
     log: Vec<String>,
 }
 
+thread_local! {
+    static PLANNER: RefCell<Box<WayPointPlanner<AXES>>> = RefCell::new(Box::default());
+}
+
+/// Commands without routes.
 pub fn case(seed: u64) -> Outcome {
+    play(seed, 9)
+}
+
+/// With routes through way-points, too.
+pub fn routes(seed: u64) -> Outcome {
+    play(seed, 13)
+}
+
+/// The first so many kinds of command.
+fn play(seed: u64, kinds: usize) -> Outcome {
     let mut rng = random(seed);
     let mut scene = Scene::new(&mut rng);
     let mut outcome = Outcome::default();
@@ -44,7 +64,7 @@ pub fn case(seed: u64) -> Outcome {
     scene.start = scene.start.map(|s| AxisState::rest(s.p));
     let made = OnlineGenerator::new(scene.start, scene.limits, scene.cycle, scene.mode)
         .and_then(|g| scene.ranges.map_or(Ok(g.clone()), |r| g.with_ranges(r)));
-    let Ok(generator) = made else {
+    let Ok(generator) = made.map(OnlineGenerator::with_way_points) else {
         outcome.failure = Some(("a start is refused".to_owned(), Failure { size: 1.0, seed, input: String::new() }));
         return outcome;
     };
@@ -59,7 +79,7 @@ pub fn case(seed: u64) -> Outcome {
         scene,
     };
     for _ in 0..12 {
-        let result = play.command(&mut rng, &mut outcome).and_then(|()| {
+        let result = play.command(kinds, &mut rng, &mut outcome).and_then(|()| {
             let count = if rng.chance(0.2) { 2000 } else { rng.below(400) as u64 };
             (0..count).try_for_each(|_| {
                 outcome.counted += 1;
@@ -81,9 +101,12 @@ fn wrong<T>(what: String, size: f64) -> Result<T, (String, f64)> {
 }
 
 impl Play {
-    fn command(&mut self, rng: &mut Random, outcome: &mut Outcome) -> Verdict {
+    fn command(&mut self, kinds: usize, rng: &mut Random, outcome: &mut Outcome) -> Verdict {
+        let which = rng.below(kinds);
+        if which >= 9 {
+            return self.set_route(rng, outcome);
+        }
         let g = &mut self.generator;
-        let which = rng.below(9);
         let mut done = Ok(());
         let text;
         match which {
@@ -94,7 +117,7 @@ impl Play {
                 done = g.set_target(target);
                 if done.is_ok() {
                     self.expect = Expect::Nothing;
-                    self.curve = (g.is_underway() && rest).then(|| (*g.plan(), 0.0));
+                    self.curve = (g.is_underway() && rest).then(|| Curve::of(vec![*g.plan()]));
                 }
             }
             2 => {
@@ -158,6 +181,42 @@ impl Play {
         Ok(())
     }
 
+    /// A route from wherever the axes are.
+    fn set_route(&mut self, rng: &mut Random, outcome: &mut Outcome) -> Verdict {
+        let scene = &self.scene;
+        let count = 1 + rng.below(6);
+        let (near, straight, here) = (rng.chance(0.5), rng.chance(0.4), self.now);
+        let points: Vec<_> = (0..count)
+            .map(|_| {
+                let place = scene.target(true, &self.limits, rng);
+                // Close to where the axes are sections are short.
+                let close = |k: usize| here[k].p + 0.05 * (place[k].p - here[k].p);
+                let point = WayPoint::new(std::array::from_fn(|k| if near { close(k) } else { place[k].p }));
+                let blend = rng.log(1e-5, 0.1);
+                if straight { point.with_straight_section().with_blend(blend) } else { point }
+            })
+            .collect();
+        let rest = straight || rng.chance(0.7);
+        let target = scene.target(rest, &self.limits, rng);
+        let route = Route::new(&points, target, self.limits);
+        let route = if straight { route.with_straight_section() } else { route };
+        let g = &mut self.generator;
+        let done = PLANNER.with_borrow_mut(|planner| g.set_route(&route, planner));
+        self.log.push(format!("set_route straight: {straight} {points:?} {target:?}: {done:?}"));
+        outcome.see(if done.is_ok() { "set_route" } else { "set_route, refused" });
+        match done {
+            Ok(()) => {
+                self.expect = Expect::Nothing;
+                let sections = 0..g.route().section_durations().len();
+                let motions: Result<Vec<_>, SyncError> = sections.map(|i| g.route().section(i)).collect();
+                self.curve = motions.ok().filter(|_| rest).map(Curve::of);
+                Ok(())
+            }
+            Err(e) if rest && scene.ranges.is_none() => wrong(format!("refused without a reason: {e}"), 1.0),
+            Err(_) => Ok(()),
+        }
+    }
+
     fn cycle(&mut self) -> Verdict {
         let dt = self.scene.cycle;
         let step = self.generator.step();
@@ -217,42 +276,20 @@ impl Play {
 
     /// Looks for the time of the plan at which the axis that moves fastest is where it is, and compares the other axes.
     fn on_curve(&mut self) -> Verdict {
-        let Some((plan, from)) = &mut self.curve else { return Ok(()) };
+        let Some(curve) = &mut self.curve else { return Ok(()) };
         if !self.generator.is_underway() {
             self.curve = None;
             return Ok(());
         }
         // Axes that arrive on their own keep the time of their plan only together.
-        if self.scene.mode == Synchronisation::None {
+        if self.scene.mode == Synchronisation::None && self.generator.section().is_none() {
             return Ok(());
         }
-        let start = *from;
-        let off_at = |t: f64| {
-            let s = plan.at(t);
-            (0..AXES).map(|k| (s.q[k] - self.now[k].p).abs()).fold(0.0, f64::max)
-        };
-        // Golden section beside the best of some places: axes that turn have more than one minimum.
-        let wide = 1.6 * self.scene.cycle / 64.0;
-        let places = (0..=64).map(|i| start + wide * f64::from(i));
-        let near = places.fold(start, |best, t| if off_at(t) < off_at(best) { t } else { best });
-        let (mut lo, mut hi) = ((near - wide).max(start), near + wide);
-        for _ in 0..80 {
-            let (x, y) = (hi - 0.618_033_988_75 * (hi - lo), lo + 0.618_033_988_75 * (hi - lo));
-            if off_at(x) <= off_at(y) { hi = y } else { lo = x }
-        }
-        let best = 0.5 * (lo + hi);
-        let off = off_at(best);
+        let off = curve.advance(&self.now, self.scene.cycle);
         let size = self.limits.iter().fold(0.0, |m: f64, l| m.max(l.v_max() - l.v_min()));
-        *from = best;
         if off > 1e-9 * (1.0 + size * self.scene.cycle) {
-            return wrong(
-                format!(
-                    "leaves the curve of its plan at {best} of {}, scale {}",
-                    plan.duration(),
-                    self.generator.scale()
-                ),
-                off,
-            );
+            let scale = self.generator.scale();
+            return wrong(format!("leaves the curve of its plan {curve:?}, scale {scale}"), off);
         }
         Ok(())
     }

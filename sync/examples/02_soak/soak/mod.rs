@@ -2,10 +2,12 @@
 // Shared with a test, which uses a part of it.
 #![allow(dead_code)]
 
+mod curve;
 pub mod generator;
 mod generator_input;
 pub mod interrupts;
 pub mod judge;
+pub mod lines;
 pub mod projection;
 pub mod ranges;
 pub mod states;
@@ -21,12 +23,14 @@ pub struct Family {
     pub case: fn(u64) -> Outcome,
 }
 
-pub const FAMILIES: [Family; 6] = [
+pub const FAMILIES: [Family; 8] = [
     Family { name: "states", case: states::case },
     Family { name: "generator", case: generator::case },
     Family { name: "projection", case: projection::case },
     Family { name: "interrupts", case: interrupts::case },
+    Family { name: "routes", case: interrupts::routes },
     Family { name: "way_points", case: way_points::case },
+    Family { name: "lines", case: lines::case },
     Family { name: "ranges", case: ranges::case },
 ];
 

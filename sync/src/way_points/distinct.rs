@@ -1,0 +1,81 @@
+//! Points that are given twice: passed at once.
+
+use arcfeed_feedrate::AxisState;
+
+use super::route::{Route, Section, WayPoint};
+use super::trajectory::{SectionKind, WayPointTrajectory};
+use super::{MOST_WAY_POINTS, NODES};
+
+/// The route without points that are in the place before them and can be passed together with it.
+pub(super) struct Distinct<const N: usize> {
+    points: [WayPoint<N>; MOST_WAY_POINTS],
+    count: usize,
+    last: Section<N>,
+    /// The node of this route for each node of the whole one.
+    nodes: [usize; NODES],
+}
+
+impl<const N: usize> Distinct<N> {
+    /// `None` if every point is in a place of its own.
+    pub fn new(start: &[AxisState; N], route: &Route<'_, N>) -> Option<Self> {
+        let n = route.sections();
+        let mut all = Self {
+            points: [WayPoint::new([0.0; N]); MOST_WAY_POINTS],
+            count: 0,
+            last: *route.section(n),
+            nodes: [0; NODES],
+        };
+        let (mut place, mut velocity) = (start.map(|s| s.p), start.map(|s| Some(s.v)));
+        for (i, point) in route.points.iter().enumerate() {
+            let both = together(&velocity, &point.velocity());
+            match both.filter(|_| point.position() == place && point.section == Section::FREE) {
+                Some(both) => velocity = both,
+                None => {
+                    all.points[all.count] = *point;
+                    all.count += 1;
+                    (place, velocity) = (point.position(), point.velocity());
+                }
+            }
+            if let Some(last) = all.count.checked_sub(1) {
+                all.points[last].take_velocity(velocity);
+            }
+            all.nodes[i + 1] = all.count;
+        }
+        all.nodes[n] = all.count + 1;
+        let target = route.target;
+        let ends = target.map(|s| s.p) == place && all.last == Section::FREE;
+        if ends && all.count > 0 && together(&velocity, &target.map(|s| Some(s.v))).is_some() {
+            // The target takes the place of the last point.
+            all.count -= 1;
+            all.last = all.points[all.count].section;
+            all.nodes[n] = all.count + 1;
+        }
+        (all.count < route.points.len()).then_some(all)
+    }
+
+    /// The shorter route.
+    pub fn route<'a>(&'a self, whole: &Route<'a, N>) -> Route<'a, N> {
+        whole.through(&self.points[..self.count], self.last)
+    }
+
+    /// The motion along the whole route: sections between equal points take no time.
+    pub fn expand(&self, short: &WayPointTrajectory<N>, sections: usize) -> WayPointTrajectory<N> {
+        let mut motion = short.clone();
+        motion.sections = sections;
+        for i in 0..sections {
+            let (from, to) = (self.nodes[i], self.nodes[i + 1]);
+            let section = to.saturating_sub(1);
+            motion.states[i + 1] = short.states[to];
+            motion.limits[i] = short.limits[section];
+            (motion.durations[i], motion.kinds[i]) =
+                if from == to { (0.0, SectionKind::Again) } else { (short.durations[section], short.kinds[section]) };
+        }
+        motion
+    }
+}
+
+/// The velocities that both ask for; `None` if they differ.
+fn together<const N: usize>(x: &[Option<f64>; N], y: &[Option<f64>; N]) -> Option<[Option<f64>; N]> {
+    let differ = x.iter().zip(y).any(|(x, y)| x.zip(*y).is_some_and(|(x, y)| x != y));
+    (!differ).then(|| std::array::from_fn(|k| x[k].or(y[k])))
+}
