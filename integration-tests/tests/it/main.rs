@@ -9,6 +9,7 @@ mod cnc_curves;
 mod conformance;
 #[cfg(feature = "controller")]
 mod controller;
+mod fuzz;
 mod hybrid;
 #[cfg(feature = "oracle")]
 mod large_fits;

@@ -44,12 +44,8 @@ pub fn load(args: &Args, robot: &Robot) -> Result<SendMotion, Failure> {
 }
 
 fn text(file: &Path) -> Result<String, Failure> {
-    let failed = |source| InputError::Read {
-        file: file.to_owned(),
-        source,
-        remedy: "give joint_trajectory.json of `cr7 plan --compile-rad`, a path, or nothing for the path of the job",
-    };
-    Ok(std::fs::read_to_string(file).map_err(failed)?)
+    let expected = "joint_trajectory.json of `cr7 plan --compile-rad`, a path, or nothing for the path of the job";
+    Ok(read_text(file, expected)?)
 }
 
 fn is_compiled(file: &Path) -> Result<bool, Failure> {
