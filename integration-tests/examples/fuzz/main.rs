@@ -101,5 +101,5 @@ fn search(options: &Options) -> ExitCode {
 
 /// Inputs of one process: some seconds' worth.
 fn block_size(tally: &Tally) -> u64 {
-    if tally.target.seconds > 1.0 { 200 } else { 100_000 }
+    if tally.target.seconds > 1.0 { 20 } else { 100_000 }
 }

@@ -4,6 +4,7 @@ use std::fmt::Display;
 use std::io::Cursor;
 use std::path::Path;
 
+use arcfeed_geometry::Curve;
 use arcfeed_interp::JointTrajectory;
 use arcfeed_kinematics::ArmDescription;
 use robot_cr7::{
@@ -45,8 +46,8 @@ fn path_file(bytes: &[u8], name: &str) -> Verdict {
             (!finite).then(|| "a point that is not finite".to_owned())
         }
         PathGeometry::Program(program) => {
-            let ends = program.moves.iter().flat_map(|m| m.end.iter());
-            let finite = program.start.iter().chain(ends).all(|c| c.is_finite());
+            let ends = program.moves.iter().map(|m| m.end());
+            let finite = std::iter::once(program.start).chain(ends).all(|place| place.iter().all(|c| c.is_finite()));
             (!finite).then(|| "a move to a place that is not finite".to_owned())
         }
     })

@@ -16,4 +16,5 @@ mod large_fits;
 mod raised_limits;
 mod random_jobs;
 mod regressions;
+mod security;
 mod tight_bends;

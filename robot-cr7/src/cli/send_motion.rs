@@ -4,12 +4,13 @@ use std::any::Any;
 use std::path::Path;
 
 use crate::controller::VerifiedMotion;
-use crate::{InputError, OnProgram, OnToolPath, ProgramTask, Robot, Task};
+use crate::{OnProgram, OnToolPath, ProgramTask, Robot, Task};
 use arcfeed_interp::{JointTrajectory, PathArm};
 
 use crate::cli::Failure;
 use crate::cli::send_args::Args;
 use crate::cli::tool_path::{read_job, read_path};
+use crate::input::error::read_text;
 
 /// Tolerance of planned motions against their plan, rad.
 const TOLERANCE: f64 = 1e-6;
