@@ -25,13 +25,16 @@ impl Tally {
 
     /// Says a defect and saves its input.
     fn defect(&mut self, seed: u64, words: &str) -> io::Result<()> {
+        self.defects += 1;
+        if self.defects > crate::MOST_DEFECTS {
+            return Ok(());
+        }
         let folder = Path::new("target/fuzz");
         std::fs::create_dir_all(folder)?;
         let file = folder.join(format!("{}-{seed}.bin", self.target.name));
         std::fs::write(&file, self.target.find().input(seed))?;
         println!("{}, seed {seed}: {words}", self.target.name);
         println!("    --target {} --replay {}", self.target.name, file.display());
-        self.defects += 1;
         Ok(())
     }
 
@@ -50,7 +53,12 @@ impl fmt::Display for Tally {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (name, slowest) = (self.target.name, self.slowest_us as f64 * 1e-3);
         let (fed, accepted, refused) = (self.fed, self.accepted, self.refused);
-        write!(f, "{name:<16}{fed:>12}{accepted:>12}{refused:>12}{:>9}{slowest:>12.1}{:>10}", self.defects, self.most_bytes / 1000)
+        write!(
+            f,
+            "{name:<16}{fed:>12}{accepted:>12}{refused:>12}{:>9}{slowest:>12.1}{:>10}",
+            self.defects,
+            self.most_bytes / 1000
+        )
     }
 }
 

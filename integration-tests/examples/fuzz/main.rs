@@ -59,7 +59,13 @@ fn replay(targets: &[Target], file: &PathBuf) -> ExitCode {
     for target in targets {
         let judged = target.feed(&input);
         broken |= matches!(judged.verdict, Verdict::Broken(_));
-        println!("{}: {:?} in {:.3} s, {} kB", target.name, judged.verdict, judged.time.as_secs_f64(), judged.bytes / 1000);
+        println!(
+            "{}: {:?} in {:.3} s, {} kB",
+            target.name,
+            judged.verdict,
+            judged.time.as_secs_f64(),
+            judged.bytes / 1000
+        );
     }
     ExitCode::from(u8::from(broken))
 }
@@ -90,7 +96,10 @@ fn search(options: &Options) -> ExitCode {
             break;
         }
     }
-    println!("{:<16}{:>12}{:>12}{:>12}{:>9}{:>12}{:>10}", "target", "inputs", "accepted", "refused", "defects", "slowest ms", "most kB");
+    println!(
+        "{:<16}{:>12}{:>12}{:>12}{:>9}{:>12}{:>10}",
+        "target", "inputs", "accepted", "refused", "defects", "slowest ms", "most kB"
+    );
     for tally in &tallies {
         println!("{tally}");
     }
@@ -101,5 +110,5 @@ fn search(options: &Options) -> ExitCode {
 
 /// Inputs of one process: some seconds' worth.
 fn block_size(tally: &Tally) -> u64 {
-    if tally.target.seconds > 1.0 { 20 } else { 100_000 }
+    if tally.target.seconds > 1.0 { 20 } else { 10_000 }
 }

@@ -69,7 +69,10 @@ pub fn play(arm: &ParallelAxisArm, seed: u64) -> Outcome {
         Ok(false) => Outcome::Refused,
         Err(what) => {
             let (path, planner) = (trajectory.path().parameter(), trajectory.info());
-            Outcome::Failed(format!("{planner}, {path:?}, tolerance {tolerance:.2e}, period {}: {what}", trajectory.period()))
+            Outcome::Failed(format!(
+                "{planner}, {path:?}, tolerance {tolerance:.2e}, period {}: {what}",
+                trajectory.period()
+            ))
         }
     }
 }

@@ -35,9 +35,7 @@ pub(super) fn kept(target: &str) -> Vec<(String, Vec<u8>)> {
     let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
     let mut found: Vec<(String, Vec<u8>)> = entries
         .flatten()
-        .filter_map(|entry| {
-            Some((entry.file_name().to_string_lossy().into_owned(), std::fs::read(entry.path()).ok()?))
-        })
+        .filter_map(|entry| Some((entry.file_name().to_string_lossy().into_owned(), std::fs::read(entry.path()).ok()?)))
         .collect();
     found.sort();
     found

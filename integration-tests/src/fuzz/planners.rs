@@ -3,13 +3,11 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use arcfeed_geometry::{ArcLengthCurve, NurbsCurve, OrientationPath, PosePath, PoseMotion};
+use arcfeed_geometry::{ArcLengthCurve, NurbsCurve, OrientationPath, PoseMotion, PosePath};
 use arcfeed_interp::{JointSpline, Limits, Method, MotionPath, Planner, PoseMove, ToolLimits, ToolPath};
 use arcfeed_kinematics::{ForwardKinematics, JointLimits, Joints, ParallelAxisArm, models};
 use arcfeed_sync::feedrate::{AxisLimits, AxisState};
-use arcfeed_sync::{
-    MotionOptions, OnlineGenerator, Route, Synchronisation, Trajectory, WayPoint, WayPointGenerator,
-};
+use arcfeed_sync::{MotionOptions, OnlineGenerator, Route, Synchronisation, Trajectory, WayPoint, WayPointGenerator};
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use robot_cr7::BatchItem;
 
@@ -17,12 +15,8 @@ use super::judge::{NoJump, fault_of};
 use super::numbers::Numbers;
 use super::target::Verdict;
 
-const MODES: [Synchronisation; 4] = [
-    Synchronisation::None,
-    Synchronisation::Time,
-    Synchronisation::StraightLine,
-    Synchronisation::ForcedStraight,
-];
+const MODES: [Synchronisation; 4] =
+    [Synchronisation::None, Synchronisation::Time, Synchronisation::StraightLine, Synchronisation::ForcedStraight];
 
 fn broken(words: impl Into<String>) -> Verdict {
     Verdict::Broken(words.into())
@@ -187,7 +181,8 @@ pub(super) fn way_points(bytes: &[u8]) -> Verdict {
         let mut reached = false;
         for _ in 0..cycles.min(watched) as usize {
             reached |= generator.step().reached;
-            if let Some(fault) = judge.see(generator.state()).filter(|fault| !numbers.hostile() || fault.contains("is at"))
+            if let Some(fault) =
+                judge.see(generator.state()).filter(|fault| !numbers.hostile() || fault.contains("is at"))
             {
                 return broken(fault);
             }
@@ -314,7 +309,8 @@ pub(super) fn pose_move(bytes: &[u8]) -> Verdict {
 }
 
 fn tool_limits(numbers: &mut Numbers<'_>) -> Option<ToolLimits> {
-    let mut limit = |usual: f64| if numbers.hostile() { numbers.positive() } else { usual * (0.1 + 2.0 * numbers.unit()) };
+    let mut limit =
+        |usual: f64| if numbers.hostile() { numbers.positive() } else { usual * (0.1 + 2.0 * numbers.unit()) };
     ToolLimits::new()
         .with_feed(limit(0.1))
         .and_then(|tool| tool.with_tangential_acceleration(limit(1.0)))

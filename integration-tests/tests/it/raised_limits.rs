@@ -11,9 +11,13 @@ fn a_raised_limit_never_makes_a_random_motion_longer() {
     let mut planned = 0;
     for seed in 0..30 {
         let Some(durations) = RaisedLimit::random(seed).durations() else { continue };
-        let [before, after] = durations.unwrap_or_else(|error| panic!("`soak --family raised-limits --count 1 --seed {seed}`: {error}"));
+        let [before, after] =
+            durations.unwrap_or_else(|error| panic!("`soak --family raised-limits --count 1 --seed {seed}`: {error}"));
         planned += 1;
-        assert!(after <= before * (1.0 + LONGER), "`soak --family raised-limits --count 1 --seed {seed}`: {before} s, then {after} s");
+        assert!(
+            after <= before * (1.0 + LONGER),
+            "`soak --family raised-limits --count 1 --seed {seed}`: {before} s, then {after} s"
+        );
     }
     assert!(planned >= 15, "{planned} of 30 planned: too few to say anything");
 }

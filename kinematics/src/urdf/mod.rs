@@ -109,7 +109,10 @@ fn folded(tree: &Tree<'_>, way: &[usize]) -> Result<Folded, KinematicsError> {
     for (joint, why) in joints.iter_mut().zip(impossible) {
         if let Some(why) = why {
             joint.inertial = None;
-            notes.push(format!("{why}: the inertia behind joint '{}' is taken as unknown, and torques with it", joint.name));
+            notes.push(format!(
+                "{why}: the inertia behind joint '{}' is taken as unknown, and torques with it",
+                joint.name
+            ));
         }
     }
     Ok(Folded { joints, flange: carried, notes })

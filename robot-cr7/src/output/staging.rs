@@ -46,8 +46,14 @@ impl Staging {
     /// # Errors
     /// [`InputError::Overwritten`] for an input that is one of the files.
     pub fn new(folder: &Path, names: &'static [&'static str], inputs: &[&Path]) -> Result<Self, InputError> {
-        let mut staging =
-            Self { folder: folder.to_owned(), names, kept: Vec::new(), parts: Vec::new(), lock: None, published: false };
+        let mut staging = Self {
+            folder: folder.to_owned(),
+            names,
+            kept: Vec::new(),
+            parts: Vec::new(),
+            lock: None,
+            published: false,
+        };
         for input in inputs {
             staging.reads(input)?;
         }

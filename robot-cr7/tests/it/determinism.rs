@@ -49,7 +49,10 @@ fn strip(value: &mut Value) {
 
 fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let entries = std::fs::read_dir(folder).expect("a folder");
-    entries.map(|e| e.expect("an entry").path()).map(|path| (path.file_name().unwrap_or_default().to_string_lossy().into_owned(), told(&path))).collect()
+    entries
+        .map(|e| e.expect("an entry").path())
+        .map(|path| (path.file_name().unwrap_or_default().to_string_lossy().into_owned(), told(&path)))
+        .collect()
 }
 
 #[test]
@@ -58,8 +61,12 @@ fn two_runs_write_the_same_bytes() {
     desk.write("six.json", robot_cr7::SamplePath::SixPoint.json());
     desk.write("square.ngc", include_str!("../../data/gcode/square.ngc"));
     desk.write("way.toml", "[[waypoint]]\nq_deg = 0\n[[waypoint]]\nq_deg = [40, -10, 70, 35, -80, 20]\n");
-    let commands: [&[&str]; 4] =
-        [&["plan", "six.json", "--compile-rad", "1e-6"], &["plan", "square.ngc"], &["schedule", "way.toml"], &["online"]];
+    let commands: [&[&str]; 4] = [
+        &["plan", "six.json", "--compile-rad", "1e-6"],
+        &["plan", "square.ngc"],
+        &["schedule", "way.toml"],
+        &["online"],
+    ];
     for command in commands {
         let [first, second] = ["first", "second"].map(|out| {
             desk.run(&[command, &["--out", out]].concat()).done();
@@ -76,7 +83,10 @@ fn two_runs_write_the_same_bytes() {
 #[test]
 fn the_number_of_threads_changes_no_byte() {
     let desk = Desk::new("same_bytes_threads");
-    desk.write("line.json", "{\"units\": \"mm\", \"degree\": 1, \"control_points\": [[0, 0, 0], [5, 2, 1]], \"knots\": [0, 0, 1, 1]}");
+    desk.write(
+        "line.json",
+        "{\"units\": \"mm\", \"degree\": 1, \"control_points\": [[0, 0, 0], [5, 2, 1]], \"knots\": [0, 0, 1, 1]}",
+    );
     let line = |i: usize| {
         format!(
             "{{\"id\": \"{i}\", \"path\": {{\"file\": \"line.json\"}}, \"feed\": {{\"feed_mm_s\": {}}}, \"workpiece\": {{\"position_mm\": [400, {i}, 200]}}}}\n",

@@ -60,7 +60,9 @@ fn a_killed_run_leaves_no_half_file_and_the_next_one_removes_its_rest() {
     let desk = Desk::new("killed");
     desk.run(&MOVE).done();
     let mut child = writing(&desk, "9000");
-    while left(&desk.folder.join("out")).iter().any(|name| !name.starts_with('.')) {
+    // The files of the run before are gone, and one of this run has begun.
+    let begun = || left(&desk.folder.join("out")).first().is_some_and(|name| name.starts_with(".trajectory.csv."));
+    while !begun() || left(&desk.folder.join("out")).len() > 1 {
         std::thread::sleep(Duration::from_millis(5));
     }
     // No handler sees this one.
@@ -116,7 +118,8 @@ fn a_folder_that_takes_no_files_is_named() {
 
 /// Runs the command on a disk of 300 kB of its own; `None` where the system gives no such disk.
 fn on_a_tiny_disk(desk: &Desk, args: &[&str]) -> Option<(Run, Vec<String>)> {
-    let script = "mount -t tmpfs -o size=300k tmpfs out || exit 77; \"$0\" \"$@\"; code=$?; ls -A out >left.txt; exit $code";
+    let script =
+        "mount -t tmpfs -o size=300k tmpfs out || exit 77; \"$0\" \"$@\"; code=$?; ls -A out >left.txt; exit $code";
     std::fs::create_dir_all(desk.folder.join("out")).expect("a writable target folder");
     let mut command = Command::new("unshare");
     command.args(["-rm", "sh", "-c", script, &binary()]).args(args).current_dir(&desk.folder);

@@ -188,7 +188,8 @@ impl<const N: usize> OnlineGenerator<N> {
         for k in 0..N {
             let step = self.following.step(k, (pace.elapsed, cycles), self.cycle, &self.target[k]);
             (events.arrived[k], events.range_ends[k]) = (step.arrived, step.range_ends);
-            let p = self.ranges[k].nearest(step.state.p);
+            // An axis that coasts for ages ends at the last number.
+            let p = self.ranges[k].nearest(step.state.p).clamp(f64::MIN, f64::MAX);
             let now = pace.apply(&step.state);
             (state.q[k], state.qd[k], state.qdd[k], state.qddd[k]) = (p, now.v, now.a, now.j);
             self.planned[k] = AxisState::new(p, step.state.v, step.state.a);
@@ -228,7 +229,7 @@ impl<const N: usize> OnlineGenerator<N> {
 
     fn time_left_of(&self, k: usize) -> f64 {
         let axis = &self.following.axes[k];
-        if axis.underway { (axis.planned - axis.steps).max(0.0) * self.cycle } else { 0.0 }
+        if axis.underway { ((axis.planned - axis.steps).max(0.0) * self.cycle).min(f64::MAX) } else { 0.0 }
     }
 
     /// The motion followed at present, each axis since its own was planned.

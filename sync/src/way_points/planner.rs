@@ -1,6 +1,6 @@
 //! From a route to a motion.
 
-use arcfeed_feedrate::{AxisLimits, AxisState};
+use arcfeed_feedrate::{AxisLimits, AxisState, FeedError};
 
 use super::guess::Guess;
 use super::program::Program;
@@ -100,6 +100,15 @@ impl<const N: usize> WayPointPlanner<N> {
     /// [`Trajectory::new`](crate::Trajectory::new) for start and target.
     pub fn plan(&mut self, start: &[AxisState; N], route: &Route<'_, N>) -> Result<WayPointTrajectory<N>, SyncError> {
         route.check(start)?;
+        let motion = self.shortest(start, route)?;
+        match motion.duration().is_finite() {
+            true => Ok(motion),
+            false => Err(SyncError::State { axis: 0, source: FeedError::OutOfRange { what: "duration of the route" } }),
+        }
+    }
+
+    /// The motion along a route that has been checked.
+    fn shortest(&mut self, start: &[AxisState; N], route: &Route<'_, N>) -> Result<WayPointTrajectory<N>, SyncError> {
         let guess = Guess::new(start, route);
         guess.write(route, &mut self.program);
         self.program.begin_with_spline();
