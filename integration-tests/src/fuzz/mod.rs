@@ -13,8 +13,10 @@ mod numbers;
 mod planners;
 mod readers;
 mod target;
+mod verdict;
 mod watchdog;
 
 pub use numbers::Numbers;
-pub use target::{Found, Inputs, Judged, TARGETS, Target, Verdict, target};
+pub use target::{Found, Inputs, Judged, TARGETS, Target, target};
+pub use verdict::Verdict;
 pub use watchdog::{MOST_BYTES, Watchdog};

@@ -13,7 +13,7 @@ use robot_cr7::BatchItem;
 
 use super::judge::{NoJump, fault_of};
 use super::numbers::Numbers;
-use super::target::Verdict;
+use super::verdict::Verdict;
 
 const MODES: [Synchronisation; 4] =
     [Synchronisation::None, Synchronisation::Time, Synchronisation::StraightLine, Synchronisation::ForcedStraight];
@@ -80,8 +80,9 @@ pub(super) fn state_to_state(bytes: &[u8]) -> Verdict {
             return broken(format!("a state that is not finite: {state:?}"));
         }
     }
-    // Sizes far from each other leave no digits for the sums of the judge.
-    match fault_of(&start, &target, &limits, &motion).filter(|_| !numbers.hostile()) {
+    // Sizes far from each other, and starts far outside the limits, leave no digits for the sums of the judge.
+    let judged = !numbers.hostile() && limits.iter().zip(&start).all(|(limits, start)| limits.contain(start));
+    match fault_of(&start, &target, &limits, &motion).filter(|_| judged) {
         Some(fault) => broken(fault),
         None => Verdict::Accepted,
     }

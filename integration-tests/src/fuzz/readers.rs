@@ -12,7 +12,7 @@ use robot_cr7::{
     read_trajectory,
 };
 
-use super::target::Verdict;
+use super::verdict::Verdict;
 
 /// The longest message, bytes: longer ones are no help.
 const LONGEST_MESSAGE: usize = 30_000;

@@ -5,29 +5,8 @@ use std::time::{Duration, Instant};
 
 use arcfeed_testing::{Random, most_bytes_in};
 
+use super::verdict::Verdict;
 use super::{corpus, mutation, planners, readers};
-
-/// What became of one input.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Verdict {
-    /// Read, or planned.
-    Accepted,
-    /// Refused by an error.
-    Refused,
-    /// Neither: a defect, in words.
-    Broken(String),
-}
-
-impl Verdict {
-    /// Broken if one is, accepted if one is.
-    pub(super) fn worst(all: impl IntoIterator<Item = Self>) -> Self {
-        all.into_iter().fold(Self::Refused, |worst, one| match (worst, one) {
-            (Self::Broken(what), _) | (_, Self::Broken(what)) => Self::Broken(what),
-            (Self::Accepted, _) | (_, Self::Accepted) => Self::Accepted,
-            _ => Self::Refused,
-        })
-    }
-}
 
 /// Where inputs come from.
 #[derive(Debug, Clone, Copy)]

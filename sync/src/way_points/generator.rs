@@ -127,7 +127,9 @@ impl<const N: usize> WayPointGenerator<N> {
             self.section += 1;
             self.last = self.section + 1 == self.motion.section_durations().len();
         }
-        let state = self.current.at(self.since);
+        let mut state = self.current.at(self.since);
+        // An axis that goes on for ages after the end stays at the last number.
+        state.q.apply(|q| *q = q.clamp(f64::MIN, f64::MAX));
         self.state = std::array::from_fn(|k| AxisState::new(state.q[k], state.qd[k], state.qdd[k]));
         let there = self.last && self.since >= self.current.duration();
         let reached = there && !self.reached;
