@@ -4,7 +4,7 @@ use integration_tests::fuzz::{Judged, MOST_BYTES, TARGETS, Verdict};
 
 /// Inputs of each target; planners of paths take tenths of a second.
 fn count(seconds: f64) -> u64 {
-    if seconds > 1.0 { 8 } else { 400 }
+    if seconds > 1.0 { 3 } else { 400 }
 }
 
 fn check(what: &str, judged: &Judged) {

@@ -279,7 +279,7 @@ pub fn torque(args: &TorqueArgs) -> Result<(), Failure> {
     let (qd, qdd) = (rates("--deg-s", &args.deg_s)?, rates("--deg-s2", &args.deg_s2)?);
     let joints = &robot.description().joints;
     if joints.iter().any(|joint| joint.inertial.is_none()) {
-        return Err(robot.no_dynamics("give a robot file that states it").into());
+        return Err(undoable(robot.no_dynamics("give a robot file that states it")));
     }
     let torque = robot.any().torque(&q, &qd, &qdd).map_err(undoable)?;
     if args.pose.json {
