@@ -104,7 +104,7 @@ pub(crate) fn remove_left_parts(folder: &Path, names: &[&str]) {
     for entry in entries.flatten() {
         let name = entry.file_name().to_string_lossy().into_owned();
         let process = |of: &&str| name.strip_prefix(&hidden_start(of))?.strip_suffix(PART)?.parse::<u32>().ok();
-        if names.iter().any(|of| process(&of).is_some_and(|number| number != std::process::id())) {
+        if names.iter().any(|of| process(of).is_some_and(|number| number != std::process::id())) {
             let _ = fs::remove_file(entry.path());
         }
     }
