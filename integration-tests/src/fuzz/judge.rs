@@ -57,8 +57,8 @@ impl<const N: usize> NoJump<N> {
 
     /// What is wrong with the next state.
     pub(super) fn see(&mut self, state: &[AxisState; N]) -> Option<String> {
-        for k in 0..N {
-            let (a, b, h) = (self.before[k], state[k], self.cycle);
+        let h = self.cycle;
+        for (k, (a, b)) in self.before.iter().zip(state).enumerate() {
             if ![b.p, b.v, b.a].iter().all(|value| value.is_finite()) {
                 return Some(format!("axis {k} is at {b:?}"));
             }

@@ -116,9 +116,8 @@ pub(super) fn online(bytes: &[u8]) -> Verdict {
             generator.step();
             let fault = judge.see(generator.state());
             // Sizes far from each other leave no digits for differences.
-            match fault.filter(|fault| !numbers.hostile() || fault.contains("is at")) {
-                Some(fault) => return broken(fault),
-                None => {}
+            if let Some(fault) = fault.filter(|fault| !numbers.hostile() || fault.contains("is at")) {
+                return broken(fault);
             }
         }
         if !generator.time_left().is_finite() {
