@@ -13,6 +13,7 @@ pub mod blended_polylines;
 pub mod cnc_curves;
 #[cfg(feature = "controller")]
 pub mod controller_simulator;
+pub mod fuzz;
 pub mod hybrid_scenario;
 pub mod on_cr7;
 pub mod raised_limits;

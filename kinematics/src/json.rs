@@ -176,6 +176,8 @@ impl ArmDescription {
     /// name of a joint that is empty, begins or ends with a blank, holds a control character or is there twice.
     pub fn from_json(text: &str) -> Result<Self, KinematicsError> {
         let unreadable = |reason: String| KinematicsError::Unreadable { format: "JSON", reason };
+        // Editors on Windows begin a file with a byte order mark.
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let file: File = serde_json::from_str(text).map_err(|error| unreadable(error.to_string()))?;
         if file.format != FORMAT {
             return Err(unreadable(format!("its format is '{}', not '{FORMAT}'", file.format)));

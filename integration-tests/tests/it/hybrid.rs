@@ -1,4 +1,4 @@
-//! Motion in both spaces under random operators: see `integration_tests::hybrid_scenario`. `examples/soak_hybrid.rs` plays as many as you like.
+//! Motion in both spaces under random operators: see `integration_tests::hybrid_scenario`. The example `soak` plays as many as you like.
 
 use arcfeed_testing::Counting;
 use integration_tests::hybrid_scenario::{Stage, arms};
@@ -15,7 +15,7 @@ fn random_scenarios_keep_every_limit_and_end_where_they_should() {
                     played += 1;
                     left += usize::from(result.left_path);
                 }
-                Err(what) => panic!("`soak_hybrid 1 {seed}`: {what}"),
+                Err(what) => panic!("`soak --family hybrid --count 1 --seed {seed}`: {what}"),
             }
         }
     }

@@ -9,6 +9,7 @@ mod cnc_curves;
 mod conformance;
 #[cfg(feature = "controller")]
 mod controller;
+mod fuzz;
 mod hybrid;
 #[cfg(feature = "oracle")]
 mod large_fits;
@@ -16,4 +17,5 @@ mod paths_of_others;
 mod raised_limits;
 mod random_jobs;
 mod regressions;
+mod security;
 mod tight_bends;

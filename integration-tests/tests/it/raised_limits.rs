@@ -1,4 +1,4 @@
-//! No limit that is raised makes a motion longer: see `integration_tests::raised_limits`; `examples/soak_raised_limits.rs` plans as
+//! No limit that is raised makes a motion longer: see `integration_tests::raised_limits`; the example `soak` plans as
 //! many as you like.
 
 use integration_tests::raised_limits::RaisedLimit;
@@ -11,9 +11,13 @@ fn a_raised_limit_never_makes_a_random_motion_longer() {
     let mut planned = 0;
     for seed in 0..16 {
         let Some(durations) = RaisedLimit::random(seed).durations() else { continue };
-        let [before, after] = durations.unwrap_or_else(|error| panic!("`soak_raised_limits 1 {seed}`: {error}"));
+        let [before, after] =
+            durations.unwrap_or_else(|error| panic!("`soak --family raised-limits --count 1 --seed {seed}`: {error}"));
         planned += 1;
-        assert!(after <= before * (1.0 + LONGER), "`soak_raised_limits 1 {seed}`: {before} s, then {after} s");
+        assert!(
+            after <= before * (1.0 + LONGER),
+            "`soak --family raised-limits --count 1 --seed {seed}`: {before} s, then {after} s"
+        );
     }
     assert!(planned >= 8, "{planned} of 16 planned: too few to say anything");
 }

@@ -1,4 +1,4 @@
-//! Paths with places that are nearly a corner: see `integration_tests::tight_bends`; `examples/soak_tight_bends.rs` plans as
+//! Paths with places that are nearly a corner: see `integration_tests::tight_bends`; the example `soak` plans as
 //! many as you like.
 
 use std::path::Path;
@@ -85,7 +85,7 @@ fn random_paths_are_planned_or_refused_with_a_reason() {
     for seed in 0..8 {
         match TightBend::random(seed).play() {
             Ok(outcome) => planned += usize::from(outcome == Outcome::Planned),
-            Err(what) => panic!("`soak_tight_bends 1 {seed}`: {what}"),
+            Err(what) => panic!("`soak --family tight-bends --count 1 --seed {seed}`: {what}"),
         }
     }
     assert!(planned >= 5, "{planned} of 8 planned: too few to say anything");

@@ -114,17 +114,36 @@ impl Joint {
     }
 }
 
+/// What a file says of the mass of a link.
+pub(super) enum LinkBody {
+    /// Neither mass nor moments.
+    Massless,
+    /// A body in the frame of the link.
+    Known(Inertial),
+    /// Finite numbers that no body can have, and why.
+    Impossible(KinematicsError),
+}
+
 impl Link {
-    /// The link's body in the link's frame; none if it has neither mass nor moments.
-    pub(super) fn body(&self) -> Result<Option<Inertial>, KinematicsError> {
-        let Some(Mass { origin, mass: Some(mass), inertia: Some(inertia) }) = &self.inertial else { return Ok(None) };
+    /// The link's body.
+    pub(super) fn body(&self) -> Result<LinkBody, KinematicsError> {
+        let in_link = |error: KinematicsError| error.in_part(Part::Link, &self.name);
+        let Some(Mass { origin, mass: Some(mass), inertia: Some(inertia) }) = &self.inertial else {
+            return Ok(LinkBody::Massless);
+        };
         if *mass == 0.0 && inertia.iter().all(|v| *v == 0.0) {
-            return Ok(None);
+            return Ok(LinkBody::Massless);
         }
         let [xx, xy, xz, yy, yz, zz] = *inertia;
         let tensor = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
-        let body = || Ok(Inertial::new(*mass, Vector3::zeros(), tensor)?.seen_from(&Origin::pose(*origin)?));
-        body().map(Some).map_err(|error: KinematicsError| error.in_part(Part::Link, &self.name))
+        let pose = Origin::pose(*origin).map_err(in_link)?;
+        match Inertial::new(*mass, Vector3::zeros(), tensor) {
+            Ok(body) => Ok(LinkBody::Known(body.seen_from(&pose))),
+            Err(error) if mass.is_finite() && inertia.iter().all(|v| v.is_finite()) => {
+                Ok(LinkBody::Impossible(in_link(error)))
+            }
+            Err(error) => Err(in_link(error)),
+        }
     }
 }
 

@@ -24,6 +24,9 @@ impl ArmDescription {
     /// that are followed by fingers alone end at the link that carries these, which a note says: joints that slide, follow
     /// others or are called fingers, at most three in a row. A link `world` that joints start from need not be in the file.
     ///
+    /// An inertia that no body can have (a negative mass, moments that break the triangle inequality) is taken as unknown, which a note says
+    /// with the link: the arm has no dynamics then. Numbers that are not finite are refused.
+    ///
     /// Only links, joints and inertials are read: what a file says of meshes, materials or
     /// simulators has no influence. No other file is opened.
     ///
@@ -40,7 +43,7 @@ impl ArmDescription {
             Some(name) => Tip { link: tree.link(name)?, fingers: Vec::new() },
             None => tree.tip(base)?,
         };
-        let notes = tip.fingers.first().map(|_| {
+        let hand = tip.fingers.first().map(|_| {
             let fingers = listed(tip.fingers.iter().map(|number| tree.joint(*number).name.as_str()));
             let hand = tree.name(tip.link);
             format!("the arm ends at the hand '{hand}': the joints {fingers} and what they carry are left out, with their mass")
@@ -51,7 +54,7 @@ impl ArmDescription {
             Some(way) if base != tip => way,
             _ => return Err(broken("the tip link must be below the base link", ends())),
         };
-        let (joints, flange) = folded(&tree, &way)?;
+        let Folded { joints, flange, notes } = folded(&tree, &way)?;
         have_usable_names(&joints)?;
         if joints.is_empty() {
             return Err(broken("there must be a moving joint between base and tip", ends()));
@@ -60,7 +63,7 @@ impl ArmDescription {
             name: robot.name.clone(),
             source: format!("URDF, link '{}' to link '{}'", tree.name(base), tree.name(tip)),
             licence: String::new(),
-            notes: notes.into_iter().collect(),
+            notes: hand.into_iter().chain(notes).collect(),
             base: Isometry3::identity(),
             joints,
             flange,
@@ -68,11 +71,21 @@ impl ArmDescription {
     }
 }
 
-/// The moving joints of a way, the fixed ones folded into them, and what fixed joints add behind
-/// the last.
-fn folded(tree: &Tree<'_>, way: &[usize]) -> Result<(Vec<JointDescription>, Isometry3<f64>), KinematicsError> {
+/// An arm whose fixed joints are folded into the moving ones.
+struct Folded {
+    joints: Vec<JointDescription>,
+    /// What fixed joints add behind the last moving one.
+    flange: Isometry3<f64>,
+    /// Inertias that are taken as unknown.
+    notes: Vec<String>,
+}
+
+/// The moving joints of a way, the fixed ones folded into them.
+fn folded(tree: &Tree<'_>, way: &[usize]) -> Result<Folded, KinematicsError> {
     let on_way: HashSet<usize> = way.iter().copied().collect();
     let mut joints: Vec<JointDescription> = Vec::new();
+    // Of each joint the first body that it carries and that cannot be.
+    let mut impossible: Vec<Option<KinematicsError>> = Vec::new();
     // From the last moving joint on.
     let mut carried = Isometry3::identity();
     for number in way {
@@ -82,15 +95,27 @@ fn folded(tree: &Tree<'_>, way: &[usize]) -> Result<(Vec<JointDescription>, Isom
             None => origin,
             Some(described) => {
                 joints.push(JointDescription { origin, ..described });
+                impossible.push(None);
                 Isometry3::identity()
             }
         };
         // The link moves with the last moving joint, if there is one.
-        if let Some(last) = joints.last_mut() {
-            tree.join_rigid(tree.child(*number), carried, &on_way, &mut last.inertial)?;
+        if let (Some(last), Some(impossible)) = (joints.last_mut(), impossible.last_mut()) {
+            let why = tree.join_rigid(tree.child(*number), carried, &on_way, &mut last.inertial)?;
+            *impossible = impossible.take().or(why);
         }
     }
-    Ok((joints, carried))
+    let mut notes = Vec::new();
+    for (joint, why) in joints.iter_mut().zip(impossible) {
+        if let Some(why) = why {
+            joint.inertial = None;
+            notes.push(format!(
+                "{why}: the inertia behind joint '{}' is taken as unknown, and torques with it",
+                joint.name
+            ));
+        }
+    }
+    Ok(Folded { joints, flange: carried, notes })
 }
 
 /// A moving joint, or none if it is fixed; its origin is the file's.

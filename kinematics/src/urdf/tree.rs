@@ -2,7 +2,7 @@
 //!
 //! Links and joints are numbers here, and every walk takes time in proportion to the file.
 
-use super::file::{Joint, JointType, Robot};
+use super::file::{Joint, JointType, LinkBody, Robot};
 use crate::{
     dynamics::Inertial,
     error::{KinematicsError, Part},
@@ -297,19 +297,24 @@ impl<'a> Tree<'a> {
     }
 
     /// Joins to `found` what hangs on `link` by fixed joints, those of `way` left out; `link`
-    /// stands at `at` in the frame of the body.
+    /// stands at `at` in the frame of the body. Returns why the whole is unknown, if a part is impossible.
     pub(super) fn join_rigid(
         &self,
         link: usize,
         at: Isometry3<f64>,
         way: &HashSet<usize>,
         found: &mut Option<Inertial>,
-    ) -> Result<(), KinematicsError> {
+    ) -> Result<Option<KinematicsError>, KinematicsError> {
+        let mut impossible = None;
         let mut open = vec![(link, at)];
         while let Some((link, at)) = open.pop() {
-            if let Some(body) = self.robot.links[link].body()? {
-                let body = body.seen_from(&at);
-                *found = Some(found.map_or(body, |found| found.joined(&body)));
+            match self.robot.links[link].body()? {
+                LinkBody::Massless => {}
+                LinkBody::Known(body) => {
+                    let body = body.seen_from(&at);
+                    *found = Some(found.map_or(body, |found| found.joined(&body)));
+                }
+                LinkBody::Impossible(why) => impossible = impossible.or(Some(why)),
             }
             for number in self.below[link].iter().filter(|number| !way.contains(number)) {
                 let joint = self.joint(*number);
@@ -318,6 +323,6 @@ impl<'a> Tree<'a> {
                 }
             }
         }
-        Ok(())
+        Ok(impossible)
     }
 }

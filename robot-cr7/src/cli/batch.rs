@@ -13,6 +13,8 @@ use crate::{BatchItem, BatchResult, InputError};
 use crate::cli::Failure;
 use crate::cli::output::{say, show};
 use crate::cli::progress::Progress;
+use crate::output::folder_lock::FolderLock;
+use crate::output::whole_file::{unwritten, write_whole};
 
 /// The file of the results in the folder of the batch.
 const RESULTS: &str = "results.jsonl";
@@ -74,10 +76,11 @@ impl Source {
 
 pub fn run(args: &Args) -> Result<(), Failure> {
     let sources = sources(&args.jobs)?;
-    let unwritable = |file: &Path, source| InputError::Write { file: file.to_owned(), source };
     let trajectories = args.trajectories.then(|| args.out.join(TRAJECTORIES));
     let folder = trajectories.as_deref().unwrap_or(&args.out);
-    fs::create_dir_all(folder).map_err(|source| unwritable(folder, source))?;
+    fs::create_dir_all(folder).map_err(unwritten(folder))?;
+    // Held until the end: two batches would give the jobs two results each.
+    let _lock = FolderLock::take(&args.out)?;
     let results = args.out.join(RESULTS);
     let mut earlier = read_results(&results, args.retry)?;
     if let Some(folder) = &trajectories {
@@ -85,7 +88,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         earlier.retain(|result| result.error.is_some() || folder.join(format!("{}.csv", result.id)).exists());
     }
     let done: HashMap<&str, bool> = earlier.iter().map(|result| (result.id.as_str(), result.error.is_some())).collect();
-    let mut file = begin(&results, &earlier).map_err(|source| unwritable(&results, source))?;
+    let mut file = begin(&results, &earlier)?;
 
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let workers = args.jobs_at_a_time.map_or(cores, usize::from).min(sources.len().max(1));
@@ -234,6 +237,7 @@ fn sources(jobs: &Path) -> Result<Vec<Source>, Failure> {
     let mut lines = Vec::new();
     for (i, line) in reader.lines().enumerate() {
         let line = line.map_err(unreadable)?;
+        let line = line.strip_prefix('\u{feff}').unwrap_or(&line).to_owned();
         if line.trim().is_empty() {
             continue;
         }
@@ -276,15 +280,13 @@ fn read_results(file: &Path, retry: bool) -> Result<Vec<BatchResult>, Failure> {
     Ok(results)
 }
 
-/// The file of the results, open behind those of earlier runs, which are written anew: whole beside it, then renamed.
-fn begin(file: &Path, earlier: &[BatchResult]) -> std::io::Result<File> {
-    let part = file.with_extension("jsonl.part");
+/// The file of the results, open behind those of earlier runs, which are written anew.
+fn begin(file: &Path, earlier: &[BatchResult]) -> Result<File, InputError> {
     let mut text = String::new();
     for result in earlier {
-        text += &serde_json::to_string(result).map_err(std::io::Error::other)?;
+        text += &serde_json::to_string(result).unwrap_or_default();
         text.push('\n');
     }
-    fs::write(&part, text)?;
-    fs::rename(&part, file)?;
-    OpenOptions::new().append(true).open(file)
+    write_whole(file, |mut part| part.write_all(text.as_bytes()).map_err(unwritten(file)))?;
+    OpenOptions::new().append(true).open(file).map_err(unwritten(file))
 }

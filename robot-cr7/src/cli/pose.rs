@@ -277,8 +277,11 @@ pub fn torque(args: &TorqueArgs) -> Result<(), Failure> {
         }
     };
     let (qd, qdd) = (rates("--deg-s", &args.deg_s)?, rates("--deg-s2", &args.deg_s2)?);
-    let torque = robot.any().torque(&q, &qd, &qdd).map_err(undoable)?;
     let joints = &robot.description().joints;
+    if joints.iter().any(|joint| joint.inertial.is_none()) {
+        return Err(undoable(robot.no_dynamics("give a robot file that states it")));
+    }
+    let torque = robot.any().torque(&q, &qd, &qdd).map_err(undoable)?;
     if args.pose.json {
         let limits: Vec<_> = joints.iter().map(|j| j.torque).collect();
         say!("{}", serde_json::json!({ "torque": torque, "limit": limits }));

@@ -4,12 +4,13 @@ use std::any::Any;
 use std::path::Path;
 
 use crate::controller::VerifiedMotion;
-use crate::{InputError, OnProgram, OnToolPath, ProgramTask, Robot, Task};
+use crate::{OnProgram, OnToolPath, ProgramTask, Robot, Task};
 use arcfeed_interp::{JointTrajectory, PathArm};
 
 use crate::cli::Failure;
 use crate::cli::send_args::Args;
 use crate::cli::tool_path::{read_job, read_path};
+use crate::input::error::read_text;
 
 /// Tolerance of planned motions against their plan, rad.
 const TOLERANCE: f64 = 1e-6;
@@ -44,12 +45,8 @@ pub fn load(args: &Args, robot: &Robot) -> Result<SendMotion, Failure> {
 }
 
 fn text(file: &Path) -> Result<String, Failure> {
-    let failed = |source| InputError::Read {
-        file: file.to_owned(),
-        source,
-        remedy: "give joint_trajectory.json of `cr7 plan --compile-rad`, a path, or nothing for the path of the job",
-    };
-    Ok(std::fs::read_to_string(file).map_err(failed)?)
+    let expected = "joint_trajectory.json of `cr7 plan --compile-rad`, a path, or nothing for the path of the job";
+    Ok(read_text(file, expected)?)
 }
 
 fn is_compiled(file: &Path) -> Result<bool, Failure> {

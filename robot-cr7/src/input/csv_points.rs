@@ -101,6 +101,9 @@ const QUATERNION: usize = 6;
 /// By how much the length of an axis or a quaternion may be off 1: what three decimals leave.
 const OFF_UNIT: f64 = 0.01;
 
+/// The largest number of a cell.
+const LARGEST: f64 = 1e100;
+
 /// The numbers of a row, by column.
 struct Row([f64; 10]);
 
@@ -109,7 +112,9 @@ impl Row {
     fn of(cells: &[String], columns: &[usize], (file, line): (&Path, u64)) -> Result<Self, InputError> {
         let mut row = [0.0; 10];
         for (i, (cell, &column)) in cells.iter().zip(columns).enumerate() {
-            row[column] = cell.parse::<f64>().ok().filter(|v| v.is_finite()).ok_or_else(|| InputError::Cell {
+            // Larger ones are no places, and overflow in another unit.
+            let number = cell.parse::<f64>().ok().filter(|v| v.abs() <= LARGEST);
+            row[column] = number.ok_or_else(|| InputError::Cell {
                 file: file.to_owned(),
                 line,
                 column: i + 1,

@@ -31,6 +31,12 @@ pub enum InputError {
         /// The error of the operating system.
         source: std::io::Error,
     },
+    /// Another run writes into the folder.
+    #[error("{}: another run writes into this folder: wait for its end, or choose another folder with --out", folder.display())]
+    Busy {
+        /// The folder.
+        folder: PathBuf,
+    },
     /// A file that is read has the name of one that is to be written.
     #[error("{}: is read, and would be overwritten: choose another folder with --out", file.display())]
     Overwritten {

@@ -4,6 +4,7 @@ pub(crate) mod arm_poses;
 pub(crate) mod binding_line;
 pub(crate) mod bound_report;
 pub(crate) mod compiled_report;
+pub(crate) mod folder_lock;
 pub(crate) mod joint_report;
 pub(crate) mod limit_table;
 #[cfg(feature = "html")]

@@ -4,8 +4,9 @@ use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use super::folder_lock::FolderLock;
 use super::trajectory_csv::write_rows;
-use super::whole_file::{abandon, begin, under_way};
+use super::whole_file::{Part, abandon, begin, publish, remove_left_parts};
 use crate::input::error::InputError;
 use crate::run::trajectory_row::TrajectoryRow;
 use crate::run::verdict::LimitsHold;
@@ -14,7 +15,8 @@ use crate::run::verdict::LimitsHold;
 ///
 /// [`Staging::clear`] removes what an earlier run left under the same names, so that nothing stale can be taken for the result.
 /// Each file is written under a hidden name in the same folder; [`Staging::publish`] renames all of them and asks for the proof
-/// that every limit holds. A command that ends without it, for whatever reason, leaves none of the files behind.
+/// that every limit holds. A command that ends without it, for whatever reason, leaves none of the files behind. From
+/// [`Staging::clear`] on no other run writes into the folder.
 ///
 /// ```
 /// use robot_cr7::Staging;
@@ -32,8 +34,9 @@ pub struct Staging {
     names: &'static [&'static str],
     /// Final names that are also read from.
     kept: Vec<PathBuf>,
-    /// Temporary name, final name.
-    parts: Vec<(PathBuf, PathBuf)>,
+    parts: Vec<Part>,
+    /// Nobody else writes into the folder, once it is cleared.
+    lock: Option<FolderLock>,
     published: bool,
 }
 
@@ -43,8 +46,14 @@ impl Staging {
     /// # Errors
     /// [`InputError::Overwritten`] for an input that is one of the files.
     pub fn new(folder: &Path, names: &'static [&'static str], inputs: &[&Path]) -> Result<Self, InputError> {
-        let mut staging =
-            Self { folder: folder.to_owned(), names, kept: Vec::new(), parts: Vec::new(), published: false };
+        let mut staging = Self {
+            folder: folder.to_owned(),
+            names,
+            kept: Vec::new(),
+            parts: Vec::new(),
+            lock: None,
+            published: false,
+        };
         for input in inputs {
             staging.reads(input)?;
         }
@@ -65,12 +74,19 @@ impl Staging {
         Ok(())
     }
 
-    /// Creates the folder and removes the files of an earlier run.
+    /// Creates the folder, keeps other runs out of it, and removes the files of an earlier run.
     ///
     /// # Errors
-    /// [`InputError::Write`].
+    /// [`InputError::Write`]; [`InputError::Busy`] while another run writes into the folder.
     pub fn clear(&mut self) -> Result<(), InputError> {
-        fs::create_dir_all(&self.folder).map_err(|source| InputError::Write { file: self.folder.clone(), source })?;
+        let lock = match self.lock.take() {
+            Some(lock) => lock,
+            None => FolderLock::take(&self.folder)?,
+        };
+        if lock.keeps_others_out() {
+            remove_left_parts(&self.folder, self.names);
+        }
+        self.lock = Some(lock);
         for name in self.names {
             let file = self.folder.join(name);
             match fs::remove_file(&file) {
@@ -88,9 +104,8 @@ impl Staging {
     /// # Errors
     /// [`InputError::Write`] with its final name.
     pub fn create(&mut self, name: &'static str) -> Result<File, InputError> {
-        let file = self.folder.join(name);
-        let (part, created) = begin(&file).map_err(|source| InputError::Write { file: file.clone(), source })?;
-        self.parts.push((part, file));
+        let (part, created) = begin(&self.folder.join(name))?;
+        self.parts.push(part);
         Ok(created)
     }
 
@@ -124,7 +139,7 @@ impl Staging {
 
     /// Final names of the files written so far, in their order, and of `more` that are to come.
     pub fn files_with(&self, more: &[&str]) -> Vec<PathBuf> {
-        let written = self.parts.iter().map(|(_, file)| file.clone());
+        let written = self.parts.iter().map(|part| part.file.clone());
         written.chain(more.iter().map(|name| self.folder.join(name))).collect()
     }
 
@@ -133,15 +148,7 @@ impl Staging {
     /// # Errors
     /// [`InputError::Write`].
     pub fn publish(mut self, _: &LimitsHold) -> Result<(), InputError> {
-        for (part, file) in &self.parts {
-            let synced = File::open(part).and_then(|part| part.sync_all());
-            synced.map_err(|source| InputError::Write { file: file.clone(), source })?;
-        }
-        let mut list = under_way();
-        for (part, file) in &self.parts {
-            fs::rename(part, file).map_err(|source| InputError::Write { file: file.clone(), source })?;
-        }
-        list.retain(|one| !self.parts.iter().any(|(part, _)| part == one));
+        publish(&self.parts)?;
         self.published = true;
         Ok(())
     }
@@ -153,9 +160,11 @@ impl Drop for Staging {
         if self.published {
             return;
         }
-        for (part, _) in &self.parts {
+        for part in &self.parts {
             abandon(part);
         }
+        // A folder that another run has is not ours to clear.
+        let Some(_lock) = self.lock.take().or_else(|| FolderLock::of(&self.folder)) else { return };
         for file in self.names.iter().map(|name| self.folder.join(name)) {
             if !self.kept.contains(&file) {
                 let _ = fs::remove_file(file);

@@ -3,7 +3,7 @@
 use std::io::{Read, Write};
 use std::path::Path;
 
-use super::whole_file::write_whole;
+use super::whole_file::{unwritten, write_whole};
 use crate::input::error::InputError;
 use crate::run::trajectory_row::TrajectoryRow;
 
@@ -65,8 +65,7 @@ pub fn write_trajectory<I, const N: usize>(file: &Path, names: &[String], rows: 
 where
     I: IntoIterator<Item = TrajectoryRow<N>>,
 {
-    write_whole(file, |part| write_rows(part, names, rows))
-        .map_err(|source| InputError::Write { file: file.to_owned(), source })
+    write_whole(file, |part| write_rows(part, names, rows).map_err(unwritten(file)))
 }
 
 /// Header and rows, to the last byte.

@@ -17,11 +17,13 @@ use super::robot::Robot;
 use super::samples::few_enough;
 use super::task::Task;
 use super::trajectory_row::TrajectoryRow;
+use crate::input::error::InputError;
 use crate::input::job::Job;
 use crate::input::path_file::PathFile;
 use crate::input::sample_paths::butterfly;
 use crate::output::report::Report;
-use crate::output::trajectory_csv::write_trajectory;
+use crate::output::trajectory_csv::TrajectoryWriter;
+use crate::output::whole_file::{unwritten, write_whole};
 
 /// The keys that make a motion faster that has too many samples.
 const LEVERS: &str = "feed.feed_mm_s and the limits of the job";
@@ -210,6 +212,12 @@ impl From<Cr7Error> for Failure {
     }
 }
 
+impl From<InputError> for Failure {
+    fn from(error: InputError) -> Self {
+        Self(error.to_string())
+    }
+}
+
 /// Refuses a motion that exceeds a limit, before anything is written.
 fn held(report: Report) -> Result<Report, Failure> {
     match report.limits.iter().find(|line| !line.holds()) {
@@ -239,11 +247,16 @@ impl OnToolPath for Work<'_> {
         let begin = Instant::now();
         let setpoints = motion.setpoints().map_err(|error| task.error(error.into()))?;
         let report = held(motion.report(setpoints.samples(), begin.elapsed()))?;
-        if let Some(file) = self.to {
-            let rows = setpoints.collect::<Result<Vec<_>, _>>().map_err(|error| task.error(error))?;
-            write_trajectory(file, self.names, rows.iter().map(TrajectoryRow::from)).map_err(Cr7Error::from)?;
-        }
-        Ok(report)
+        let Some(file) = self.to else { return Ok(report) };
+        write_whole(file, |part| {
+            let mut writer = TrajectoryWriter::new(part, self.names).map_err(unwritten(file))?;
+            for setpoint in setpoints {
+                let setpoint = setpoint.map_err(|error| task.error(error))?;
+                writer.write(&TrajectoryRow::from(&setpoint)).map_err(unwritten(file))?;
+            }
+            writer.finish().map_err(unwritten(file))?;
+            Ok(report)
+        })
     }
 }
 
@@ -262,23 +275,24 @@ impl OnProgram for Work<'_> {
         motion.warn(warnings);
         few_enough(motion.duration(), motion.period(), LEVERS).map_err(long)?;
         let begin = Instant::now();
-        let mut check = motion.check();
-        let mut rows = Vec::new();
-        let mut count = 0;
         let fail = |error: PlanError| plan_error(task.name(), error);
-        for sample in motion.samples().map_err(|error| fail(error.into()))? {
-            let sample = sample.map_err(fail)?;
-            check.see(&sample.row);
-            count += 1;
-            if self.to.is_some() {
-                rows.push(sample.row);
+        let checked = |each: &mut dyn FnMut(&TrajectoryRow<N>) -> Result<(), InputError>| {
+            let (mut check, mut count) = (motion.check(), 0);
+            for sample in motion.samples().map_err(|error| fail(error.into()))? {
+                let sample = sample.map_err(fail)?;
+                check.see(&sample.row);
+                each(&sample.row)?;
+                count += 1;
             }
-        }
-        let check = check.finish(self.job.feed.end_speeds[1] == 0.0);
-        let report = held(motion.report(&check, count, begin.elapsed()))?;
-        if let Some(file) = self.to {
-            write_trajectory(file, self.names, rows).map_err(Cr7Error::from)?;
-        }
-        Ok(report)
+            let check = check.finish(self.job.feed.end_speeds[1] == 0.0);
+            held(motion.report(&check, count, begin.elapsed()))
+        };
+        let Some(file) = self.to else { return checked(&mut |_| Ok(())) };
+        write_whole(file, |part| {
+            let mut writer = TrajectoryWriter::new(part, self.names).map_err(unwritten(file))?;
+            let report = checked(&mut |row| writer.write(row).map_err(unwritten(file)))?;
+            writer.finish().map_err(unwritten(file))?;
+            Ok(report)
+        })
     }
 }

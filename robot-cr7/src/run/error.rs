@@ -70,13 +70,13 @@ pub enum Cr7Error {
         /// The number of its joints.
         joints: usize,
     },
-    /// The torque is to be limited, but what that takes is not known of the robot: exit code 2.
-    #[error("the job limits the torque, but of {robot} {missing} not known: {remedy}")]
+    /// Torques are asked for, but what they take is not known of the robot: exit code 2.
+    #[error("torques are asked for, but of {robot} {missing} not known: {remedy}")]
     NoDynamics {
         /// Name of the robot.
         robot: String,
         /// The missing part, with its verb.
-        missing: &'static str,
+        missing: String,
         /// The remedy.
         remedy: &'static str,
     },

@@ -152,10 +152,8 @@ impl Robot {
     pub fn drives<const N: usize>(&self, job: &Job) -> Result<Option<Drives<N>>, Cr7Error> {
         let Some(wanted) = &job.torque else { return Ok(None) };
         let arm = self.arm::<N>(Isometry3::identity())?;
-        let unknown = |missing, remedy| Cr7Error::NoDynamics { robot: self.description.name.clone(), missing, remedy };
-        let mut dynamics = *arm.dynamics().ok_or_else(|| {
-            unknown("the masses of the links are", "take a robot whose file has them, or leave [torque] out of the job")
-        })?;
+        let remedy = "give a robot file that states it, or leave [torque] out of the job";
+        let mut dynamics = *arm.dynamics().ok_or_else(|| self.no_dynamics(remedy))?;
         if let Some(payload) = wanted.payload {
             dynamics = dynamics.with_payload(Inertial::new(payload.mass, payload.centre, Matrix3::zeros())?)?;
         }
@@ -166,10 +164,24 @@ impl Robot {
                 joints: N,
             })?,
             (None, Some(own)) => own,
-            (None, None) => return Err(unknown("the torque limits are", "give your own as torque.limit_nm")),
+            (None, None) => {
+                return Err(Cr7Error::NoDynamics {
+                    robot: self.description.name.clone(),
+                    missing: "the torque limits are".to_owned(),
+                    remedy: "give your own as torque.limit_nm",
+                });
+            }
         };
         let rated = wanted.rated.as_ref().map(|values| values.of::<N>().map(Joints::from)).transpose();
         let rated = rated.map_err(|given| Cr7Error::JointCount { key: "torque.rated_nm", given, joints: N })?;
         Ok(Some(Drives { dynamics, torque, rated }))
+    }
+
+    /// That torques cannot be computed, with the joints behind which the inertia is not known.
+    pub(crate) fn no_dynamics(&self, remedy: &'static str) -> Cr7Error {
+        let unknown = self.description.joints.iter().filter(|joint| joint.inertial.is_none());
+        let names: Vec<&str> = unknown.map(|joint| joint.name.as_str()).collect();
+        let missing = format!("the inertia of the links behind the joints {} is", names.join(", "));
+        Cr7Error::NoDynamics { robot: self.description.name.clone(), missing, remedy }
     }
 }

@@ -169,11 +169,7 @@ impl<const N: usize> OwnLimits<N> {
             None => arm.drive_limits().torque.filter(|_| dynamics.is_some()),
         };
         if torque.is_some() && dynamics.is_none() {
-            return Err(Cr7Error::NoDynamics {
-                robot: robot.description().name.clone(),
-                missing: "the masses of its links are",
-                remedy: "give masses and inertias of the links, or drop limits.torque_nm",
-            });
+            return Err(robot.no_dynamics("give a robot file that states it, or drop limits.torque_nm"));
         }
         let drives = dynamics.zip(torque);
         if file.payload.is_some() && drives.is_none() {

@@ -10,6 +10,7 @@ mod common;
 mod compare;
 mod csv_tools;
 mod dense_gcode;
+mod determinism;
 mod docs;
 mod drawing_contours;
 mod drawing_dxf;
@@ -22,6 +23,7 @@ mod drawing_svg;
 mod drawing_texts;
 #[cfg(feature = "cli")]
 mod dwells;
+mod faults;
 mod gcode_hostile;
 mod gcode_plan;
 mod gcode_refusals;
@@ -70,6 +72,7 @@ mod trajectory_csv;
 mod verify_command;
 #[cfg(feature = "cli")]
 mod whole_cycles;
+mod windows_files;
 
 #[cfg(feature = "cli")]
 #[path = "common/keeps.rs"]

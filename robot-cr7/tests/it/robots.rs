@@ -121,7 +121,7 @@ fn robots_that_cannot_be_used_say_why() {
     desk.run(&["fk", "--robot", "not.urdf", "--deg", "1"]).refused(2, &["not.urdf", "URDF"]);
     desk.write("empty.json", "{}");
     desk.run(&["fk", "--robot", "empty.json", "--deg", "1"]).refused(2, &["empty.json", "JSON"]);
-    desk.run(&["torque", "--robot", "planar_2r", "--deg", "1", "2"]).refused(1, &["inertia"]);
+    desk.run(&["torque", "--robot", "planar_2r", "--deg", "1", "2"]).refused(1, &["inertia", "behind the joints"]);
     let to = ["move", "--robot", "planar_2r", "--from-deg", "0", "0", "--to-deg", "30"];
     desk.run(&to).refused(2, &["--to-deg", "1 values", "2 joints"]);
     desk.run(&["move", "--robot", "planar_2r", "--from-deg", "0", "0", "--to-deg", "30", "-20"]).done();

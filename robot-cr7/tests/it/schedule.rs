@@ -258,7 +258,7 @@ fn bad_files_name_the_line_and_the_rule() {
     }
     desk.write("s.toml", &format!("[limits]\ntorque_nm = 100\n{ways}"));
     let run = desk.run(&["schedule", "s.toml", "--robot", "planar_2r"]);
-    run.refused(2, &["the masses of its links", "limits.torque_nm"]);
+    run.refused(2, &["the inertia of the links behind the joints", "limits.torque_nm"]);
     desk.run(&["schedule"]).refused(2, &["FILE"]);
     desk.run(&["schedule", "none.toml"]).refused(2, &["none.toml", "cannot be read"]);
     desk.write("s.toml", ways);

@@ -205,7 +205,8 @@ impl<const N: usize, R: RouteMemory<N>> OnlineGenerator<N, R> {
         for k in 0..N {
             let step = self.following.step(k, (pace.elapsed, cycles), self.cycle, &self.target[k]);
             (events.arrived[k], events.range_ends[k]) = (step.arrived, step.range_ends);
-            let p = self.ranges[k].nearest(step.state.p);
+            // An axis that coasts for ages ends at the last number.
+            let p = self.ranges[k].nearest(step.state.p).clamp(f64::MIN, f64::MAX);
             let now = pace.apply(&step.state);
             (state.q[k], state.qd[k], state.qdd[k], state.qddd[k]) = (p, now.v, now.a, now.j);
             self.planned[k] = AxisState::new(p, step.state.v, step.state.a);
@@ -245,7 +246,8 @@ impl<const N: usize, R: RouteMemory<N>> OnlineGenerator<N, R> {
 
     fn time_left_of(&self, k: usize) -> f64 {
         let axis = &self.following.axes[k];
-        if axis.underway { (axis.planned - axis.steps).max(0.0) * self.cycle + self.time_after_section() } else { 0.0 }
+        let left = (axis.planned - axis.steps).max(0.0) * self.cycle + self.time_after_section();
+        if axis.underway { left.min(f64::MAX) } else { 0.0 }
     }
 
     /// The motion followed at present, each axis since its own was planned; on a route that of the

@@ -1,6 +1,6 @@
 //! From a route to a motion.
 
-use arcfeed_feedrate::{AxisLimits, AxisState};
+use arcfeed_feedrate::{AxisLimits, AxisState, FeedError};
 
 use super::distinct::Distinct;
 use super::guess::Guess;
@@ -106,6 +106,15 @@ impl<const N: usize> WayPointPlanner<N> {
     /// [`Trajectory::new`](crate::Trajectory::new) for start and target.
     pub fn plan(&mut self, start: &[AxisState; N], route: &Route<'_, N>) -> Result<WayPointTrajectory<N>, SyncError> {
         route.check(start)?;
+        let motion = self.whole(start, route)?;
+        match motion.duration().is_finite() {
+            true => Ok(motion),
+            false => Err(SyncError::State { axis: 0, source: FeedError::OutOfRange { what: "duration of the route" } }),
+        }
+    }
+
+    /// The motion along a route that has been checked.
+    fn whole(&mut self, start: &[AxisState; N], route: &Route<'_, N>) -> Result<WayPointTrajectory<N>, SyncError> {
         if !(0..route.sections()).any(|i| route.is_straight(i)) {
             return self.pass(start, route);
         }

@@ -25,7 +25,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use crate::input::error::InputError;
-use crate::output::whole_file::write_whole;
+use crate::output::whole_file::{unwritten, write_whole};
 use crate::run::limit_line::TOLERANCE;
 use crate::text::{number, percent};
 pub use arm::ArmAtEnds;
@@ -150,8 +150,7 @@ pub struct Line<'a> {
 /// # Errors
 /// Fails when the file cannot be written.
 pub fn save_picture(file: &Path, svg: &str) -> Result<(), InputError> {
-    write_whole(file, |mut part| part.write_all(svg.as_bytes()))
-        .map_err(|source| InputError::Write { file: file.to_owned(), source })
+    write_whole(file, |mut part| part.write_all(svg.as_bytes()).map_err(unwritten(file)))
 }
 
 /// The feed under its limit curve; what lies above the limit is tinted.

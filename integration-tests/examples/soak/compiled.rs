@@ -1,19 +1,19 @@
-//! Random motions, compiled: `soak_compiled [MOTIONS, else 100] [FIRST SEED]`.
+//! Random motions, compiled.
 //!
 //! Curves with and without jumps of curvature and paths through way-points, three planners with limited jerk, tolerances from 1e-7
 //! to 1e-4 rad. A compiled motion has to keep the limits by its certificate, and to stay within its bound on samples that are denser
-//! than those of the compiler. A refusal is printed with its seed.
+//! than those of the compiler.
 
-use arcfeed_testing::Random;
 use std::sync::Arc;
 
 use arcfeed_geometry::{OrientationPath, PosePath};
-use arcfeed_interp::{
-    CompileError, JointRates, JointSpline, Limits, Method, Planner, ToolLimits, ToolPath, Trajectory,
-};
-use arcfeed_kinematics::{Joints, ParallelAxisArm, models};
+use arcfeed_interp::{JointRates, JointSpline, Limits, Method, Planner, ToolLimits, ToolPath, Trajectory};
+use arcfeed_kinematics::{Joints, ParallelAxisArm};
+use arcfeed_testing::Random;
 use integration_tests::random_jobs::random_curve;
 use nalgebra::UnitQuaternion;
+
+use crate::family::Outcome;
 
 /// A random motion; `None` where the arm cannot follow or no plan is found.
 fn motion<'a>(random: &mut Random, arm: &'a ParallelAxisArm) -> Option<Trajectory<'a>> {
@@ -38,54 +38,41 @@ fn motion<'a>(random: &mut Random, arm: &'a ParallelAxisArm) -> Option<Trajector
     planner.with_chord_tolerance(random.log(1e-6, 1e-4)).ok()?.plan_shared(Arc::new(path)).ok()
 }
 
-/// What is wrong with the compiled motion; its number of pieces otherwise.
-fn check(trajectory: &Trajectory<'_>, tolerance: f64, random: &mut Random) -> Result<usize, String> {
-    let compiled = trajectory.compile(tolerance).map_err(|error: CompileError| format!("refused: {error}"))?;
+/// What is wrong with the compiled motion; false if it cannot be compiled.
+fn check(trajectory: &Trajectory<'_>, tolerance: f64, random: &mut Random) -> Result<bool, String> {
+    let Ok(compiled) = trajectory.compile(tolerance) else { return Ok(false) };
     let limits = trajectory.limits().joints();
     let certificate = compiled.certify(limits.range(), &JointRates::from(limits));
     if !certificate.holds(1e-6) {
-        return Err(format!("WRONG: {certificate}"));
+        return Err(format!("{certificate}"));
     }
-    let deviation = compiled.deviation().ok_or("WRONG: no deviation")?;
+    let deviation = compiled.deviation().ok_or("no deviation")?;
     let mut planned = trajectory.setpoints(trajectory.period()).map_err(|error| error.to_string())?;
     let steps = 20_000;
     for i in 0..steps {
         let t = trajectory.duration() * (f64::from(i) + random.between(0.0, 1.0)) / f64::from(steps);
         let off = (compiled.at(t).q - planned.at(t).map_err(|error| error.to_string())?.q).amax();
         if !(off <= deviation.bound && off <= tolerance) {
-            return Err(format!("WRONG: {off:e} at {t}, {deviation:?}"));
+            return Err(format!("{off:e} at {t}, {deviation:?}"));
         }
     }
-    Ok(compiled.len())
+    Ok(true)
 }
 
-fn main() {
-    let mut arguments = std::env::args().skip(1).map(|text| text.parse::<u64>());
-    let count = arguments.next().and_then(Result::ok).unwrap_or(10);
-    let first = arguments.next().and_then(Result::ok).unwrap_or(0);
-    let arm = models::ur5e();
-    let (mut compiled, mut refused, mut none, mut wrong, mut pieces) = (0, 0, 0, 0, 0);
-    for seed in first..first + count {
-        let mut random = Random::new(seed.wrapping_mul(0x2545_f491_4f6c_dd1d));
-        let Some(trajectory) = motion(&mut random, &arm) else {
-            none += 1;
-            continue;
-        };
-        let tolerance = random.log(1e-7, 1e-4);
-        match check(&trajectory, tolerance, &mut random) {
-            Ok(number) => (compiled, pieces) = (compiled + 1, pieces + number),
-            Err(what) => {
-                let (path, planner) = (trajectory.path().parameter(), trajectory.info());
-                println!(
-                    "seed {seed}, {planner}, {path:?}, tolerance {tolerance:.2e}, period {}: {what}",
-                    trajectory.period()
-                );
-                if what.starts_with("WRONG") { wrong += 1 } else { refused += 1 }
-            }
+/// A random motion, compiled to polynomials.
+pub fn play(arm: &ParallelAxisArm, seed: u64) -> Outcome {
+    let mut random = Random::new(seed.wrapping_mul(0x2545_f491_4f6c_dd1d));
+    let Some(trajectory) = motion(&mut random, arm) else { return Outcome::Refused };
+    let tolerance = random.log(1e-7, 1e-4);
+    match check(&trajectory, tolerance, &mut random) {
+        Ok(true) => Outcome::Done,
+        Ok(false) => Outcome::Refused,
+        Err(what) => {
+            let (path, planner) = (trajectory.path().parameter(), trajectory.info());
+            Outcome::Failed(format!(
+                "{planner}, {path:?}, tolerance {tolerance:.2e}, period {}: {what}",
+                trajectory.period()
+            ))
         }
-    }
-    println!("{compiled} compiled to {pieces} pieces, {refused} refused, {none} without a plan, {wrong} wrong");
-    if wrong > 0 {
-        std::process::exit(1);
     }
 }

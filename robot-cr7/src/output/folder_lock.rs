@@ -1,0 +1,42 @@
+//! One run at a time in a folder.
+
+use std::fs::{self, File, TryLockError};
+use std::path::Path;
+
+use super::whole_file::unwritten;
+use crate::input::error::InputError;
+
+/// A folder into which no other run writes while this value lives.
+///
+/// The operating system holds the lock and gives it back when the program ends, however it ends; no file marks it. Where a folder cannot be
+/// locked (Windows, some network drives) there is none: each file is whole even then, but those of two runs may be mixed.
+#[derive(Debug)]
+pub(crate) struct FolderLock {
+    held: Option<File>,
+}
+
+impl FolderLock {
+    /// Creates the folder where it is missing, and takes it.
+    ///
+    /// # Errors
+    /// [`InputError::Busy`] while another run has it; [`InputError::Write`] where it cannot be made.
+    pub(crate) fn take(folder: &Path) -> Result<Self, InputError> {
+        fs::create_dir_all(folder).map_err(unwritten(folder))?;
+        Self::of(folder).ok_or_else(|| InputError::Busy { folder: folder.to_owned() })
+    }
+
+    /// The lock of a folder; `None` while another run has it.
+    pub(crate) fn of(folder: &Path) -> Option<Self> {
+        let Ok(opened) = File::open(folder) else { return Some(Self { held: None }) };
+        match opened.try_lock() {
+            Ok(()) => Some(Self { held: Some(opened) }),
+            Err(TryLockError::WouldBlock) => None,
+            Err(TryLockError::Error(_)) => Some(Self { held: None }),
+        }
+    }
+
+    /// True if the operating system keeps others out.
+    pub(crate) fn keeps_others_out(&self) -> bool {
+        self.held.is_some()
+    }
+}
