@@ -43,6 +43,16 @@ pub enum FeedError {
         /// The value given.
         value: f64,
     },
+    /// A number of a blend does not follow from the others.
+    #[error("{what} is {value}; a blend with this start, velocity and duration needs {needed}")]
+    NoBlend {
+        /// Name of the argument or field.
+        what: &'static str,
+        /// The value given.
+        value: f64,
+        /// The value that the blend needs.
+        needed: f64,
+    },
     /// A quantity that must not be below zero is.
     #[error("{what} is {value}; it must not be negative")]
     Negative {

@@ -1,5 +1,6 @@
 //! The state of several axes.
 
+use arcfeed_feedrate::AxisState;
 use nalgebra::SVector;
 
 /// Position of all axes and its first three derivatives by time.
@@ -20,6 +21,12 @@ impl<const N: usize> JointState<N> {
     pub fn rest(q: SVector<f64, N>) -> Self {
         let still = SVector::zeros();
         Self { q, qd: still, qdd: still, qddd: still }
+    }
+
+    /// The states of the axes, without jerk.
+    pub(crate) fn of(axes: &[AxisState; N]) -> Self {
+        let each = |value: fn(&AxisState) -> f64| SVector::from_fn(|k, _| value(&axes[k]));
+        Self { q: each(|s| s.p), qd: each(|s| s.v), qdd: each(|s| s.a), qddd: SVector::zeros() }
     }
 }
 

@@ -11,6 +11,9 @@ use crate::state::AxisState;
 /// Doublings and halvings of the distance at which a stop is looked for.
 const HALVINGS: usize = 64;
 
+/// Difference of positions that counts as round-off, relative to their size.
+const ROUND_OFF: f64 = 64.0 * f64::EPSILON;
+
 impl StateToState {
     /// The shortest motion to velocity `v` (m/s) and acceleration `a` (m/s²), wherever it ends.
     ///
@@ -40,8 +43,8 @@ impl StateToState {
     /// The velocity of `start` becomes that of `target` in two phases of opposite jerk that last half
     /// of `duration` (s) each. With `d` the change of velocity and `T` the duration the jerk is
     /// `4 d / T²`, the largest acceleration `2 d / T`, and the way `T (v0 + v1) / 2`, so that
-    /// `target.p` must be there but for round-off. The acceleration of `start` counts as 0, and so should that of
-    /// `target`, in which the motion ends.
+    /// `target.p` must be there but for round-off. The accelerations of `start` and `target` must be 0. A blend of no
+    /// duration leads from a state to the same one, whose acceleration is free.
     ///
     /// Axes that do so together leave a corner between two lines: the first half stays within
     /// `T |d| / 12` of the first line and the second half of the second one.
@@ -56,15 +59,18 @@ impl StateToState {
     /// ```
     ///
     /// # Errors
-    /// [`FeedError::NotFinite`], [`FeedError::Negative`], [`FeedError::OutOfRange`].
+    /// [`FeedError::NotFinite`], [`FeedError::Negative`], [`FeedError::NoBlend`] for a target that no such motion leads to,
+    /// [`FeedError::OutOfRange`].
     pub fn blend(start: &AxisState, target: &AxisState, duration: f64) -> Result<Self, FeedError> {
-        not_negative("duration", duration)?;
+        check_blend(start, target, duration)?;
         let half = 0.5 * duration;
         let begin = Phase { t: 0.0, s: start.p, v: start.v, a: 0.0, j: (target.v - start.v) / half / half };
         let middle = begin.after(half);
         let mut motion = Self::standing(target.p);
-        motion.phases.push(begin, half);
-        motion.phases.push(Phase { t: half, s: middle.p, v: middle.v, a: middle.a, j: -begin.j }, half);
+        if duration > 0.0 {
+            motion.phases.push(begin, half);
+            motion.phases.push(Phase { t: half, s: middle.p, v: middle.v, a: middle.a, j: -begin.j }, half);
+        }
         motion.set_target(target, (0.0, 0.0));
         motion.check_sound()?;
         Ok(motion)
@@ -146,4 +152,29 @@ impl StateToState {
             if over >= under { (range.max, range.t_max, positions.1) } else { (range.min, range.t_min, positions.0) };
         Err(FeedError::LeavesPositions { position, time, limit })
     }
+}
+
+/// Returns an error unless a blend of this duration leads from `start` to `target`.
+fn check_blend(start: &AxisState, target: &AxisState, duration: f64) -> Result<(), FeedError> {
+    not_negative("duration", duration)?;
+    for (what, value) in [("start.p", start.p), ("start.v", start.v), ("start.a", start.a)] {
+        finite(what, value)?;
+    }
+    for (what, value) in [("target.p", target.p), ("target.v", target.v), ("target.a", target.a)] {
+        finite(what, value)?;
+    }
+    let exactly = if duration > 0.0 {
+        [("start.a", start.a, 0.0), ("target.a", target.a, 0.0)]
+    } else {
+        [("target.v", target.v, start.v), ("target.a", target.a, start.a)]
+    };
+    for (what, value, needed) in exactly {
+        if value != needed {
+            return Err(FeedError::NoBlend { what, value, needed });
+        }
+    }
+    let way = 0.5 * duration * (start.v + target.v);
+    let (value, needed) = (target.p, start.p + way);
+    let slack = ROUND_OFF * (start.p.abs() + target.p.abs() + 0.5 * duration * (start.v.abs() + target.v.abs()));
+    if (value - needed).abs() <= slack { Ok(()) } else { Err(FeedError::NoBlend { what: "target.p", value, needed }) }
 }

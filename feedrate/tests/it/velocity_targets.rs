@@ -125,3 +125,39 @@ fn hardest_turn(c: &Case) -> f64 {
     }
     top
 }
+
+/// What no blend leads to is refused by name, and what is accepted has no jump.
+#[test]
+fn a_blend_leads_to_its_target_or_is_refused() {
+    let state = AxisState::new;
+    let (start, target) = (state(0.0, 1.0, 0.0), state(0.3, 0.5, 0.0));
+    let motion = StateToState::blend(&start, &target, 0.4).unwrap();
+    let before = motion.at(0.4 * (1.0 - 1e-12));
+    assert!((before.p - 0.3).abs() < 1e-11 && (before.v - 0.5).abs() < 1e-10 && before.a.abs() < 1e-10);
+    for (start, target, duration, what) in [
+        (state(0.0, 1.0, 0.0), state(100.0, 0.5, 0.0), 0.4, "target.p"),
+        (state(0.0, 1.0, 0.0), state(0.3 + 1e-12, 0.5, 0.0), 0.4, "target.p"),
+        (state(0.0, 1.0, 0.0), state(0.0, 0.5, 0.0), 0.0, "target.v"),
+        (state(0.0, 1.0, 0.0), state(0.1, 1.0, 0.0), 0.0, "target.p"),
+        (state(0.0, 1.0, 0.0), state(0.0, 1.0, 1.0), 0.0, "target.a"),
+        (state(0.0, 1.0, 2.0), state(0.3, 0.5, 0.0), 0.4, "start.a"),
+        (state(0.0, 1.0, 0.0), state(0.3, 0.5, 2.0), 0.4, "target.a"),
+    ] {
+        let e = StateToState::blend(&start, &target, duration).unwrap_err();
+        assert!(matches!(e, FeedError::NoBlend { what: named, .. } if named == what), "{e}");
+    }
+    for i in 0..6 {
+        let mut numbers = [0.0, 1.0, 0.0, 0.3, 0.5, 0.0];
+        numbers[i] = f64::NAN;
+        let [p0, v0, a0, p1, v1, a1] = numbers;
+        let e = StateToState::blend(&state(p0, v0, a0), &state(p1, v1, a1), 0.4).unwrap_err();
+        assert!(matches!(e, FeedError::NotFinite { .. }), "{e}");
+    }
+    assert!(
+        StateToState::blend(&start, &target, -1.0).is_err() && StateToState::blend(&start, &target, f64::NAN).is_err()
+    );
+    // The same state in no time.
+    let here = state(0.2, 1.5, 3.0);
+    let still = StateToState::blend(&here, &here, 0.0).unwrap();
+    assert_eq!((still.duration(), still.at(0.0).v, still.at(0.0).a), (0.0, 1.5, 3.0));
+}

@@ -237,6 +237,7 @@ impl<const N: usize, R: RouteMemory<N>> OnlineGenerator<N, R> {
                 let velocity = std::array::from_fn(|k| velocity[k].clamp(limits[k].v_min(), limits[k].v_max()));
                 self.begin_jog(velocity, left, limits)
             }
+            Command::PathStop { .. } if self.following.section.is_some() => Err(SyncError::LimitsOfRoute),
             Command::Route => Err(SyncError::LimitsOfRoute),
             Command::Target | Command::PathStop { .. } => {
                 self.limits = limits;

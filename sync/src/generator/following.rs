@@ -43,6 +43,12 @@ impl Axis {
     fn new(planned: f64, underway: bool, after: Coast) -> Self {
         Self { steps: 0.0, planned, underway, after, window: Window::default() }
     }
+
+    /// Cycles beyond the end of the motion after so many more; `None` before it.
+    fn beyond(&self, cycles: f64) -> Option<f64> {
+        let beyond = self.steps + cycles - self.planned;
+        (self.underway && beyond >= -WHOLE).then_some(beyond)
+    }
 }
 
 impl<const N: usize> Following<N> {
@@ -97,7 +103,7 @@ impl<const N: usize> Following<N> {
 
     /// Along a route from its begin on.
     ///
-    /// Every section is computed, and checked against the ranges.
+    /// Every section is computed, so that none fails on the way, and checked against the ranges.
     pub fn along(route: &WayPointTrajectory<N>, cycle: f64, ranges: &[PositionLimits; N]) -> Result<Self, SyncError> {
         let sections = route.section_durations().len();
         let first = route.section(0)?;
@@ -113,18 +119,17 @@ impl<const N: usize> Following<N> {
     }
 
     /// Goes on to the next section of a route where this one ends within so many cycles. Returns the
-    /// number of points passed.
+    /// number of points passed, or an error where the next section has none.
     pub fn pass(
         &mut self,
         route: &WayPointTrajectory<N>,
         cycles: f64,
         cycle: f64,
         ranges: &[PositionLimits; N],
-    ) -> usize {
+    ) -> Result<usize, SyncError> {
         let mut ended = 0;
-        while let (Some(section), Some(first)) = (self.section, self.axes.first()) {
-            let beyond = first.steps + cycles - first.planned;
-            if beyond < -WHOLE || section + 1 >= route.section_durations().len() {
+        while let (Some(section), Some(beyond)) = (self.section, self.axes.first().and_then(|a| a.beyond(cycles))) {
+            if section + 1 >= route.section_durations().len() {
                 break;
             }
             self.plan = Trajectory::of(self.axes.map(|axis| axis.after.motion)).on_line(route.is_line(section + 1));
@@ -135,14 +140,10 @@ impl<const N: usize> Following<N> {
             }
             self.section = Some(section + 1);
             ended += usize::from(route.ends_in_point(section));
-            // Computed when the route was set, with the same result. Without it the axes would go on
-            // at the velocity of the end.
-            if self.load_next(route, ranges).is_err() {
-                self.section = None;
-                self.axes.iter_mut().for_each(|axis| axis.underway = false);
-            }
+            // Computed when the route was set, with the same result.
+            self.load_next(route, ranges)?;
         }
-        ended
+        Ok(ended)
     }
 
     /// What follows the section under way: the next one, or what follows the target.
@@ -208,18 +209,21 @@ impl<const N: usize> Following<N> {
     pub fn step(&mut self, k: usize, (elapsed, cycles): (f64, f64), cycle: f64, target: &AxisState) -> AxisStep {
         let mut arrived = self.axes[k].underway && self.axes[k].planned == 0.0;
         if arrived {
+            // On a route it may have been there for a part of the cycle.
+            let steps = self.axes[k].steps;
             self.arrive(k);
+            self.axes[k].steps = steps;
         }
         let axis = &mut self.axes[k];
+        let end = axis.beyond(cycles);
         axis.steps += cycles;
         let t = axis.steps * cycle;
         let mut state = axis.window.sample(&self.plan.axes()[k], t);
         let mut range_ends = false;
         if !axis.underway {
             range_ends = axis.after.brakes_between(t - elapsed, t);
-        } else if axis.steps >= axis.planned - WHOLE {
+        } else if let Some(beyond) = end {
             arrived = true;
-            let beyond = axis.steps - axis.planned;
             self.arrive(k);
             let j = self.plan.axes()[k].at(0.0).j;
             state = MotionState { p: target.p, v: target.v, a: target.a, j };
@@ -242,7 +246,9 @@ impl<const N: usize> Following<N> {
         let mut open = false;
         if let (Some(section), Some(route)) = (self.section, route) {
             of_motions = [route.limits(section), route.limits(section + 1)];
-            open = section + 2 < route.section_durations().len();
+            // Only a target at rest needs no look at what follows it.
+            let (left, rests) = (route.section_durations().len() - section, |s: &AxisState| s.v == 0.0 && s.a == 0.0);
+            open = left > 2 || (left == 2 && !route.target().iter().all(rests));
         }
         std::array::from_fn(|k| {
             let (axis, motion) = (&self.axes[k], &self.plan.axes()[k]);
@@ -266,16 +272,13 @@ impl<const N: usize> Following<N> {
 /// Part of a cycle that counts as round-off.
 const WHOLE: f64 = 1e-9;
 
-/// Returns an error if a section of a route, from the one given on, leaves a range; that section is
-/// `since` seconds under way.
+/// Returns an error if a section of a route, from the one given on, has no motion or leaves a range;
+/// that section is `since` seconds under way.
 pub(super) fn check_sections<const N: usize>(
     route: &WayPointTrajectory<N>,
     (first, since): (usize, f64),
     ranges: &[PositionLimits; N],
 ) -> Result<(), SyncError> {
-    if ranges.iter().all(|range| *range == PositionLimits::ALL) {
-        return Ok(());
-    }
     let mut begin = -since;
     for (index, duration) in route.section_durations().iter().enumerate().skip(first) {
         let section = route.section(index)?;

@@ -176,7 +176,7 @@ impl<const N: usize, R: RouteMemory<N>> OnlineGenerator<N, R> {
         self.check_inside("start", &self.planned)?;
         self.check_inside("target", &self.target)?;
         if self.following.section.is_some() {
-            self.check_route()?;
+            self.keep_ranges()?;
             return Ok(self);
         }
         if let Command::Jog { velocity, left } = self.command {
@@ -197,10 +197,16 @@ impl<const N: usize, R: RouteMemory<N>> OnlineGenerator<N, R> {
 
     /// Moves on by one cycle.
     pub fn step(&mut self) -> Step<N> {
-        let pace = self.pace();
-        let cycles = if pace.elapsed == self.cycle { 1.0 } else { pace.elapsed / self.cycle };
+        let mut pace = self.pace();
+        let passed = self.pass_points(pace.cycles(self.cycle)).unwrap_or_else(|_| {
+            // No section fails that did not when the route was set. If one does, the axes do not go on.
+            let _ = self.stop();
+            pace = self.pace();
+            0
+        });
+        let cycles = pace.cycles(self.cycle);
         let mut events = Events { replanned: self.replanned, outside_limits: self.outside_limits, ..Events::default() };
-        events.passed = self.pass_points(cycles);
+        events.passed = passed;
         let mut state = JointState::default();
         for k in 0..N {
             let step = self.following.step(k, (pace.elapsed, cycles), self.cycle, &self.target[k]);

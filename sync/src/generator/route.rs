@@ -98,7 +98,8 @@ impl<const N: usize> OnlineGenerator<N, WayPointTrajectory<N>> {
             self.scale.jump(1.0);
         }
         (self.route, self.target) = (motion, *route.target());
-        self.begin(next, *route.limits(0), Command::Route);
+        let limits = *self.route.limits(0);
+        self.begin(next, limits, Command::Route);
         Ok(())
     }
 
@@ -114,12 +115,12 @@ impl<const N: usize> OnlineGenerator<N, WayPointTrajectory<N>> {
 }
 
 impl<const N: usize, R: RouteMemory<N>> OnlineGenerator<N, R> {
-    /// Begins the sections of the route whose time comes within so many cycles. Returns the number of
-    /// points that are passed.
-    pub(super) fn pass_points(&mut self, cycles: f64) -> usize {
-        let Some(route) = self.route.motion() else { return 0 };
+    /// Begins the sections of the route whose time comes within so many cycles, with their limits.
+    /// Returns the number of points that are passed, or an error where a section has no motion.
+    pub(super) fn pass_points(&mut self, cycles: f64) -> Result<usize, SyncError> {
+        let (Some(route), Some(was)) = (self.route.motion(), self.following.section) else { return Ok(0) };
         let passed = self.following.pass(route, cycles, self.cycle, &self.ranges);
-        if let (1.., Command::Route, Some(section)) = (passed, &self.command, self.following.section) {
+        if let Some(section) = self.following.section.filter(|now| *now != was) {
             self.limits = *route.limits(section);
         }
         passed
@@ -136,13 +137,17 @@ impl<const N: usize, R: RouteMemory<N>> OnlineGenerator<N, R> {
         left.map_or(0.0, |(section, route)| route.section_durations()[section + 1..].iter().sum())
     }
 
-    /// Checks what is left of the route against the ranges.
-    pub(super) fn check_route(&self) -> Result<(), SyncError> {
+    /// Checks what is left of the route against the ranges, and arranges what follows its last section.
+    pub(super) fn keep_ranges(&mut self) -> Result<(), SyncError> {
         let Some((section, route)) = self.following.section.zip(self.route.motion()) else { return Ok(()) };
         let since = self.following.axes.first().map_or(0.0, |axis| axis.steps * self.cycle);
         check_sections(route, (section, since), &self.ranges)?;
         let mut rest = self.following;
-        rest.load_last(route, &self.ranges)
+        rest.load_last(route, &self.ranges)?;
+        if section + 1 == route.section_durations().len() {
+            self.following = rest;
+        }
+        Ok(())
     }
 
     /// The axes have no command but their target.

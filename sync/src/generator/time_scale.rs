@@ -43,6 +43,11 @@ pub(super) struct Pace {
 }
 
 impl Pace {
+    /// Cycles of the plan that pass.
+    pub fn cycles(&self, cycle: f64) -> f64 {
+        if self.elapsed == cycle { 1.0 } else { self.elapsed / cycle }
+    }
+
     /// The state of an axis that is in state `s` of its plan.
     pub fn apply(&self, s: &MotionState) -> MotionState {
         let Self { scale, rate, jerk, .. } = *self;

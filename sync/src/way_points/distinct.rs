@@ -1,6 +1,6 @@
 //! Points that are given twice: passed at once.
 
-use arcfeed_feedrate::AxisState;
+use arcfeed_feedrate::{AxisLimits, AxisState};
 
 use super::route::{Route, Section, WayPoint};
 use super::trajectory::{SectionKind, WayPointTrajectory};
@@ -28,7 +28,12 @@ impl<const N: usize> Distinct<N> {
         let (mut place, mut velocity) = (start.map(|s| s.p), start.map(|s| Some(s.v)));
         for (i, point) in route.points.iter().enumerate() {
             let both = together(&velocity, &point.velocity());
-            match both.filter(|_| point.position() == place && point.section == Section::FREE) {
+            let here = point.position() == place && point.section == Section::FREE;
+            // The section before the place remains, and the one after it.
+            let before = all.count.checked_sub(1).map(|last| route.limits_of(&all.points[last].section));
+            let after = all.count.checked_sub(1).map(|_| route.limits(i + 1));
+            let kept = |both: &_| before.is_none_or(|l| inside(both, l)) && after.is_none_or(|l| inside(both, l));
+            match both.filter(|both| here && kept(both)) {
                 Some(both) => velocity = both,
                 None => {
                     all.points[all.count] = *point;
@@ -44,11 +49,14 @@ impl<const N: usize> Distinct<N> {
         all.nodes[n] = all.count + 1;
         let target = route.target;
         let ends = target.map(|s| s.p) == place && all.last == Section::FREE;
-        if ends && all.count > 0 && together(&velocity, &target.map(|s| Some(s.v))).is_some() {
-            // The target takes the place of the last point.
-            all.count -= 1;
-            all.last = all.points[all.count].section;
-            all.nodes[n] = all.count + 1;
+        if let Some(last) = all.count.checked_sub(1).filter(|_| ends) {
+            let section = all.points[last].section;
+            let fits = target.iter().zip(route.limits_of(&section)).all(|(s, l)| l.contain(s));
+            if fits && together(&velocity, &target.map(|s| Some(s.v))).is_some() {
+                // The target takes the place of the last point.
+                (all.count, all.last) = (last, section);
+                all.nodes[n] = all.count + 1;
+            }
         }
         (all.count < route.points.len()).then_some(all)
     }
@@ -72,6 +80,11 @@ impl<const N: usize> Distinct<N> {
         }
         motion
     }
+}
+
+/// Returns true if the velocities that are given are inside the limits.
+fn inside<const N: usize>(velocity: &[Option<f64>; N], limits: &[AxisLimits; N]) -> bool {
+    velocity.iter().zip(limits).all(|(v, l)| v.is_none_or(|v| l.contain(&AxisState::new(0.0, v, 0.0))))
 }
 
 /// The velocities that both ask for; `None` if they differ.

@@ -12,6 +12,10 @@ use crate::state_to_state::Trajectory;
 /// Part of the size of positions that counts as round-off.
 const ROUND_OFF: f64 = 16.0 * f64::EPSILON;
 
+/// Times that the lines are written anew, each with rests beside one that was refused; at last with
+/// rests in all points.
+const RETRIES: usize = 8;
+
 impl<const N: usize> WayPointTrajectory<N> {
     /// Appends the sections of another motion, which begins where this one ends.
     pub(super) fn append(&mut self, other: &Self) {
@@ -48,7 +52,7 @@ impl<const N: usize> WayPointTrajectory<N> {
         Ok(rest)
     }
 
-    /// Writes the lines from `start`, with blends, or with rests where a blend is refused. Nothing
+    /// Writes the lines from `start`, with blends, or with rests beside a line that is refused. Nothing
     /// changes if that is refused, too.
     fn write(&mut self, start: &[AxisState; N], route: &Route<'_, N>) -> Result<(), SyncError> {
         let count = route.sections();
@@ -61,30 +65,39 @@ impl<const N: usize> WayPointTrajectory<N> {
         let lines = Lines::new(&points[..=count], |i| route.limits(i), deviation);
         let mut lines = lines.ok_or(SyncError::OutOfRange)?;
         let was = self.sections;
-        self.write_lines(&lines, &points, route).or_else(|_| {
+        for retries in (0..=RETRIES).rev() {
+            let Err((line, error)) = self.write_lines(&lines, &points, route) else { return Ok(()) };
             self.sections = was;
-            lines.rest();
-            self.write_lines(&lines, &points, route).inspect_err(|_| self.sections = was)
-        })
+            if !lines.rest_beside(line) {
+                return Err(error);
+            }
+            if retries == 1 {
+                lines.rest();
+            }
+        }
+        Err(SyncError::OutOfRange)
     }
+
+    /// On an error, with the line that is refused.
 
     fn write_lines(
         &mut self,
         lines: &Lines<N>,
         points: &[[f64; N]; NODES],
         route: &Route<'_, N>,
-    ) -> Result<(), SyncError> {
+    ) -> Result<(), (usize, SyncError)> {
         let count = route.sections();
         for i in 0..count {
             let (limits, least) = (route.limits(i), route.least_duration(i));
             if i + 1 == count {
-                self.push(SectionKind::Line, route.target(), limits, least)?;
+                self.push(SectionKind::Line, route.target(), limits, least).map_err(|e| (i, e))?;
                 break;
             }
             let corner = lines.corner(i + 1, &points[i + 1]);
-            self.push(SectionKind::Line, &corner.states[0], limits, least)?;
+            self.push(SectionKind::Line, &corner.states[0], limits, least).map_err(|e| (i, e))?;
             if corner.duration > 0.0 {
-                self.push(SectionKind::Blend, &corner.states[1], &corner.limits, corner.duration)?;
+                let (kind, [_, end]) = (SectionKind::Blend, &corner.states);
+                self.push(kind, end, &corner.limits, corner.duration).map_err(|e| (i, e))?;
             }
         }
         Ok(())

@@ -7,13 +7,15 @@
 //! ends where `v2` takes them from it in `T / 2`, so that it joins both lines. With `d = v2 - v1`
 //!
 //! ```text
-//! distance to the lines, and of the point to the blend   at most T |d| / 12
+//! distance to the nearer line, at most                   T |d| / 12
+//! distance of the point to the blend, at most            T |d| / 12
 //! acceleration, jerk of an axis                          2 d / T, 4 d / T²
 //! ```
 //!
-//! The first is reached in the middle of the blend, which is nearest to the point. The speeds at a
-//! corner are a share of what the limits of velocity allow on both lines, the largest share whose
-//! blend keeps the deviation, covers at most half of each line, and can be reached and left on them.
+//! In the middle of its time the blend is exactly that far from the point; with different speeds it is
+//! nearer before or after. The speeds at a corner are a share of the highest velocities on both lines
+//! that are inside the limits of both, the largest share whose blend keeps the deviation, covers at most
+//! half of each line, and can be reached and left on them.
 
 use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, StateToState};
 
@@ -63,6 +65,14 @@ impl<const N: usize> Leg<N> {
         Some(Self { way, fastest: line.ratios.map(|ratio| ratio * speed), rate, limits: *limits, reference: m, shared })
     }
 
+    /// The part of the speed that is inside other limits of velocity, too.
+    fn part_inside(&self, limits: &[AxisLimits; N]) -> f64 {
+        let part = |v: f64, l: &AxisLimits| if v > 0.0 { l.v_max() / v } else { l.v_min() / v };
+        let most = self.fastest.iter().zip(limits).filter(|(v, _)| **v != 0.0).map(|(v, l)| part(*v, l));
+        let least = most.fold(1.0, f64::min);
+        if least < 1.0 { INSIDE * least } else { 1.0 }
+    }
+
     /// Returns true if shares of the speed follow each other on what blends of the durations leave of
     /// the line.
     fn reaches(&self, shares: [f64; 2], durations: [f64; 2]) -> bool {
@@ -88,6 +98,8 @@ pub(super) struct Lines<const N: usize> {
     legs: [Leg<N>; LINES],
     /// Shares of the speed at the corners before the lines; 0 before the first.
     shares: [f64; LINES],
+    /// The part of the speed before and after these corners that the limits of both lines allow.
+    parts: [[f64; 2]; LINES],
     count: usize,
 }
 
@@ -104,12 +116,24 @@ impl<const N: usize> Lines<N> {
         for i in 1..count {
             legs[i] = Leg::new(&points[i], &points[i + 1], limits(i))?;
         }
-        let mut lines = Self { legs, shares: [0.0; LINES], count };
+        let mut lines = Self { legs, shares: [0.0; LINES], parts: [[1.0; 2]; LINES], count };
         for i in 1..count {
+            let [before, after] = [&lines.legs[i - 1], &lines.legs[i]];
+            lines.parts[i] = [before.part_inside(&after.limits), after.part_inside(&before.limits)];
             lines.shares[i] = lines.largest_share(i, deviation(i));
         }
         lines.follow();
         Some(lines)
+    }
+
+    /// The axes rest at both ends of a line. Returns false if they do so already.
+    pub fn rest_beside(&mut self, leg: usize) -> bool {
+        let mut changed = false;
+        for i in [leg, leg + 1].into_iter().filter(|&i| i < self.count) {
+            changed |= std::mem::take(&mut self.shares[i]) > 0.0;
+        }
+        self.follow();
+        changed
     }
 
     /// The axes rest in every point.
@@ -117,9 +141,15 @@ impl<const N: usize> Lines<N> {
         self.shares = [0.0; LINES];
     }
 
+    /// The share of the speed on a line at its begin or its end.
+    fn share_on(&self, leg: usize, end: usize) -> f64 {
+        let corner = leg + end;
+        if corner < self.count { self.shares[corner] * self.parts[corner][1 - end] } else { 0.0 }
+    }
+
     /// The velocities before and after the corner that begins a line.
     fn velocities(&self, i: usize) -> [[f64; N]; 2] {
-        [i - 1, i].map(|leg| self.legs[leg].fastest.map(|v| self.shares[i] * v))
+        [(i - 1, 1), (i, 0)].map(|(leg, end)| self.legs[leg].fastest.map(|v| self.share_on(leg, end) * v))
     }
 
     /// The largest share of the speed at a corner whose blend deviates by so much at most and covers
@@ -130,14 +160,15 @@ impl<const N: usize> Lines<N> {
             return 0.0;
         }
         // A blend of the full speed takes the larger of 2 a and 2 √b; of a share s, 2 s a and 2 √(s b).
-        let change: [f64; N] = std::array::from_fn(|k| after.fastest[k] - before.fastest[k]);
+        let parts = self.parts[i];
+        let change: [f64; N] = std::array::from_fn(|k| parts[1] * after.fastest[k] - parts[0] * before.fastest[k]);
         let (mut a, mut b) = (0.0_f64, 0.0_f64);
         for (k, d) in change.iter().enumerate() {
             let (most, jerk) = bounds(*d, &before.limits[k], &after.limits[k]);
             (a, b) = (a.max(d.abs() / most), b.max(d.abs() / jerk));
         }
         let distance = change.iter().map(|d| d * d).sum::<f64>().sqrt();
-        let rate = APART * before.rate.max(after.rate);
+        let rate = APART * f64::max(parts[0] * before.rate, parts[1] * after.rate);
         let within = |factor: f64| {
             // factor s T(s) <= 1
             let (x, y) = (2.0 * a * factor, 2.0 * b.sqrt() * factor);
@@ -162,19 +193,20 @@ impl<const N: usize> Lines<N> {
 
     /// Lowers the share at one end of a line to what the other end lets it reach.
     fn lower(&mut self, leg: usize, (kept, lowered): (usize, usize)) {
-        let share = |lines: &Self, i: usize| if i < lines.count { lines.shares[i] } else { 0.0 };
-        let (low, high) = (share(self, kept), share(self, lowered));
+        let high = if lowered < self.count { self.shares[lowered] } else { 0.0 };
         let reaches = |lines: &mut Self, x: f64| {
             lines.shares[lowered] = x;
-            let ends = [leg, leg + 1];
-            let durations = ends.map(|i| if share(lines, i) > 0.0 { lines.duration(i) } else { 0.0 });
-            lines.legs[leg].reaches(ends.map(|i| share(lines, i)), durations)
+            let shares = [0, 1].map(|end| lines.share_on(leg, end));
+            let durations = [0, 1].map(|end| if shares[end] > 0.0 { lines.duration(leg + end) } else { 0.0 });
+            lines.legs[leg].reaches(shares, durations)
         };
-        if high <= low || reaches(self, high) {
+        let (low, now) = (self.share_on(leg, kept - leg), self.share_on(leg, lowered - leg));
+        if now <= low || reaches(self, high) {
             self.shares[lowered] = high;
             return;
         }
-        let (mut inside, mut outside) = (low, high);
+        // With the same speed at both ends nothing changes on the line.
+        let (mut inside, mut outside) = (low * high / now, high);
         for _ in 0..HALVINGS {
             let middle = 0.5 * (inside + outside);
             if reaches(self, middle) {
@@ -204,7 +236,7 @@ impl<const N: usize> Lines<N> {
         let half = 0.5 * duration * self.shares[i];
         let state = |side: usize, leg: usize, sign: f64| {
             let leg = &self.legs[leg];
-            let part = sign * half * leg.rate;
+            let part = sign * half * self.parts[i][side] * leg.rate;
             std::array::from_fn(|k| AxisState::new(point[k] + part * leg.way[k], velocities[side][k], 0.0))
         };
         let limits = std::array::from_fn(|k| common(&self.legs[i - 1].limits[k], &self.legs[i].limits[k]));
@@ -220,9 +252,9 @@ fn bounds(d: f64, before: &AxisLimits, after: &AxisLimits) -> (f64, f64) {
     (acceleration(before).min(acceleration(after)), jerk(before).min(jerk(after)))
 }
 
-/// Limits in a blend: velocities of either line, accelerations and jerks of both.
+/// Limits in a blend: those of both lines.
 fn common(x: &AxisLimits, y: &AxisLimits) -> AxisLimits {
-    let velocity = (x.v_min().min(y.v_min()), x.v_max().max(y.v_max()));
+    let velocity = (x.v_min().max(y.v_min()), x.v_max().min(y.v_max()));
     let acceleration = (x.a_min().max(y.a_min()), x.a_max().min(y.a_max()));
     let jerk = (x.j_min().max(y.j_min()), x.j_max().min(y.j_max()));
     AxisLimits::new(velocity, acceleration, jerk).unwrap_or(*x)

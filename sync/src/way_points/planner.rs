@@ -119,7 +119,7 @@ impl<const N: usize> WayPointPlanner<N> {
             return self.pass(start, route);
         }
         let mut motion = WayPointTrajectory::standing(start, route.limits(0));
-        (motion.sections, motion.states[0]) = (0, *start);
+        motion.states[0] = *start;
         let mut first = 0;
         while first < route.sections() {
             let straight = route.is_straight(first);
@@ -229,8 +229,11 @@ impl<const N: usize> WayPointPlanner<N> {
                 if !last {
                     continue;
                 }
-                let made =
-                    section((i, &motion.states[i], &motion.states[i + 1]), &motion.limits[i], route.least_duration(i));
+                let made = section(
+                    (i == 0, &motion.states[i], &motion.states[i + 1]),
+                    &motion.limits[i],
+                    route.least_duration(i),
+                );
                 match made {
                     Ok(made) if !slowing || made.duration() <= LONGER * expected[i] => {
                         motion.durations[i] = made.duration();
@@ -325,7 +328,8 @@ fn rest<const N: usize>(motion: &mut WayPointTrajectory<N>, route: &Route<'_, N>
         }
     }
     for i in 0..motion.sections {
-        let made = section((i, &motion.states[i], &motion.states[i + 1]), &motion.limits[i], route.least_duration(i))?;
+        let made =
+            section((i == 0, &motion.states[i], &motion.states[i + 1]), &motion.limits[i], route.least_duration(i))?;
         motion.durations[i] = made.duration();
     }
     Ok(())

@@ -186,7 +186,12 @@ impl<'a, const N: usize> Route<'a, N> {
 
     /// The limits of a section; the last one counts after the last.
     pub fn limits(&self, section: usize) -> &[AxisLimits; N] {
-        self.section(section).limits.as_ref().unwrap_or(&self.limits)
+        self.limits_of(self.section(section))
+    }
+
+    /// The limits of a section, its own or those of the axes.
+    pub(super) fn limits_of<'b>(&'b self, section: &'b Section<N>) -> &'b [AxisLimits; N] {
+        section.limits.as_ref().unwrap_or(&self.limits)
     }
 
     /// The least duration of a section (s); the last one counts after the last.

@@ -55,10 +55,10 @@ impl<const N: usize> WayPointTrajectory<N> {
         &self.states[..=self.sections]
     }
 
-    /// The motion before any: a rest of no time.
+    /// The motion before any: a place, without a section.
     pub(crate) fn standing(place: &[AxisState; N], limits: &[AxisLimits; N]) -> Self {
         Self {
-            sections: 1,
+            sections: 0,
             states: [place.map(|s| AxisState::rest(s.p)); NODES],
             durations: [0.0; SECTIONS],
             limits: [*limits; SECTIONS],
@@ -73,7 +73,7 @@ impl<const N: usize> WayPointTrajectory<N> {
 
     /// The limits of a section; the last one counts after the last.
     pub(crate) fn limits(&self, section: usize) -> &[AxisLimits; N] {
-        &self.limits[section.min(self.sections - 1)]
+        &self.limits[section.min(self.sections.saturating_sub(1))]
     }
 
     /// The motion of a section.
@@ -85,8 +85,10 @@ impl<const N: usize> WayPointTrajectory<N> {
             return Err(SyncError::NoSuchSection { index, count: self.sections });
         }
         let (from, to) = (&self.states[index], &self.states[index + 1]);
+        // What stands before it takes no time.
+        let first = self.kinds[..index].iter().all(|kind| *kind == SectionKind::Again);
         match self.kinds[index] {
-            SectionKind::Free => section((index, from, to), &self.limits[index], self.durations[index]),
+            SectionKind::Free => section((first, from, to), &self.limits[index], self.durations[index]),
             kind => unfree(kind, (from, to), &self.limits[index], self.durations[index]),
         }
     }
@@ -129,7 +131,7 @@ impl<const N: usize> WayPointTrajectory<N> {
     /// Computes the section anew: [`WayPointTrajectory::section`] serves many samples.
     pub fn at(&self, t: f64) -> JointState<N> {
         let (index, since) = self.section_at(t);
-        self.section(index).map_or_else(|_| JointState::default(), |motion| motion.at(since))
+        self.section(index).map_or_else(|_| JointState::of(&self.states[index]), |motion| motion.at(since))
     }
 }
 
@@ -161,9 +163,9 @@ pub(super) fn unfree<const N: usize>(
 }
 
 /// The shortest motion of a section in common time, whose limits have been checked at the extremes
-/// of all its phases. Only the first section may begin outside its limits.
+/// of all its phases. Only the first section that takes time may begin outside its limits.
 pub(super) fn section<const N: usize>(
-    (index, from, to): (usize, &[AxisState; N], &[AxisState; N]),
+    (first, from, to): (bool, &[AxisState; N], &[AxisState; N]),
     limits: &[AxisLimits; N],
     least_duration: f64,
 ) -> Result<Trajectory<N>, SyncError> {
@@ -171,7 +173,7 @@ pub(super) fn section<const N: usize>(
     let motion = Trajectory::new(from, to, limits, &options)?;
     let exceeds = |k: &usize| {
         let (begin, l) = (&from[*k], &limits[*k]);
-        (index > 0 && !l.contain(begin)) || !keeps_what_holds(&motion.axes()[*k], begin, l)
+        (!first && !l.contain(begin)) || !keeps_what_holds(&motion.axes()[*k], begin, l)
     };
     match (0..N).find(exceeds) {
         Some(axis) => Err(SyncError::SectionExceeds { axis }),

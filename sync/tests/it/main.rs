@@ -12,6 +12,7 @@ mod projection_allocation;
 mod projection_pose;
 mod ranges;
 mod rest_to_rest;
+mod route_edges;
 mod routes;
 mod so3;
 mod soak;
