@@ -495,3 +495,21 @@ pub(crate) fn below_zero(what: &'static str, value: f64) -> Result<f64, FeedErro
     finite(what, value)?;
     if value < 0.0 { Ok(value) } else { Err(FeedError::NotBelowZero { what, value }) }
 }
+
+impl FeedError {
+    /// The error about a part of a grid that begins at point `first`, with the index of the whole grid.
+    pub(crate) fn counted_from(mut self, first: usize) -> Self {
+        if let Self::BadGrid { index, .. }
+        | Self::BadRow { index, .. }
+        | Self::StaticallyInfeasible { index, .. }
+        | Self::Infeasible { index, .. }
+        | Self::Standstill { index, .. }
+        | Self::StandsStill { index, .. }
+        | Self::Unbounded { index, .. }
+        | Self::StartTooFast { segment: index, .. } = &mut self
+        {
+            *index += first;
+        }
+        self
+    }
+}

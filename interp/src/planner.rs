@@ -15,7 +15,7 @@ use crate::limits::{FeedSection, Limits};
 use crate::lowering::TOLERANCE;
 use crate::method::Method;
 use crate::path::MotionPath;
-use crate::problem::{Held, PathProblem, RowsNeeded, Settings};
+use crate::problem::{Held, MOST_INTERVALS, PathProblem, RowsNeeded, Settings};
 use crate::trajectory::{PlanInfo, Timings, Trajectory};
 use crate::verify::{Requirement, Verification, verify};
 
@@ -23,8 +23,6 @@ use crate::verify::{Requirement, Verification, verify};
 const MOST_SETPOINTS: f64 = 5e6;
 /// Intervals of a grid of equal steps unless set otherwise.
 const INTERVALS: usize = 500;
-/// The most intervals that are taken: a million points of six joints fill a gigabyte.
-const MOST_INTERVALS: usize = 1_000_000;
 
 /// Plans motions of one arm along paths of any kind.
 ///

@@ -81,13 +81,22 @@ fn fits(problem: &FeedProblem) -> Result<(), FeedError> {
     if got > MOST_INTERVALS {
         return Err(FeedError::TooMany { what: "intervals for the jerk-limited planner", got, most: MOST_INTERVALS });
     }
-    // Points and both ends of every interval; those that bound the speed inside come on top.
+    let got = rows(problem);
+    let what = "rows of all intervals of the jerk-limited planner";
+    if got <= MOST_ROWS { Ok(()) } else { Err(FeedError::TooMany { what, got, most: MOST_ROWS }) }
+}
+
+/// Rows at points and both ends of every interval; those that bound the speed inside come on top.
+fn rows(problem: &FeedProblem) -> usize {
     let of = |k: usize| {
         problem.rows(k).len() + 2 * (problem.middle_rows(k).len() + problem.jerk_rows(k, Within::Start).len())
     };
-    let got = (0..problem.intervals()).map(of).sum();
-    let what = "rows of all intervals of the jerk-limited planner";
-    if got <= MOST_ROWS { Ok(()) } else { Err(FeedError::TooMany { what, got, most: MOST_ROWS }) }
+    (0..problem.intervals()).map(of).sum()
+}
+
+/// As many intervals are taken on where each has as many rows as those of `problem`.
+pub(super) fn most_like(problem: &FeedProblem) -> usize {
+    MOST_INTERVALS.min(MOST_ROWS.saturating_mul(problem.intervals()) / rows(problem).max(1))
 }
 
 /// A problem made ready.

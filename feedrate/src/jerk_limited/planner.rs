@@ -100,9 +100,9 @@ impl JerkLimited {
     }
 
     /// The law, if there is one. Nothing is spent on the reasons where there is none.
-    pub(super) fn plan_if_any(&self, problem: &FeedProblem) -> Option<SpeedLaw> {
+    pub(super) fn plan_if_any(&self, problem: &FeedProblem) -> Option<JerkLimitedPlan> {
         let passes = Passes { tolerance: self.tolerance, near: None, aim: Aim::Motion };
-        passes.plan(problem).ok().map(|plan| plan.law)
+        passes.plan(problem).ok()
     }
 
     fn plan_from(&self, problem: &FeedProblem, near: Option<&SpeedLaw>) -> Result<JerkLimitedPlan, FeedError> {

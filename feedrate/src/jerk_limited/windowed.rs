@@ -2,7 +2,9 @@
 
 use std::ops::Range;
 
+use super::parts::most_like;
 use super::planner::JerkLimited;
+use super::solution::JerkLimitedPlan;
 use crate::error::FeedError;
 use crate::problem::FeedProblem;
 use crate::speed_law::SpeedLaw;
@@ -68,6 +70,8 @@ pub struct WindowedPlan {
     pub windows: usize,
     /// Positions (m) at which the motion rests because no motion was found that goes on.
     pub stops: Vec<f64>,
+    /// True if the iterations of all windows converged.
+    pub converged: bool,
 }
 
 impl WindowedJerkLimited {
@@ -85,6 +89,12 @@ impl WindowedJerkLimited {
         Ok(Self { planner, window })
     }
 
+    /// The longest window that is planned where intervals have as many rows as those of `problem`: its rows, and those of a last window
+    /// that is half as long again, are no more than [`JerkLimited`] takes.
+    pub fn longest(problem: &FeedProblem) -> usize {
+        (most_like(problem) / 3 * 2).clamp(LEAST, MOST)
+    }
+
     /// The plan for a path of so many grid intervals. `stretch` yields the problem of a range of
     /// them, built by [`FeedProblem::between_points`] on their grid points, both ends included.
     /// The speed at the start is that of the first such problem, the speed at the end that of the
@@ -92,19 +102,20 @@ impl WindowedJerkLimited {
     ///
     /// # Errors
     /// Those of `stretch`, and those of [`JerkLimited`] for a window that begins at rest; an `index`
-    /// in them counts from the start of that window.
+    /// in the latter is a point of the whole grid.
     pub fn plan(
         &self,
         intervals: usize,
         mut stretch: impl FnMut(Range<usize>) -> Result<FeedProblem, FeedError>,
     ) -> Result<WindowedPlan, FeedError> {
         let mut parts = Vec::new();
-        let (mut windows, mut stops, mut from) = (0, Vec::new(), 0);
+        let (mut windows, mut stops, mut from, mut converged) = (0, Vec::new(), 0, true);
         while from < intervals {
             let (problem, to) = self.problem(from, intervals, &mut stretch)?;
-            let law = self.planner.plan_noting_convergence(&problem)?.law;
-            let mut window = Window::new(&problem, from..to, law);
+            let planned = self.planner.plan_noting_convergence(&problem).map_err(|error| error.counted_from(from))?;
+            let mut window = Window::new(&problem, from..to, planned);
             windows += 1;
+            converged &= window.converged;
             while window.range.end < intervals && !window.rests {
                 let Some((next, s)) = self.next(&window, intervals, &mut stretch)? else {
                     stops.push(window.law.end().p);
@@ -113,12 +124,13 @@ impl WindowedJerkLimited {
                 parts.push(window.law.until(s));
                 window = next;
                 windows += 1;
+                converged &= window.converged;
             }
             parts.push(window.law);
             from = window.range.end;
         }
         let start = parts.first().map_or(0.0, SpeedLaw::start);
-        Ok(WindowedPlan { law: SpeedLaw::chain(start, parts), windows, stops })
+        Ok(WindowedPlan { law: SpeedLaw::chain(start, parts), windows, stops, converged })
     }
 
     /// The window that goes on from another one, and where it does so (m); none where no motion is found.
@@ -133,8 +145,8 @@ impl WindowedJerkLimited {
             let (from, state) = (window.range.start + i, window.law.at_position(window.grid[i]));
             let (problem, to) = self.problem(from, intervals, stretch)?;
             let problem = problem.going_on_from(state);
-            if let Some(law) = self.planner.plan_if_any(&problem) {
-                return Ok(Some((Window::new(&problem, from..to, law), state.p)));
+            if let Some(planned) = self.planner.plan_if_any(&problem) {
+                return Ok(Some((Window::new(&problem, from..to, planned), state.p)));
             }
         }
         Ok(None)
@@ -172,11 +184,13 @@ struct Window {
     law: SpeedLaw,
     /// True if the motion rests at its end whatever follows.
     rests: bool,
+    converged: bool,
 }
 
 impl Window {
-    fn new(problem: &FeedProblem, range: Range<usize>, law: SpeedLaw) -> Self {
+    fn new(problem: &FeedProblem, range: Range<usize>, planned: JerkLimitedPlan) -> Self {
         let rests = problem.cap(problem.intervals()).0 == 0.0;
-        Self { range, grid: problem.grid().to_vec(), law, rests }
+        let JerkLimitedPlan { law, converged, .. } = planned;
+        Self { range, grid: problem.grid().to_vec(), law, rests, converged }
     }
 }

@@ -61,7 +61,7 @@ impl FeedProblem {
     ///
     /// # Errors
     /// As [`FeedProblem::between_points`]; [`FeedError::Empty`] for no interval, [`FeedError::LengthMismatch`] for intervals that the
-    /// grid has not. An `index` in an error counts from the first of these intervals.
+    /// grid has not. An `index` in an error is a point or an interval of the whole grid.
     pub fn between_points_of(
         s: &[f64],
         intervals: Range<usize>,
@@ -82,6 +82,6 @@ impl FeedProblem {
         let (first, points) = (intervals.start, grid.len());
         let parts: Vec<OnPart<'_>> = constraints.iter().map(|&whole| OnPart { whole, first, points }).collect();
         let parts: Vec<&dyn PathConstraint> = parts.iter().map(|part| part as &dyn PathConstraint).collect();
-        Self::between_points(grid, &parts)
+        Self::between_points(grid, &parts).map_err(|error| error.counted_from(first))
     }
 }

@@ -15,6 +15,7 @@ mod live;
 mod lower_bound;
 mod online;
 mod online_allocation;
+mod part_of_grid;
 mod return_inside;
 mod row_families;
 mod rows;

@@ -90,7 +90,7 @@ impl<const N: usize> Trajectory<'_, N> {
         let limits = self.limits().joints();
         let steps = if plan_keeps_jerk { steps(self)? } else { Vec::new() };
         let mut compiler = Compiler {
-            nodes: Nodes::new(self, steps, tolerance, plan_keeps_jerk)?,
+            nodes: Nodes::new(self, steps, tolerance, plan_keeps_jerk)?.with_jerk(follows_jerk),
             bounds: Bounds::new(limits, tolerance, keeps_jerk, plan_keeps_jerk).following_jerk(follows_jerk),
             interpolation,
             times: vec![0.0],
@@ -184,7 +184,7 @@ impl<const N: usize> Compiler<'_, '_, N> {
         let most = last - begin;
         let (mut length, mut best) = match self.first(begin, most, from) {
             Ok(first) => first,
-            Err(least) => return self.otherwise(begin, last, from).map_err(|_| least.error),
+            Err(least) => return self.otherwise(begin, last, from, least).map_err(|least| least.error),
         };
         while 2 * length <= most {
             let Ok(fit) = self.attempt(begin, begin + 2 * length, from, Shape::Full) else { break };
@@ -213,13 +213,14 @@ impl<const N: usize> Compiler<'_, '_, N> {
     }
 
     /// A piece where none follows the jerk of the plan: one that keeps the limits, or one that does not end in the planned state.
-    fn otherwise(&mut self, begin: usize, last: usize, from: &State<N>) -> Result<Fit<N>, Misfit> {
+    /// Otherwise what comes closest to the limits, `least` where the jerk of the plan does not matter.
+    fn otherwise(&mut self, begin: usize, last: usize, from: &State<N>, least: Misfit) -> Result<Fit<N>, Misfit> {
         let follows_jerk = self.bounds.follows_jerk();
         self.bounds = self.bounds.following_jerk(false);
-        let short = if follows_jerk { self.first(begin, last - begin, from).ok() } else { None };
+        let short = if follows_jerk { self.first(begin, last - begin, from) } else { Err(least) };
         let fit = match short {
-            Some((_, fit)) => Ok(fit),
-            None => self.partial(begin, last, from),
+            Ok((_, fit)) => Ok(fit),
+            Err(least) => self.partial(begin, last, from).map_err(|_| least),
         };
         self.bounds = self.bounds.following_jerk(follows_jerk);
         fit

@@ -126,7 +126,8 @@ impl<const N: usize> Bounds<N> {
         Ok([largest_acceleration.0.abs(), largest_jerk.0.abs()])
     }
 
-    /// The jerk of the piece between the smallest and the largest of the plan.
+    /// The jerk of the piece between the smallest and the largest of the plan: at its samples, on both sides of knots, and on the mean
+    /// between two of them.
     fn check_jerk_of_plan<'n>(
         &self,
         c: &Coefficients<N>,
@@ -139,12 +140,12 @@ impl<const N: usize> Bounds<N> {
         let [mut least, mut most] = [f64::INFINITY, f64::NEG_INFINITY].map(Joints::<N>::repeat);
         let (mut last, mut start): (Option<&Node<N>>, _) = (None, 0.0);
         for node in nodes {
+            let mut count = |jerk: Joints<N>| (least, most) = (least.inf(&jerk), most.sup(&jerk));
             if let Some(last) = last {
-                // The mean between two samples, and with it the end.
-                let mean = (node.before - last.state.qdd) / (node.t - last.t);
-                for jerk in [last.jerk, mean, mean * 2.0 - last.jerk] {
-                    (least, most) = (least.inf(&jerk), most.sup(&jerk));
-                }
+                // The mean between two samples is among its values, too.
+                count((node.before - last.state.qdd) / (node.t - last.t));
+                last.jerk.into_iter().for_each(|[_, after]| count(after));
+                node.jerk.into_iter().for_each(|[before, _]| count(before));
             } else {
                 start = node.t;
             }

@@ -10,6 +10,8 @@ use arcfeed_kinematics::Joints;
 
 /// Knots of the law that are nearer to each other than this part of the spacing count as one.
 const NEAREST: f64 = 1.0 / 16.0;
+/// The jerk before a knot is that at so much of the spacing before it.
+const JUST: f64 = 1e-6;
 /// The spacing of samples, s: at least, at most.
 const SPACING: [f64; 2] = [5e-5, 1e-3];
 /// Part of the tolerance that may be lost between two samples.
@@ -46,8 +48,8 @@ pub(super) struct Node<const N: usize> {
     pub t: f64,
     pub kind: Kind,
     pub state: State<N>,
-    /// The jerk just after.
-    pub jerk: Joints<N>,
+    /// The jerk just before and just after; none at a step of the acceleration, and where nobody asks for it.
+    pub jerk: Option<[Joints<N>; 2]>,
     /// The acceleration just before.
     pub before: Joints<N>,
 }
@@ -58,6 +60,7 @@ pub(super) struct Nodes<'t, 'p, const N: usize> {
     steps: Vec<Step<N>>,
     marks: Vec<(f64, Kind)>,
     spacing: f64,
+    has_jerk: bool,
     /// The next mark to be reached, and the number of parts left before it.
     next: (usize, usize),
     made: VecDeque<Node<N>>,
@@ -76,10 +79,13 @@ impl<'t, 'p, const N: usize> Nodes<'t, 'p, N> {
         let spacing = spacing(trajectory, tolerance, jerk_limited);
         let marks = marks(trajectory, &steps, NEAREST * spacing);
         let setpoints = trajectory.setpoints(trajectory.period())?;
-        let mut nodes = Self { setpoints, steps, marks, spacing, next: (1, 0), made: VecDeque::new(), dropped: 0 };
-        let first = nodes.marks.first().map_or(Kind::Border, |mark| mark.1);
-        nodes.make(0.0, first)?;
-        Ok(nodes)
+        let made = VecDeque::new();
+        Ok(Self { setpoints, steps, marks, spacing, has_jerk: false, next: (0, 0), made, dropped: 0 })
+    }
+
+    /// The same with the jerk.
+    pub fn with_jerk(self, has_jerk: bool) -> Self {
+        Self { has_jerk, ..self }
     }
 
     /// The sample `i`; `None` after the end.
@@ -115,11 +121,15 @@ impl<'t, 'p, const N: usize> Nodes<'t, 'p, N> {
         let node = match kind {
             Kind::Step(i) => {
                 let step = &self.steps[i];
-                Node { t, kind, state: step.after, jerk: Joints::zeros(), before: step.before.qdd }
+                Node { t, kind, state: step.after, jerk: None, before: step.before.qdd }
             }
             _ => {
+                // Between two knots of the law the jerk does not jump.
+                let jumps = self.has_jerk && kind != Kind::Free && t > 0.0;
+                let before = if jumps { Some(self.setpoints.at(t - JUST * self.spacing)?.jerk) } else { None };
                 let at = self.setpoints.at(t)?;
-                Node { t, kind, state: State { q: at.q, qd: at.qd, qdd: at.qdd }, jerk: at.jerk, before: at.qdd }
+                let jerk = self.has_jerk.then(|| [before.unwrap_or(at.jerk), at.jerk]);
+                Node { t, kind, state: State { q: at.q, qd: at.qd, qdd: at.qdd }, jerk, before: at.qdd }
             }
         };
         self.made.push_back(node);

@@ -55,7 +55,7 @@ impl<'a, const N: usize> Planner<'a, N> {
     /// The compiled motion was certified. At all times it keeps the limits that a [`MotionCertificate`] lists: those of the joints,
     /// constant or by tables, of their torques, and of the tool. Where the pieces would exceed a limit of the tool, a torque or a table
     /// by more than 1 %, they are made closer to the plan than `tolerance` asks for; what is exceeded by less, or still, is planned again with
-    /// less of that limit. Limits on tangential and normal jerk and on the chord error are those of the plan alone.
+    /// less of that limit. Where the tool exceeds the feed of one section, the feeds of all are lowered. Limits on tangential and normal jerk and on the chord error are those of the plan alone.
     ///
     /// # Errors
     /// [`CompileError::Plan`] as [`Planner::plan`], others as [`Trajectory::compile_with`]; [`CompileError::Exceeded`] where the motion

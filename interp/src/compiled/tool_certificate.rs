@@ -92,7 +92,9 @@ impl<const N: usize> JointTrajectory<N> {
                 let twist: Twist = arm.configuration(&q).jacobian() * qd;
                 ([twist.fixed_rows::<3>(0).norm()], ())
             });
-            let first = self.times().partition_point(|t| *t <= from).saturating_sub(1);
+            // What begins where the motion ends is bounded at its last moment.
+            let last = self.len().saturating_sub(1);
+            let first = self.times().partition_point(|t| *t <= from).saturating_sub(1).min(last);
             let pieces = (first..self.len()).take_while(|&piece| piece == first || self.times()[piece] < to);
             let of = |piece: usize| {
                 let (begin, h) = (self.times()[piece], motion.duration(piece));

@@ -74,6 +74,16 @@ pub enum LimitError {
         /// The most that are taken.
         most: usize,
     },
+    /// A path needs more points than a plan takes.
+    #[error(
+        "the path needs {intervals} intervals, a plan takes {most} at most; divide the path and plan its parts one after the other"
+    )]
+    TooFine {
+        /// Intervals that the knots and bends of the path ask for.
+        intervals: usize,
+        /// The most that are taken.
+        most: usize,
+    },
     /// The windows in which long paths are planned are too short or too long.
     #[error("windows of {intervals} intervals: a window takes {fewest} to {most}; 2000 to 20000 are usual")]
     Window {

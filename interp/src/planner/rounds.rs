@@ -6,12 +6,14 @@ use arcfeed_feedrate::{
     ContinuousAccelerationScan, Fallback, FeedPlanner, JerkLimited, JerkLimitedOrScan, LimitId, SpeedLaw,
 };
 
-use super::windows::{Chosen, MOST_AT_ONCE};
+use super::windows::Chosen;
 use super::{Planner, unverified};
 use crate::error::{LimitError, PlanError};
 use crate::lowering::{TOLERANCE, exceeded_stretches, fraction, lower_where_exceeded, lowerable};
 use crate::method::Method;
-use crate::problem::{Held, LimitFractions, PathProblem, RowsNeeded, Settings, parts_by_cost, resolved};
+use crate::problem::{
+    Held, LimitFractions, MOST_INTERVALS, PathProblem, RowsNeeded, Settings, parts_by_cost, resolved,
+};
 use crate::trajectory::{PlanInfo, Timings, Trajectory};
 use crate::verify::Verification;
 
@@ -65,6 +67,7 @@ impl<'a, const N: usize> Planner<'a, N> {
                 let speed = begin.elapsed().saturating_sub(verifying + grid + joint_path);
                 let timings = Timings { grid, joint_path, speed, verification: verifying };
                 let info = self.info(&problem, &chosen, (rounds, refined), &used);
+                let window = chosen.window();
                 let trajectory = Trajectory::new(problem, chosen.law, info, verification, timings);
                 let more = exceeded(&trajectory)?;
                 if more.is_empty() || rounds == ROUNDS {
@@ -72,7 +75,7 @@ impl<'a, const N: usize> Planner<'a, N> {
                 }
                 more.into_iter().for_each(|(id, ratio)| used.lower(id, fraction(ratio)));
                 problem = trajectory.into_problem();
-                chosen = self.choose(&problem, &used)?;
+                chosen = self.choose(&problem, &used, window)?;
                 continue;
             }
             let Some(exceeded) = lowerable(&verification, self.method.limits_jerk()) else { break verification };
@@ -104,7 +107,7 @@ impl<'a, const N: usize> Planner<'a, N> {
                 exceeded.into_iter().for_each(|(id, ratio)| used.lower(id, fraction(ratio)));
             }
             // A speed at an end may go with the limits that were asked for and with none below.
-            let Ok(again) = self.choose_near(&problem, &used, &chosen.law) else { break verification };
+            let Ok(again) = self.choose_near(&problem, &used, &chosen.law, chosen.window()) else { break verification };
             chosen = again;
         };
         Err(unverified(&problem, &verification, needs > RowsNeeded::Points).into())
@@ -118,7 +121,7 @@ impl<'a, const N: usize> Planner<'a, N> {
         let problem = PathProblem::new(&self.settings, path, self.method.needs(), self.method.is_by_interval())?;
         let has_tool_curve = problem.path().tool_curve().is_some();
         if self.method == Method::JerkLimited && has_tool_curve {
-            Ok(resolved(problem, MOST_AT_ONCE)?)
+            Ok(resolved(problem, self.most_rows_at_once())?)
         } else {
             Ok(problem)
         }
@@ -170,10 +173,25 @@ impl<'a, const N: usize> Planner<'a, N> {
         Ok(Some(slower.map_err(|error| problem.explained(error))?))
     }
 
-    fn choose(&self, problem: &PathProblem<'_, N>, used: &LimitFractions) -> Result<Chosen, PlanError> {
+    /// The law with a part of each limit; in windows of the length that an earlier round found, where it did.
+    pub(super) fn choose(
+        &self,
+        problem: &PathProblem<'_, N>,
+        used: &LimitFractions,
+        window: Option<usize>,
+    ) -> Result<Chosen, PlanError> {
         if self.plans_in_windows(problem.intervals()) {
-            return self.choose_in_windows(problem, used);
+            return self.choose_in_windows(problem, used, window);
         }
+        self.choose_at_once(problem, used)
+    }
+
+    /// The law of the whole path, planned at once.
+    pub(super) fn choose_at_once(
+        &self,
+        problem: &PathProblem<'_, N>,
+        used: &LimitFractions,
+    ) -> Result<Chosen, PlanError> {
         let rows = problem.rows_within(used, self.method.needs())?;
         Ok(self.method.choose(&rows).map_err(|error| problem.explained(error))?.into())
     }
@@ -193,7 +211,8 @@ impl<'a, const N: usize> Planner<'a, N> {
             parts[problem.intervals_between(from, to)].fill(FINER);
         }
         let (before, after) = (problem.intervals(), parts.iter().sum::<usize>());
-        (before < after && after <= FINEST.max(MOST_FINER * before)).then_some(parts)
+        let most = FINEST.max(MOST_FINER * before).min(MOST_INTERVALS);
+        (before < after && after <= most).then_some(parts)
     }
 
     /// The same, from the law of a problem that is almost the same.
@@ -202,9 +221,10 @@ impl<'a, const N: usize> Planner<'a, N> {
         problem: &PathProblem<'_, N>,
         used: &LimitFractions,
         law: &SpeedLaw,
+        window: Option<usize>,
     ) -> Result<Chosen, PlanError> {
         if self.plans_in_windows(problem.intervals()) {
-            return self.choose_in_windows(problem, used);
+            return self.choose_in_windows(problem, used, window);
         }
         let rows = problem.rows_within(used, self.method.needs())?;
         Ok(self.method.choose_near(&rows, law).map_err(|error| problem.explained(error))?.into())
@@ -215,7 +235,7 @@ impl<'a, const N: usize> Planner<'a, N> {
         // Another attempt of a planner that did not converge does not take a finer grid than this.
         const MOST_AGAIN: usize = 8000;
         let full = LimitFractions::default();
-        let mut best = self.choose(problem, &full);
+        let mut best = self.choose(problem, &full, None);
         if problem.path().tool_curve().is_some() {
             return best;
         }
@@ -231,7 +251,7 @@ impl<'a, const N: usize> Planner<'a, N> {
             }
             let settings = Settings { intervals, ..problem.settings.clone() };
             let other = PathProblem::new(&settings, problem.path.clone(), self.method.needs(), false)?;
-            let again = self.choose(&other, &full);
+            let again = self.choose(&other, &full, None);
             let faster = match (&again, &best) {
                 (Ok(again), Ok(best)) => again.law.duration() < best.law.duration(),
                 (again, best) => again.is_ok() && best.is_err(),
@@ -264,9 +284,9 @@ impl<'a, const N: usize> Planner<'a, N> {
             // Where the path cannot be followed on a finer grid, there is this one.
             *problem = finer;
         }
-        let mut chosen = self.choose_near(problem, &full, &draft.law).ok()?;
+        let mut chosen = self.choose_near(problem, &full, &draft.law, None).ok()?;
         if let Some(law) = coarse.filter(|law| law.duration() < chosen.law.duration()) {
-            chosen = Chosen { law, fallback: None, ..chosen };
+            chosen = Chosen { law, fallback: None, converged: chosen.converged, windows: None };
         }
         if let Some(law) = scanned.filter(|law| law.duration() < chosen.law.duration()) {
             let fallback = chosen.fallback.or(Some(Fallback::Slower { duration: chosen.law.duration() }));
@@ -283,7 +303,7 @@ impl<'a, const N: usize> Planner<'a, N> {
         const MOST_HALVED: usize = 4000;
         while matches!(chosen.fallback, Some(Fallback::Slower { .. })) && problem.intervals() <= MOST_HALVED {
             let Ok(finer) = problem.refined(|_| 2) else { return };
-            let Ok(again) = self.choose_near(&finer, &LimitFractions::default(), &chosen.law) else { return };
+            let Ok(again) = self.choose_near(&finer, &LimitFractions::default(), &chosen.law, None) else { return };
             if again.law.duration() >= chosen.law.duration() {
                 return;
             }

@@ -1,15 +1,18 @@
 //! Long paths: the speed is planned in windows of the grid.
 
-use arcfeed_feedrate::{ChosenLaw, Fallback, SpeedLaw};
+use arcfeed_feedrate::{ChosenLaw, ContinuousAccelerationScan, Fallback, FeedError, FeedPlanner, SpeedLaw};
 
 use super::Planner;
 use crate::error::{LimitError, PlanError};
 use crate::method::Method;
+use crate::place::PathParameter;
 use crate::problem::{LimitFractions, PathProblem};
 use crate::trajectory::PlanWindows;
 
 /// Grids of more intervals than this are planned in windows: at once they take half a gigabyte.
-pub(super) const MOST_AT_ONCE: usize = 50_000;
+const MOST_AT_ONCE: usize = 50_000;
+/// Where windows find no motion, grids of no more intervals than this are planned at once: in two gigabytes at the most.
+const MOST_AFTER_WINDOWS: usize = 200_000;
 /// Intervals of a window.
 const WINDOW: usize = 10_000;
 /// The fewest and the most intervals of a window.
@@ -34,6 +37,13 @@ impl From<ChosenLaw> for Chosen {
     }
 }
 
+impl Chosen {
+    /// Intervals of its windows.
+    pub fn window(&self) -> Option<usize> {
+        self.windows.as_ref().map(|windows| windows.intervals)
+    }
+}
+
 impl<const N: usize> Planner<'_, N> {
     /// Has the jerk-limited planner plan grids of more than so many intervals in windows of that many: 64 at the least and 100 000 at
     /// the most.
@@ -44,7 +54,10 @@ impl<const N: usize> Planner<'_, N> {
     ///
     /// A window is planned to rest at its end, and about the first half of it is kept
     /// ([`WindowedJerkLimited`](arcfeed_feedrate::WindowedJerkLimited)). The motion is as fast as the whole as long as it can brake to
-    /// rest within half a window.
+    /// rest within half a window. Standing still must be possible at the end of a window.
+    ///
+    /// Where no motion is found in windows, grids of up to 200 000 intervals are planned at once like shorter ones. Longer ones take the
+    /// motion of the continuous-acceleration scan, with rest after 50 000 intervals without a stop of the path.
     ///
     /// ```
     /// use arcfeed_interp::{JointSpline, Limits, Planner};
@@ -76,44 +89,105 @@ impl<const N: usize> Planner<'_, N> {
         self.method == Method::JerkLimited && intervals > self.settings.window.unwrap_or(MOST_AT_ONCE)
     }
 
-    /// The law of a long path.
+    /// Intervals whose rows may exist at a time. Those of a short window take so little memory that more of them may.
+    pub(super) fn most_rows_at_once(&self) -> usize {
+        self.settings.window.map_or(MOST_AT_ONCE, |window| window.max(WINDOW))
+    }
+
+    /// The law of a long path, in windows of the length that an earlier round found, where it did.
     pub(super) fn choose_in_windows(
         &self,
         problem: &PathProblem<'_, N>,
         used: &LimitFractions,
+        known: Option<usize>,
     ) -> Result<Chosen, PlanError> {
-        let mut window = self.settings.window.unwrap_or(WINDOW);
-        loop {
-            let plan = problem.planned_in_windows(used, window)?;
-            let longer = 2.0 * self.braking_time() / self.shortest_half(problem, &plan.law, window);
-            let may_be_longer = self.settings.window.is_none() && window < LONGEST.min(problem.intervals());
-            if may_be_longer && longer > 1.0 {
-                window = ((window as f64 * longer.max(1.5)) as usize).min(LONGEST);
-                continue;
+        let mut window = known.or(self.settings.window).unwrap_or(WINDOW);
+        let (mut plan, longest) = match problem.planned_in_windows(used, window) {
+            Ok(planned) => planned,
+            Err(error) => return self.choose_without_windows(problem, used, error),
+        };
+        while let Some(longer) = self.longer_window(problem, &plan.law, [window, longest]) {
+            // Where longer windows have no motion, or no shorter one, there is this one.
+            let Ok((again, _)) = problem.planned_in_windows(used, longer) else { break };
+            if again.law.duration() >= plan.law.duration() {
+                break;
             }
-            let windows = PlanWindows { intervals: window, count: plan.windows, stops: plan.stops };
-            return Ok(Chosen { law: plan.law, fallback: None, converged: true, windows: Some(windows) });
+            (plan, window) = (again, longer);
+        }
+        let windows = PlanWindows { intervals: window, count: plan.windows, stops: plan.stops };
+        // A single one is the whole path at once.
+        let windows = (windows.count > 1).then_some(windows);
+        Ok(Chosen { law: plan.law, fallback: None, converged: plan.converged, windows })
+    }
+
+    /// The law of a long path for which windows have none, because of `error`: that of the whole path at once, or else the scan's, part by
+    /// part.
+    fn choose_without_windows(
+        &self,
+        problem: &PathProblem<'_, N>,
+        used: &LimitFractions,
+        error: FeedError,
+    ) -> Result<Chosen, PlanError> {
+        if problem.intervals() <= MOST_AFTER_WINDOWS {
+            return self.choose_at_once(problem, used);
+        }
+        let mut parts = Vec::new();
+        let scanned = problem.for_parts(used, MOST_AT_ONCE, |_, rows| {
+            parts.push(ContinuousAccelerationScan.plan(&rows)?);
+            Ok(())
+        });
+        match scanned {
+            Ok(()) => {
+                let law = SpeedLaw::chain(0.0, parts);
+                Ok(Chosen { law, fallback: Some(Fallback::Failed(error)), converged: false, windows: None })
+            }
+            Err(still @ FeedError::StaticallyInfeasible { .. }) => Err(problem.explained(still).into()),
+            // The scan knows what is in the way.
+            Err(scanned) if matches!(error, FeedError::NotConverged { .. }) => Err(problem.explained(scanned).into()),
+            Err(_) => Err(problem.explained(error).into()),
         }
     }
 
-    /// The shortest time in which a law passes half a window, s.
-    fn shortest_half(&self, problem: &PathProblem<'_, N>, law: &SpeedLaw, window: usize) -> f64 {
-        let times = problem.layout.grid.iter().step_by(window / 2).map(|&s| law.time_at_position(s));
-        let times: Vec<f64> = times.collect();
-        times.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min)
+    /// A longer window, up to the longest one that is planned, where the motion passes half of `window` in less than twice the time in
+    /// which it brakes; none for windows that were asked for.
+    fn longer_window(
+        &self,
+        problem: &PathProblem<'_, N>,
+        law: &SpeedLaw,
+        [window, longest]: [usize; 2],
+    ) -> Option<usize> {
+        // Windows half as long again as this one hold the whole path.
+        let is_whole = problem.intervals() <= window + window / 2;
+        if self.settings.window.is_some() || is_whole || window >= longest {
+            return None;
+        }
+        let longer = 2.0 * self.braking_time(problem, law) / shortest_half(problem, law, window);
+        (longer > 1.0).then(|| ((window as f64 * longer.max(1.5)) as usize).min(longest))
     }
 
-    /// The time in which joints and tool brake from their greatest speeds to rest, s.
-    fn braking_time(&self) -> f64 {
+    /// The time in which joints and tool brake to rest from the greatest speeds of a law, s.
+    fn braking_time(&self, problem: &PathProblem<'_, N>, law: &SpeedLaw) -> f64 {
         let (joints, tool) = (self.settings.limits.joints(), self.settings.limits.tool());
-        let of_joint = |j: usize| {
-            let [v, a, jerk] = [joints.velocity()[j], joints.acceleration()[j], joints.jerk()[j]];
-            v / a + a / jerk
-        };
+        let speeds = problem.greatest_speeds(law);
+        let of_joint = |j: usize| braking_time(speeds[j], joints.acceleration()[j], joints.jerk()[j]);
         let of_tool = || {
-            let (v, a) = (tool.feed()?, tool.tangential_acceleration()?);
-            Some(v / a + a / tool.tangential_jerk()?)
+            let is_length = problem.path().parameter() == PathParameter::ArcLength;
+            let (a, j) = (tool.tangential_acceleration()?, tool.tangential_jerk().unwrap_or(f64::INFINITY));
+            let v = law.knots().map(|(_, state)| state.v).fold(0.0, f64::max);
+            is_length.then(|| braking_time(v, a, j))
         };
-        (0..N).map(of_joint).chain(of_tool()).filter(|time| time.is_finite()).fold(0.0, f64::max)
+        (0..N).map(of_joint).chain(of_tool()).fold(0.0, f64::max)
     }
+}
+
+/// The time in which something brakes from the speed `v` to rest with no more than the acceleration `a` and the jerk `j`, s.
+fn braking_time(v: f64, a: f64, j: f64) -> f64 {
+    // Below that speed the acceleration is not reached.
+    if v * j < a * a { 2.0 * (v / j).sqrt() } else { v / a + a / j }
+}
+
+/// The shortest time in which a law passes half a window, s.
+fn shortest_half<const N: usize>(problem: &PathProblem<'_, N>, law: &SpeedLaw, window: usize) -> f64 {
+    let times: Vec<f64> = problem.layout.grid.iter().step_by(window / 2).map(|&s| law.time_at_position(s)).collect();
+    times.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min)
 }

@@ -134,7 +134,7 @@ fn borders(knots: &[f64], breaks: &[f64], length: f64) -> Vec<f64> {
     merged
 }
 
-/// The grid points nearest to `corners`, each once: corners closer together than the grid keeps apart are one. None of
+/// The grid points nearest to `corners`, increasing and each once: corners closer together than the grid keeps apart are one. None of
 /// them is an end, where the tool stops anyway.
 pub(crate) fn stops(grid: &[f64], corners: impl Iterator<Item = f64>) -> Vec<usize> {
     let mut stops: Vec<usize> = corners
@@ -145,6 +145,7 @@ pub(crate) fn stops(grid: &[f64], corners: impl Iterator<Item = f64>) -> Vec<usi
         })
         .filter(|&i| i > 0 && i + 1 < grid.len())
         .collect();
+    stops.sort_unstable();
     stops.dedup();
     stops
 }

@@ -22,4 +22,4 @@ pub(crate) use path_grid::PathGrid;
 pub use path_problem::PathProblem;
 pub(crate) use path_problem::{Held, suits};
 pub(crate) use resolution::{parts_by_cost, resolved};
-pub(crate) use settings::Settings;
+pub(crate) use settings::{MOST_INTERVALS, Settings};

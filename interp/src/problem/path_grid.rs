@@ -3,7 +3,7 @@
 use arcfeed_geometry::{PosePath, Segmentation, SegmentationMethod};
 
 use super::grid::{self, Measure};
-use super::settings::Settings;
+use super::settings::{MOST_INTERVALS, Settings};
 use crate::error::{LimitError, PathError, PlanError};
 use crate::limits::{self, Feeds, Section};
 use crate::path::MotionPath;
@@ -41,6 +41,8 @@ impl PathGrid {
                 }
                 .into());
             }
+            // At least two between neighbouring knots.
+            fits(2 * (path.knots().len() + 1))?;
             let grid = grid::equal_steps(path.length(), path.knots(), settings.intervals);
             return Ok(Self { grid, segmentation: None, breaks: Vec::new(), sections: Vec::new() });
         };
@@ -59,9 +61,15 @@ impl PathGrid {
         if shortest > 0.0 {
             grid = grid::along_curve(curve, &curve.knots(), &places, &Measure { shortest, ..measure });
         }
+        fits(grid.len() - 1)?;
         limits::snap(&mut sections, &grid);
         Ok(Self { grid, segmentation: Some(segmentation), breaks, sections })
     }
+}
+
+/// Refuses a grid that would not fit into the memory of an ordinary machine.
+fn fits(intervals: usize) -> Result<(), LimitError> {
+    if intervals > MOST_INTERVALS { Err(LimitError::TooFine { intervals, most: MOST_INTERVALS }) } else { Ok(()) }
 }
 
 /// The measure of the density of the grid over a curve.

@@ -3,9 +3,10 @@
 
 use arcfeed_feedrate::{ContinuousAccelerationScan, FeedPlanner, FeedProblem, MotionState, SpeedLaw};
 
+use super::fractions::LimitFractions;
 use super::grid;
-use super::needs::RowsNeeded;
 use super::path_problem::PathProblem;
+use super::settings::MOST_INTERVALS;
 use crate::error::PlanError;
 
 /// Parts of the duration: what the lengths of all intervals cost together where a finer grid is worth its time, and what one may
@@ -37,23 +38,22 @@ impl Place {
 }
 
 /// The problem on a finer grid, by the law of the continuous-acceleration scan; the same problem where that finds none. Longer grids are
-/// looked at in parts of `most` intervals, each from rest to rest.
+/// looked at in parts of `most` intervals, each from rest to rest. At a seam that is no stop of the path the scan's law is slower than the
+/// motion will be, and the grid coarser than elsewhere: what it does not see there the verification does.
 pub(crate) fn resolved<const N: usize>(
     problem: PathProblem<'_, N>,
     most: usize,
 ) -> Result<PathProblem<'_, N>, PlanError> {
-    let n = problem.intervals();
-    let parts = n.div_ceil(most).max(1);
     let (mut grid, mut is_finer) = (vec![0.0], false);
-    for part in 0..parts {
-        let (from, to) = (part * n / parts, (part + 1) * n / parts);
-        let rows = problem.rows_of(from..to, RowsNeeded::Jerk)?;
+    let parts = problem.for_parts(&LimitFractions::default(), most, |from, rows| {
         let finer = ContinuousAccelerationScan.plan(&rows).ok().map(|law| finer(&problem, &rows, &law, from));
         is_finer |= finer.is_some();
         grid.pop();
         grid.extend(finer.unwrap_or_else(|| rows.grid().to_vec()));
-    }
-    if is_finer { problem.on_grid(grid) } else { Ok(problem) }
+        Ok(())
+    });
+    parts.map_err(|error| problem.explained(error))?;
+    if is_finer && grid.len() <= MOST_INTERVALS { problem.on_grid(grid) } else { Ok(problem) }
 }
 
 /// A finer grid for the intervals of `rows`, the first of which is the interval `first` of the problem.

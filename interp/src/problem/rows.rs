@@ -7,7 +7,7 @@ use arcfeed_feedrate::constraint::{
     TangentialAcceleration, TangentialJerk,
 };
 use arcfeed_feedrate::{
-    FeedError, FeedProblem, IntervalBound, JerkLimited, LimitId, Quantity, WindowedJerkLimited, WindowedPlan,
+    FeedError, FeedProblem, IntervalBound, JerkLimited, LimitId, Quantity, SpeedLaw, WindowedJerkLimited, WindowedPlan,
 };
 use arcfeed_kinematics::Joints;
 
@@ -63,26 +63,58 @@ impl<const N: usize> PathProblem<'_, N> {
         self.build(used, needs).map_err(|error| self.explained(error))
     }
 
-    /// The rows of some intervals with all of each limit, from rest to rest but for the ends of the path.
-    pub(super) fn rows_of(&self, intervals: Range<usize>, needs: RowsNeeded) -> Result<FeedProblem, SpeedError> {
-        let part = || {
-            let used = LimitFractions::default();
-            let numbers = self.numbers(&used);
-            let constraints = self.constraints(&numbers, &used, needs)?;
-            self.part(&constraints, &used, intervals)
-        };
-        part().map_err(|error| self.explained(error))
+    /// Hands the rows of one part of the grid after the other, and where it begins, to `each`: parts of `most` intervals at the most,
+    /// with a part of each limit, from rest to rest but for the ends of the path. A part ends at a stop of the path where it holds one.
+    pub(crate) fn for_parts(
+        &self,
+        used: &LimitFractions,
+        most: usize,
+        mut each: impl FnMut(usize, FeedProblem) -> Result<(), FeedError>,
+    ) -> Result<(), FeedError> {
+        let numbers = self.numbers(used);
+        let constraints = self.constraints(&numbers, used, RowsNeeded::Jerk)?;
+        let mut from = 0;
+        while from < self.intervals() {
+            let longest = (from + most).min(self.intervals());
+            let stop = self.stops[..self.stops.partition_point(|&stop| stop <= longest)].last().copied();
+            let to =
+                if longest == self.intervals() { longest } else { stop.filter(|&stop| stop > from).unwrap_or(longest) };
+            each(from, self.part(&constraints, used, from..to)?)?;
+            from = to;
+        }
+        Ok(())
     }
 
-    /// The law of the jerk-limited planner in windows of so many intervals, with a part of each limit.
-    pub(crate) fn planned_in_windows(&self, used: &LimitFractions, window: usize) -> Result<WindowedPlan, SpeedError> {
-        let plan = || {
-            let numbers = self.numbers(used);
-            let constraints = self.constraints(&numbers, used, RowsNeeded::Jerk)?;
-            let windows = WindowedJerkLimited::new(JerkLimited::default(), window)?;
-            windows.plan(self.intervals(), |intervals| self.part(&constraints, used, intervals))
-        };
-        plan().map_err(|error| self.explained(error))
+    /// The law of the jerk-limited planner in windows of so many intervals, with a part of each limit, and the longest window that is
+    /// planned with so many rows in each interval.
+    pub(crate) fn planned_in_windows(
+        &self,
+        used: &LimitFractions,
+        window: usize,
+    ) -> Result<(WindowedPlan, usize), FeedError> {
+        let numbers = self.numbers(used);
+        let constraints = self.constraints(&numbers, used, RowsNeeded::Jerk)?;
+        let windows = WindowedJerkLimited::new(JerkLimited::default(), window)?;
+        let mut longest = usize::MAX;
+        let plan = windows.plan(self.intervals(), |intervals| {
+            let rows = self.part(&constraints, used, intervals)?;
+            longest = longest.min(WindowedJerkLimited::longest(&rows));
+            Ok(rows)
+        })?;
+        Ok((plan, longest))
+    }
+
+    /// The greatest speeds of the joints on the grid when the path is run by `law`, rad/s or m/s.
+    pub(crate) fn greatest_speeds(&self, law: &SpeedLaw) -> Joints<N> {
+        let [after, before] = [&self.after[0], &self.before[0]];
+        let mut greatest = Joints::zeros();
+        for (i, &s) in self.layout.grid.iter().enumerate() {
+            let v = law.v_at_s(s);
+            for j in 0..N {
+                greatest[j] = greatest[j].max(v * after[i * N + j].abs().max(before[i * N + j].abs()));
+            }
+        }
+        greatest
     }
 
     fn build(&self, used: &LimitFractions, needs: RowsNeeded) -> Result<FeedProblem, FeedError> {

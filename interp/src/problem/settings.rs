@@ -5,6 +5,9 @@ use arcfeed_kinematics::ForwardKinematics;
 use crate::error::LimitError;
 use crate::limits::{FeedSection, Limits};
 
+/// The most intervals of a grid: those of a million points of six joints fill some three gigabytes.
+pub(crate) const MOST_INTERVALS: usize = 1_000_000;
+
 /// Arm, limits and settings of a planner.
 #[derive(Clone)]
 pub(crate) struct Settings<'a, const N: usize> {

@@ -1,6 +1,10 @@
 //! Long paths in windows: verified, as fast as the whole within 0.5 %, in less memory.
 
-use arcfeed_interp::{JointSpline, LimitError, Limits, Method, Planner, ToolPath};
+use arcfeed_feedrate::{Fallback, FeedPlanner, JerkLimited};
+use arcfeed_interp::{
+    JointJet, JointSpline, LimitError, Limits, Method, MotionPath, PathError, PathParameter, Planner, RowsNeeded,
+    ToolPath,
+};
 use arcfeed_kinematics::{Joints, models};
 use arcfeed_testing::{Random, most_bytes_in};
 
@@ -42,7 +46,7 @@ fn windows_are_as_fast_as_the_whole_in_less_memory() {
     }
 }
 
-/// Along a curve of the tool, with corners at which the motion stops anyway.
+/// Along a curve of the tool.
 #[test]
 fn curves_of_the_tool_are_planned_in_windows() {
     let arm = arm();
@@ -93,4 +97,116 @@ fn windows_of_other_sizes_are_refused() {
         let error = Planner::new(&arm, limits()).with_window(intervals).expect_err("too short or too long");
         assert!(matches!(error, LimitError::Window { .. }) && error.to_string().contains("64"), "{error}");
     }
+}
+
+/// All joints run along a sine, with stops that the path asks for at other places than its knots.
+#[derive(Debug)]
+struct Stopping {
+    stops: Vec<f64>,
+}
+
+impl MotionPath<6> for Stopping {
+    fn parameter(&self) -> PathParameter {
+        PathParameter::JointDistance
+    }
+
+    fn length(&self) -> f64 {
+        10.0
+    }
+
+    fn start(&self) -> Joints<6> {
+        Joints::zeros()
+    }
+
+    fn jet(&self, s: f64, _near: &Joints<6>) -> Result<JointJet<6>, PathError> {
+        let (sin, cos) = s.sin_cos();
+        let [q, d1, d2, d3] = [sin, cos, -sin, -cos].map(Joints::repeat);
+        Ok(JointJet { s, q, d1, d2, d3 })
+    }
+
+    fn corners(&self) -> &[f64] {
+        &self.stops
+    }
+}
+
+/// Windows end at the stops of the path, and the motion rests there and nowhere else.
+#[test]
+fn windows_rest_where_the_path_asks_for_it() {
+    let arm = models::ur5e();
+    // Not in order: whoever makes a path may have found them in any.
+    let path = Stopping { stops: vec![7.5, 2.5, 2.9, 5.0] };
+    let planner = Planner::new(&arm, limits()).with_intervals(1000).expect("allowed");
+    let whole = planner.plan(&path).expect("is planned");
+    let windows = planner.with_window(250).expect("allowed").plan(&path).expect("is planned");
+    let info = windows.info().windows.as_ref().expect("a long path");
+    assert!(info.count >= 4 && info.stops.is_empty(), "{info:?}");
+    assert!((windows.duration() / whole.duration() - 1.0).abs() < 0.005, "{windows:?} {}", whole.duration());
+    for stop in &path.stops {
+        let (at, beside) = (windows.law().at_position(*stop), windows.law().at_position(stop - 0.2));
+        assert!(at.v < 1e-6 && beside.v > 0.1, "{at:?} {beside:?}");
+    }
+}
+
+/// Speeds at the ends are those of the first and the last window.
+#[test]
+fn windows_keep_the_speeds_at_the_ends() {
+    let arm = models::ur5e();
+    let path = Stopping { stops: vec![5.0] };
+    let planner = Planner::new(&arm, limits()).with_intervals(1000).expect("allowed").with_end_speeds(0.5, 0.25);
+    let planner = planner.expect("allowed").with_window(250).expect("allowed");
+    let plan = planner.plan(&path).expect("is planned");
+    assert!(plan.info().windows.as_ref().is_some_and(|windows| windows.count > 2));
+    let ends = [plan.law().at_position(0.0).v, plan.law().end().v];
+    assert!((ends[0] - 0.5).abs() < 1e-9 && (ends[1] - 0.25).abs() < 1e-9, "{ends:?}");
+}
+
+/// Two stops one interval apart are too near for the jerk-limited planner: in windows, as at once, the scan takes its place and says why.
+#[test]
+fn the_scan_takes_the_place_of_windows_without_a_motion() {
+    let arm = models::ur5e();
+    let path = Stopping { stops: vec![5.0, 5.01] };
+    let planner = Planner::new(&arm, limits()).with_intervals(1000).expect("allowed");
+    let whole = planner.plan(&path).expect("the scan finds one");
+    let windows = planner.with_window(250).expect("allowed").plan(&path).expect("the scan finds one");
+    for plan in [&whole, &windows] {
+        let info = plan.info();
+        assert!(matches!(info.fallback, Some(Fallback::Failed(_))) && info.windows.is_none(), "{info:?}");
+        assert!(info.method == Some(Method::ContinuousAcceleration), "{info:?}");
+        assert!(info.to_string().contains("instead of jerk-limited") && info.to_string().contains("stops"), "{info}");
+        assert!(plan.verification().holds(1e-6));
+    }
+    assert!((windows.duration() / whole.duration() - 1.0).abs() < 1e-9, "{windows:?} {whole:?}");
+}
+
+/// A grid that is no longer than a window and a half is planned at once, and its information says so.
+#[test]
+fn one_window_is_the_whole() {
+    let arm = models::ur5e();
+    let path = Stopping { stops: Vec::new() };
+    let planner = Planner::new(&arm, limits()).with_intervals(360).expect("allowed");
+    let plan = planner.with_window(250).expect("allowed").plan(&path).expect("is planned");
+    assert!(plan.info().windows.is_none() && !plan.info().to_string().contains("window"), "{}", plan.info());
+}
+
+/// On few intervals the plan on the grid that was asked for may be shorter than that on a finer one: the shorter one is taken.
+#[test]
+fn a_plan_on_few_intervals_is_no_longer_than_that_of_its_grid() {
+    let arm = models::ur5e();
+    let mut compared = 0;
+    for seed in 1..=3 {
+        let path = route(seed, 3);
+        for intervals in [4, 6, 8, 12, 16, 24, 32, 40, 48] {
+            let planner = Planner::new(&arm, limits()).with_intervals(intervals).expect("allowed");
+            let plan = planner.plan(&path).expect("is planned");
+            let rows = planner.prepare(&path, RowsNeeded::Jerk).and_then(|problem| Ok(problem.rows(RowsNeeded::Jerk)?));
+            let Ok(coarse) = JerkLimited::default().plan(&rows.expect("rows")) else { continue };
+            if plan.info().rounds > 1 {
+                continue;
+            }
+            compared += 1;
+            let durations = [plan.duration(), coarse.duration()];
+            assert!(durations[0] <= durations[1] * (1.0 + 1e-9), "seed {seed}, {intervals}: {durations:?}");
+        }
+    }
+    assert!(compared > 10, "{compared}");
 }

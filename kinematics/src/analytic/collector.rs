@@ -1,12 +1,30 @@
 //! What becomes of the solutions that a closed form finds.
 
+use nalgebra::Isometry3;
+
 use super::Solutions;
+use crate::error::KinematicsError;
 use crate::joint::{JointRange, Joints};
 use crate::turns::nearest_turn;
 
 /// A branch is left out if one of its joints is further from the seed than all joints of a solution that was found, by this much, rad:
 /// more than rounding.
 const FURTHER: f64 = 1e-9;
+
+/// The part of [`ClosedForm`](super::ClosedForm) that only this crate implements.
+pub trait Collect {
+    /// Finds the solutions for `target` that `found` wants. Where a singular pose leaves a joint free it takes its value from
+    /// `seed` (which must be finite).
+    ///
+    /// # Errors
+    /// [`KinematicsError::Unreachable`], or what is wrong with the target.
+    fn collect(
+        &self,
+        target: &Isometry3<f64>,
+        seed: &Joints<6>,
+        found: &mut Collector<'_>,
+    ) -> Result<(), KinematicsError>;
+}
 
 /// Takes the solutions of one target: all, or those that may be the nearest one to a seed.
 ///
@@ -45,11 +63,8 @@ impl<'s> Collector<'s> {
     /// Whether a solution with these values of some joints, counted from 0, may be wanted.
     #[inline]
     pub(super) fn wants<const K: usize>(&self, joints: [(usize, f64); K]) -> bool {
-        if self.least == f64::INFINITY {
-            return true;
-        }
-        // Written so that a NaN is wanted: it has to show.
-        !joints.iter().any(|&(joint, value)| self.step(joint, value) > self.least + FURTHER)
+        self.least == f64::INFINITY
+            || joints.iter().all(|&(joint, value)| self.step(joint, value) <= self.least + FURTHER)
     }
 
     /// Whether the second of two values of a joint is nearer to the seed.

@@ -8,7 +8,7 @@ mod rules;
 mod solutions;
 mod spherical_wrist;
 
-pub use collector::Collector;
+pub(crate) use collector::{Collect, Collector};
 pub use parallel_axis::ParallelAxes;
 pub use solutions::Solutions;
 pub use spherical_wrist::SphericalWrist;
@@ -18,8 +18,9 @@ use crate::{
 };
 use nalgebra::Isometry3;
 
-/// A family of six-joint arms whose inverse is known in closed form, with the numbers of one of them.
-pub trait ClosedForm: Copy + Send + Sync + 'static {
+/// A family of six-joint arms whose inverse is known in closed form, with the numbers of one of them. The families are those of this
+/// crate.
+pub trait ClosedForm: Collect + Copy + Send + Sync + 'static {
     /// The joint that keeps its value from the seed where the wrist is singular.
     const FREE_JOINT: usize;
 
@@ -32,22 +33,10 @@ pub trait ClosedForm: Copy + Send + Sync + 'static {
     /// True if the geometry is ideal to rounding, so that solutions need no polish.
     fn is_exact(&self) -> bool;
 
-    /// Finds the solutions for `target` that `found` wants. Where a singular pose leaves a joint free it takes its value from
-    /// `seed` (which must be finite).
+    /// All solutions for `target`. Where a singular pose leaves a joint free it takes its value from `seed` (which must be finite).
     ///
     /// # Errors
     /// [`KinematicsError::Unreachable`], or what is wrong with the target.
-    fn collect(
-        &self,
-        target: &Isometry3<f64>,
-        seed: &Joints<6>,
-        found: &mut Collector<'_>,
-    ) -> Result<(), KinematicsError>;
-
-    /// All solutions for `target`.
-    ///
-    /// # Errors
-    /// As [`ClosedForm::collect`].
     fn solve(&self, target: &Isometry3<f64>, seed: &Joints<6>) -> Result<Solutions<6>, KinematicsError> {
         let mut all = Collector::all();
         self.collect(target, seed, &mut all)?;

@@ -17,7 +17,7 @@
 use super::arm_plane::ArmPlane;
 use super::planar::{FirstJoint, Miss, TwoLink};
 use super::rules::{Rules, WRIST_SINGULAR, distances};
-use super::{ClosedForm, Collector};
+use super::{ClosedForm, Collect, Collector};
 use crate::error::KinematicsError;
 use crate::jacobian::Configuration;
 use crate::joint::Joints;
@@ -166,6 +166,19 @@ impl ParallelAxes {
     }
 }
 
+impl Collect for ParallelAxes {
+    fn collect(
+        &self,
+        target: &Isometry3<f64>,
+        seed: &Joints<6>,
+        found: &mut Collector<'_>,
+    ) -> Result<(), KinematicsError> {
+        self.plane.solve(target, seed, found, |first, seen, found, miss| {
+            self.wrist_branches(&undo_first(first, &seen.orientation, &seen.wrist), seed, found, miss);
+        })
+    }
+}
+
 impl ClosedForm for ParallelAxes {
     const FREE_JOINT: usize = 5;
 
@@ -215,17 +228,6 @@ impl ClosedForm for ParallelAxes {
 
     fn is_exact(&self) -> bool {
         self.exact
-    }
-
-    fn collect(
-        &self,
-        target: &Isometry3<f64>,
-        seed: &Joints<6>,
-        found: &mut Collector<'_>,
-    ) -> Result<(), KinematicsError> {
-        self.plane.solve(target, seed, found, |first, seen, found, miss| {
-            self.wrist_branches(&undo_first(first, &seen.orientation, &seen.wrist), seed, found, miss);
-        })
     }
 
     fn singularity_distances(&self, at: &Configuration<6>) -> SingularityDistances {

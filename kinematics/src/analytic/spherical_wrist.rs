@@ -17,7 +17,7 @@
 use super::arm_plane::{ArmPlane, Seen};
 use super::planar::TwoLink;
 use super::rules::{Rules, WRIST_SINGULAR, distances};
-use super::{ClosedForm, Collector};
+use super::{ClosedForm, Collect, Collector};
 use crate::error::KinematicsError;
 use crate::jacobian::Configuration;
 use crate::joint::Joints;
@@ -72,6 +72,28 @@ impl SphericalWrist {
     }
 }
 
+impl Collect for SphericalWrist {
+    fn collect(
+        &self,
+        target: &Isometry3<f64>,
+        seed: &Joints<6>,
+        found: &mut Collector<'_>,
+    ) -> Result<(), KinematicsError> {
+        self.plane.solve(target, seed, found, |first, Seen { orientation, wrist }, found, miss| {
+            let upright = orientation_undone::<0, 2>(orientation, -first.sin, first.cos);
+            let end = Vector2::new(first.cos * wrist.x - first.sin * wrist.z, wrist.y) - self.axis2;
+            self.links.solve(&end, first.rounding, miss, |q2, q3| {
+                if !found.wants([(1, q2), (2, q3 * self.sign3)]) {
+                    return;
+                }
+                let ([sin], [cos]) = sin_cos(&[q2 + q3]);
+                let level = orientation_undone::<0, 1>(&upright, sin, cos);
+                self.wrist_branches(&(self.frame_to_wrist * level), [first.q, q2, q3 * self.sign3], seed, found);
+            });
+        })
+    }
+}
+
 impl ClosedForm for SphericalWrist {
     const FREE_JOINT: usize = 3;
 
@@ -118,26 +140,6 @@ impl ClosedForm for SphericalWrist {
 
     fn is_exact(&self) -> bool {
         self.exact
-    }
-
-    fn collect(
-        &self,
-        target: &Isometry3<f64>,
-        seed: &Joints<6>,
-        found: &mut Collector<'_>,
-    ) -> Result<(), KinematicsError> {
-        self.plane.solve(target, seed, found, |first, Seen { orientation, wrist }, found, miss| {
-            let upright = orientation_undone::<0, 2>(orientation, -first.sin, first.cos);
-            let end = Vector2::new(first.cos * wrist.x - first.sin * wrist.z, wrist.y) - self.axis2;
-            self.links.solve(&end, first.rounding, miss, |q2, q3| {
-                if !found.wants([(1, q2), (2, q3 * self.sign3)]) {
-                    return;
-                }
-                let ([sin], [cos]) = sin_cos(&[q2 + q3]);
-                let level = orientation_undone::<0, 1>(&upright, sin, cos);
-                self.wrist_branches(&(self.frame_to_wrist * level), [first.q, q2, q3 * self.sign3], seed, found);
-            });
-        })
     }
 
     fn singularity_distances(&self, at: &Configuration<6>) -> SingularityDistances {

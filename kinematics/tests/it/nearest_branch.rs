@@ -4,7 +4,7 @@
 use crate::common::closed_forms::{joints, special_joints};
 use arcfeed_kinematics::{
     AnalyticInverse, Candidate, ClosedForm, ClosedFormArm, ForwardKinematics, InverseKinematics, JointRange, Joints,
-    KinematicsError, models,
+    KinematicsError, largest_step, models, nearest_solution,
 };
 use nalgebra::Isometry3;
 use proptest::prelude::*;
@@ -25,18 +25,66 @@ fn nearest_of_all(
     Ok(usable.reduce(nearer).map(|(.., q)| q))
 }
 
+/// All solutions on any turn; where a singular pose leaves a joint free, with its value of `free`.
+fn solutions(
+    arm: &ClosedFormArm<impl ClosedForm>,
+    target: &Isometry3<f64>,
+    free: &Joints<6>,
+) -> Result<Vec<Joints<6>>, KinematicsError> {
+    let value = |candidate| match candidate {
+        Candidate::Usable { q, .. } | Candidate::OutsideLimits { q, .. } => q,
+    };
+    Ok(arm.candidates(target, free)?.map(value).collect())
+}
+
+/// Where all solutions are outside the range and the wrist is singular, the free joint may be moved into it: that pose is the target's.
+/// Elsewhere the refusal stands.
+fn moved_into_the_range(arm: &ClosedFormArm<impl ClosedForm>, target: &Isometry3<f64>, found: &Joints<6>) -> bool {
+    let free = arm.inverse_all(target).is_ok_and(|all| all.wrist_singular());
+    let at = arm.forward(found);
+    let apart = (at.translation.vector - target.translation.vector).norm() + at.rotation.angle_to(&target.rotation);
+    let inside = (0..6).all(|j| arm.range().lower()[j] <= found[j] && found[j] <= arm.range().upper()[j]);
+    free && inside && apart < 1e-9
+}
+
+/// In a singular pose, with a seed outside the range: what is free takes the end of the range that is nearest to the seed, and the solution
+/// is the nearest one to the seed itself. Turns are counted twice on the way, so that it is so but for rounding.
+fn agrees_from_outside(
+    arm: &ClosedFormArm<impl ClosedForm>,
+    target: &Isometry3<f64>,
+    [seed, free]: [&Joints<6>; 2],
+) -> Result<(), TestCaseError> {
+    let all = solutions(arm, target, free).and_then(|all| nearest_solution(&all, seed, arm.range()));
+    match (all, arm.inverse(target, seed)) {
+        (Ok(all), Ok(found)) => {
+            let steps = [all, found].map(|q| largest_step(&q, seed).1);
+            prop_assert!((steps[0] - steps[1]).abs() < 1e-12, "{:?} of all, {:?} found, seed {:?}", all, found, seed);
+        }
+        (Err(_), Ok(found)) => prop_assert!(moved_into_the_range(arm, target, &found), "seed {:?}: {:?}", seed, found),
+        (Err(all), Err(found)) => {
+            prop_assert_eq!(std::mem::discriminant(&all), std::mem::discriminant(&found), "{:?} {:?}", all, found);
+        }
+        (all, found) => prop_assert!(false, "{:?} of all, {:?} found, seed {:?}", all, found, seed),
+    }
+    Ok(())
+}
+
 fn agrees(arm: &ClosedFormArm<impl ClosedForm>, q: &Joints<6>, seed: &Joints<6>) -> Result<(), TestCaseError> {
     let target = arm.forward(q);
-    // What a singular pose leaves free takes its value from the seed, or the end of the range that is nearest to it.
     let possible = seed.zip_zip_map(arm.range().lower(), arm.range().upper(), f64::clamp);
-    let free = arm.inverse_all(&target).is_ok_and(|all| all.wrist_singular() || all.shoulder_singular());
-    let seed = if free { &possible } else { seed };
+    let singular = arm.inverse_all(&target).is_ok_and(|all| all.wrist_singular() || all.shoulder_singular());
+    if singular && possible != *seed {
+        return agrees_from_outside(arm, &target, [seed, &possible]);
+    }
     match (nearest_of_all(arm, &target, seed), arm.inverse(&target, seed)) {
         (Ok(Some(all)), Ok(found)) => prop_assert_eq!(all, found, "q {:?}, seed {:?}", q, seed),
-        // A singular wrist may be turned into the range.
-        (Ok(None), Ok(_)) => {}
-        (Ok(None), Err(KinematicsError::OutsideLimits { solutions, .. })) => {
-            prop_assert_eq!(solutions, arm.candidates(&target, seed).unwrap().count());
+        (Ok(None), Ok(found)) => {
+            prop_assert!(moved_into_the_range(arm, &target, &found), "q {:?}, seed {:?}: {:?}", q, seed, found);
+        }
+        (Ok(None), Err(found @ KinematicsError::OutsideLimits { .. })) => {
+            // All solutions, the joint and the excess of the one that misses the range least.
+            let all = nearest_solution(&solutions(arm, &target, seed).unwrap(), seed, arm.range());
+            prop_assert_eq!(all, Err(found), "q {:?}, seed {:?}", q, seed);
         }
         (Err(all), Err(found)) => prop_assert_eq!(all, found),
         (all, found) => prop_assert!(false, "{:?} of all, {:?} found, q {:?}, seed {:?}", all, found, q, seed),

@@ -54,7 +54,7 @@ impl<const N: usize> ProgramMotion<'_, N> {
             parts: self.parts().iter().map(PartReport::new).collect(),
             compiled: None,
             stream: None,
-            warnings: self.warnings().to_vec(),
+            warnings: self.warnings().iter().cloned().chain(self.rests_between_windows()).collect(),
             files: Vec::new(),
         }
     }
@@ -116,6 +116,14 @@ impl<const N: usize> ProgramMotion<'_, N> {
             merge(&mut all, line);
         }
         all
+    }
+
+    /// Words on the motions that rest on the way because of the windows in which they were planned.
+    fn rests_between_windows(&self) -> impl Iterator<Item = String> + '_ {
+        self.parts().iter().filter_map(|part| {
+            let windows = part.trajectory()?.info().windows.as_ref().filter(|windows| !windows.stops.is_empty())?;
+            Some(format!("the motion from {:.3} s on was planned in {windows}", part.begin()))
+        })
     }
 
     /// The planners whose laws these are: that of the job, and those that took its place.
