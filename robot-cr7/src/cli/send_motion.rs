@@ -4,8 +4,10 @@ use std::any::Any;
 use std::path::Path;
 
 use crate::controller::VerifiedMotion;
-use crate::{OnProgram, OnToolPath, ProgramTask, Robot, Task};
+use crate::{Cr7Error, OnProgram, OnToolPath, ProgramTask, Robot, Task};
 use arcfeed_interp::{JointTrajectory, PathArm};
+use arcfeed_kinematics::JointLimits;
+use nalgebra::Isometry3;
 
 use crate::cli::Failure;
 use crate::cli::send_args::Args;
@@ -14,6 +16,8 @@ use crate::input::error::read_text;
 
 /// Tolerance of planned motions against their plan, rad.
 const TOLERANCE: f64 = 1e-6;
+/// Share by which a limit of a job may exceed that of the robot, as it is given in degrees.
+const ROUNDING: f64 = 1e-9;
 /// The key and the value by which a compiled motion is known.
 const FORMAT: &str = "joint-trajectory/1";
 
@@ -28,6 +32,7 @@ pub struct SendMotion {
 pub fn load(args: &Args, robot: &Robot) -> Result<SendMotion, Failure> {
     let job = read_job(args.job.as_deref())?;
     let (limits, mut warnings) = robot.limits::<6>(&job.joints)?;
+    within_its_own(robot, &limits)?;
     let (name, trajectory) = match args.motion.as_deref() {
         Some(file) if is_compiled(file)? => (file.display().to_string(), read(file, robot)?),
         path => {
@@ -42,6 +47,32 @@ pub fn load(args: &Args, robot: &Robot) -> Result<SendMotion, Failure> {
     };
     let motion = VerifiedMotion::new(trajectory, &limits).map_err(|e| Failure::Undoable(format!("{name}: {e}")))?;
     Ok(SendMotion { name, motion, warnings })
+}
+
+/// Refuses limits beyond those that the description of the robot states: its drives would not follow, or stop the arm.
+pub fn within_its_own(robot: &Robot, limits: &JointLimits<6>) -> Result<(), Failure> {
+    let arm = robot.arm::<6>(Isometry3::identity()).map_err(Cr7Error::from)?;
+    let own = arm.drive_limits();
+    let quantities = [
+        ("velocity", "deg/s", limits.velocity(), own.velocity),
+        ("acceleration", "deg/s^2", limits.acceleration(), own.acceleration),
+        ("jerk", "deg/s^3", limits.jerk(), own.jerk),
+    ];
+    for (quantity, unit, given, own) in quantities {
+        let Some(own) = own else { continue };
+        if let Some(k) = (0..6).find(|&k| given[k] > own[k] * (1.0 + ROUNDING)) {
+            return Err(Failure::BadInput(format!(
+                "[joints]: the {quantity} of joint {} may be {:.3} {unit}, and {} of {} has {:.3} {unit}: an arm is led within its own \
+                 limits; lower it or leave it out, or give the robot with its true limits by --robot",
+                k + 1,
+                given[k].to_degrees(),
+                robot.any().joint_names()[k],
+                robot.description().name,
+                own[k].to_degrees()
+            )));
+        }
+    }
+    Ok(())
 }
 
 fn text(file: &Path) -> Result<String, Failure> {

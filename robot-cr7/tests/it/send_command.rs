@@ -28,6 +28,26 @@ fn what_is_not_certified_for_the_arm_is_not_sent() {
 }
 
 #[test]
+fn limits_beyond_those_of_the_arm_are_not_sent() {
+    let desk = Desk::new("send_beyond");
+    desk.run(&["plan", "--compile-rad", "1e-6", "--out", "plan"]).done();
+    desk.write("fast.toml", "[joints]\nvelocity_deg_s = [180, 180, 344, 180, 180, 180]\n");
+    let words = ["velocity of joint 3", "344.000", "joint3 of cr7", "180.000 deg/s", "lower it", "--robot"];
+    desk.run(&["send", "--job", "fast.toml"]).refused(2, &words);
+    desk.run(&["send", "plan/joint_trajectory.json", "--job", "fast.toml"]).refused(2, &words);
+    assert!(!desk.folder.join("out/setpoints.csv").exists());
+    // A job may state what the arm has, and what nobody knows of it.
+    desk.write("own.toml", "[joints]\nvelocity_deg_s = 180\nacceleration_deg_s2 = 1200\njerk_deg_s3 = 12000\n");
+    desk.run(&["send", "--job", "own.toml"]).done();
+    desk.write("accelerating.toml", "[joints]\nacceleration_deg_s2 = 100000\n");
+    let arguments = ["send", "--robot", "drv70l_stand_in", "--job", "accelerating.toml"];
+    desk.run(&arguments).refused(2, &["acceleration of joint 1", "100000.000", "deg/s^2"]);
+    desk.write("jerking.toml", "[joints]\njerk_deg_s3 = 100000\n");
+    let arguments = ["send", "--robot", "drv70l_stand_in", "--job", "jerking.toml"];
+    desk.run(&arguments).refused(2, &["jerk of joint 1", "100000.000", "deg/s^3"]);
+}
+
+#[test]
 fn wrong_usage_is_refused_with_the_way_out() {
     let desk = Desk::new("send_usage");
     desk.run(&["send", "--really"]).refused(2, &["--address"]);
