@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use crate::plot::{compare_picture, save_picture};
-use crate::{InputError, OnToolPath, Task, compare};
+use crate::plot::compare_picture;
+use crate::{OnToolPath, Staging, Task, compare};
 use arcfeed_interp::PathArm;
 
 use crate::cli::Failure;
@@ -31,15 +31,23 @@ pub struct Args {
     json: bool,
 }
 
+/// The file that is written.
+const FILES: [&str; 1] = ["compare.svg"];
+
 pub fn run(args: &Args) -> Result<(), Failure> {
+    let mut staging = Staging::new(&args.out, &FILES, args.job.as_deref().as_slice())?;
     let job = read_job(args.job.as_deref())?;
+    if let Some(path) = &job.path_file {
+        staging.reads(path)?;
+    }
     let file = read_path(job.path_file.as_deref(), None, &job)?;
-    std::fs::create_dir_all(&args.out).map_err(|source| InputError::Write { file: args.out.clone(), source })?;
-    args.robot.load()?.on_tool_path(&job, &file, Compare { args })
+    staging.clear()?;
+    args.robot.load()?.on_tool_path(&job, &file, Compare { args, staging })
 }
 
 struct Compare<'a> {
     args: &'a Args,
+    staging: Staging,
 }
 
 impl OnToolPath for Compare<'_> {
@@ -47,14 +55,14 @@ impl OnToolPath for Compare<'_> {
     type Error = Failure;
 
     fn run<A: PathArm<N>, const N: usize>(self, task: Task<A, N>, warnings: Vec<String>) -> Result<(), Failure> {
-        let args = self.args;
+        let Self { args, mut staging } = self;
         let progress = Progress::new("joint path");
         let mut comparison = compare(&task, |planner| progress.step(planner))?;
         progress.step("drawing");
-        let picture = args.out.join("compare.svg");
-        let svg = compare_picture(&comparison).map_err(|source| InputError::Write { file: picture.clone(), source })?;
-        save_picture(&picture, &svg)?;
-        comparison.files.push(picture);
+        let svg = compare_picture(&comparison).map_err(|source| staging.failed(FILES[0], source))?;
+        staging.write(FILES[0], &svg)?;
+        comparison.files = staging.files_with(&[]);
+        staging.publish_pictures()?;
         comparison.warnings.extend(warnings);
         drop(progress);
         show(&comparison, args.json.then(|| comparison.to_json()));
