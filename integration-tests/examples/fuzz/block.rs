@@ -44,7 +44,6 @@ impl Tally {
         self.accepted += next();
         self.refused += next();
         self.slowest_us = self.slowest_us.max(next().into());
-        next();
         self.most_bytes = self.most_bytes.max(next() as usize);
     }
 }
@@ -89,6 +88,8 @@ pub fn run_block(tally: &mut Tally, first: u64, count: u64) -> io::Result<()> {
             let Some(seed) = last.filter(|_| !traced.success) else {
                 return Err(io::Error::other(format!("seeds {at} to {end} end the process, but not again")));
             };
+            // The first process said nothing of what it had fed.
+            traced.lines.iter().filter_map(|line| line.strip_prefix("done ")).for_each(|counts| tally.done(counts));
             tally.defect(seed, "ends the process")?;
             ended = Some(seed);
         }

@@ -20,7 +20,7 @@ use std::time::Instant;
 
 use arcfeed_testing::Counting;
 use block::{Tally, run_block};
-use integration_tests::fuzz::{Target, Verdict};
+use integration_tests::fuzz::{Target, Verdict, Watchdog};
 use options::Options;
 
 #[global_allocator]
@@ -46,7 +46,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Feeds the targets one file.
+/// Feeds the targets one file, watched as in a search.
 fn replay(targets: &[Target], file: &PathBuf) -> ExitCode {
     let input = match std::fs::read(file) {
         Ok(input) => input,
@@ -57,15 +57,16 @@ fn replay(targets: &[Target], file: &PathBuf) -> ExitCode {
     };
     let mut broken = false;
     for target in targets {
+        let name = target.name;
+        let watchdog = Watchdog::new(target.seconds, move |_, why| {
+            println!("{name}: {why}");
+            std::process::exit(1);
+        });
+        watchdog.begins(0);
         let judged = target.feed(&input);
+        watchdog.rests();
         broken |= matches!(judged.verdict, Verdict::Broken(_));
-        println!(
-            "{}: {:?} in {:.3} s, {} kB",
-            target.name,
-            judged.verdict,
-            judged.time.as_secs_f64(),
-            judged.bytes / 1000
-        );
+        println!("{name}: {:?} in {:.3} s, {} kB", judged.verdict, judged.time.as_secs_f64(), judged.bytes / 1000);
     }
     ExitCode::from(u8::from(broken))
 }

@@ -7,7 +7,9 @@
 use std::sync::Arc;
 
 use arcfeed_geometry::{OrientationPath, PosePath};
-use arcfeed_interp::{JointRates, JointSpline, Limits, Method, Planner, ToolLimits, ToolPath, Trajectory};
+use arcfeed_interp::{
+    CompileError, JointRates, JointSpline, Limits, Method, PlanError, Planner, ToolLimits, ToolPath, Trajectory,
+};
 use arcfeed_kinematics::{Joints, ParallelAxisArm};
 use arcfeed_testing::Random;
 use integration_tests::random_jobs::random_curve;
@@ -15,8 +17,13 @@ use nalgebra::UnitQuaternion;
 
 use crate::family::Outcome;
 
-/// A random motion; `None` where the arm cannot follow or no plan is found.
-fn motion<'a>(random: &mut Random, arm: &'a ParallelAxisArm) -> Option<Trajectory<'a>> {
+/// A random motion; `None` where the arm cannot follow or no plan is found. A plan that its own check withholds is an error.
+fn motion<'a>(random: &mut Random, arm: &'a ParallelAxisArm) -> Option<Result<Trajectory<'a>, PlanError>> {
+    let held = |planned| match planned {
+        Ok(trajectory) => Some(Ok(trajectory)),
+        Err(error @ PlanError::Unverified { .. }) => Some(Err(error)),
+        Err(_) => None,
+    };
     let rates = [random.log(1.0, 4.0), random.log(3.0, 30.0), random.log(30.0, 1000.0)].map(Joints::repeat);
     let limits = arm.range().with_rates(rates[0], rates[1], rates[2]).ok()?;
     let method =
@@ -26,7 +33,7 @@ fn motion<'a>(random: &mut Random, arm: &'a ParallelAxisArm) -> Option<Trajector
         let points: Vec<Joints<6>> =
             (0..2 + random.below(5)).map(|_| Joints::from_fn(|_, _| random.between(-1.0, 1.0))).collect();
         let planner = Planner::new(arm, Limits::new(limits)).with_method(method).with_period(period).ok()?;
-        return planner.plan_shared(Arc::new(JointSpline::through(&points).ok()?)).ok();
+        return held(planner.plan_shared(Arc::new(JointSpline::through(&points).ok()?)));
     }
     let curve = random_curve(random)?;
     let down = UnitQuaternion::from_euler_angles(std::f64::consts::PI, 0.0, 0.0);
@@ -35,12 +42,18 @@ fn motion<'a>(random: &mut Random, arm: &'a ParallelAxisArm) -> Option<Trajector
     let tool = tool.with_tangential_acceleration(random.log(0.5, 5.0)).ok()?.with_normal_acceleration(1.0).ok()?;
     let planner =
         Planner::new(arm, Limits::new(limits).with_tool(tool)).with_method(method).with_period(period).ok()?;
-    planner.with_chord_tolerance(random.log(1e-6, 1e-4)).ok()?.plan_shared(Arc::new(path)).ok()
+    held(planner.with_chord_tolerance(random.log(1e-6, 1e-4)).ok()?.plan_shared(Arc::new(path)))
 }
 
-/// What is wrong with the compiled motion; false if it cannot be compiled.
+/// What is wrong with the compiled motion; false if the compiler says by what it cannot stay within the tolerance or a limit.
 fn check(trajectory: &Trajectory<'_>, tolerance: f64, random: &mut Random) -> Result<bool, String> {
-    let Ok(compiled) = trajectory.compile(tolerance) else { return Ok(false) };
+    let compiled = match trajectory.compile(tolerance) {
+        Ok(compiled) => compiled,
+        Err(CompileError::Deviation { .. } | CompileError::Limit { .. } | CompileError::AccelerationSteps) => {
+            return Ok(false);
+        }
+        Err(error) => return Err(error.to_string()),
+    };
     let limits = trajectory.limits().joints();
     let certificate = compiled.certify(limits.range(), &JointRates::from(limits));
     if !certificate.holds(1e-6) {
@@ -62,7 +75,11 @@ fn check(trajectory: &Trajectory<'_>, tolerance: f64, random: &mut Random) -> Re
 /// A random motion, compiled to polynomials.
 pub fn play(arm: &ParallelAxisArm, seed: u64) -> Outcome {
     let mut random = Random::new(seed.wrapping_mul(0x2545_f491_4f6c_dd1d));
-    let Some(trajectory) = motion(&mut random, arm) else { return Outcome::Refused };
+    let trajectory = match motion(&mut random, arm) {
+        Some(Ok(trajectory)) => trajectory,
+        Some(Err(error)) => return Outcome::Failed(error.to_string()),
+        None => return Outcome::Refused,
+    };
     let tolerance = random.log(1e-7, 1e-4);
     match check(&trajectory, tolerance, &mut random) {
         Ok(true) => Outcome::Done,

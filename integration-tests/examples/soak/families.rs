@@ -76,7 +76,7 @@ fn hybrid(arms: &[ParallelAxisArm; 2]) -> Family<'_> {
         }
         let Some((_, Some(ready))) = &stage else { return Outcome::Refused };
         match ready.play(seed, Counting::count) {
-            Ok(_) => Outcome::Done,
+            Ok(played) => Outcome::Used(played.worst),
             Err(what) => Outcome::Failed(format!("stage {}: {what}", seed / 5)),
         }
     })

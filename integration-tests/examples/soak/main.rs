@@ -1,12 +1,15 @@
-//! All random families in turn, as long as you like:
+//! Random families in turn, as long as you like: jobs, compiled motions, polylines, tight bends, raised limits, motions in both spaces, the
+//! inverse, and every target of `fuzz`. The soaks of single crates, of the controller and of many jobs have examples of their own, which
+//! `CONTRIBUTING.md` lists.
 //!
 //! ```sh
 //! cargo run --release -p integration-tests --example soak -- --minutes 60 --seed 1
 //! cargo run --release -p integration-tests --example soak -- --family hybrid --count 1000 --seed 1
 //! ```
 //!
-//! Each family gets the same time, in slices. What must not be is printed with its family and its seed; `--family NAME --seed S --count 1`
-//! plays it again. One report stands at the end, and the exit code is 1 if something failed. `--threads N` plays N seeds at a time.
+//! Each family gets the same part of the time, and one case at least. What must not be is printed with its family and its seed;
+//! `--family NAME --seed S --count 1` plays it again. One report stands at the end, and the exit code is 1 if something failed or a family
+//! played nothing. `--threads N` plays N seeds at a time.
 
 mod compiled;
 mod families;
@@ -25,9 +28,6 @@ use integration_tests::hybrid_scenario::arms;
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Time of one family before the next one has its turn.
-const SLICE: Duration = Duration::from_secs(5);
-
 struct Options {
     seed: u64,
     count: Option<u64>,
@@ -39,6 +39,8 @@ struct Options {
 /// The count of each end of a family, and the time it took.
 #[derive(Debug, Clone, Copy, Default)]
 struct Tally {
+    /// Largest part of a limit that was used, where the family tells it.
+    used: f64,
     played: u64,
     done: u64,
     refused: u64,
@@ -59,7 +61,7 @@ fn main() -> ExitCode {
     thread::scope(|scope| {
         for thread in 0..options.threads {
             let (options, totals) = (&options, &totals);
-            scope.spawn(move || play(options, thread, begin, totals));
+            scope.spawn(move || play(options, thread, totals));
         }
     });
     let totals = totals.into_inner().unwrap_or_default();
@@ -67,55 +69,54 @@ fn main() -> ExitCode {
         eprintln!("soak: no such family");
         return ExitCode::from(2);
     }
-    println!("{:<16}{:>12}{:>12}{:>12}{:>8}{:>8}", "family", "cases", "done", "refused", "failed", "s");
+    println!(
+        "{:<16}{:>12}{:>12}{:>12}{:>8}{:>8}{:>14}",
+        "family", "cases", "done", "refused", "failed", "s", "worst ratio"
+    );
     for (name, t) in &totals {
-        let seconds = t.time.as_secs();
-        println!("{name:<16}{:>12}{:>12}{:>12}{:>8}{seconds:>8}", t.played, t.done, t.refused, t.failed);
+        let (seconds, used) = (t.time.as_secs(), if t.used > 0.0 { format!("{:.9}", t.used) } else { String::new() });
+        println!("{name:<16}{:>12}{:>12}{:>12}{:>8}{seconds:>8}{used:>14}", t.played, t.done, t.refused, t.failed);
+        if t.played == 0 {
+            println!("{name} played nothing");
+        }
     }
     let (played, failed) = totals.iter().fold((0, 0), |sum, (_, t)| (sum.0 + t.played, sum.1 + t.failed));
     println!("{played} cases, {failed} failed, {:.0} s, {} threads", begin.elapsed().as_secs_f64(), options.threads);
-    ExitCode::from(u8::from(failed > 0))
+    let idle = totals.iter().any(|(_, t)| t.played == 0);
+    ExitCode::from(u8::from(failed > 0 || idle))
 }
 
 /// Every family in turn, with every so many seeds from the first one of this thread on.
-fn play(options: &Options, thread: u64, begin: Instant, totals: &Mutex<Vec<(&'static str, Tally)>>) {
+fn play(options: &Options, thread: u64, totals: &Mutex<Vec<(&'static str, Tally)>>) {
     let (arms, six) = (arms(), models::ur5e());
     let mut families = families::all(&arms, &six);
     families.retain(|family| options.family.as_ref().is_none_or(|name| name == family.name));
+    let share = 60.0 * options.minutes / families.len().max(1) as f64;
     let mut tallies = vec![Tally::default(); families.len()];
-    loop {
-        let mut working = false;
-        for (family, tally) in families.iter_mut().zip(&mut tallies) {
-            let slice = Instant::now();
-            loop {
-                let number = tally.played * options.threads + thread;
-                let over = match options.count {
-                    Some(count) => number >= count,
-                    None => begin.elapsed().as_secs_f64() > 60.0 * options.minutes,
-                };
-                if over {
-                    break;
-                }
-                working = true;
-                let seed = options.seed + number;
-                match (family.play)(seed) {
-                    Outcome::Done => tally.done += 1,
-                    Outcome::Refused => tally.refused += 1,
-                    Outcome::Failed(what) => {
-                        tally.failed += 1;
-                        println!("{}, seed {seed}: {what}", family.name);
-                    }
-                }
-                tally.played += 1;
-                if slice.elapsed() > SLICE {
-                    break;
+    for (family, tally) in families.iter_mut().zip(&mut tallies) {
+        let begin = Instant::now();
+        loop {
+            let number = tally.played * options.threads + thread;
+            let over = match options.count {
+                Some(count) => number >= count,
+                None => tally.played > 0 && begin.elapsed().as_secs_f64() > share,
+            };
+            if over {
+                break;
+            }
+            let seed = options.seed + number;
+            match family.play(seed) {
+                Outcome::Done => tally.done += 1,
+                Outcome::Used(part) => (tally.done, tally.used) = (tally.done + 1, tally.used.max(part)),
+                Outcome::Refused => tally.refused += 1,
+                Outcome::Failed(what) => {
+                    tally.failed += 1;
+                    println!("{}, seed {seed}: {what}", family.name);
                 }
             }
-            tally.time += slice.elapsed();
+            tally.played += 1;
         }
-        if !working {
-            break;
-        }
+        tally.time = begin.elapsed();
     }
     let Ok(mut totals) = totals.lock() else { return };
     if totals.is_empty() {
@@ -128,6 +129,7 @@ fn play(options: &Options, thread: u64, begin: Instant, totals: &Mutex<Vec<(&'st
             refused: sum.refused + t.refused,
             failed: sum.failed + t.failed,
             time: sum.time + t.time,
+            used: sum.used.max(t.used),
         };
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Readers get the sample files of the repository, mutated with regard to their structure: lines, words, numbers, pieces of other files.
 //! Planners get bytes that [`Numbers`] turns into finite numbers. An input is accepted or refused; everything else is a defect:
-//! a panic, a motion that jumps or leaves its limits, more than the time or the memory of the target.
+//! a panic, a motion that jumps or exceeds a limit, more than the time or the memory of the target.
 //!
 //! The example `fuzz` runs them by the million in a process of their own; the test `fuzz` runs some of each, and all of `corpus/`.
 

@@ -149,7 +149,12 @@ pub(super) fn compiled_json(bytes: &[u8]) -> Verdict {
 pub(super) fn batch_line(bytes: &[u8]) -> Verdict {
     let Some(text) = text(bytes) else { return Verdict::Refused };
     let item = BatchItem::from_line(text, 1, Path::new("jobs.jsonl"));
-    if BatchItem::id_of(text).is_some_and(|id| id == item.id) { Verdict::Accepted } else { Verdict::Refused }
+    let id = BatchItem::id_of(text, 1);
+    if id != item.id {
+        // Two jobs of one name would write the same file.
+        return Verdict::Broken(format!("is job {:?}, and is named {id:?}", item.id));
+    }
+    if id == "1" { Verdict::Refused } else { Verdict::Accepted }
 }
 
 /// Replies and packets of a controller, in pieces of any length.

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use arcfeed_testing::{Random, most_bytes_in};
 
 use super::verdict::Verdict;
+use super::watchdog::MOST_BYTES;
 use super::{corpus, mutation, planners, readers};
 
 /// Where inputs come from.
@@ -110,7 +111,7 @@ impl Target {
         corpus::kept(self.name)
     }
 
-    /// Feeds it one input. A panic is a defect.
+    /// Feeds it one input. A panic is a defect, and so is more than [`MOST_BYTES`]; a [`Watchdog`](super::Watchdog) judges the time.
     pub fn feed(self, input: &[u8]) -> Judged {
         let begin = Instant::now();
         let mut verdict = Verdict::Refused;
@@ -121,6 +122,9 @@ impl Target {
                 Verdict::Broken(format!("panics: {words}"))
             });
         });
+        if bytes as u64 > MOST_BYTES {
+            verdict = Verdict::Broken(format!("holds {bytes} bytes at once"));
+        }
         Judged { verdict, time: begin.elapsed(), bytes }
     }
 }

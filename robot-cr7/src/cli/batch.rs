@@ -80,7 +80,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let folder = trajectories.as_deref().unwrap_or(&args.out);
     fs::create_dir_all(folder).map_err(unwritten(folder))?;
     // Held until the end: two batches would give the jobs two results each.
-    let _lock = FolderLock::take(&args.out)?;
+    let lock = FolderLock::take(&args.out)?;
+    lock.remove_left_parts(&args.out);
+    lock.remove_left_parts(folder);
     let results = args.out.join(RESULTS);
     let mut earlier = read_results(&results, args.retry)?;
     if let Some(folder) = &trajectories {
@@ -241,7 +243,7 @@ fn sources(jobs: &Path) -> Result<Vec<Source>, Failure> {
         if line.trim().is_empty() {
             continue;
         }
-        let id = BatchItem::id_of(&line).unwrap_or_else(|| (i + 1).to_string());
+        let id = BatchItem::id_of(&line, i + 1);
         if let Some(before) = names.insert(id.to_lowercase(), i + 1) {
             let what =
                 format!("{}:{}: id \"{id}\" is that of line {before}: give each job its own", jobs.display(), i + 1);

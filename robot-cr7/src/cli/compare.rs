@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use crate::plot::{compare_picture, save_picture};
-use crate::{InputError, OnToolPath, ReportHead, Task, compare};
+use crate::plot::compare_picture;
+use crate::{OnToolPath, ReportHead, Staging, Task, compare};
 use arcfeed_interp::PathArm;
 
 use crate::cli::Failure;
@@ -31,16 +31,24 @@ pub struct Args {
     json: bool,
 }
 
+/// The file that is written.
+const FILES: [&str; 1] = ["compare.svg"];
+
 pub fn run(args: &Args) -> Result<(), Failure> {
+    let mut staging = Staging::new(&args.out, &FILES, args.job.as_deref().as_slice())?;
     let job = read_job(args.job.as_deref())?;
+    if let Some(path) = &job.path_file {
+        staging.reads(path)?;
+    }
     let file = read_path(job.path_file.as_deref(), None, &job)?;
-    std::fs::create_dir_all(&args.out).map_err(|source| InputError::Write { file: args.out.clone(), source })?;
+    staging.clear()?;
     let robot = args.robot.load()?;
-    robot.on_tool_path(&job, &file, Compare { args, head: ReportHead::new("compare", &robot) })
+    robot.on_tool_path(&job, &file, Compare { args, staging, head: ReportHead::new("compare", &robot) })
 }
 
 struct Compare<'a> {
     args: &'a Args,
+    staging: Staging,
     head: ReportHead,
 }
 
@@ -49,14 +57,14 @@ impl OnToolPath for Compare<'_> {
     type Error = Failure;
 
     fn run<A: PathArm<N>, const N: usize>(self, task: Task<A, N>, warnings: Vec<String>) -> Result<(), Failure> {
-        let args = self.args;
+        let Self { args, mut staging } = self;
         let progress = Progress::new("joint path");
         let mut comparison = compare(&task, |planner| progress.step(planner))?;
         progress.step("drawing");
-        let picture = args.out.join("compare.svg");
-        let svg = compare_picture(&comparison).map_err(|source| InputError::Write { file: picture.clone(), source })?;
-        save_picture(&picture, &svg)?;
-        comparison.files.push(picture);
+        let svg = compare_picture(&comparison).map_err(|source| staging.failed(FILES[0], source))?;
+        staging.write(FILES[0], &svg)?;
+        comparison.files = staging.files_with(&[]);
+        staging.publish_pictures()?;
         comparison.warnings.extend(warnings);
         drop(progress);
         show(&comparison, args.json.then(|| self.head.json(&comparison)));

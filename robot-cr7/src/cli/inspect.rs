@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use crate::plot::{path_picture, save_picture};
-use crate::{Cr7Error, InputError, Job, PathFile, Robot};
+use crate::plot::path_picture;
+use crate::{Cr7Error, Job, PathFile, Robot, Staging};
 use arcfeed_geometry::{ArcLengthCurve, Curve, NurbsCurve, SegmentationMethod, Spacing};
 use nalgebra::Vector3;
 
@@ -45,6 +45,9 @@ pub struct Args {
     out: PathBuf,
 }
 
+/// The file that is written.
+const FILES: [&str; 1] = ["inspect.svg"];
+
 /// Places a knot span at which curvature and extent are taken.
 const SAMPLES: u32 = 5_000;
 
@@ -52,7 +55,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if let Some(name) = &args.robot {
         return robots::inspect(&Robot::load(name, args.base_link.as_deref(), args.tip_link.as_deref())?);
     }
+    let mut staging = Staging::new(&args.out, &FILES, args.path.as_deref().as_slice())?;
     let file = read_path(args.path.as_deref(), args.unit.as_deref(), &Job::default())?;
+    staging.clear()?;
     let shown = file.file.display().to_string();
     let geometry = |source| Failure::from(Cr7Error::Curve { file: shown.clone(), source });
     let curve = file.curve_with(|points| {
@@ -82,11 +87,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         .pieces()
         .map(|(u0, u1, _)| (0..=8).map(|i| curve.point(u0 + (u1 - u0) * f64::from(i) / 8.0).into()).collect())
         .collect();
-    let picture = args.out.join("inspect.svg");
-    let write = |source| Failure::from(InputError::Write { file: picture.clone(), source });
-    std::fs::create_dir_all(&args.out).map_err(write)?;
-    let svg = path_picture(&file.name, &lines, segmentation.deviations(), tolerance, None).map_err(write)?;
-    save_picture(&picture, &svg)?;
+    let picture = args.out.join(FILES[0]);
+    let svg = path_picture(&file.name, &lines, segmentation.deviations(), tolerance, None)
+        .map_err(|source| staging.failed(FILES[0], source))?;
+    staging.write(FILES[0], &svg)?;
+    staging.publish_pictures()?;
     say!("\n  wrote {}", picture.display());
     Ok(())
 }

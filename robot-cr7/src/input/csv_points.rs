@@ -119,7 +119,7 @@ impl Row {
                 line,
                 column: i + 1,
                 cell: cell.clone(),
-                remedy: "write plain numbers with a decimal point, separated by commas, as in 12.5,-3e-2",
+                remedy: "write plain numbers of at most 1e100 with a decimal point, separated by commas, as in 12.5,-3e-2",
             })?;
         }
         Ok(Self(row))

@@ -31,8 +31,8 @@ pub enum InputError {
         /// The error of the operating system.
         source: std::io::Error,
     },
-    /// Another run writes into the folder.
-    #[error("{}: another run writes into this folder: wait for its end, or choose another folder with --out", folder.display())]
+    /// Another run writes into the folder, or a program holds its lock.
+    #[error("{}: another run writes into this folder, or a program holds its lock (flock): wait for its end, or choose another folder with --out", folder.display())]
     Busy {
         /// The folder.
         folder: PathBuf,

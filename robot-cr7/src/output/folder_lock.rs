@@ -3,12 +3,13 @@
 use std::fs::{self, File, TryLockError};
 use std::path::Path;
 
-use super::whole_file::unwritten;
+use super::whole_file::{remove_left_parts, unwritten};
 use crate::input::error::InputError;
 
 /// A folder into which no other run writes while this value lives.
 ///
-/// The operating system holds the lock and gives it back when the program ends, however it ends; no file marks it. Where a folder cannot be
+/// The operating system holds the lock and gives it back when the program ends, however it ends; no file marks it. It is the lock that
+/// `flock FOLDER` takes, too. Where a folder cannot be
 /// locked (Windows, some network drives) there is none: each file is whole even then, but those of two runs may be mixed.
 #[derive(Debug)]
 pub(crate) struct FolderLock {
@@ -35,8 +36,10 @@ impl FolderLock {
         }
     }
 
-    /// True if the operating system keeps others out.
-    pub(crate) fn keeps_others_out(&self) -> bool {
-        self.held.is_some()
+    /// Removes what killed programs have left in `folder`, which is the locked one or in it. Nothing, where others are not kept out.
+    pub(crate) fn remove_left_parts(&self, folder: &Path) {
+        if self.held.is_some() {
+            remove_left_parts(folder);
+        }
     }
 }

@@ -6,10 +6,13 @@ use std::path::{Path, PathBuf};
 
 use super::folder_lock::FolderLock;
 use super::trajectory_csv::write_rows;
-use super::whole_file::{Part, abandon, begin, publish, remove_left_parts};
+use super::whole_file::{Part, begin, publish, unwritten};
 use crate::input::error::InputError;
 use crate::run::trajectory_row::TrajectoryRow;
 use crate::run::verdict::LimitsHold;
+
+/// The file that says that a folder is complete: removed first, renamed last.
+const COMPLETE: &str = "report.json";
 
 /// The files that one command writes into its folder.
 ///
@@ -37,7 +40,8 @@ pub struct Staging {
     parts: Vec<Part>,
     /// Nobody else writes into the folder, once it is cleared.
     lock: Option<FolderLock>,
-    published: bool,
+    /// Nothing of the folder is ours to remove: the files are published, or another run has it.
+    done: bool,
 }
 
 impl Staging {
@@ -46,14 +50,8 @@ impl Staging {
     /// # Errors
     /// [`InputError::Overwritten`] for an input that is one of the files.
     pub fn new(folder: &Path, names: &'static [&'static str], inputs: &[&Path]) -> Result<Self, InputError> {
-        let mut staging = Self {
-            folder: folder.to_owned(),
-            names,
-            kept: Vec::new(),
-            parts: Vec::new(),
-            lock: None,
-            published: false,
-        };
+        let mut staging =
+            Self { folder: folder.to_owned(), names, kept: Vec::new(), parts: Vec::new(), lock: None, done: false };
         for input in inputs {
             staging.reads(input)?;
         }
@@ -81,22 +79,28 @@ impl Staging {
     pub fn clear(&mut self) -> Result<(), InputError> {
         let lock = match self.lock.take() {
             Some(lock) => lock,
-            None => FolderLock::take(&self.folder)?,
+            None => FolderLock::take(&self.folder).inspect_err(|error| {
+                // It may be free when this value is dropped, with the files of the other run in it.
+                self.done |= matches!(error, InputError::Busy { .. });
+            })?,
         };
-        if lock.keeps_others_out() {
-            remove_left_parts(&self.folder, self.names);
-        }
+        lock.remove_left_parts(&self.folder);
         self.lock = Some(lock);
-        for name in self.names {
-            let file = self.folder.join(name);
+        for file in self.complete_first() {
             match fs::remove_file(&file) {
-                Err(source) if source.kind() != io::ErrorKind::NotFound => {
-                    return Err(InputError::Write { file, source });
-                }
+                Err(source) if source.kind() != io::ErrorKind::NotFound => return Err(unwritten(&file)(source)),
                 _ => {}
             }
         }
-        Ok(())
+        // A folder that takes no files is to be named before the work.
+        self.names.first().map_or(Ok(()), |name| begin(&self.folder.join(name)).map(drop))
+    }
+
+    /// The final names, that which says that all are there before the others.
+    fn complete_first(&self) -> Vec<PathBuf> {
+        let mut names = self.names.to_vec();
+        names.sort_by_key(|name| *name != COMPLETE);
+        names.iter().map(|name| self.folder.join(name)).collect()
     }
 
     /// Begins a file under its temporary name.
@@ -147,9 +151,15 @@ impl Staging {
     ///
     /// # Errors
     /// [`InputError::Write`].
-    pub fn publish(mut self, _: &LimitsHold) -> Result<(), InputError> {
+    pub fn publish(self, _: &LimitsHold) -> Result<(), InputError> {
+        self.publish_pictures()
+    }
+
+    /// As [`Staging::publish`], of files that hold no motion.
+    pub(crate) fn publish_pictures(mut self) -> Result<(), InputError> {
+        self.parts.sort_by_key(|part| part.file.file_name().is_some_and(|name| name == COMPLETE));
         publish(&self.parts)?;
-        self.published = true;
+        self.done = true;
         Ok(())
     }
 }
@@ -157,15 +167,13 @@ impl Staging {
 impl Drop for Staging {
     /// Removes what is not published: no file of it stays, and none of an earlier run.
     fn drop(&mut self) {
-        if self.published {
+        if self.done {
             return;
         }
-        for part in &self.parts {
-            abandon(part);
-        }
+        self.parts.clear();
         // A folder that another run has is not ours to clear.
         let Some(_lock) = self.lock.take().or_else(|| FolderLock::of(&self.folder)) else { return };
-        for file in self.names.iter().map(|name| self.folder.join(name)) {
+        for file in self.complete_first() {
             if !self.kept.contains(&file) {
                 let _ = fs::remove_file(file);
             }

@@ -1,11 +1,13 @@
 //! Files that are there whole or not at all.
 //!
 //! Every file of the crate is made here: written beside its final name, brought to the disk, then renamed. A program that is killed on the
-//! way leaves a hidden file `.NAME.PROCESS.part`, never a half under the final name; the next run of the command removes it.
+//! way leaves a hidden file `.NAME.PROCESS.NUMBER.part`, never a half under the final name; the next run into the folder removes it.
+//! A hidden file is always a new one: nothing that stands under its name, a link least of all, is written to.
 
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::input::error::InputError;
@@ -28,13 +30,23 @@ pub fn interrupt(exit_code: i32) -> ! {
     std::process::exit(exit_code)
 }
 
-/// A file under its temporary name.
+/// A file under its temporary name. One that is dropped before it is published is removed, after a panic too.
 #[derive(Debug)]
 pub(crate) struct Part {
     /// The hidden name beside the final one.
-    pub(crate) hidden: PathBuf,
+    hidden: PathBuf,
     /// The final name.
     pub(crate) file: PathBuf,
+}
+
+impl Drop for Part {
+    fn drop(&mut self) {
+        let mut list = under_way();
+        if let Some(i) = list.iter().position(|one| *one == self.hidden) {
+            let _ = fs::remove_file(&self.hidden);
+            list.swap_remove(i);
+        }
+    }
 }
 
 /// That `file` could not be written.
@@ -51,21 +63,33 @@ pub(crate) fn write_whole<T, E: From<InputError>>(
     fill: impl FnOnce(File) -> Result<T, E>,
 ) -> Result<T, E> {
     let (part, created) = begin(file)?;
-    let written = fill(created).and_then(|value| {
-        publish(std::slice::from_ref(&part))?;
-        Ok(value)
-    });
-    written.inspect_err(|_| abandon(&part))
+    let value = fill(created)?;
+    publish(&[part])?;
+    Ok(value)
 }
 
 /// A new file beside `file`, hidden, that is removed on an interrupt.
 pub(crate) fn begin(file: &Path) -> Result<(Part, File), InputError> {
+    /// Each hidden name of this program has a number of its own.
+    static NUMBER: AtomicU64 = AtomicU64::new(0);
+
     let name = file.file_name().ok_or_else(|| unwritten(file)(io::ErrorKind::InvalidInput.into()))?;
-    let hidden = file.with_file_name(format!("{}{}{PART}", hidden_start(&name.to_string_lossy()), std::process::id()));
+    let (name, process) = (name.to_string_lossy(), std::process::id());
     let mut list = under_way();
-    let created = File::create(&hidden).map_err(unwritten(file))?;
-    list.push(hidden.clone());
-    Ok((Part { hidden, file: file.to_owned() }, created))
+    let mut taken = 0;
+    loop {
+        let number = NUMBER.fetch_add(1, Ordering::Relaxed);
+        let hidden = file.with_file_name(format!(".{name}.{process}.{number}{PART}"));
+        match File::create_new(&hidden) {
+            Ok(created) => {
+                list.push(hidden.clone());
+                return Ok((Part { hidden, file: file.to_owned() }, created));
+            }
+            // What a killed program of the same number has left.
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists && taken < MOST_TAKEN => taken += 1,
+            Err(error) => return Err(unwritten(file)(error)),
+        }
+    }
 }
 
 /// Gives files their final names, after all of them have reached the disk.
@@ -83,28 +107,21 @@ pub(crate) fn publish(parts: &[Part]) -> Result<(), InputError> {
     Ok(())
 }
 
-/// Gives a file up that was begun.
-pub(crate) fn abandon(part: &Part) {
-    let mut list = under_way();
-    let _ = fs::remove_file(&part.hidden);
-    list.retain(|one| *one != part.hidden);
-}
-
 /// The end of a hidden name.
 const PART: &str = ".part";
+/// Names that may be taken before a file is given up.
+const MOST_TAKEN: u32 = 10_000;
 
-/// The hidden names of `file` begin so; the number of the process and [`PART`] follow.
-fn hidden_start(file: &str) -> String {
-    format!(".{file}.")
-}
-
-/// Removes what killed programs have left of the files called `names` in `folder`, into which nobody else may be writing.
-pub(crate) fn remove_left_parts(folder: &Path, names: &[&str]) {
+/// Removes what killed programs have left in `folder`, into which nobody else may be writing: every `.NAME.NUMBER.part`.
+pub(crate) fn remove_left_parts(folder: &Path) {
     let Ok(entries) = fs::read_dir(folder) else { return };
+    let list = under_way();
     for entry in entries.flatten() {
-        let name = entry.file_name().to_string_lossy().into_owned();
-        let process = |of: &&str| name.strip_prefix(&hidden_start(of))?.strip_suffix(PART)?.parse::<u32>().ok();
-        if names.iter().any(|of| process(of).is_some_and(|number| number != std::process::id())) {
+        let name = entry.file_name();
+        let text = name.to_string_lossy();
+        let number = || text.strip_prefix('.')?.strip_suffix(PART)?.rsplit_once('.')?.1.parse::<u64>().ok();
+        // The number of a process may be that of this one: in a container it mostly is.
+        if number().is_some() && !list.iter().any(|one| one.file_name() == Some(&name)) {
             let _ = fs::remove_file(entry.path());
         }
     }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::{Claim, PaperFigure, Reproduced};
 use crate::input::error::InputError;
+use crate::output::folder_lock::FolderLock;
 use crate::output::plot::{paper_picture, save_picture};
 
 const STYLE: &str = "body{font:15px/1.45 sans-serif;max-width:1120px;margin:2em auto;color:#222}\
@@ -53,9 +54,10 @@ fn section(paper: &Reproduced) -> String {
 /// Writes every figure as an SVG into the folder `out`, and `index.html`; returns the files.
 ///
 /// # Errors
-/// [`InputError::Write`] naming the file that cannot be drawn or written.
+/// [`InputError::Write`] naming the file that cannot be drawn or written; [`InputError::Busy`] while another run writes into the folder.
 pub fn write_figures(out: &Path, papers: &[Reproduced]) -> Result<Vec<PathBuf>, InputError> {
-    std::fs::create_dir_all(out).map_err(|source| InputError::Write { file: out.to_owned(), source })?;
+    let lock = FolderLock::take(out)?;
+    lock.remove_left_parts(out);
     let mut files = Vec::new();
     for figure in papers.iter().flat_map(|p| &p.figures) {
         let file = out.join(&figure.file);

@@ -84,19 +84,14 @@ impl BatchItem {
             Ok(tables) => tables,
             Err(error) => return wrong(number.to_string(), format!("{place}: no JSON object: {error}")),
         };
-        let mut text = |key: &str| match tables.remove(key) {
-            None => Ok(None),
-            Some(Value::String(text)) => Ok(Some(text)),
-            Some(Value::Number(number)) => Ok(Some(number.to_string())),
-            Some(other) => Err(format!("{place}: {key} is {other}: give a text")),
-        };
-        let id = match text("id") {
+        let in_line = |what: String| format!("{place}: {what}");
+        let id = match taken(&mut tables, "id") {
             Ok(id) => id.unwrap_or_else(|| number.to_string()),
-            Err(what) => return wrong(number.to_string(), what),
+            Err(what) => return wrong(number.to_string(), in_line(what)),
         };
-        let robot = match text("robot") {
+        let robot = match taken(&mut tables, "robot") {
             Ok(robot) => robot.unwrap_or_else(|| "cr7".to_owned()),
-            Err(what) => return wrong(id, what),
+            Err(what) => return wrong(id, in_line(what)),
         };
         if tables.is_empty() {
             return Self { id, robot, job: Ok(Box::default()) };
@@ -113,17 +108,10 @@ impl BatchItem {
         Self { id, robot, job: job.map(Box::new) }
     }
 
-    /// The `id` of a line of JSON, where it has one.
-    pub fn id_of(line: &str) -> Option<String> {
-        #[derive(Deserialize)]
-        struct Name {
-            id: Option<Value>,
-        }
-        match serde_json::from_str::<Name>(line).ok()?.id? {
-            Value::String(text) => Some(text),
-            Value::Number(number) => Some(number.to_string()),
-            _ => None,
-        }
+    /// The name that [`BatchItem::from_line`] gives the job of a line.
+    pub fn id_of(line: &str, number: usize) -> String {
+        let tables = serde_json::from_str::<Map<String, Value>>(line).ok();
+        tables.and_then(|mut tables| taken(&mut tables, "id").ok()?).unwrap_or_else(|| number.to_string())
     }
 
     /// A job of a job file, with the name of the file.
@@ -200,6 +188,16 @@ impl BatchItem {
             return Err(format!("id {:?} cannot be the name of a file: use letters, digits, - and _", self.id));
         }
         Ok(folder.join(format!("{}.csv", self.id)))
+    }
+}
+
+/// Takes a text, or a number as one, out of the tables of a line. Of a key that is there twice the last one counts.
+fn taken(tables: &mut Map<String, Value>, key: &str) -> Result<Option<String>, String> {
+    match tables.remove(key) {
+        None => Ok(None),
+        Some(Value::String(text)) => Ok(Some(text)),
+        Some(Value::Number(number)) => Ok(Some(number.to_string())),
+        Some(other) => Err(format!("{key} is {other}: give a text")),
     }
 }
 

@@ -179,9 +179,13 @@ impl Robot {
 
     /// That torques cannot be computed, with the joints behind which the inertia is not known.
     pub(crate) fn no_dynamics(&self, remedy: &'static str) -> Cr7Error {
-        let unknown = self.description.joints.iter().filter(|joint| joint.inertial.is_none());
-        let names: Vec<&str> = unknown.map(|joint| joint.name.as_str()).collect();
-        let missing = format!("the inertia of the links behind the joints {} is", names.join(", "));
+        let missing = format!("the inertia of the links behind the joints {} is", self.without_inertia());
         Cr7Error::NoDynamics { robot: self.description.name.clone(), missing, remedy }
+    }
+
+    /// Names of the joints behind which the inertia is not known.
+    pub(crate) fn without_inertia(&self) -> String {
+        let unknown = self.description.joints.iter().filter(|joint| joint.inertial.is_none());
+        unknown.map(|joint| joint.name.as_str()).collect::<Vec<_>>().join(", ")
     }
 }

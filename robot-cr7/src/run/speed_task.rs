@@ -166,7 +166,17 @@ impl<const N: usize> OwnLimits<N> {
         };
         let torque = match &file.torque {
             Some(values) => Some(Joints::from(file.of::<N>("limits.torque_nm", values)?)),
-            None => arm.drive_limits().torque.filter(|_| dynamics.is_some()),
+            None => {
+                let own = arm.drive_limits().torque;
+                if own.is_some() && dynamics.is_none() {
+                    warnings.push(format!(
+                        "the torque limits of the robot file are NOT kept: the inertia of the links behind the joints {} is not \
+                         known; give a robot file that states it, or limits.torque_nm to have the motion refused",
+                        robot.without_inertia()
+                    ));
+                }
+                own.filter(|_| dynamics.is_some())
+            }
         };
         if torque.is_some() && dynamics.is_none() {
             return Err(robot.no_dynamics("give a robot file that states it, or drop limits.torque_nm"));

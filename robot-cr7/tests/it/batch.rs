@@ -115,3 +115,11 @@ fn a_folder_of_job_files_is_a_batch_and_names_that_lead_elsewhere_are_refused() 
     desk.write("empty.jsonl", "\n");
     assert_eq!(desk.run(&["batch", "empty.jsonl"]).code, 2);
 }
+
+#[test]
+fn a_name_that_is_given_twice_in_a_line_is_the_last_one_everywhere() {
+    let desk = desk("batch_twice_in_a_line");
+    desk.write("jobs.jsonl", "{\"id\": \"b\", \"id\": \"a\"}\n{\"id\": \"a\"}\n");
+    let run = desk.run(&["batch", "jobs.jsonl", "-j", "2", "--trajectories"]);
+    run.refused(2, &["jobs.jsonl:2: id \"a\" is that of line 1"]);
+}

@@ -9,6 +9,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
 use common::{Desk, Run, binary};
+use robot_cr7::{InputError, LimitLine, LimitUnit, LimitsHold, Staging, TrajectoryRow, write_trajectory};
 
 const MOVE: [&str; 15] =
     ["move", "--from-deg", "0", "-30", "90", "30", "-90", "0", "--to-deg", "60", "0", "60", "30", "-90", "45"];
@@ -63,6 +64,7 @@ fn a_killed_run_leaves_no_half_file_and_the_next_one_removes_its_rest() {
     // The files of the run before are gone, and one of this run has begun.
     let begun = || left(&desk.folder.join("out")).first().is_some_and(|name| name.starts_with(".trajectory.csv."));
     while !begun() || left(&desk.folder.join("out")).len() > 1 {
+        assert!(child.try_wait().expect("a child").is_none(), "ended before it wrote");
         std::thread::sleep(Duration::from_millis(5));
     }
     // No handler sees this one.
@@ -81,7 +83,8 @@ fn a_killed_run_leaves_no_half_file_and_the_next_one_removes_its_rest() {
 #[test]
 fn an_output_folder_that_vanishes_is_named() {
     let desk = Desk::new("vanishes");
-    let child = writing(&desk, "100");
+    // Some seconds of writing are left when the folder goes.
+    let child = writing(&desk, "1000");
     std::fs::remove_dir_all(desk.folder.join("out")).expect("removed");
     let output = child.wait_with_output().expect("a child");
     let text = String::from_utf8_lossy(&output.stderr);
@@ -92,7 +95,10 @@ fn an_output_folder_that_vanishes_is_named() {
 
 #[test]
 fn a_full_standard_output_is_a_failure() {
-    let Ok(full) = std::fs::File::options().write(true).open("/dev/full") else { return };
+    let Ok(full) = std::fs::File::options().write(true).open("/dev/full") else {
+        println!("skipped: no /dev/full");
+        return;
+    };
     let output = Command::new(binary()).arg("robots").stdout(full).output().expect("the binary runs");
     let text = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{text}");
@@ -112,6 +118,8 @@ fn a_folder_that_takes_no_files_is_named() {
     if std::fs::write(folder.join("probe"), "").is_err() {
         desk.run(&[&MOVE[..], &["--out", "closed"]].concat())
             .refused(2, &["closed/trajectory.csv", "cannot be written", "Permission denied"]);
+    } else {
+        println!("skipped: the superuser writes everywhere");
     }
     std::fs::set_permissions(&folder, permissions(0o755)).expect("ours");
 }
@@ -125,6 +133,7 @@ fn on_a_tiny_disk(desk: &Desk, args: &[&str]) -> Option<(Run, Vec<String>)> {
     command.args(["-rm", "sh", "-c", script, &binary()]).args(args).current_dir(&desk.folder);
     let run = Run::new(args, command.output().ok()?);
     if run.code == 77 || run.stderr.contains("unshare") {
+        println!("skipped: this system gives no disk to an unprivileged program: {}", run.stderr);
         return None;
     }
     let left = std::fs::read_to_string(desk.folder.join("left.txt")).ok()?;
@@ -153,11 +162,141 @@ fn the_language_of_the_system_changes_no_number() {
     let desk = Desk::new("locale");
     desk.run(&MOVE).done();
     let plain = std::fs::read(desk.folder.join("out/trajectory.csv")).expect("written");
-    let output = Command::new(binary())
-        .args(MOVE)
-        .envs([("LC_ALL", "de_DE.UTF-8"), ("LANG", "de_DE.UTF-8"), ("LC_NUMERIC", "de_DE.UTF-8")])
-        .current_dir(&desk.folder)
-        .output();
-    Run::new(&MOVE, output.expect("the binary runs")).done();
+    // Where the language is installed, other programs of the system do write a comma: what is compared could differ.
+    let language = |program: &mut Command| {
+        let names = ["LC_ALL", "LANG", "LC_NUMERIC"].map(|name| (name, "de_DE.UTF-8"));
+        program.envs(names).current_dir(&desk.folder).output().expect("it runs")
+    };
+    let comma = language(Command::new("printf").arg("%.1f").arg("0")).stdout.contains(&b',');
+    if !comma {
+        println!("the language de_DE is not installed: only its name is given");
+    }
+    Run::new(&MOVE, language(Command::new(binary()).args(MOVE))).done();
     assert_eq!(std::fs::read(desk.folder.join("out/trajectory.csv")).expect("written"), plain);
+}
+
+#[test]
+fn every_command_that_writes_keeps_the_folder_to_itself() {
+    let desk = Desk::new("locked");
+    std::fs::create_dir_all(desk.folder.join("out")).expect("a writable target folder");
+    let folder = std::fs::File::open(desk.folder.join("out")).expect("a folder");
+    folder.lock().expect("nobody else has it");
+    let busy = ["out: another run writes into this folder", "flock", "--out"];
+    for command in [&["inspect"][..], &["compare"], &["plan"], &["reproduce", "pn"]] {
+        desk.run(&[command, &["--out", "out"]].concat()).refused(2, &busy);
+        assert!(left(&desk.folder.join("out")).is_empty(), "{command:?}");
+    }
+}
+
+#[test]
+fn what_was_read_is_not_drawn_over() {
+    let desk = Desk::new("drawn_over");
+    std::fs::create_dir_all(desk.folder.join("out")).expect("a writable target folder");
+    let badge = include_str!("../../data/drawings/badge.svg");
+    for name in ["inspect.svg", "compare.svg"] {
+        desk.write(&format!("out/{name}"), badge);
+    }
+    desk.write("job.toml", "[path]\nfile = \"out/compare.svg\"\n");
+    desk.run(&["inspect", "out/inspect.svg", "--out", "out"]).refused(2, &["out/inspect.svg", "would be overwritten"]);
+    desk.run(&["compare", "job.toml", "--out", "out"]).refused(2, &["out/compare.svg", "would be overwritten"]);
+    for name in ["inspect.svg", "compare.svg"] {
+        assert_eq!(std::fs::read_to_string(desk.folder.join("out").join(name)).expect("there"), badge);
+    }
+}
+
+/// That a motion keeps its only limit.
+fn proof() -> LimitsHold {
+    let (name, unit) = ("joint velocity".to_owned(), LimitUnit::RadianPerSecond);
+    let line = LimitLine {
+        name,
+        joint: Some(1),
+        unit,
+        value: 0.5,
+        limit: 1.0,
+        ratio: 0.5,
+        at_s_m: None,
+        at_t_s: 0.0,
+        lines: None,
+    };
+    LimitsHold::of(&[line]).expect("it holds")
+}
+
+#[test]
+fn a_refused_second_run_leaves_the_files_of_the_first() {
+    let desk = Desk::new("refused_second");
+    let folder = desk.folder.join("out");
+    let staging = || Staging::new(&folder, &["trajectory.csv", "report.json"], &[]).expect("no inputs");
+    let (mut first, mut second) = (staging(), staging());
+    first.clear().expect("free");
+    assert!(matches!(second.clear(), Err(InputError::Busy { .. })));
+    first.write("report.json", "{}").expect("written");
+    first.write("trajectory.csv", "t\n").expect("written");
+    first.publish(&proof()).expect("published");
+    // The folder is free when the second one gives up.
+    drop(second);
+    assert_eq!(left(&folder), ["report.json", "trajectory.csv"]);
+}
+
+#[test]
+fn the_report_that_says_all_is_there_goes_first_and_comes_last() {
+    let desk = Desk::new("report_last");
+    let folder = desk.folder.join("out");
+    std::fs::create_dir_all(&folder).expect("a writable target folder");
+    let staging = || {
+        // What is read is not removed at the end: it shows what was there in between.
+        desk.write("out/report.json", "{}");
+        let mut staging = Staging::new(&folder, &["trajectory.csv", "report.json"], &[]).expect("no inputs");
+        staging.reads(&folder.join("report.json")).expect_err("one of the files");
+        staging
+    };
+    let mut first = staging();
+    first.clear().expect("free");
+    first.write("report.json", "{}").expect("written");
+    first.write("trajectory.csv", "t\n").expect("written");
+    // A file cannot be renamed to a folder: the trajectory fails, and the report has not come.
+    std::fs::create_dir(folder.join("trajectory.csv")).expect("free");
+    first.publish(&proof()).expect_err("a folder is in the way");
+    assert_eq!(left(&folder), ["trajectory.csv"]);
+    // Neither can a folder be removed as a file: the report has gone before.
+    staging().clear().expect_err("a folder is in the way");
+    assert_eq!(left(&folder), ["trajectory.csv"]);
+}
+
+#[test]
+fn a_panic_leaves_no_part_of_a_file() {
+    let desk = Desk::new("panic");
+    let names: Vec<String> = (1..=6).map(|k| format!("joint{k}")).collect();
+    let file = desk.folder.join("trajectory.csv");
+    let rows = std::iter::once_with(|| -> TrajectoryRow<6> { panic!("on purpose") });
+    let written = std::panic::catch_unwind(|| write_trajectory(&file, &names, rows));
+    assert!(written.is_err());
+    assert!(left(&desk.folder).is_empty(), "{:?}", left(&desk.folder));
+}
+
+#[test]
+fn hidden_files_of_killed_runs_are_removed_and_links_are_not_followed() {
+    let desk = Desk::new("left_parts");
+    desk.write("jobs.jsonl", "{\"id\": \"a\", \"robot\": \"nobody\"}\n");
+    desk.write("mine.txt", "mine");
+    std::fs::create_dir_all(desk.folder.join("out/trajectories")).expect("a writable target folder");
+    let parts = ["out/.results.jsonl.7.0.part", "out/.other.svg.7.part", "out/trajectories/.a.csv.7.3.part"];
+    for part in parts {
+        desk.write(part, "");
+    }
+    for kept in ["out/.hidden", "out/.notes.part", "out/a.7.part"] {
+        desk.write(kept, "");
+    }
+    // In a container each program may have the number 1: a link under the next name leads nowhere.
+    let pid = std::process::id();
+    let links: Vec<_> = (0..200).map(|n| desk.folder.join(format!(".trajectory.csv.{pid}.{n}.part"))).collect();
+    for link in &links {
+        std::os::unix::fs::symlink(desk.folder.join("mine.txt"), link).expect("a link");
+    }
+    let names: Vec<String> = (1..=6).map(|k| format!("joint{k}")).collect();
+    write_trajectory::<_, 6>(&desk.folder.join("trajectory.csv"), &names, []).expect("written");
+    assert_eq!(std::fs::read_to_string(desk.folder.join("mine.txt")).expect("there"), "mine");
+    assert!(desk.folder.join("trajectory.csv").is_file() && links.iter().all(|link| link.is_symlink()));
+    desk.run(&["batch", "jobs.jsonl", "--trajectories", "--out", "out"]);
+    assert_eq!(left(&desk.folder.join("out")), [".hidden", ".notes.part", "a.7.part", "results.jsonl", "trajectories"]);
+    assert!(left(&desk.folder.join("out/trajectories")).is_empty());
 }

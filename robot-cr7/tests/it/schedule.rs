@@ -201,6 +201,41 @@ fn robots_of_other_joints_follow_way_points_but_not_poses() {
     assert_eq!(limit(&report, "joint torque").len(), 7);
 }
 
+/// Two links with torque limits; no body has the moments of the first one.
+const IMPOSSIBLE: &str = r#"<robot name="two"><link name="base"/>
+<link name="l1"><inertial><mass value="2"/><inertia ixx="9" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<link name="l2"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="a" type="revolute"><parent link="base"/><child link="l1"/><axis xyz="0 1 0"/>
+<limit lower="-3" upper="3" effort="0.5" velocity="2"/></joint>
+<joint name="b" type="revolute"><parent link="l1"/><child link="l2"/><origin xyz="0.5 0 0"/><axis xyz="0 1 0"/>
+<limit lower="-3" upper="3" effort="0.5" velocity="2"/></joint></robot>"#;
+
+#[test]
+fn torque_limits_that_cannot_be_kept_are_never_dropped_in_silence() {
+    let desk = Desk::new("schedule_impossible");
+    desk.write("two.urdf", IMPOSSIBLE);
+    let arm = robot_cr7::Robot::load(&desk.folder.join("two.urdf").to_string_lossy(), None, None).expect("an arm");
+    desk.write("two.json", &arm.description().to_json());
+    let way = "[[waypoint]]\nq_deg = [0, 0]\n[[waypoint]]\nq_deg = [30, 40]\n";
+    desk.write("way.toml", way);
+    desk.write("torque.toml", &format!("[limits]\ntorque_nm = [0.5, 0.5]\n{way}"));
+    desk.write("possible.urdf", &IMPOSSIBLE.replace("ixx=\"9\"", "ixx=\"1\""));
+    for robot in ["two.urdf", "two.json"] {
+        let run = desk.run(&["schedule", "way.toml", "--robot", robot]).done();
+        assert!(run.stdout.contains("warning: the torque limits of the robot file are NOT kept"), "{run:?}");
+        let report = desk.run(&["schedule", "way.toml", "--robot", robot, "--json"]).done().json();
+        let warnings = report["warnings"].to_string();
+        assert!(
+            warnings.contains("behind the joints a is not known") && warnings.contains("limits.torque_nm"),
+            "{warnings}"
+        );
+        let run = desk.run(&["schedule", "torque.toml", "--robot", robot]);
+        run.refused(2, &["the inertia of the links behind the joints a", "limits.torque_nm"]);
+    }
+    let run = desk.run(&["schedule", "way.toml", "--robot", "possible.urdf"]);
+    assert!(!run.stdout.contains("NOT kept"), "{run:?}");
+}
+
 #[test]
 fn a_payload_counts_where_torques_are_limited() {
     let desk = Desk::new("schedule_payload");

@@ -84,3 +84,24 @@ fn trajectories() {
         RecordedRows::<_, 6>::new(open(file), file).and_then(|rows| rows.collect::<Result<Vec<_>, _>>())
     });
 }
+
+#[cfg(feature = "cli")]
+#[test]
+fn jobs_of_a_batch_and_compiled_motions() {
+    let desk = crate::common::Desk::new("windows_commands");
+    let windows = |text: &str| format!("\u{feff}{}", text.replace("\r\n", "\n").replace('\n', "\r\n"));
+    desk.write("jobs.jsonl", &windows("{\"id\": \"a\", \"robot\": \"nobody\"}\n\n{\"id\": \"b\", \"feet\": {}}\n"));
+    let run = desk.run(&["batch", "jobs.jsonl"]);
+    assert!(run.code == 1 && run.stdout.contains("! a: ") && run.stdout.contains("! b: "), "{run:?}");
+    assert!(run.stdout.contains("nobody") && run.stdout.contains("feet") && !run.stdout.contains("no JSON"), "{run:?}");
+    if cfg!(feature = "controller") {
+        desk.write("six.json", SamplePath::SixPoint.json());
+        desk.run(&["plan", "six.json", "--compile-rad", "1e-6", "--out", "plan"]).done();
+        let read = |name: &str| std::fs::read_to_string(desk.folder.join(name)).expect(name);
+        desk.write("foreign.json", &windows(&read("plan/joint_trajectory.json")));
+        for (motion, out) in [("plan/joint_trajectory.json", "unix"), ("foreign.json", "windows")] {
+            desk.run(&["send", motion, "--out", out]).done();
+        }
+        assert_eq!(read("unix/setpoints.csv"), read("windows/setpoints.csv"));
+    }
+}
