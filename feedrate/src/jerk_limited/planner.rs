@@ -107,7 +107,8 @@ impl JerkLimited {
 
     fn plan_from(&self, problem: &FeedProblem, near: Option<&SpeedLaw>) -> Result<JerkLimitedPlan, FeedError> {
         let passes = Passes { tolerance: self.tolerance, near, aim: Aim::Motion };
-        passes.plan(problem).map_err(|why| explain(&passes, problem, why))
+        // Some intervals were divided for the plan.
+        passes.plan(problem).map_err(|why| explain(&passes, problem, why).on_grid(problem.grid()))
     }
 }
 

@@ -34,7 +34,7 @@ impl Numbers {
             points: std::array::from_fn(|_| values(&mut list, points)),
             middles: std::array::from_fn(|_| values(&mut list, intervals)),
             boxes: std::array::from_fn(|_| list(JOINTS * intervals, 1.0, 2.0)),
-            steps: list(JOINTS * points, 0.0, 0.1),
+            steps: list(JOINTS * intervals, 0.0, 0.1),
             caps: [list(points, 0.5, 1.0), list(intervals, 0.3, 0.5)],
             feeds: list(intervals, 0.2, 0.9),
         }

@@ -47,7 +47,6 @@ impl<'a, const N: usize> Planner<'a, N> {
         const LOCAL_ROUNDS: usize = 6;
         self.check_ends_of_whole_cycles()?;
         let begin = Instant::now();
-        let needs = self.method.needs();
         let mut problem = self.laid_out(path)?;
         let mut used = LimitFractions::default();
         let mut chosen = match self.choose_by_draft(&mut problem) {
@@ -110,7 +109,7 @@ impl<'a, const N: usize> Planner<'a, N> {
             let Ok(again) = self.choose_near(&problem, &used, &chosen.law, chosen.window()) else { break verification };
             chosen = again;
         };
-        Err(unverified(&problem, &verification, needs > RowsNeeded::Points).into())
+        Err(unverified(&problem, &verification, self.method.needs() > RowsNeeded::Points).into())
     }
 
     /// The problem of a path on its first grid.

@@ -49,7 +49,7 @@ impl<const N: usize> Planner<'_, N> {
     /// the most.
     ///
     /// Without it grids of more than 50 000 intervals are planned in windows of 10 000, or of more where the motion passes half a window
-    /// in less than twice the time in which it brakes. Planned at once, a grid takes some ten kilobytes per interval of six joints; in
+    /// in less than twice the time in which joints and tool brake from its greatest speeds. Planned at once, a grid takes some ten kilobytes per interval of six joints; in
     /// windows that holds for the intervals of one window, and the others take some three.
     ///
     /// A window is planned to rest at its end, and about the first half of it is kept

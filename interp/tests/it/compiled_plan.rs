@@ -92,14 +92,10 @@ fn a_compiled_plan_keeps_every_limit() {
             let [bound, seen] = worst.fold([0.0f64; 2], |m, x| [m[0].max(x[0]), m[1].max(x[1])]);
             assert!(bound >= ratio && seen <= bound && seen >= 0.999 * ratio, "{at}: {bound} {seen} {ratio}");
             assert!(bound > 0.85, "{at}: {bound} does not bind");
-            // The magnitude of the tool's jerk is followed joint by joint, which costs more.
-            let most = if kind.quantity() == Quantity::ToolJerk { 1.05 } else { 1.02 };
+            // Pieces that do not follow the jerk of the plan cost up to 1.16. The magnitude of the tool's jerk is followed joint by joint, which
+            // costs more than a table.
+            let most = if kind.quantity() == Quantity::ToolJerk { 1.035 } else { 1.01 };
             let slower = plan.trajectory.duration() / ordinary.duration();
-            println!(
-                "{at}: {slower} times as long, {} pieces, {} of the ordinary plan",
-                plan.compiled.len(),
-                pieces.len()
-            );
             assert!(slower < most, "{at}: {slower} times as long");
         }
     }

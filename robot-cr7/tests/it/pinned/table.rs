@@ -23,7 +23,7 @@ const PINS: &[Pin] = &[
     Pin { name: "pick interpolated-reachability", args: &["schedule", "job.toml", "--robot", "kr6_r700", "--planner", "interpolated-reachability"], file: PICK, duration: 2.886092280206594, worst: 1.000000004013875, joints: 26.914220506359367 },
     Pin { name: "waypoints interpolated-reachability", args: &["schedule", "job.toml", "--planner", "interpolated-reachability"], file: WAYPOINTS, duration: 1.6857387705538642, worst: 1.0000000000000144, joints: 2.1536507324730776 },
     Pin { name: "pick jerk-limited", args: &["schedule", "job.toml", "--robot", "kr6_r700", "--planner", "jerk-limited"], file: PICK, duration: 2.9870774668833975, worst: 0.9999999985130694, joints: 26.879921249657166 },
-    Pin { name: "waypoints jerk-limited", args: &["schedule", "job.toml", "--planner", "jerk-limited"], file: WAYPOINTS, duration: 1.8109585741820844, worst: 0.9999999985130468, joints: 2.0845886886349283 },
+    Pin { name: "waypoints jerk-limited", args: &["schedule", "job.toml", "--planner", "jerk-limited"], file: WAYPOINTS, duration: 1.8109543826543282, worst: 0.9999999985130468, joints: 2.0845887061519344 },
     Pin { name: "turn jerk-limited", args: &["schedule", "job.toml", "--robot", "kr6_r700", "--planner", "jerk-limited"], file: TURN, duration: 1.7051112808510096, worst: 0.9999999036574002, joints: 13.790554512152697 },
     Pin { name: "scenario event", args: &["run", concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/event.toml")], file: "", duration: 8.082, worst: 1.0000000000000142, joints: -7.016085724765722 },
     Pin { name: "scenario event_middle", args: &["run", concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/event_middle.toml")], file: "", duration: 7.73, worst: 1.000000000000038, joints: -7.845378192797227 },
