@@ -39,8 +39,8 @@ pub unsafe extern "C" fn arcfeed_generator_set_route(
     })
 }
 
-/// Number of sections of the route set last: one more than it has way-points, and one more for each blend and for a stop before a
-/// straight line that begins in motion.
+/// Number of sections of the route set last: one more than it has way-points, and one more for each corner that is rounded and for
+/// a stop before a straight line that begins in motion; 0 before the first route.
 ///
 /// # Safety
 /// Pointers are NULL or point to what their names say.

@@ -205,7 +205,7 @@ fn a_stop_in_a_blend_has_the_limits_of_both_lines() {
     let (fast, calm) = (symmetric::<2>(2.0, 20.0, 400.0), symmetric::<2>(1.5, 2.0, 20.0));
     for (first, last) in [(fast, calm), (calm, fast)] {
         let points = [WayPoint::new([1.0, 0.0]).with_straight_section().with_blend(0.05).with_limits(first)];
-        let route = Route::new(&points, [1.0, 1.0].map(AxisState::rest), last).with_straight_section();
+        let route = Route::new(&points, [2.0, 0.5].map(AxisState::rest), last).with_straight_section();
         let mut g = at_rest([0.0; 2], fast);
         g.set_route(&route, &mut WayPointPlanner::new()).unwrap();
         while g.section() == Some(0) {
