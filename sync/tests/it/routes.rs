@@ -89,7 +89,8 @@ fn every_point_is_passed_and_counted() {
     let (limits, mut planner) = (usual::<2>(), Box::new(WayPointPlanner::new()));
     let mut g = at_rest([0.0; 2], limits);
     // Two of them within one cycle.
-    let points = [[0.4, 0.1], [0.400001, 0.10000025], [0.400002, 0.1000005], [0.8, 0.2]].map(WayPoint::new);
+    let fast = |p: [f64; 2]| WayPoint::new(p).with_velocity(0, 0.4).with_velocity(1, 0.1);
+    let points = [fast([0.4, 0.1]), fast([0.40004, 0.10001]), fast([0.40008, 0.10002]), WayPoint::new([0.8, 0.5])];
     g.set_route(&Route::new(&points, [1.0, 0.2].map(AxisState::rest), limits), &mut planner).unwrap();
     assert!(g.section() == Some(0) && g.is_underway());
     let ends: Vec<f64> = g
