@@ -155,13 +155,7 @@ fn a_blend_keeps_the_velocities_of_both_lines() {
             let section = motion.section(i).unwrap();
             let blend = motion.section_kind(i) == Ok(SectionKind::Blend);
             blends += usize::from(blend);
-            let most = if blend {
-                0.1
-            } else if (i == 0) == slow_first {
-                0.1
-            } else {
-                1.0
-            };
+            let most = if blend || (i == 0) == slow_first { 0.1 } else { 1.0 };
             for (phase, dt) in section.axes().iter().flat_map(|axis| axis.phases().collect::<Vec<_>>()) {
                 for t in [0.0, phase.turn(dt).unwrap_or(0.0), dt] {
                     assert!(phase.after(t).v.abs() <= most * (1.0 + 1e-12), "{turn} {slow_first} {i}: {phase:?}");
