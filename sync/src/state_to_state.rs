@@ -264,7 +264,7 @@ impl<const N: usize> Trajectory<N> {
 }
 
 /// The shortest motion of one axis whose duration the options allow.
-fn with_least_duration(problem: &AxisProblem, options: &MotionOptions) -> Result<StateToState, FeedError> {
+pub(crate) fn with_least_duration(problem: &AxisProblem, options: &MotionOptions) -> Result<StateToState, FeedError> {
     let mut t = options.round_up(problem.shortest_duration());
     for _ in 0..ROUNDS {
         match problem.with_duration(t) {

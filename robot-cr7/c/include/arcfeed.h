@@ -152,7 +152,7 @@ typedef struct ArcfeedEvents {
   uint32_t arrived;
   // The axes that go on after their target and brake because their range ends.
   uint32_t range_ends;
-  // Number of way-points of the route that were passed in this cycle.
+  // Number of way-points of the route that were passed in this cycle; one with a blend is passed where the blend ends.
   size_t passed;
   // The last axis that was under way arrived in this cycle.
   bool reached;
@@ -175,10 +175,11 @@ typedef struct ArcfeedWayPoint {
   const struct ArcfeedAxisLimits *limits;
   // Least duration of the section that ends here (s); 0 for the shortest.
   double least_duration;
-  // Between two straight sections the point is passed within this distance of all axes (rad or m); with 0 the axes rest.
+  // Between two straight sections the point is passed within this distance of all axes (rad or m), or the axes rest where that
+  // is faster; with 0 they rest.
   double blend;
-  // All axes move on a straight line to the point.
-  bool straight;
+  // 1: all axes move on a straight line to the point; otherwise 0.
+  uint8_t straight;
 } ArcfeedWayPoint;
 
 // Way-points, the target after them, and limits. Points and blends together are at most `ARCFEED_MAX_WAY_POINTS`. A call copies
@@ -196,8 +197,8 @@ typedef struct ArcfeedRoute {
   const struct ArcfeedAxisLimits *last_limits;
   // Least duration of the section that ends in the target (s); 0 for the shortest.
   double last_least_duration;
-  // All axes move on a straight line to the target.
-  bool last_straight;
+  // 1: all axes move on a straight line to the target; otherwise 0.
+  uint8_t last_straight;
 } ArcfeedRoute;
 
 // Pose of a tool and its first two derivatives, in base axes, at the tool point.
@@ -443,7 +444,7 @@ enum ArcfeedStatus arcfeed_generator_scale(const struct ArcfeedGenerator *genera
 enum ArcfeedStatus arcfeed_generator_reserve_way_points(struct ArcfeedGenerator *generator);
 
 // Goes along a route from the present state of motion on, whatever the axes do. Plans it, in a time bounded by the number of
-// its points and with up to 0.4 MB of stack. The limits of the route take the place of those of the generator. A call that is
+// its points and with up to 0.7 MB of stack. The limits of the route take the place of those of the generator. A call that is
 // refused changes nothing.
 //
 // Pointers, those of the route, too, are NULL or point to what their names say.
@@ -451,8 +452,8 @@ enum ArcfeedStatus arcfeed_generator_set_route(struct ArcfeedGenerator *generato
                                                size_t axes,
                                                const struct ArcfeedRoute *route);
 
-// Number of sections of the route set last: one more than it has way-points, and one more for each blend and for a stop before a
-// straight line that begins in motion.
+// Number of sections of the route set last: one more than it has way-points, and one more for each corner that is rounded and for
+// a stop before a straight line that begins in motion; 0 before the first route.
 //
 // Pointers are NULL or point to what their names say.
 enum ArcfeedStatus arcfeed_generator_sections(const struct ArcfeedGenerator *generator,

@@ -27,7 +27,7 @@ pub struct ArcfeedEvents {
     pub arrived: u32,
     /// The axes that go on after their target and brake because their range ends.
     pub range_ends: u32,
-    /// Number of way-points of the route that were passed in this cycle.
+    /// Number of way-points of the route that were passed in this cycle; one with a blend is passed where the blend ends.
     pub passed: usize,
     /// The last axis that was under way arrived in this cycle.
     pub reached: bool,

@@ -21,7 +21,7 @@ pub unsafe extern "C" fn arcfeed_generator_reserve_way_points(generator: *mut Ar
 }
 
 /// Goes along a route from the present state of motion on, whatever the axes do. Plans it, in a time bounded by the number of
-/// its points and with up to 0.4 MB of stack. The limits of the route take the place of those of the generator. A call that is
+/// its points and with up to 0.7 MB of stack. The limits of the route take the place of those of the generator. A call that is
 /// refused changes nothing.
 ///
 /// # Safety
@@ -39,8 +39,8 @@ pub unsafe extern "C" fn arcfeed_generator_set_route(
     })
 }
 
-/// Number of sections of the route set last: one more than it has way-points, and one more for each blend and for a stop before a
-/// straight line that begins in motion.
+/// Number of sections of the route set last: one more than it has way-points, and one more for each corner that is rounded and for
+/// a stop before a straight line that begins in motion; 0 before the first route.
 ///
 /// # Safety
 /// Pointers are NULL or point to what their names say.

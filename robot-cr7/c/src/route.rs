@@ -1,5 +1,7 @@
 //! Routes through way-points.
 
+use std::fmt::Display;
+
 use arcfeed_sync::{MOST_WAY_POINTS, Route, SyncError, WayPoint};
 
 use crate::axes::{self, ArcfeedAxisLimits, ArcfeedAxisState, of_axes};
@@ -27,10 +29,11 @@ pub struct ArcfeedWayPoint {
     pub limits: *const ArcfeedAxisLimits,
     /// Least duration of the section that ends here (s); 0 for the shortest.
     pub least_duration: f64,
-    /// Between two straight sections the point is passed within this distance of all axes (rad or m); with 0 the axes rest.
+    /// Between two straight sections the point is passed within this distance of all axes (rad or m), or the axes rest where that
+    /// is faster; with 0 they rest.
     pub blend: f64,
-    /// All axes move on a straight line to the point.
-    pub straight: bool,
+    /// 1: all axes move on a straight line to the point; otherwise 0.
+    pub straight: u8,
 }
 
 /// Way-points, the target after them, and limits. Points and blends together are at most `ARCFEED_MAX_WAY_POINTS`. A call copies
@@ -50,8 +53,8 @@ pub struct ArcfeedRoute {
     pub last_limits: *const ArcfeedAxisLimits,
     /// Least duration of the section that ends in the target (s); 0 for the shortest.
     pub last_least_duration: f64,
-    /// All axes move on a straight line to the target.
-    pub last_straight: bool,
+    /// 1: all axes move on a straight line to the target; otherwise 0.
+    pub last_straight: u8,
 }
 
 /// Runs a call with a route for `N` axes.
@@ -85,10 +88,27 @@ pub unsafe fn with_route<T, const N: usize>(
         let limits = unsafe { read_all("route.last_limits", c.last_limits, N, axes::limits) }?;
         route = route.with_limits(of_axes(&limits));
     }
-    if c.last_straight {
+    if yes(&"route", ".last_straight", c.last_straight)? {
         route = route.with_straight_section();
     }
-    call(&route).map_err(of_sync)
+    call(&route).map_err(|error| match error {
+        SyncError::TooManyWayPoints { count, most } => refuse(
+            ArcfeedInvalid,
+            format_args!(
+                "route.count is {}, with blends {count}; together they must be at most {most}: send the others later",
+                c.count
+            ),
+        ),
+        error => of_sync(error),
+    })
+}
+
+/// A number that says yes or no.
+fn yes(place: &dyn Display, field: &str, value: u8) -> Outcome<bool> {
+    match value {
+        0 | 1 => Ok(value == 1),
+        _ => Err(refuse(ArcfeedInvalid, format_args!("{place}{field} is {value}; it must be 0 or 1"))),
+    }
 }
 
 /// A way-point of a route.
@@ -114,7 +134,7 @@ unsafe fn way_point<const N: usize>(index: usize, c: &ArcfeedWayPoint) -> Outcom
         let limits = unsafe { read_all(format_args!("{here}.limits"), c.limits, N, axes::limits) }?;
         point = point.with_limits(of_axes(&limits));
     }
-    if c.straight {
+    if yes(&here, ".straight", c.straight)? {
         point = point.with_straight_section();
     }
     if not_negative(&here, ".blend", c.blend)? > 0.0 {

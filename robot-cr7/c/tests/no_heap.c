@@ -55,12 +55,12 @@ static bool ahead(void) {
     ArcfeedAxisLimits limits[AXES];
     ArcfeedMotionState states[AXES];
     ArcfeedWayPoint points[2] = {{.position = {0.3, 0.2, 0.1}}, {.position = {0.5, -0.2, 0.4}}};
-    const ArcfeedRoute route = {.count = 2, .points = points, .target = target, .limits = limits};
+    ArcfeedRoute route = {.count = 2, .points = points, .target = target, .limits = limits};
     ArcfeedEvents events;
     ArcfeedTrackingStatus status;
     ArcfeedGenerator *generator = NULL;
     ArcfeedTracking *tracking = NULL;
-    long refused = 0, passed = 0, reached = 0;
+    long refused = 0, passed = 0, reached = 0, rounded = 0;
     for (int k = 0; k < AXES; k++) {
         start[k] = target[k] = (ArcfeedAxisState){0, 0, 0};
         limits[k] = (ArcfeedAxisLimits){-1, 1, -5, 5, -50, 50};
@@ -75,7 +75,14 @@ static bool ahead(void) {
                 target[k].position = i % 2000 == 0 ? NAN : random_number();
                 points[1].position[k] = random_number();
             }
+            /* Every other route is one of lines with a blend. */
+            const bool lines = i % 4000 < 2;
+            points[0].straight = points[1].straight = route.last_straight = lines;
+            points[0].blend = points[1].blend = lines ? 0.02 : 0;
             refused += arcfeed_generator_set_route(generator, AXES, &route) != ARCFEED_OK;
+            size_t sections = 0;
+            check(arcfeed_generator_sections(generator, &sections));
+            rounded += i % 2000 == 1 && sections > 3;
         }
         if (i % 4000 == 2500) {
             check(arcfeed_generator_stop(generator));
@@ -93,7 +100,7 @@ static bool ahead(void) {
     arcfeed_tracking_free(tracking);
     printf("no heap: %ld allocations in %d cycles of way-points and tracking with %ld refusals, %ld points and %ld ends\n", later, CYCLES, refused,
            passed, reached);
-    return later == 0 && refused == 20 && passed > 5 && reached > 4;
+    return later == 0 && refused == 20 && passed > 5 && reached > 4 && rounded > 1;
 }
 
 int main(void) {

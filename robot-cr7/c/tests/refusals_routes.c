@@ -29,6 +29,9 @@ static void memory_is_reserved(void) {
     arcfeed_generator_free(fresh());
     ArcfeedGenerator *w = NULL;
     MUST(arcfeed_generator_new(2, f.start, f.limits, 1e-3, ARCFEED_SYNC_TIME, &w));
+    size_t sections = 1;
+    MUST(arcfeed_generator_sections(w, &sections));
+    EXPECT(sections == 0);
     REFUSED(arcfeed_generator_set_route(w, 2, &f.route), ARCFEED_INVALID, "memory", "arcfeed_generator_reserve_way_points");
     NULL_REFUSED(arcfeed_generator_reserve_way_points(NULL), "generator");
     MUST(arcfeed_generator_reserve_way_points(w));
@@ -68,6 +71,17 @@ static void routes_are_refused(void) {
     ROUTE_REFUSED(f.points[1].blend = 0.01, f.points[1].blend = 0, ARCFEED_REFUSED, "way-point 2", "straight");
     ROUTE_REFUSED(f.points[0].least_duration = -1, f.points[0].least_duration = 0, ARCFEED_INVALID, "points[0].least_duration", "-1");
     ROUTE_REFUSED(f.points[0].least_duration = NAN, f.points[0].least_duration = 0, ARCFEED_INVALID, "points[0].least_duration", "NaN");
+    ROUTE_REFUSED(f.points[1].straight = 2, f.points[1].straight = 0, ARCFEED_INVALID, "route.points[1].straight is 2", "0 or 1");
+    ROUTE_REFUSED(f.route.last_straight = 255, f.route.last_straight = 0, ARCFEED_INVALID, "route.last_straight is 255", "0 or 1");
+    static ArcfeedWayPoint corners[33];
+    for (int i = 0; i < 33; i++) {
+        corners[i] = (ArcfeedWayPoint){.position = {0.1 * (i + 1), 0.1 * (i % 2)}, .straight = 1, .blend = 0.01};
+    }
+    f.route.points = corners;
+    f.route.last_straight = 1;
+    ROUTE_REFUSED(f.route.count = 33, f.route.count = 2, ARCFEED_INVALID, "route.count is 33, with blends 66", "at most 64");
+    f.route.last_straight = 0;
+    f.route.points = f.points;
     f.section[1].a_max = NAN;
     ROUTE_REFUSED(f.points[1].limits = f.section, f.points[1].limits = NULL, ARCFEED_INVALID, "route.points[1].limits[1].a_max", "NaN");
     ROUTE_REFUSED(f.route.last_limits = f.section, f.route.last_limits = NULL, ARCFEED_INVALID, "route.last_limits[1].a_max", "NaN");
@@ -160,10 +174,10 @@ static void lines_are_straight(void) {
         ArcfeedMotionState states[2];
         ArcfeedEvents events = {0};
         size_t count = 0, passed = 0;
-        f.points[0] = (ArcfeedWayPoint){.position = {0.5, 0}, .straight = true, .blend = blended ? 0.01 : 0};
+        f.points[0] = (ArcfeedWayPoint){.position = {0.5, 0}, .straight = 1, .blend = blended ? 0.01 : 0};
         f.target[0].position = f.target[1].position = 0.5;
         f.route.count = 1;
-        f.route.last_straight = true;
+        f.route.last_straight = 1;
         MUST(arcfeed_generator_set_route(w, 2, &f.route));
         MUST(arcfeed_generator_sections(w, &count));
         NULL_REFUSED(arcfeed_generator_sections(w, NULL), "count");

@@ -20,7 +20,8 @@ pub struct Events<const N: usize> {
     pub reached: bool,
     /// The axes that arrived in this cycle: each is in its target exactly.
     pub arrived: [bool; N],
-    /// Number of way-points of the route that were passed in this cycle.
+    /// Number of way-points of the route that were passed in this cycle. A point with a blend is passed
+    /// where the blend ends.
     pub passed: usize,
     /// A new plan took effect because the target or the limits changed.
     pub replanned: bool,

@@ -34,7 +34,7 @@ impl<const N: usize, R: RouteMemory<N>> OnlineGenerator<N, R> {
 
     /// Sets the limits, of a target that is followed: a route has its own
     /// ([`SyncError::LimitsOfRoute`]). A stop or a jog goes on within them, a jog no faster than they allow; a stop
-    /// on the path is finished with the limits it began with, on a route with those of its sections.
+    /// on the path is finished with the limits it began with, on a route with those of its sections, and refuses others until then.
     ///
     /// # Errors
     /// As [`Trajectory::new`]: the target must be inside the new limits. Nothing changes then.

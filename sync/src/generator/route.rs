@@ -44,7 +44,8 @@ impl<const N: usize> OnlineGenerator<N, WayPointTrajectory<N>> {
     /// A stop, a jog, or another target or route leaves this one at any time. The scale of time,
     /// hold and a stop on the path act on its curve: they look ahead to the end of the section after
     /// the one under way, so that the scale changes in small steps where sections are short, and is
-    /// above 1 in the last two sections only.
+    /// above 1 in the last two sections only. With a target that moves they look ahead to the end of the
+    /// route only, and the scale is above 1 in the last section.
     ///
     /// # Errors
     /// As [`WayPointPlanner::plan`]; with ranges [`SyncError::WayPoint`] for a point outside,

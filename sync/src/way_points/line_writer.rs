@@ -62,24 +62,22 @@ impl<const N: usize> WayPointTrajectory<N> {
         }
         points[count] = route.target.map(|s| s.p);
         let deviation = |i: usize| route.points[i - 1].blend().unwrap_or(0.0);
-        let lines = Lines::new(&points[..=count], |i| route.limits(i), deviation);
+        let ends = [start.map(|s| s.v), route.target.map(|s| s.v)];
+        let lines = Lines::new(&points[..=count], &ends, |i| (route.limits(i), route.least_duration(i)), deviation);
         let mut lines = lines.ok_or(SyncError::OutOfRange)?;
         let was = self.sections;
-        for retries in (0..=RETRIES).rev() {
+        for _ in 0..RETRIES {
             let Err((line, error)) = self.write_lines(&lines, &points, route) else { return Ok(()) };
             self.sections = was;
             if !lines.rest_beside(line) {
                 return Err(error);
             }
-            if retries == 1 {
-                lines.rest();
-            }
         }
-        Err(SyncError::OutOfRange)
+        lines.rest();
+        self.write_lines(&lines, &points, route).map_err(|(_, error)| error).inspect_err(|_| self.sections = was)
     }
 
-    /// On an error, with the line that is refused.
-
+    /// Writes the lines; an error is that of the line with this index.
     fn write_lines(
         &mut self,
         lines: &Lines<N>,

@@ -15,11 +15,16 @@
 //! In the middle of its time the blend is exactly that far from the point; with different speeds it is
 //! nearer before or after. The speeds at a corner are a share of the highest velocities on both lines
 //! that are inside the limits of both, the largest share whose blend keeps the deviation, covers at most
-//! half of each line, and can be reached and left on them.
+//! half of each line, and can be reached and left on them. Where that is slower than a rest in the corner,
+//! the axes rest.
 
-use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, StateToState};
+use std::ops::Range;
+
+use arcfeed_feedrate::{AxisLimits, AxisProblem, AxisState, MotionLaw, StateToState};
 
 use super::MOST_WAY_POINTS;
+use crate::mode::MotionOptions;
+use crate::state_to_state::with_least_duration;
 use crate::straight::Line;
 #[cfg(not(feature = "std"))]
 use num_traits::Float;
@@ -49,20 +54,29 @@ struct Leg<const N: usize> {
     /// These by the way, 1/s.
     rate: f64,
     limits: [AxisLimits; N],
+    /// Least duration of the line (s).
+    least: f64,
     /// The axis that moves farthest, and the limits of all as its limits.
     reference: usize,
     shared: AxisLimits,
 }
 
 impl<const N: usize> Leg<N> {
-    fn new(from: &[f64; N], to: &[f64; N], limits: &[AxisLimits; N]) -> Option<Self> {
+    fn new(from: &[f64; N], to: &[f64; N], (limits, least): (&[AxisLimits; N], f64)) -> Option<Self> {
         let line = Line::new(&from.map(AxisState::rest), &to.map(AxisState::rest), limits).ok()?;
         let (shared, m) = (line.limits(limits)?, line.reference);
         let way: [f64; N] = std::array::from_fn(|k| to[k] - from[k]);
         let speed = if way[m] > 0.0 { shared.v_max() } else { shared.v_min() };
         let speed = if way[m] == 0.0 { 0.0 } else { INSIDE * speed };
         let rate = if speed == 0.0 { 0.0 } else { speed / way[m] };
-        Some(Self { way, fastest: line.ratios.map(|ratio| ratio * speed), rate, limits: *limits, reference: m, shared })
+        let fastest = line.ratios.map(|ratio| ratio * speed);
+        Some(Self { way, fastest, rate, limits: *limits, least, reference: m, shared })
+    }
+
+    /// The share of the speed that a velocity along the line is.
+    fn share(&self, velocity: &[f64; N]) -> f64 {
+        let m = self.reference;
+        if self.fastest[m] == 0.0 { 0.0 } else { (velocity[m] / self.fastest[m]).max(0.0) }
     }
 
     /// The part of the speed that is inside other limits of velocity, too.
@@ -78,9 +92,31 @@ impl<const N: usize> Leg<N> {
     fn reaches(&self, shares: [f64; 2], durations: [f64; 2]) -> bool {
         let m = self.reference;
         let [v0, v1] = shares.map(|share| share * self.fastest[m]);
-        let left = 1.0 - 0.5 * self.rate * (shares[0] * durations[0] + shares[1] * durations[1]);
+        let left = self.left(shares, durations);
         StateToState::to_velocity(&AxisState::new(0.0, v0, 0.0), v1, 0.0, &self.shared)
             .is_ok_and(|change| change.at(change.duration()).p.abs() <= LEFT * left * self.way[m].abs())
+    }
+
+    /// The part of the line that blends leave.
+    fn left(&self, shares: [f64; 2], durations: [f64; 2]) -> f64 {
+        1.0 - 0.5 * self.rate * (shares[0] * durations[0] + shares[1] * durations[1])
+    }
+
+    /// The time of what blends leave of the line (s).
+    fn time(&self, shares: [f64; 2], durations: [f64; 2]) -> f64 {
+        let m = self.reference;
+        let [v0, v1] = shares.map(|share| share * self.fastest[m]);
+        let end = AxisState::new(self.left(shares, durations) * self.way[m], v1, 0.0);
+        let problem = AxisProblem::new(&AxisState::new(0.0, v0, 0.0), &end, &self.shared);
+        let options = MotionOptions::default().with_least_duration(self.least);
+        let duration = problem.map(|problem| match options {
+            // Not every longer duration is possible.
+            Ok(options) if self.least > problem.shortest_duration() => {
+                with_least_duration(&problem, &options).map_or(f64::INFINITY, |motion| motion.duration())
+            }
+            _ => problem.shortest_duration(),
+        });
+        duration.unwrap_or(f64::INFINITY)
     }
 }
 
@@ -100,29 +136,35 @@ pub(super) struct Lines<const N: usize> {
     shares: [f64; LINES],
     /// The part of the speed before and after these corners that the limits of both lines allow.
     parts: [[f64; 2]; LINES],
+    /// Shares of the speed at the start and in the target.
+    ends: [f64; 2],
     count: usize,
 }
 
 impl<const N: usize> Lines<N> {
-    /// Lines between points, of which there is one more, that keep `limits` of each line and pass each
-    /// inner point within `deviation`. `None` if the numbers leave the range of `f64`.
+    /// Lines between points, of which there is one more, with velocities at both `ends`, that keep limits and least duration of each
+    /// line and pass each inner point within `deviation`, or rest there where that is faster. `None` if the
+    /// numbers leave the range of `f64`.
     pub fn new<'a>(
         points: &[[f64; N]],
-        limits: impl Fn(usize) -> &'a [AxisLimits; N],
+        ends: &[[f64; N]; 2],
+        rules: impl Fn(usize) -> (&'a [AxisLimits; N], f64),
         deviation: impl Fn(usize) -> f64,
     ) -> Option<Self> {
         let count = points.len() - 1;
-        let mut legs = [Leg::new(&points[0], &points[1], limits(0))?; LINES];
+        let mut legs = [Leg::new(&points[0], &points[1], rules(0))?; LINES];
         for i in 1..count {
-            legs[i] = Leg::new(&points[i], &points[i + 1], limits(i))?;
+            legs[i] = Leg::new(&points[i], &points[i + 1], rules(i))?;
         }
-        let mut lines = Self { legs, shares: [0.0; LINES], parts: [[1.0; 2]; LINES], count };
+        let mut lines = Self { legs, shares: [0.0; LINES], parts: [[1.0; 2]; LINES], ends: [0.0; 2], count };
+        lines.ends = [lines.legs[0].share(&ends[0]), lines.legs[count - 1].share(&ends[1])];
         for i in 1..count {
             let [before, after] = [&lines.legs[i - 1], &lines.legs[i]];
             lines.parts[i] = [before.part_inside(&after.limits), after.part_inside(&before.limits)];
             lines.shares[i] = lines.largest_share(i, deviation(i));
         }
         lines.follow();
+        lines.keep_faster();
         Some(lines)
     }
 
@@ -133,6 +175,7 @@ impl<const N: usize> Lines<N> {
             changed |= std::mem::take(&mut self.shares[i]) > 0.0;
         }
         self.follow();
+        self.keep_faster();
         changed
     }
 
@@ -141,10 +184,54 @@ impl<const N: usize> Lines<N> {
         self.shares = [0.0; LINES];
     }
 
+    /// Rests in the corners where that is faster than the blend.
+    fn keep_faster(&mut self) {
+        for i in 1..self.count {
+            let (share, legs) = (self.shares[i], i - 1..i + 1);
+            if share == 0.0 {
+                continue;
+            }
+            let blended = self.time(legs.clone());
+            self.shares[i] = 0.0;
+            if !self.reaches(legs.clone()) || self.time(legs) > blended {
+                self.shares[i] = share;
+            }
+        }
+        let shares = self.shares;
+        let blended = self.time(0..self.count);
+        self.rest();
+        if !self.reaches(0..self.count) || self.time(0..self.count) > blended {
+            self.shares = shares;
+        }
+    }
+
+    /// Returns true if on these lines each speed follows from the one before.
+    fn reaches(&self, mut legs: Range<usize>) -> bool {
+        legs.all(|leg| self.legs[leg].reaches(self.shares_on(leg), self.durations_on(leg)))
+    }
+
+    /// Time of lines and of the blends before them and between them (s).
+    fn time(&self, legs: Range<usize>) -> f64 {
+        let blend = |i: usize| if self.shares[i] > 0.0 { self.duration(i) } else { 0.0 };
+        legs.map(|leg| blend(leg) + self.legs[leg].time(self.shares_on(leg), self.durations_on(leg))).sum()
+    }
+
+    fn shares_on(&self, leg: usize) -> [f64; 2] {
+        [0, 1].map(|end| self.share_on(leg, end))
+    }
+
+    /// The durations of the blends before and after a line (s).
+    fn durations_on(&self, leg: usize) -> [f64; 2] {
+        [leg, leg + 1].map(|i| if i < self.count && self.shares[i] > 0.0 { self.duration(i) } else { 0.0 })
+    }
+
     /// The share of the speed on a line at its begin or its end.
     fn share_on(&self, leg: usize, end: usize) -> f64 {
-        let corner = leg + end;
-        if corner < self.count { self.shares[corner] * self.parts[corner][1 - end] } else { 0.0 }
+        match leg + end {
+            0 => self.ends[0],
+            corner if corner == self.count => self.ends[1],
+            corner => self.shares[corner] * self.parts[corner][1 - end],
+        }
     }
 
     /// The velocities before and after the corner that begins a line.
@@ -196,9 +283,7 @@ impl<const N: usize> Lines<N> {
         let high = if lowered < self.count { self.shares[lowered] } else { 0.0 };
         let reaches = |lines: &mut Self, x: f64| {
             lines.shares[lowered] = x;
-            let shares = [0, 1].map(|end| lines.share_on(leg, end));
-            let durations = [0, 1].map(|end| if shares[end] > 0.0 { lines.duration(leg + end) } else { 0.0 });
-            lines.legs[leg].reaches(shares, durations)
+            lines.legs[leg].reaches(lines.shares_on(leg), lines.durations_on(leg))
         };
         let (low, now) = (self.share_on(leg, kept - leg), self.share_on(leg, lowered - leg));
         if now <= low || reaches(self, high) {

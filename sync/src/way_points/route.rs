@@ -87,7 +87,8 @@ impl<const N: usize> WayPoint<N> {
     /// Between two straight sections the corner is passed without a stop within `deviation` (rad or m)
     /// of the point: the blend is nowhere farther from the lines, and the point is no farther from the
     /// blend, by the Euclidean distance of all axes. It begins and ends at most half way to the
-    /// neighbouring points. A smaller deviation makes the axes slower at the corner, which rest at 0.
+    /// neighbouring points. A smaller deviation makes the axes slower at the corner; they rest
+    /// where that is faster than the blend.
     #[must_use]
     pub const fn with_blend(mut self, deviation: f64) -> Self {
         self.blend = Some(deviation);

@@ -89,7 +89,8 @@ fn every_point_is_passed_and_counted() {
     let (limits, mut planner) = (usual::<2>(), Box::new(WayPointPlanner::new()));
     let mut g = at_rest([0.0; 2], limits);
     // Two of them within one cycle.
-    let points = [[0.4, 0.1], [0.4001, 0.1], [0.4002, 0.1001], [0.8, 0.5]].map(WayPoint::new);
+    let fast = |p: [f64; 2]| WayPoint::new(p).with_velocity(0, 0.4).with_velocity(1, 0.1);
+    let points = [fast([0.4, 0.1]), fast([0.40004, 0.10001]), fast([0.40008, 0.10002]), WayPoint::new([0.8, 0.5])];
     g.set_route(&Route::new(&points, [1.0, 0.2].map(AxisState::rest), limits), &mut planner).unwrap();
     assert!(g.section() == Some(0) && g.is_underway());
     let ends: Vec<f64> = g
@@ -103,11 +104,12 @@ fn every_point_is_passed_and_counted() {
             })
         })
         .collect();
-    let (mut passed, mut cycle) = (0, 0);
+    let (mut passed, mut cycle, mut most) = (0, 0, 0);
     loop {
         let step = g.step();
         cycle += 1;
         passed += step.events.passed;
+        most = most.max(step.events.passed);
         let expected = ends[..4].iter().filter(|&&t| t <= cycle as f64 * CYCLE + 1e-11).count();
         assert_eq!(passed, expected, "cycle {cycle}");
         if step.events.reached {
@@ -116,7 +118,7 @@ fn every_point_is_passed_and_counted() {
         let planned = g.route().at(cycle as f64 * CYCLE);
         assert!((planned.q - step.state.q).amax() < 1e-12 && (planned.qd - step.state.qd).amax() < 1e-11);
     }
-    assert_eq!(passed, 4);
+    assert!(passed == 4 && most >= 2, "{passed} {most}");
 }
 
 /// A stop keeps the limits of the section under way, however much the later ones allow.
@@ -192,9 +194,8 @@ fn a_hold_over_a_point_keeps_the_limits_of_both_sections() {
             }
             let was = (*g.state(), g.section());
             let step = g.step();
-            if was.1 == g.section() {
-                check_step(&was.0, g.state(), if g.section() == Some(0) { &calm } else { &fast });
-            }
+            let slow = was.1 == Some(0) && g.section() == Some(0);
+            check_step(&was.0, g.state(), if slow { &calm } else { &fast });
             held |= g.scale() == 0.0;
             if held && g.is_held() {
                 assert!(g.state().iter().all(|s| s.v == 0.0 && s.a == 0.0));

@@ -109,7 +109,11 @@ impl Input {
     }
 
     fn route(&self) -> Route<'_, AXES> {
-        let route = Route::new(&self.points, self.target.map(AxisState::rest), self.limits);
+        self.route_through(&self.points)
+    }
+
+    fn route_through<'a>(&self, points: &'a [WayPoint<AXES>]) -> Route<'a, AXES> {
+        let route = Route::new(points, self.target.map(AxisState::rest), self.limits);
         if self.straight[self.points.len()] { route.with_straight_section() } else { route }
     }
 
@@ -141,7 +145,8 @@ impl Input {
             }
             // A start outside the limits of the first section is brought back.
             let inside = i > 0 || (0..AXES).all(|k| self.route().limits(0)[k].contain(&self.start[k]));
-            if let Some(excess) = self.excess(&section, next).filter(|_| inside) {
+            let sections = (next, next + usize::from(kind == SectionKind::Blend));
+            if let Some(excess) = self.excess(&section, sections).filter(|_| inside) {
                 return Some((format!("limits in section {i}, {kind:?}"), excess));
             }
             let blend_follows = motion.section_kind(i + 1) == Ok(SectionKind::Blend);
@@ -162,20 +167,20 @@ impl Input {
         self.points.get(i).map_or(self.target, WayPoint::position)
     }
 
-    /// The excess of a section over the limits of the section to the next point, and of the one after it where that is wider.
-    fn excess(&self, section: &Trajectory<AXES>, next: usize) -> Option<f64> {
+    /// The excess of a section over the limits of the section to the next point, in a blend also over those of the one after it.
+    fn excess(&self, section: &Trajectory<AXES>, (next, last): (usize, usize)) -> Option<f64> {
         let route = self.route();
         let mut worst: f64 = 0.0;
         for (k, axis) in section.axes().iter().enumerate() {
-            let beside = [next, next + 1].map(|i| &route.limits(i)[k]);
-            let widest = |f: fn(&AxisLimits) -> f64| beside.iter().map(|l| f(l).abs()).fold(0.0, f64::max);
+            let beside = [next, last].map(|i| &route.limits(i)[k]);
+            let least = |f: fn(&AxisLimits) -> f64| f64::min(f(beside[0]).abs(), f(beside[1]).abs());
             let over = |x: f64, lo: f64, hi: f64| (x / hi).max(-x / lo) - 1.0;
             for (phase, dt) in axis.phases() {
                 for s in [0.0, phase.turn(dt).unwrap_or(0.0), dt].map(|t| phase.after(t)) {
                     worst = worst
-                        .max(over(s.v, widest(AxisLimits::v_min), widest(AxisLimits::v_max)))
-                        .max(over(s.a, widest(AxisLimits::a_min), widest(AxisLimits::a_max)))
-                        .max(over(s.j, widest(AxisLimits::j_min), widest(AxisLimits::j_max)));
+                        .max(over(s.v, least(AxisLimits::v_min), least(AxisLimits::v_max)))
+                        .max(over(s.a, least(AxisLimits::a_min), least(AxisLimits::a_max)))
+                        .max(over(s.j, least(AxisLimits::j_min), least(AxisLimits::j_max)));
                 }
             }
         }
@@ -251,7 +256,13 @@ pub fn case(seed: u64) -> Outcome {
             let inner = &motion.states()[1..motion.section_durations().len()];
             let rests = inner.iter().all(|state| state.iter().all(|s| s.v == 0.0));
             outcome.see(if rests { "rests in every point" } else { "passes points" });
-            input.judge(&motion)
+            input.judge(&motion).or_else(|| {
+                let resting: Vec<_> =
+                    input.points.iter().map(|p| p.blend().map_or(*p, |_| p.with_blend(0.0))).collect();
+                let resting = plan(&input.route_through(&resting)).map_or(f64::INFINITY, |motion| motion.duration());
+                let longer = motion.duration() / resting - 1.0;
+                (longer > 1e-9).then(|| ("longer than with rests".to_owned(), longer))
+            })
         }
     };
     outcome.failure = failure.map(|(kind, size)| (kind, Failure { size, seed, input: format!("{input:?}") }));
