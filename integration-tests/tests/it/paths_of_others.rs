@@ -165,13 +165,13 @@ impl Cubics {
         const STEPS: usize = 4000;
         let step = law.duration() / STEPS as f64;
         let mut worst = [0.0_f64; 2];
-        for j in 0..self.axes() {
+        for (j, limit) in a.iter().enumerate() {
             let q: Vec<f64> = (0..=STEPS).map(|i| self.position(law, i as f64 * step, j)).collect();
             for i in 1..STEPS {
                 // Across the border of two limits the higher one holds.
                 let [here, next] = [i, i + 1].map(|i| v(law.at(i as f64 * step).p, j));
                 worst[0] = worst[0].max((q[i + 1] - q[i]).abs() / step / here.max(next));
-                worst[1] = worst[1].max((q[i + 1] - 2.0 * q[i] + q[i - 1]).abs() / (step * step) / a[j]);
+                worst[1] = worst[1].max((q[i + 1] - 2.0 * q[i] + q[i - 1]).abs() / (step * step) / limit);
             }
         }
         worst

@@ -57,7 +57,7 @@ impl OnToolPath for Compare<'_> {
     type Error = Failure;
 
     fn run<A: PathArm<N>, const N: usize>(self, task: Task<A, N>, warnings: Vec<String>) -> Result<(), Failure> {
-        let Self { args, mut staging } = self;
+        let Self { args, mut staging, head } = self;
         let progress = Progress::new("joint path");
         let mut comparison = compare(&task, |planner| progress.step(planner))?;
         progress.step("drawing");
@@ -67,7 +67,7 @@ impl OnToolPath for Compare<'_> {
         staging.publish_pictures()?;
         comparison.warnings.extend(warnings);
         drop(progress);
-        show(&comparison, args.json.then(|| self.head.json(&comparison)));
+        show(&comparison, args.json.then(|| head.json(&comparison)));
         Ok(())
     }
 }
