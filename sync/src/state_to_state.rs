@@ -156,7 +156,16 @@ impl<const N: usize> Trajectory<N> {
                 .and_then(|motion| limits[axis].check_leaving(&target[axis]).map(|()| motion))
                 .map_err(|source| SyncError::State { axis, source })?;
         }
-        Ok(Self::of(axes))
+        let all = Self::of(axes);
+        // What goes on after its end may be beyond all numbers when the last one arrives.
+        let end = all.at(all.duration);
+        match (0..N).find(|&axis| !end.q[axis].is_finite()) {
+            Some(axis) => Err(SyncError::State {
+                axis,
+                source: FeedError::OutOfRange { what: "way on to the end of the others" },
+            }),
+            None => Ok(all),
+        }
     }
 
     fn together(

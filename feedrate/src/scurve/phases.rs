@@ -105,8 +105,9 @@ impl<const CAP: usize> Phases<CAP> {
 
     /// Returns true if all numbers are finite.
     pub fn is_finite(&self) -> bool {
-        // Finite numbers times zero are zero.
-        let sum: f64 = self.iter().map(|(p, dt)| 0.0 * (p.t + p.s + p.v + p.a + p.j + dt)).sum();
+        // Finite numbers times zero are zero. What a phase adds is finite at any time inside if it is at the end, term by term.
+        let way = |p: &Phase, dt: f64| p.v.abs() * dt + dt * dt * (p.a.abs() + p.j.abs() * dt);
+        let sum: f64 = self.iter().map(|(p, dt)| 0.0 * (p.t + p.s + p.v + p.a + p.j + way(&p, dt))).sum();
         sum == 0.0 && self.duration.is_finite() && self.end.p.is_finite()
     }
 }

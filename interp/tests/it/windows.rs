@@ -77,19 +77,6 @@ fn very_long_paths_are_planned_in_windows_by_themselves() {
     assert!(plan.duration() < 1.005 * coarse.duration(), "{} and {}", plan.duration(), coarse.duration());
 }
 
-/// Windows that the motion passes sooner than it brakes are made longer, unless they were asked for.
-#[test]
-fn windows_are_longer_where_intervals_are_short() {
-    let arm = models::ur5e();
-    let path = route(5, 3);
-    let planner = Planner::new(&arm, limits()).with_intervals(51_000).expect("allowed");
-    let plan = planner.plan(&path).expect("is planned");
-    let windows = plan.info().windows.as_ref();
-    assert!(windows.is_none_or(|windows| windows.intervals > 10_000), "{windows:?} of {} s", plan.duration());
-    let coarse = Planner::new(&arm, limits()).with_intervals(6000).expect("allowed").plan(&path).expect("is planned");
-    assert!(plan.duration() < 1.005 * coarse.duration(), "{} and {}", plan.duration(), coarse.duration());
-}
-
 #[test]
 fn windows_of_other_sizes_are_refused() {
     let arm = models::ur5e();
