@@ -25,6 +25,27 @@ struct Input {
     straight: Vec<bool>,
 }
 
+/// Corners of any kind: any corner, gentle ones, or points on one line.
+fn random_places(rng: &mut Random, count: usize) -> Vec<Point> {
+    let (size, kind) = (rng.log(1e-3, 2.0), rng.below(3));
+    let mut place = [0.0; AXES];
+    let mut step: Point = std::array::from_fn(|_| rng.between(-size, size));
+    (0..count)
+        .map(|_| {
+            let turn = |rng: &mut Random| match kind {
+                // Any corner; a gentle one; on one line, forward or back.
+                0 => std::array::from_fn(|_| if rng.chance(0.3) { 0.0 } else { rng.between(-size, size) }),
+                1 => step.map(|x| x + 0.2 * rng.between(-size, size)),
+                _ => step.map(|x| x * if rng.chance(0.8) { 1.0 } else { -0.5 }),
+            };
+            let next: Point = turn(rng);
+            step = next;
+            place = std::array::from_fn(|k| place[k] + step[k]);
+            place
+        })
+        .collect()
+}
+
 impl Input {
     fn new(rng: &mut Random) -> Self {
         let limits: [AxisLimits; AXES] = std::array::from_fn(|_| {
@@ -32,23 +53,7 @@ impl Input {
             AxisLimits::new(pair(0.1, 5.0), pair(1.0, 30.0), pair(5.0, 500.0)).expect("limits on both sides of zero")
         });
         let count = if rng.chance(0.9) { 1 + rng.below(8) } else { 1 + rng.below(32) };
-        let (size, kind) = (rng.log(1e-3, 2.0), rng.below(3));
-        let mut place = [0.0; AXES];
-        let mut step: Point = std::array::from_fn(|_| rng.between(-size, size));
-        let places: Vec<Point> = (0..count + 2)
-            .map(|_| {
-                let turn = |rng: &mut Random| match kind {
-                    // Any corner; a gentle one; on one line, forward or back.
-                    0 => std::array::from_fn(|_| if rng.chance(0.3) { 0.0 } else { rng.between(-size, size) }),
-                    1 => step.map(|x| x + 0.2 * rng.between(-size, size)),
-                    _ => step.map(|x| x * if rng.chance(0.8) { 1.0 } else { -0.5 }),
-                };
-                let next: Point = turn(rng);
-                step = next;
-                place = std::array::from_fn(|k| place[k] + step[k]);
-                place
-            })
-            .collect();
+        let places = random_places(rng, count + 2);
         let all_straight = rng.chance(0.7);
         let straight: Vec<bool> = (0..=count).map(|_| all_straight || rng.chance(0.6)).collect();
         let points = (0..count).map(|i| {
