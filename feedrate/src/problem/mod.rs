@@ -2,6 +2,7 @@
 //! at both ends.
 
 mod bound_table;
+mod error_place;
 mod feed_problem;
 mod inside;
 mod intervals;
