@@ -61,7 +61,7 @@ pub enum SyncError {
         rule: &'static str,
     },
     /// A blend is not possible at a way-point.
-    #[error("way-point {}: the deviation of its blend is {value}; it must be {rule}", index + 1)]
+    #[error("way-point {} has a blend of {value}; it must be {rule}", index + 1)]
     Blend {
         /// Index of the way-point, from 0.
         index: usize,
@@ -88,8 +88,10 @@ pub enum SyncError {
         /// Number of sections.
         count: usize,
     },
-    /// Limits were set while a route is followed.
-    #[error("the limits on a route are those of the route: set a route with other limits, or stop first")]
+    /// Limits were set on a route, which is followed or on which the axes stop.
+    #[error(
+        "the limits on a route are those of the route: set a route with other limits, or wait until the axes stand; `stop` ends the route at once"
+    )]
     LimitsOfRoute,
     /// Round-off takes an axis over a limit.
     #[error("axis {} would exceed a limit between two way-points by round-off: use units in which the numbers are closer to 1", axis + 1)]

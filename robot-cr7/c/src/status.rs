@@ -97,6 +97,7 @@ pub fn of_sync(error: SyncError) -> ArcfeedStatus {
         | SyncError::WayPoint { .. }
         | SyncError::Blend { .. }
         | SyncError::SectionExceeds { .. }
+        | SyncError::LimitsOfRoute
         | SyncError::OutOfRange => ArcfeedRefused,
         _ => ArcfeedInvalid,
     };

@@ -36,6 +36,7 @@ const FILES: [&str; 1] = ["compare.svg"];
 
 pub fn run(args: &Args) -> Result<(), Failure> {
     let mut staging = Staging::new(&args.out, &FILES, args.job.as_deref().as_slice())?;
+    staging.reads(args.robot.robot.as_ref())?;
     let job = read_job(args.job.as_deref())?;
     if let Some(path) = &job.path_file {
         staging.reads(path)?;

@@ -76,7 +76,8 @@ enum Mode {
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let staging = Staging::new(&args.out, &FILES, args.job.as_deref().as_slice())?;
+    let mut staging = Staging::new(&args.out, &FILES, args.job.as_deref().as_slice())?;
+    staging.reads(args.robot.robot.as_ref())?;
     let robot = args.robot.load()?;
     for_joints!(robot, run_with(args, &robot, staging))
 }

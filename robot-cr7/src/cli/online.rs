@@ -54,7 +54,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         say_as_is!("{}", ToolScenario::EXAMPLE);
         return Ok(());
     }
-    let staging = Staging::new(&args.out, &FILES, args.scenario.as_deref().as_slice())?;
+    let mut staging = Staging::new(&args.out, &FILES, args.scenario.as_deref().as_slice())?;
+    staging.reads(args.robot.robot.as_ref())?;
     let robot = args.robot.load()?;
     let file = match &args.scenario {
         Some(file) => OnlineFile::read(file)?,

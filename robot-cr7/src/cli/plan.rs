@@ -33,6 +33,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let pictures = PictureFiles::new(&args.format)?;
     let inputs: Vec<&Path> = [&args.path, &args.job].into_iter().filter_map(|file| file.as_deref()).collect();
     let mut staging = Staging::new(&args.out, &FILES, &inputs)?;
+    staging.reads(args.robot.robot.as_ref())?;
     let job = read_job(args.job.as_deref())?;
     if args.stream.is_some() && job.whole_cycles {
         let words = "--stream: a motion whose segments arrive on the way does not know its duration: remove sampling.whole_cycles";

@@ -51,6 +51,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         return Ok(());
     }
     let mut staging = Staging::new(&args.out, &FILES, args.scenario.as_deref().as_slice())?;
+    staging.reads(args.robot.robot.as_ref())?;
     let scenario = match &args.scenario {
         Some(file) => Scenario::read(file)?,
         None => Scenario::parse(Scenario::EXAMPLE, "event.toml".as_ref())?,

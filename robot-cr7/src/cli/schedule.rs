@@ -85,7 +85,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         (Some(Example::Waypoints), _) => say_as_is!("{}", ScheduleFile::WAYPOINTS),
         (Some(Example::Poses), _) | (None, None) => say_as_is!("{}", ScheduleFile::EXAMPLE),
         (None, Some(file)) => {
-            let staging = Staging::new(&args.out, &FILES, &[file])?;
+            let mut staging = Staging::new(&args.out, &FILES, &[file])?;
+            staging.reads(args.robot.robot.as_ref())?;
             let file = ScheduleFile::read(file)?;
             let robot = args.robot.load()?;
             return match (&file.way, robot.joints()) {

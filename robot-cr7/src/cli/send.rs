@@ -16,6 +16,7 @@ use crate::cli::output::{REPORTS, show};
 use crate::cli::progress::Progress;
 use crate::cli::send_args::Args;
 use crate::cli::send_motion::{self, SendMotion};
+use crate::cli::tool_path::read_job;
 use crate::cli::{Failure, INTERRUPTED};
 
 /// Numbers of the models that are a CR7: CR7, CR7A, CR7V.
@@ -75,11 +76,15 @@ pub fn run(args: &Args, stoppable: bool) -> Result<(), Failure> {
     }
     let inputs: Vec<&Path> = [&args.motion, &args.job].into_iter().filter_map(|file| file.as_deref()).collect();
     let mut staging = Staging::new(&args.out, &FILES, &inputs)?;
+    staging.reads(args.robot.robot.as_ref())?;
     let robot = args.robot.load()?;
     let settings = args.settings(models(args, &robot)?)?;
     let progress = Progress::new("planning and certifying");
     let planned = send_motion::load(args, &robot)?;
     drop(progress);
+    if let Some(path) = &read_job(args.job.as_deref())?.path_file {
+        staging.reads(path)?;
+    }
     staging.clear()?;
 
     let mut facts = Vec::new();

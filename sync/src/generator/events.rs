@@ -18,12 +18,13 @@ pub struct Events<const N: usize> {
     /// With [`Synchronisation::None`](crate::Synchronisation::None) axes that arrived in an earlier
     /// cycle with a velocity have gone on since.
     pub reached: bool,
-    /// The axes that arrived in this cycle: each is in its target exactly.
+    /// The axes that arrived in this cycle: each is in its target exactly, or past it where a route or a scale of time ends
+    /// between two cycles and the target moves.
     pub arrived: [bool; N],
     /// Number of way-points of the route that were passed in this cycle. A point with a blend is passed
     /// where the blend ends.
     pub passed: usize,
-    /// A new plan took effect because the target or the limits changed.
+    /// A new plan took effect.
     pub replanned: bool,
     /// Limits were set below the state of an axis: it is brought back inside, with its jerk
     /// limited, while this holds.

@@ -37,7 +37,7 @@ pub use self::events::{Events, Step};
 ///
 /// Setting a target again after it was reached changes nothing either.
 ///
-/// Plans last a whole number of cycles, so that a step ends exactly in the target.
+/// Plans to a target last a whole number of cycles, so that a step ends exactly in the target.
 ///
 /// # After the target
 /// An axis at rest stands. An axis whose target has a velocity goes on with it, from its own
@@ -68,7 +68,7 @@ pub use self::events::{Events, Step};
 /// # Way-points
 /// A generator with a place for a route ([`OnlineGenerator::with_way_points`]) goes through
 /// way-points without stopping, from any state and at any cycle ([`OnlineGenerator::set_route`]).
-/// Every other command is possible on a route, and leaves it.
+/// A stop, a jog or a target leaves it; a hold and a scale of time act on it; its limits are its own.
 ///
 /// No call allocates. A refused setting leaves everything as it was.
 ///
@@ -175,6 +175,11 @@ impl<const N: usize, R: RouteMemory<N>> OnlineGenerator<N, R> {
         }
         self.check_inside("start", &self.planned)?;
         self.check_inside("target", &self.target)?;
+        if matches!(self.command, Command::PathStop { .. }) && !self.is_underway() {
+            // Behind the end of the path there is none to stop on, and the scale of time does not know the new ends.
+            self.stop()?;
+            return Ok(self);
+        }
         if self.following.section.is_some() {
             self.keep_ranges()?;
             return Ok(self);

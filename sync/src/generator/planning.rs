@@ -21,8 +21,8 @@ impl<const N: usize, R: RouteMemory<N>> OnlineGenerator<N, R> {
         self.set(target, self.limits)
     }
 
-    /// Sets the state one axis is to reach. After a stop, or instead of a jog, the other axes come
-    /// to rest.
+    /// Sets the state one axis is to reach. After a stop, or instead of a route, a jog or a stop on the path, the
+    /// other axes come to rest.
     ///
     /// # Errors
     /// As [`Trajectory::new`], [`SyncError::NoSuchAxis`]. Nothing changes then.

@@ -280,7 +280,7 @@ impl<const N: usize> Lines<N> {
 
     /// Lowers the share at one end of a line to what the other end lets it reach.
     fn lower(&mut self, leg: usize, (kept, lowered): (usize, usize)) {
-        let high = if lowered < self.count { self.shares[lowered] } else { 0.0 };
+        let high = self.shares[lowered];
         let reaches = |lines: &mut Self, x: f64| {
             lines.shares[lowered] = x;
             lines.legs[leg].reaches(lines.shares_on(leg), lines.durations_on(leg))

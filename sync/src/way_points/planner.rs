@@ -102,6 +102,7 @@ impl<const N: usize> WayPointPlanner<N> {
     /// # Errors
     /// [`SyncError::TooManyWayPoints`], [`SyncError::WayPoint`] naming point and axis,
     /// [`SyncError::Blend`], [`SyncError::NotStraight`] for a target that moves off its straight section,
+    /// [`SyncError::LineExceeds`], [`SyncError::SectionExceeds`] and [`SyncError::OutOfRange`] where round-off leaves no motion,
     /// [`SyncError::Duration`], and [`SyncError::State`] naming the axis, as
     /// [`Trajectory::new`](crate::Trajectory::new) for start and target.
     pub fn plan(&mut self, start: &[AxisState; N], route: &Route<'_, N>) -> Result<WayPointTrajectory<N>, SyncError> {

@@ -220,7 +220,7 @@ impl<'a, const N: usize> Route<'a, N> {
             if let Some(value) = point.blend {
                 let refuse = |rule| Err(SyncError::Blend { index, value, rule });
                 if !(value.is_finite() && value >= 0.0) {
-                    return refuse("finite and not negative");
+                    return refuse("a finite deviation that is not negative");
                 }
                 if !(before && after) {
                     return refuse("between two straight sections");
@@ -238,7 +238,8 @@ impl<'a, const N: usize> Route<'a, N> {
 
     /// Returns an error that names what is no motion.
     pub(super) fn check(&self, start: &[AxisState; N]) -> Result<(), SyncError> {
-        let count = self.points.len() + self.points.iter().filter(|point| point.blend.is_some()).count();
+        let count = self.points.len()
+            + self.points.iter().filter(|point| point.blend.is_some_and(|deviation| deviation > 0.0)).count();
         if count > MOST_WAY_POINTS {
             return Err(SyncError::TooManyWayPoints { count, most: MOST_WAY_POINTS });
         }

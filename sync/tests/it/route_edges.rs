@@ -90,6 +90,34 @@ fn ranges_that_are_set_in_the_last_section_stop_the_axis_after_the_target() {
     }
 }
 
+/// A stop on the path that begins in the last cycle before a moving target goes on behind it: ranges that are set then are kept by a
+/// stop of each axis, or refused.
+#[test]
+fn ranges_that_are_set_while_a_stop_passes_the_target_are_kept() {
+    let limits = [AxisLimits::symmetric(2.0, 5.0, 50.0).unwrap(), AxisLimits::symmetric(2.0, 0.5, 5.0).unwrap()];
+    let mut accepted = 0;
+    for way in [0.15, 0.2, 0.3, 0.45, 0.7] {
+        let mut g = at_rest([0.0; 2], limits);
+        let target = [AxisState::new(1.0, 1.0, 0.0), AxisState::new(1.0, 0.5, 0.0)];
+        g.set_route(&Route::new(&[], target, limits), &mut WayPointPlanner::new()).unwrap();
+        while g.time_left() > CYCLE {
+            g.step();
+        }
+        g.stop_on_path();
+        for _ in 0..5 {
+            g.step();
+        }
+        assert!(!g.is_underway());
+        let upper = g.state()[0].p + way;
+        let Ok(ranged) = (*g).with_ranges([(-2.0, upper), (-9.0, 9.0)]) else { continue };
+        accepted += 1;
+        let mut g = Box::new(ranged);
+        run(&mut g, 4000, &limits);
+        assert!(g.state().iter().all(|axis| axis.v == 0.0), "{way}: {:?}", g.state());
+    }
+    assert!(accepted > 0);
+}
+
 /// The axis goes on after the target and brakes before its range ends: a hold, a stop and a scale count that.
 #[test]
 fn time_is_scaled_within_the_limits_past_a_target_that_moves() {
