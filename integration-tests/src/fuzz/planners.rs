@@ -213,6 +213,12 @@ fn points(numbers: &mut Numbers<'_>, limits: &[AxisLimits; 2]) -> Vec<WayPoint<2
         if numbers.below(8) == 0 {
             point = point.with_limits(*limits);
         }
+        if numbers.below(3) == 0 {
+            point = point.with_straight_section();
+        }
+        if numbers.below(4) == 0 {
+            point = point.with_blend(numbers.positive());
+        }
         points.push(point);
     }
     points

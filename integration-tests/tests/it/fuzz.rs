@@ -1,4 +1,4 @@
-//! Some arbitrary inputs for every reader and planner, and all that are kept: none is a defect. The example `fuzz` feeds millions.
+//! Some arbitrary inputs for every target, and all that are kept: none is a defect. The example `fuzz` feeds millions.
 
 use std::path::Path;
 

@@ -189,7 +189,7 @@ fn make<const N: usize>(
 /// is the control cycle (s); `synchronisation` is an ArcfeedSynchronisation. On success `*out` holds the generator, else NULL.
 ///
 /// # Safety
-/// Pointers are NULL or point to what their names say.
+/// Every pointer is valid for what its name says, or NULL, which is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_generator_new(
     axes: usize,
@@ -234,7 +234,7 @@ unsafe fn on(
 /// Sets the range of positions of each axis. What is under way must stay inside, else the call is refused.
 ///
 /// # Safety
-/// Pointers are NULL or point to what their names say.
+/// Every pointer is valid for what its name says, or NULL, which is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_generator_set_ranges(
     generator: *mut ArcfeedGenerator,
@@ -249,7 +249,7 @@ pub unsafe extern "C" fn arcfeed_generator_set_ranges(
 /// Sets the state to reach. A call that is refused changes nothing.
 ///
 /// # Safety
-/// Pointers are NULL or point to what their names say.
+/// Every pointer is valid for what its name says, or NULL, which is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_generator_set_target(
     generator: *mut ArcfeedGenerator,
@@ -264,7 +264,7 @@ pub unsafe extern "C" fn arcfeed_generator_set_target(
 /// Sets the state that one axis, counted from 0, is to reach.
 ///
 /// # Safety
-/// Pointers are NULL or point to what their names say.
+/// Every pointer is valid for what its name says, or NULL, which is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_generator_set_axis_target(
     generator: *mut ArcfeedGenerator,
@@ -278,10 +278,11 @@ pub unsafe extern "C" fn arcfeed_generator_set_axis_target(
     })
 }
 
-/// Sets the limits of all axes. The target must be inside of them, else the call is refused.
+/// Sets the limits of all axes. The target must be inside of them, else the call is refused; so it is on a route, which has its own
+/// limits, until the axes have left it.
 ///
 /// # Safety
-/// Pointers are NULL or point to what their names say.
+/// Every pointer is valid for what its name says, or NULL, which is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_generator_set_limits(
     generator: *mut ArcfeedGenerator,
@@ -296,7 +297,7 @@ pub unsafe extern "C" fn arcfeed_generator_set_limits(
 /// Sets target and limits at once: where neither goes with the other's old value.
 ///
 /// # Safety
-/// Pointers are NULL or point to what their names say.
+/// Every pointer is valid for what its name says, or NULL, which is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_generator_set(
     generator: *mut ArcfeedGenerator,
@@ -315,7 +316,7 @@ pub unsafe extern "C" fn arcfeed_generator_set(
 /// Copies the state of the last step.
 ///
 /// # Safety
-/// Pointers are NULL or point to what their names say; `states` has room for `axes` entries.
+/// Every pointer is valid for what its name says, or NULL, which is refused; `states` has room for `axes` entries.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_generator_state(
     generator: *const ArcfeedGenerator,
@@ -332,7 +333,7 @@ pub unsafe extern "C" fn arcfeed_generator_state(
 /// Copies the target; after a stop the place where the axes will stand.
 ///
 /// # Safety
-/// Pointers are NULL or point to what their names say; `target` has room for `axes` entries.
+/// Every pointer is valid for what its name says, or NULL, which is refused; `target` has room for `axes` entries.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_generator_target(
     generator: *const ArcfeedGenerator,

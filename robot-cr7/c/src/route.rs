@@ -15,7 +15,7 @@ pub const ARCFEED_MAX_WAY_POINTS: usize = 64;
 const _: () = assert!(ARCFEED_MAX_WAY_POINTS == MOST_WAY_POINTS);
 
 /// A position that all axes pass at the same time, and what holds on the section that ends there. Entries past the number
-/// of axes are not read; with 0 in all fields but the position, velocity, limits, duration and way are free.
+/// of axes are not read. Only the position must be given: a field left at 0 sets nothing.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct ArcfeedWayPoint {
@@ -29,10 +29,10 @@ pub struct ArcfeedWayPoint {
     pub limits: *const ArcfeedAxisLimits,
     /// Least duration of the section that ends here (s); 0 for the shortest.
     pub least_duration: f64,
-    /// Between two straight sections the point is passed within this distance of all axes (rad or m), or the axes rest where that
-    /// is faster; with 0 they rest.
+    /// Between two straight sections the point is passed within this distance (root of the sum of the squares of all axes, rad
+    /// or m), or the axes rest where that is faster; with 0 they rest.
     pub blend: f64,
-    /// 1: all axes move on a straight line to the point; otherwise 0.
+    /// 0 or 1; with 1 all axes move on a straight line to the point.
     pub straight: u8,
 }
 
@@ -53,7 +53,7 @@ pub struct ArcfeedRoute {
     pub last_limits: *const ArcfeedAxisLimits,
     /// Least duration of the section that ends in the target (s); 0 for the shortest.
     pub last_least_duration: f64,
-    /// 1: all axes move on a straight line to the target; otherwise 0.
+    /// 0 or 1; with 1 all axes move on a straight line to the target.
     pub last_straight: u8,
 }
 

@@ -142,8 +142,10 @@ impl OnToolPath for Compare {
     type Output = String;
     type Error = Failure;
 
-    fn run<A: PathArm<N>, const N: usize>(self, task: Task<A, N>, _: Vec<String>) -> Result<String, Failure> {
-        Ok(self.head.json(&robot_cr7::compare(&task, |_| {})?))
+    fn run<A: PathArm<N>, const N: usize>(self, task: Task<A, N>, warnings: Vec<String>) -> Result<String, Failure> {
+        let mut comparison = robot_cr7::compare(&task, |_| {})?;
+        comparison.warnings.extend(warnings);
+        Ok(self.head.json(&comparison))
     }
 }
 

@@ -112,14 +112,17 @@ const PART: &str = ".part";
 /// Names that may be taken before a file is given up.
 const MOST_TAKEN: u32 = 10_000;
 
-/// Removes what killed programs have left in `folder`, into which nobody else may be writing: every `.NAME.NUMBER.part`.
+/// Removes what killed programs have left in `folder`, into which nobody else may be writing: every `.NAME.PROCESS.NUMBER.part`.
 pub(crate) fn remove_left_parts(folder: &Path) {
     let Ok(entries) = fs::read_dir(folder) else { return };
     let list = under_way();
     for entry in entries.flatten() {
         let name = entry.file_name();
         let text = name.to_string_lossy();
-        let number = || text.strip_prefix('.')?.strip_suffix(PART)?.rsplit_once('.')?.1.parse::<u64>().ok();
+        let number = || {
+            let (rest, count) = text.strip_prefix('.')?.strip_suffix(PART)?.rsplit_once('.')?;
+            count.parse::<u64>().ok().and(rest.rsplit_once('.')?.1.parse::<u64>().ok())
+        };
         // The number of a process may be that of this one: in a container it mostly is.
         if number().is_some() && !list.iter().any(|one| one.file_name() == Some(&name)) {
             let _ = fs::remove_file(entry.path());

@@ -85,7 +85,8 @@ fn an_output_folder_that_vanishes_is_named() {
     let desk = Desk::new("vanishes");
     // Some seconds of writing are left when the folder goes.
     let child = writing(&desk, "1000");
-    std::fs::remove_dir_all(desk.folder.join("out")).expect("removed");
+    // A file that is being made keeps the folder for a moment.
+    while std::fs::remove_dir_all(desk.folder.join("out")).is_err() {}
     let output = child.wait_with_output().expect("a child");
     let text = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{text}");
@@ -136,7 +137,7 @@ fn on_a_tiny_disk(desk: &Desk, args: &[&str]) -> Option<(Run, Vec<String>)> {
         println!("skipped: this system gives no disk to an unprivileged program: {}", run.stderr);
         return None;
     }
-    let left = std::fs::read_to_string(desk.folder.join("left.txt")).ok()?;
+    let left = std::fs::read_to_string(desk.folder.join("left.txt")).expect("written by the script");
     Some((run, left.lines().map(str::to_owned).collect()))
 }
 
@@ -182,7 +183,17 @@ fn every_command_that_writes_keeps_the_folder_to_itself() {
     let folder = std::fs::File::open(desk.folder.join("out")).expect("a folder");
     folder.lock().expect("nobody else has it");
     let busy = ["out: another run writes into this folder", "flock", "--out"];
-    for command in [&["inspect"][..], &["compare"], &["plan"], &["reproduce", "pn"]] {
+    desk.write("pick.toml", include_str!("../../schedules/pick.toml"));
+    let commands = [
+        &["inspect"][..],
+        &["compare"],
+        &["plan"],
+        &["schedule", "pick.toml"],
+        &["online"],
+        &["run"],
+        &["reproduce", "pn"],
+    ];
+    for command in commands {
         desk.run(&[command, &["--out", "out"]].concat()).refused(2, &busy);
         assert!(left(&desk.folder.join("out")).is_empty(), "{command:?}");
     }
@@ -201,6 +212,20 @@ fn what_was_read_is_not_drawn_over() {
     desk.run(&["compare", "job.toml", "--out", "out"]).refused(2, &["out/compare.svg", "would be overwritten"]);
     for name in ["inspect.svg", "compare.svg"] {
         assert_eq!(std::fs::read_to_string(desk.folder.join("out").join(name)).expect("there"), badge);
+    }
+}
+
+#[test]
+fn a_robot_that_was_read_is_not_written_over() {
+    let desk = Desk::new("robot_written_over");
+    std::fs::create_dir_all(desk.folder.join("out")).expect("a writable target folder");
+    let arm = include_str!("../../data/qb_arm.json");
+    desk.write("out/report.json", arm);
+    desk.write("pick.toml", include_str!("../../schedules/pick.toml"));
+    for command in [&["plan"][..], &MOVE, &["schedule", "pick.toml"], &["online"], &["run"]] {
+        desk.run(&[command, &["--robot", "out/report.json", "--out", "out"]].concat())
+            .refused(2, &["out/report.json", "would be overwritten"]);
+        assert_eq!(std::fs::read_to_string(desk.folder.join("out/report.json")).expect("there"), arm, "{command:?}");
     }
 }
 
@@ -279,11 +304,11 @@ fn hidden_files_of_killed_runs_are_removed_and_links_are_not_followed() {
     desk.write("jobs.jsonl", "{\"id\": \"a\", \"robot\": \"nobody\"}\n");
     desk.write("mine.txt", "mine");
     std::fs::create_dir_all(desk.folder.join("out/trajectories")).expect("a writable target folder");
-    let parts = ["out/.results.jsonl.7.0.part", "out/.other.svg.7.part", "out/trajectories/.a.csv.7.3.part"];
+    let parts = ["out/.results.jsonl.7.0.part", "out/.other.svg.7.1.part", "out/trajectories/.a.csv.7.3.part"];
     for part in parts {
         desk.write(part, "");
     }
-    for kept in ["out/.hidden", "out/.notes.part", "out/a.7.part"] {
+    for kept in ["out/.hidden", "out/.notes.part", "out/.video.2024.part", "out/a.7.part"] {
         desk.write(kept, "");
     }
     // In a container each program may have the number 1: a link under the next name leads nowhere.
@@ -297,6 +322,9 @@ fn hidden_files_of_killed_runs_are_removed_and_links_are_not_followed() {
     assert_eq!(std::fs::read_to_string(desk.folder.join("mine.txt")).expect("there"), "mine");
     assert!(desk.folder.join("trajectory.csv").is_file() && links.iter().all(|link| link.is_symlink()));
     desk.run(&["batch", "jobs.jsonl", "--trajectories", "--out", "out"]);
-    assert_eq!(left(&desk.folder.join("out")), [".hidden", ".notes.part", "a.7.part", "results.jsonl", "trajectories"]);
+    assert_eq!(
+        left(&desk.folder.join("out")),
+        [".hidden", ".notes.part", ".video.2024.part", "a.7.part", "results.jsonl", "trajectories"]
+    );
     assert!(left(&desk.folder.join("out/trajectories")).is_empty());
 }
