@@ -38,7 +38,7 @@ static void memory_is_reserved(void) {
     MUST(arcfeed_generator_reserve_way_points(w));
     MUST(arcfeed_generator_set_route(w, 2, &f.route));
     /* The limits of a route are its own, and so are points beside a range. */
-    REFUSED(arcfeed_generator_set_limits(w, 2, f.limits), ARCFEED_INVALID, "limits", "route");
+    REFUSED(arcfeed_generator_set_limits(w, 2, f.limits), ARCFEED_REFUSED, "limits", "route");
     const ArcfeedRange ranges[2] = {{-2, 2}, {-2, 0.3}};
     REFUSED(arcfeed_generator_set_ranges(w, 2, ranges), ARCFEED_REFUSED, "axis 2", "0.3");
     arcfeed_generator_free(w);
