@@ -109,15 +109,15 @@ impl Passes<'_> {
         }
         let again = attempt.before.and_then(|before| start::again(&barrier_problem, &before.c));
         let near = if again.is_none() && attempt.factor == 1.0 {
-            self.near.and_then(|law| start::near(problem, &barrier_problem, law))
+            self.near.and_then(|law| start::near(problem, &mut barrier_problem, law))
         } else {
             None
         };
-        let is_near = near.is_some();
+        let is_near = near.is_some() && barrier_problem.slows;
         // The shape is known: that of the law itself, as the start may be much slower.
         let by_near = near.as_ref().map(|near| (&near.law, near.distance));
         let shape = attempt.before.map(|before| (&before.c, Distance::CLOSE)).or(by_near);
-        let shape = shape.filter(|_| attempt.drop_distant);
+        let shape = shape.filter(|_| attempt.drop_distant && barrier_problem.slows);
         if let Some((c, distance)) = shape {
             barrier_problem.knots.evaluate(c, &mut solver.values);
             barrier_problem.drop_distant(&solver.values, distance);
@@ -159,11 +159,16 @@ impl Passes<'_> {
         Err(NotSolved { error, binding })
     }
 
+    /// A law near the plan, on a part of the points.
+    pub fn rough(problem: &FeedProblem) -> Option<SpeedLaw> {
+        let coarse = Passes { tolerance: COARSE_TOLERANCE, near: None, aim: Aim::Rough };
+        coarse.plan(&problem.thinned(COARSER)).ok().map(|plan| plan.law)
+    }
+
     /// The plan, or why there is none. On a long grid it starts from that on a part of the points.
     pub fn plan(&self, problem: &FeedProblem) -> Result<JerkLimitedPlan, NotSolved> {
-        let rests = problem.v_start() == 0.0 && problem.v_end() == 0.0;
         let from = if self.aim == Aim::Rough { ROUGH_FROM } else { COARSE_FROM };
-        if self.near.is_none() && rests && problem.is_between_points() && problem.intervals() > from {
+        if self.near.is_none() && problem.is_between_points() && problem.intervals() > from {
             let coarse = Passes { tolerance: COARSE_TOLERANCE, near: None, aim: Aim::Rough };
             let thin = problem.thinned(COARSER);
             // Short stretches between stops keep their points: what does not get shorter would be thinned for ever.

@@ -100,8 +100,8 @@ impl JerkLimited {
     }
 
     /// The law, if there is one. Nothing is spent on the reasons where there is none.
-    pub(super) fn plan_if_any(&self, problem: &FeedProblem) -> Option<JerkLimitedPlan> {
-        let passes = Passes { tolerance: self.tolerance, near: None, aim: Aim::Motion };
+    pub(super) fn plan_if_any(&self, problem: &FeedProblem, near: Option<&SpeedLaw>) -> Option<JerkLimitedPlan> {
+        let passes = Passes { tolerance: self.tolerance, near, aim: Aim::Motion };
         passes.plan(problem).ok()
     }
 

@@ -169,11 +169,9 @@ pub(super) struct NearLaw {
     pub distance: Distance,
 }
 
-/// A start along a law that the solution is close to; none where it has to be slowed down much.
-pub(super) fn near(problem: &FeedProblem, barrier_problem: &BarrierProblem, law: &SpeedLaw) -> Option<NearLaw> {
-    if !barrier_problem.slows {
-        return None;
-    }
+/// A start along a law that the solution is close to; none where it has to be slowed down much. Where a speed is given at an end, the
+/// limits are widened instead.
+pub(super) fn near(problem: &FeedProblem, barrier_problem: &mut BarrierProblem, law: &SpeedLaw) -> Option<NearLaw> {
     let (m, grid) = (barrier_problem.knots.intervals(), &problem.grid()[barrier_problem.from..]);
     let states: Vec<_> = grid[..=m].iter().map(|&s| law.at_position(s)).collect();
     let mut c = Vec::with_capacity(m + 2);
@@ -185,10 +183,20 @@ pub(super) fn near(problem: &FeedProblem, barrier_problem: &BarrierProblem, law:
     }));
     c.push(0.0);
     let ratios = barrier_problem.ratios();
-    (c[0], c[m + 1]) = (c[1] / ratios[0], c[m] / ratios[1]);
+    for (i, (outer, inner)) in [(0, 1), (m + 1, m)].into_iter().enumerate() {
+        if let End::Moving { x, .. } = barrier_problem.ends[i] {
+            (c[outer], c[inner]) = (x, x * ratios[i]);
+        } else {
+            c[outer] = c[inner] / ratios[i];
+        }
+    }
     let mut values = Values::default();
     barrier_problem.knots.evaluate(&c, &mut values);
     let [scale, jerk_scale] = barrier_problem.largest_scales(&values);
+    if !barrier_problem.slows {
+        widen(barrier_problem, &values, jerk_scale.powf(-1.5));
+        return Some(NearLaw { law: c.clone(), start: c, distance: Distance::COARSE });
+    }
     let scale = scale.min(jerk_scale);
     let factor = NEAR_FRACTION * scale.min(1.0);
     let start: Vec<f64> = c.iter().map(|c| c * factor).collect();

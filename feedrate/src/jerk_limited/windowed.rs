@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::parts::most_like;
+use super::passes::Passes;
 use super::planner::JerkLimited;
 use super::solution::JerkLimitedPlan;
 use crate::error::FeedError;
@@ -17,6 +18,9 @@ const MOST: usize = 100_000;
 
 /// Where a window is left for the next one, in sixteenths of it: the first that a motion goes on from.
 const CUTS: [usize; 6] = [8, 7, 9, 6, 10, 4];
+
+/// Two laws whose squared speeds are apart by no more than this part of them are about as fast.
+const ALIKE: f64 = 0.05;
 
 /// A jerk-limited planner for paths of any number of intervals, in memory that does not grow with
 /// the rows of the path.
@@ -144,8 +148,10 @@ impl WindowedJerkLimited {
             let i = window.range.len() * cut / 16;
             let (from, state) = (window.range.start + i, window.law.at_position(window.grid[i]));
             let (problem, to) = self.problem(from, intervals, stretch)?;
+            let from_rest = Passes::rough(&problem);
+            let near = from_rest.and_then(|law| window.joined_to(&law, problem.grid()));
             let problem = problem.going_on_from(state);
-            if let Some(planned) = self.planner.plan_if_any(&problem) {
+            if let Some(planned) = self.planner.plan_if_any(&problem, near.as_ref()) {
                 return Ok(Some((Window::new(&problem, from..to, planned), state.p)));
             }
         }
@@ -192,5 +198,24 @@ impl Window {
         let rests = problem.cap(problem.intervals()).0 == 0.0;
         let JerkLimitedPlan { law, converged, .. } = planned;
         Self { range, grid: problem.grid().to_vec(), law, rests, converged }
+    }
+
+    /// A law along `grid`, which begins inside this window: that of this window at first, and `next`, which begins at rest, where both
+    /// are about as fast.
+    fn joined_to(&self, next: &SpeedLaw, grid: &[f64]) -> Option<SpeedLaw> {
+        let end = self.law.end().p;
+        let squared = |law: &SpeedLaw, s: f64| law.v_at_s(s).powi(2);
+        let common = grid.partition_point(|&s| s < end);
+        let pairs: Vec<[f64; 2]> = grid[..common].iter().map(|&s| [squared(&self.law, s), squared(next, s)]).collect();
+        let first = pairs.iter().position(|[a, b]| *b > (1.0 - 0.8 * ALIKE) * a)?;
+        let alike = pairs[first..].iter().take_while(|[a, b]| (a - b).abs() < ALIKE * a).count();
+        let speed = |(i, &s): (usize, &f64)| {
+            let w = ((i as f64 - first as f64) / (alike as f64 + 1.0)).clamp(0.0, 1.0);
+            let w = w * w * (3.0 - 2.0 * w);
+            let [a, b] = pairs.get(i).copied().unwrap_or_else(|| [0.0, squared(next, s)]);
+            (a + w * (b - a)).sqrt()
+        };
+        let speeds: Vec<f64> = grid.iter().enumerate().map(speed).collect();
+        SpeedLaw::from_knots(grid, &speeds).ok()
     }
 }

@@ -11,10 +11,12 @@ use crate::trajectory::PlanWindows;
 
 /// Grids of more intervals than this are planned in windows: at once they take half a gigabyte.
 const MOST_AT_ONCE: usize = 50_000;
-/// Where windows find no motion, grids of no more intervals than this are planned at once: in two gigabytes at the most.
-const MOST_AFTER_WINDOWS: usize = 200_000;
 /// Intervals of a window.
 const WINDOW: usize = 10_000;
+/// Where windows find no motion, grids of no more than so many of them are planned at once: in two gigabytes at the most.
+const WINDOWS_AT_ONCE: usize = 20;
+/// Longer ones are scanned in parts of so many windows.
+const WINDOWS_SCANNED: usize = 5;
 /// The fewest and the most intervals of a window.
 const FEWEST: usize = 64;
 const LONGEST: usize = 100_000;
@@ -56,8 +58,9 @@ impl<const N: usize> Planner<'_, N> {
     /// ([`WindowedJerkLimited`](arcfeed_feedrate::WindowedJerkLimited)). The motion is as fast as the whole as long as it can brake to
     /// rest within half a window. Standing still must be possible at the end of a window.
     ///
-    /// Where no motion is found in windows, grids of up to 200 000 intervals are planned at once like shorter ones. Longer ones take the
-    /// motion of the continuous-acceleration scan, with rest after 50 000 intervals without a stop of the path.
+    /// Where no motion is found in windows, grids of up to twenty windows (200 000 intervals without this method) are planned at once
+    /// like shorter ones. Longer ones take the motion of the continuous-acceleration scan, with rest after five windows without a stop
+    /// of the path.
     ///
     /// ```
     /// use arcfeed_interp::{JointSpline, Limits, Planner};
@@ -128,11 +131,12 @@ impl<const N: usize> Planner<'_, N> {
         used: &LimitFractions,
         error: FeedError,
     ) -> Result<Chosen, PlanError> {
-        if problem.intervals() <= MOST_AFTER_WINDOWS {
+        let window = self.settings.window.unwrap_or(WINDOW);
+        if problem.intervals() <= WINDOWS_AT_ONCE * window {
             return self.choose_at_once(problem, used);
         }
         let mut parts = Vec::new();
-        let scanned = problem.for_parts(used, MOST_AT_ONCE, |_, rows| {
+        let scanned = problem.for_parts(used, WINDOWS_SCANNED * window, |_, rows| {
             parts.push(ContinuousAccelerationScan.plan(&rows)?);
             Ok(())
         });

@@ -114,6 +114,13 @@ pub(crate) fn along_curve(path: &PosePath, knots: &[f64], breaks: &[f64], measur
     grid.out
 }
 
+/// The knots and corners of a path without a curve that are inside it, increasing; of several that stand next to each other, one.
+pub(crate) fn places(knots: &[f64], corners: &[f64], length: f64) -> Vec<f64> {
+    let mut places = borders(knots, corners, length);
+    places.retain(|s| *s > 0.0 && *s < length);
+    places
+}
+
 /// All knots, and the breaks that do not stand next to one of them or to each other.
 fn borders(knots: &[f64], breaks: &[f64], length: f64) -> Vec<f64> {
     let is_knot = |s: f64| knots.binary_search_by(|k| k.total_cmp(&s)).is_ok();

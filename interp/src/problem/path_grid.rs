@@ -42,8 +42,9 @@ impl PathGrid {
                 .into());
             }
             // At least two between neighbouring knots.
-            fits(2 * (path.knots().len() + 1))?;
-            let grid = grid::equal_steps(path.length(), path.knots(), settings.intervals);
+            let places = grid::places(path.knots(), path.corners(), path.length());
+            fits(2 * (places.len() + 1))?;
+            let grid = grid::equal_steps(path.length(), &places, settings.intervals);
             return Ok(Self { grid, segmentation: None, breaks: Vec::new(), sections: Vec::new() });
         };
         let segmentation = curve

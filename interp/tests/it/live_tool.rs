@@ -5,7 +5,7 @@ use crate::common;
 use arcfeed_interp::{JointCheck, JointRates, JointSample, LiveTool, PathArm, ToolTargetError};
 use arcfeed_kinematics::{ForwardKinematics, JointLimits, Joints, models};
 use arcfeed_sync::{PoseLimits, ProjectionStatus};
-use arcfeed_testing::{Counting, Random};
+use arcfeed_testing::{Counting, Random, cases};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3, vector};
 
 const PERIOD: f64 = 2e-3;
@@ -105,21 +105,21 @@ fn random_targets_at_random_times_keep_every_limit() {
     let arm = common::arm();
     let limits = common::limits(&arm);
     let mut counts = Counts::default();
-    for seed in 0..12 {
+    for seed in cases(6) {
         runs(&arm, HOME, &limits, seed, &mut counts);
     }
     // Slow joints: the tool has to move more slowly.
     let slow = arm.range().with_rates(Joints::repeat(0.6), Joints::repeat(2.0), Joints::repeat(15.0)).expect("limits");
-    for seed in 60..72 {
+    for seed in cases(6).map(|i| 1_000_000 + i) {
         runs(&arm, HOME, &slow, seed, &mut counts);
     }
     let kuka = models::kr6_r700();
     let limits =
         kuka.range().with_rates(Joints::repeat(2.0), Joints::repeat(9.0), Joints::repeat(90.0)).expect("limits");
-    for seed in 120..132 {
+    for seed in cases(6).map(|i| 2_000_000 + i) {
         runs(&kuka, [0.1, -1.2, 1.5, 0.2, 0.8, 0.1], &limits, seed, &mut counts);
     }
-    assert!(counts.accepted > 200 && counts.refused > 5 && counts.slowed > 100, "{counts:?}");
+    assert!(counts.accepted > 100 && counts.refused > 2 && counts.slowed > 50, "{counts:?}");
     println!("{counts:?}");
 }
 

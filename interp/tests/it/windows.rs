@@ -2,13 +2,15 @@
 
 use arcfeed_feedrate::{Fallback, FeedPlanner, JerkLimited};
 use arcfeed_interp::{
-    JointJet, JointSpline, LimitError, Limits, Method, MotionPath, PathError, PathParameter, Planner, RowsNeeded,
-    ToolPath,
+    Extent, FeedSection, JointJet, JointSpline, LimitError, Limits, Method, MotionPath, PathError, PathParameter,
+    Planner, RowsNeeded, ToolPath, Trajectory,
 };
 use arcfeed_kinematics::{Joints, models};
 use arcfeed_testing::{Random, most_bytes_in};
 
-use crate::common::{analytic, arm, knotted, tool, tool_down};
+use crate::common::{analytic, arm, bent, knotted, tool, tool_down};
+use crate::limit_tables::Kind;
+use crate::qb;
 
 /// Way-points all over a part of the range.
 fn route(seed: u64, points: usize) -> JointSpline<6> {
@@ -165,6 +167,94 @@ fn the_scan_takes_the_place_of_windows_without_a_motion() {
     }
     let durations = [windows.duration(), whole.duration()];
     assert!((durations[0] / durations[1] - 1.0).abs() < 1e-9, "{durations:?}");
+}
+
+/// Where the grid is longer than twenty windows, too, it is scanned in parts of five windows, or up to a stop of the path.
+#[test]
+fn a_long_path_without_a_motion_in_windows_is_scanned_in_parts() {
+    let arm = models::ur5e();
+    let path = Stopping { stops: vec![5.0, 5.01, 6.0, 6.00125, 7.0, 7.0025] };
+    let planner = Planner::new(&arm, limits()).with_intervals(2000).expect("allowed");
+    let whole = planner.plan(&path).expect("the scan finds one");
+    let parts = planner.with_window(64).expect("allowed").plan(&path).expect("the scan finds one");
+    let info = parts.info();
+    assert!(matches!(info.fallback, Some(Fallback::Failed(_))) && info.windows.is_none(), "{info:?}");
+    assert!(info.method == Some(Method::ContinuousAcceleration), "{info:?}");
+    assert!(parts.verification().holds(1e-6), "{:?}", parts.verification().worst());
+    // A part of 320 intervals is 1.6 long, or half of that on a grid twice as fine.
+    let rests = |plan: &Trajectory<'_>| plan.law().knots().filter(|(_, state)| state.v < 1e-9).count();
+    assert!(rests(&parts) > rests(&whole), "{} and {}", rests(&parts), rests(&whole));
+    assert!(parts.duration() > whole.duration() && parts.duration() < 2.0 * whole.duration(), "{}", parts.duration());
+    for stop in &path.stops[..2] {
+        let v = parts.law().at_position(*stop).v;
+        assert!(v < 1e-6, "{v} at {stop}");
+    }
+}
+
+/// The motion passes half a window of 10 000 intervals in less than twice the time in which it brakes: windows grow by themselves.
+#[test]
+#[ignore = "a minute: a grid of more than 50 000 intervals, twice"]
+fn windows_grow_where_the_motion_brakes_for_longer() {
+    let arm = models::ur5e();
+    let path = Stopping { stops: Vec::new() };
+    let rates = [3.0, 8.0, 80.0].map(Joints::repeat);
+    let slow = models::ur5e().range().with_rates(rates[0], rates[1], rates[2]).expect("above 0");
+    let planner = Planner::new(&arm, Limits::new(slow));
+    let plan = planner.clone().with_intervals(51_000).expect("allowed").plan(&path).expect("is planned");
+    let info = plan.info().windows.as_ref().expect("a long path");
+    let coarse = planner.clone().with_intervals(5000).expect("allowed").plan(&path).expect("is planned");
+    let short = planner.with_intervals(51_000).expect("allowed").with_window(10_000).expect("allowed");
+    let short = short.plan(&path).expect("is planned");
+    let durations = [coarse.duration(), plan.duration(), short.duration()];
+    assert!(info.intervals > 10_000 && info.stops.is_empty() && plan.verification().holds(1e-6), "{info:?}");
+    assert!(durations[1] < 1.005 * durations[0] && durations[1] < durations[2], "{durations:?}");
+}
+
+/// Feeds of sections hold in windows as they do on the whole path.
+#[test]
+fn sections_are_kept_in_windows() {
+    let arm = arm();
+    let path = ToolPath::new(&arm, tool_down(analytic()), arm.range()).expect("in reach");
+    let joints = arm.range().with_rates(Joints::repeat(3.0), Joints::repeat(12.0), Joints::repeat(120.0));
+    let length = path.length();
+    let section = |[from, to, feed]: [f64; 3]| FeedSection {
+        extent: Extent::Length { from: from * length, to: to * length },
+        feed,
+    };
+    let feeds = [[0.2, 0.35, 0.03], [0.35, 0.6, 0.06], [0.8, 0.9, 0.04]];
+    let planner = Planner::new(&arm, Limits::new(joints.expect("above 0")).with_tool(tool()))
+        .with_sections(feeds.map(section).to_vec());
+    let whole = planner.plan(&path).expect("is planned");
+    let windows = planner.with_window(250).expect("allowed").plan(&path).expect("is planned");
+    assert!(windows.info().windows.as_ref().is_some_and(|windows| windows.count > 1), "{:?}", windows.info());
+    assert!(windows.duration() < 1.02 * whole.duration(), "{} and {}", windows.duration(), whole.duration());
+    assert!(windows.verification().holds(1e-6), "{:?}", windows.verification().worst());
+    for [from, to, feed] in feeds {
+        let fastest = (0..=1000)
+            .map(|i| windows.law().at_position(length * (from + (to - from) * f64::from(i) / 1000.0)).v)
+            .fold(0.0, f64::max);
+        assert!(fastest <= feed * (1.0 + 1e-6) && fastest > 0.99 * feed, "{fastest} of {feed}");
+    }
+}
+
+/// Tables of limits, torques and limits on the tool's vectors hold in windows as they do on the whole path.
+#[test]
+fn tables_are_kept_in_windows() {
+    let arm = qb::arm();
+    let path = bent::rounds();
+    for kind in Kind::ALL {
+        let told = kind.told(1.0);
+        let planner = told.planner(&arm).with_intervals(1200).expect("allowed");
+        let whole = planner.plan(&path).expect("is planned");
+        let windows = planner.with_window(400).expect("allowed").plan(&path).expect("is planned");
+        let info = windows.info();
+        let what = format!("{kind:?}: {} and {}, {info:?}", windows.duration(), whole.duration());
+        assert!(info.windows.as_ref().is_some_and(|windows| windows.count > 1), "{what}");
+        // Some windows rest at their end: from a jerk or an acceleration at its table's limit not every motion is found that goes on.
+        assert!(windows.verification().holds(1e-6) && windows.duration() < 1.25 * whole.duration(), "{what}");
+        let worst = windows.verification().worst_of(kind.quantity()).expect("looked at");
+        assert!(worst.ratio > 0.95, "{what}: {worst:?} does not bind");
+    }
 }
 
 /// A grid that is no longer than a window and a half is planned at once, and its information says so.

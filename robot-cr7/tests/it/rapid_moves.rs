@@ -1,9 +1,9 @@
 //! Rapid moves of a program: lines with a speed of their own, and motions of the joints.
 //!
-//! `RANDOM_PROGRAMS=500 RANDOM_SEED=7 cargo test --release -p robot-cr7 --test it rapid_moves -- --nocapture` searches longer.
+//! `ARCFEED_CASES=100 cargo test --release -p robot-cr7 --test it rapid_moves -- --nocapture` searches longer.
 
 use arcfeed_interp::Quantity;
-use arcfeed_testing::Random;
+use arcfeed_testing::{Random, cases};
 use robot_cr7::{Job, PartMotion, PathFile, ProgramTask};
 
 use crate::common::Desk;
@@ -288,10 +288,8 @@ fn random_program(random: &mut Random) -> (Script, String, Option<f64>, f64) {
 
 #[test]
 fn random_programs_keep_limits_lines_and_times() {
-    let number = |name: &str, default| std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default);
-    let (count, first): (u64, u64) = (number("RANDOM_PROGRAMS", 10), number("RANDOM_SEED", 20_261_129));
     let desk = Desk::new("rapid_random");
-    for seed in first..first + count {
+    for seed in cases(5).map(|i| 20_261_129 + i) {
         let (script, job, rapid, period) = random_program(&mut Random::new(seed));
         // What a failure is about.
         println!("seed {seed}\n{job}{}", script.text);

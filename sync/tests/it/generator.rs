@@ -5,7 +5,7 @@ use arcfeed_sync::{OnlineGenerator, SyncError, Synchronisation, Trajectory};
 use proptest::prelude::*;
 
 use crate::common;
-use arcfeed_testing::Random;
+use arcfeed_testing::{Random, cases};
 use common::{Problem, moving_problem};
 
 const CYCLE: f64 = 1e-3;
@@ -40,7 +40,7 @@ fn run<const N: usize>(
     unreachable!()
 }
 
-fn unchanged_targets<const N: usize>(seed: u64, moving: f64, noise: f64, count: usize) {
+fn unchanged_targets<const N: usize>(seed: u64, moving: f64, noise: f64, count: u64) {
     let mut rng = Random::new(seed);
     let mut worst = 1.0_f64;
     for i in 0..count {
@@ -65,10 +65,10 @@ fn unchanged_targets<const N: usize>(seed: u64, moving: f64, noise: f64, count: 
 
 #[test]
 fn the_same_target_every_cycle_is_reached_on_time() {
-    unchanged_targets::<1>(51, 0.0, 0.0, 500);
-    unchanged_targets::<1>(52, 1.0, 0.0, 500);
-    unchanged_targets::<6>(53, 0.0, 0.0, 500);
-    unchanged_targets::<6>(54, 1.0, 0.0, 500);
+    unchanged_targets::<1>(51, 0.0, 0.0, cases(150).end);
+    unchanged_targets::<1>(52, 1.0, 0.0, cases(150).end);
+    unchanged_targets::<6>(53, 0.0, 0.0, cases(150).end);
+    unchanged_targets::<6>(54, 1.0, 0.0, cases(150).end);
 }
 
 #[test]

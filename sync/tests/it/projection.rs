@@ -3,7 +3,7 @@
 use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, StateToState};
 use arcfeed_sync::nalgebra::SVector;
 use arcfeed_sync::{JointState, ProjectionStatus, ProjectionSync, SyncError, symmetric_limits};
-use arcfeed_testing::Random;
+use arcfeed_testing::{Random, cases};
 
 const T: f64 = 1e-3;
 type V6 = SVector<f64, 6>;
@@ -128,7 +128,7 @@ fn limits_hold_from_random_starts() {
 #[test]
 fn limits_hold_while_the_target_moves() {
     let mut rng = Random::new(8);
-    for i in 0..12 {
+    for i in cases(5) {
         let case = random_case(&mut rng);
         let mut sync = ProjectionSync::new(&case.start, case.target, &case.limits).unwrap();
         let (mut before, mut target) = (sync.state(), case.target);

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 use arcfeed_sync::nalgebra::{Isometry3, Quaternion, UnitQuaternion, Vector3, Vector6};
 use arcfeed_sync::{PoseLimits, PoseProjectionSync, PoseState, PoseStep, ProjectionStatus, SyncError};
-use arcfeed_testing::Random;
+use arcfeed_testing::{Random, cases};
 
 const T: f64 = 1e-3;
 
@@ -122,7 +122,7 @@ fn limits_hold_from_random_starts() {
 fn limits_hold_while_the_target_moves() {
     let mut rng = Random::new(9);
     let l = limits();
-    for i in 0..5 {
+    for i in cases(3) {
         let start = moving(&mut rng, &l);
         let mut target = pose(&mut rng);
         let (shift, turn) = (ball(&mut rng) * (0.2 * T), ball(&mut rng) * (0.4 * T));

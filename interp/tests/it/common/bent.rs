@@ -18,6 +18,15 @@ pub fn half_circle(arm: &Arm<6>) -> ToolPath<'_> {
 
 /// A spline through four points.
 pub fn way_points() -> JointSpline<6> {
+    JointSpline::through(&four_points()).expect("four points")
+}
+
+/// A spline through the same points, three times in turn.
+pub fn rounds() -> JointSpline<6> {
+    JointSpline::through(&[four_points(); 3].concat()).expect("neighbours differ")
+}
+
+fn four_points() -> [Joints<6>; 4] {
     let centre = Joints::from([0.0, -1.1, 1.5, 0.0, 0.9, 0.0]);
     let offsets = [
         [-0.4, 0.2, -0.1, 0.3, 0.2, -0.5],
@@ -25,7 +34,7 @@ pub fn way_points() -> JointSpline<6> {
         [0.4, 0.1, -0.3, 0.4, 0.1, 0.5],
         [0.0, 0.3, 0.1, -0.1, 0.4, -0.2],
     ];
-    JointSpline::through(&offsets.map(|offset| centre + Joints::from(offset))).expect("four points")
+    offsets.map(|offset| centre + Joints::from(offset))
 }
 
 /// Paths of every kind by their names, in reach of the arm of [`qb`](crate::qb).

@@ -1,5 +1,4 @@
 //! Arms of six joints without a closed form, drawn at random, and small paths within their reach.
-#![allow(dead_code, reason = "each user takes its own part")]
 
 use arcfeed_geometry::{ArcLengthCurve, NurbsCurve, OrientationPath, PosePath};
 use arcfeed_interp::{Limits, MotionPath, PlanError, Planner, ToolLimits, ToolPath, Trajectory};
