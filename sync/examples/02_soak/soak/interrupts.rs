@@ -121,6 +121,10 @@ impl Play {
     fn command(&mut self, kinds: usize, rng: &mut Random, outcome: &mut Outcome) -> Verdict {
         let which = rng.below(kinds);
         match which {
+            3 | 4 => {
+                self.stop_on_path(outcome);
+                return Ok(());
+            }
             9..13 => return self.set_route(rng, outcome),
             13.. => return self.change(which, rng, outcome),
             _ => {}
@@ -147,20 +151,6 @@ impl Play {
                     self.curve = None;
                 }
             }
-            3 | 4 => {
-                text = "stop_on_path".to_owned();
-                // A jog has no target, but changes of velocity to be waited for.
-                let left = 2.0 * g.time_left().max(g.plan().duration());
-                let limit = cycles(self.scene.cycle, left + stop_time(&self.now, &self.limits) + 1.0);
-                let plan = *g.plan();
-                g.stop_on_path();
-                // A stop on a line is a plan of its own; during a stop nothing changes.
-                self.braking |= *g.plan() != plan;
-                if !self.braking {
-                    self.path_limits.get_or_insert(self.limits);
-                }
-                self.expect = Expect::Rest(limit);
-            }
             5 => {
                 let velocity = std::array::from_fn(|k| rng.between(self.limits[k].v_min(), self.limits[k].v_max()));
                 let time = rng.log(0.01, 3.0);
@@ -169,12 +159,10 @@ impl Play {
                 if done.is_ok() {
                     let free = self.scene.ranges.is_none() && self.scale == 1.0 && g.scale() == 1.0 && !g.is_held();
                     let count = cycles(self.scene.cycle, time);
-                    // Time enough to get there.
                     let enough = time
                         > stop_time(&self.now, &self.limits)
                             + stop_time(&velocity.map(|v| AxisState::new(0.0, v, 0.0)), &self.limits);
-                    let free = free && enough;
-                    self.expect = if free { Expect::Jog(velocity, count) } else { Expect::Nothing };
+                    self.expect = if free && enough { Expect::Jog(velocity, count) } else { Expect::Nothing };
                     self.curve = None;
                 }
             }
@@ -209,6 +197,23 @@ impl Play {
             return wrong(format!("refused without a reason: {text}: {done:?}"), 1.0);
         }
         Ok(())
+    }
+
+    fn stop_on_path(&mut self, outcome: &mut Outcome) {
+        let g = &mut self.generator;
+        // A jog has no target, but changes of velocity to be waited for.
+        let left = 2.0 * g.time_left().max(g.plan().duration());
+        let limit = cycles(self.scene.cycle, left + stop_time(&self.now, &self.limits) + 1.0);
+        let plan = *g.plan();
+        g.stop_on_path();
+        // A stop on a line is a plan of its own; during a stop nothing changes.
+        self.braking |= *g.plan() != plan;
+        if !self.braking {
+            self.path_limits.get_or_insert(self.limits);
+        }
+        self.expect = Expect::Rest(limit);
+        outcome.see("stop_on_path");
+        self.log.push("stop_on_path".to_owned());
     }
 
     /// A route from wherever the axes are.
