@@ -355,3 +355,25 @@ fn rest<const N: usize>(motion: &mut WayPointTrajectory<N>, route: &Route<'_, N>
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Before an acceleration that rises from zero and after one that falls to it the velocity is inside its limits.
+    #[test]
+    fn states_are_inside_before_and_after() {
+        let l = AxisLimits::new((-1.0, 2.0), (-4.0, 6.0), (-30.0, 50.0)).expect("on both sides of zero");
+        for (v, a) in (-30..60).flat_map(|v| (-9..9).map(move |a| (0.1 * f64::from(v), f64::from(a)))) {
+            let s = within(&AxisState::new(0.0, v, a), &l);
+            let way = |jerk: f64| 0.5 * s.a * s.a / jerk;
+            let (before, after) = if s.a > 0.0 {
+                (s.v - way(l.j_max()), s.v + way(-l.j_min()))
+            } else {
+                (s.v + way(-l.j_min()), s.v - way(l.j_max()))
+            };
+            let inside = |v: f64| v >= l.v_min() - 1e-12 && v <= l.v_max() + 1e-12;
+            assert!(inside(before) && inside(after) && s.a.abs() <= a.abs(), "{v} {a}: {s:?} {before} {after}");
+        }
+    }
+}
