@@ -1,4 +1,5 @@
-//! How much longer motions through way-points take than an optimum on a fine grid: `way_point_gap [COUNT] [ROUNDS]`.
+//! How much longer motions through way-points take than an optimum on a fine grid: `way_point_gap [COUNT] [ROUNDS] [AXES]`,
+//! with AXES for the rows of so many axes alone.
 //!
 //! The optimum is local, found from the motion itself by a sequence of convex programs (clarabel), with 16 to 40 intervals of
 //! constant jerk in each section. Its velocities are bounded at the ends of the intervals only, and its jerks may change there
@@ -63,10 +64,19 @@ fn main() {
     let numbers: Vec<u64> = std::env::args().skip(1).filter_map(|x| x.parse().ok()).collect();
     let count = numbers.first().copied().unwrap_or(30);
     let rounds = numbers.get(1).map_or(WayPointPlanner::<1>::DEFAULT_ROUNDS, |&n| n as usize);
-    table::<1>(1, 40, (count, rounds));
-    table::<1>(5, 24, (count, rounds));
-    table::<3>(3, 24, (count, rounds));
-    table::<3>(10, 16, (count, rounds));
-    table::<6>(10, 16, (count, rounds));
-    table::<3>(64, 12, (count.div_ceil(3), rounds));
+    let wanted = |axes: u64| numbers.get(2).is_none_or(|&n| n == axes);
+    if wanted(1) {
+        table::<1>(1, 40, (count, rounds));
+        table::<1>(5, 24, (count, rounds));
+    }
+    if wanted(3) {
+        table::<3>(3, 24, (count, rounds));
+        table::<3>(10, 16, (count, rounds));
+    }
+    if wanted(6) {
+        table::<6>(10, 16, (count, rounds));
+    }
+    if wanted(3) {
+        table::<3>(64, 12, (count.div_ceil(3), rounds));
+    }
 }

@@ -7,6 +7,7 @@
 //! | `projection` | some thousand cycles towards a target that changes | cycles |
 //! | `interrupts` | some thousand cycles with stops, jogs, holds and scales of time | cycles |
 //! | `routes` | the same, and routes through way-points, from any state of motion | cycles |
+//! | `changes` | the same, and other limits and ranges, while time is scaled, too | cycles |
 //! | `way_points` | four axes through 1 to 64 points, from any state to any other | cases |
 //! | `lines` | four axes along straight lines with blends, some sections free, from any state of motion | cases |
 //! | `ranges` | one axis from state to state inside a range of positions, in a longer duration; three axes together | cases |

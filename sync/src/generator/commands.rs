@@ -112,8 +112,9 @@ impl<const N: usize, R: RouteMemory<N>> OnlineGenerator<N, R> {
     /// The scale changes within the limits of all axes on velocity, acceleration and jerk, which
     /// hold at all times, not only at the cycles. Above 1 it goes as far as the limits allow for the
     /// rest of the plan; a plan in the least time leaves nothing. While an axis uses its whole jerk
-    /// against its velocity no change is possible, and the scale waits. A new target keeps the scale
-    /// where the limits permit; otherwise its plan begins at scale 1 in the state commanded last,
+    /// against its velocity no change is possible, and the scale waits; so it does until a plan that
+    /// begins outside its limits is inside. A new target, other limits and other ranges keep the scale
+    /// where the limits permit; otherwise the plan begins at scale 1 in the state commanded last,
     /// and the scale returns to what is set. [`OnlineGenerator::stop`] is not scaled.
     ///
     /// # Errors

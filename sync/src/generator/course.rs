@@ -16,12 +16,15 @@ const DEPTH: u32 = 7;
 /// Relative difference that counts as round-off.
 const ROUND_OFF: f64 = 1e-13;
 
+/// Part of the limits by which plans exceed them for round-off.
+const PLANNED: f64 = 1e-12;
+
 /// A motion of an axis, and what it may take.
 #[derive(Debug, Clone, Copy)]
 struct Part<'a> {
     motion: &'a StateToState,
     limits: Hull,
-    /// The limits, widened to what the motion itself takes while it is outside of them.
+    /// The limits, widened to what the motion takes: by round-off, or there is no ramp.
     bounds: Hull,
     /// What the motion takes.
     taken: Hull,
@@ -40,6 +43,11 @@ impl<'a> Part<'a> {
             *bound = (bound.0.min(taken.0), bound.1.max(taken.1));
         }
         Self { motion, limits, bounds, taken }
+    }
+
+    /// Returns true if the motion itself keeps its limits.
+    fn keeps_limits(&self) -> bool {
+        self.taken == EMPTY || self.taken.iter().zip(&self.limits).all(|(x, limits)| within(x, limits, PLANNED))
     }
 
     /// The highest constant scale with which the motion keeps its limits.
@@ -100,9 +108,18 @@ impl<'a> Course<'a> {
         rates
     }
 
+    /// Returns true if the plan itself keeps its limits: then it does at every constant scale up to 1.
+    pub fn keeps_limits(&self) -> bool {
+        self.parts.iter().all(Part::keeps_limits)
+    }
+
     /// Returns true if the limits hold for certain at all times of a ramp from `from` (s) on, whose
-    /// position is the time of the plan and whose velocity is the scale, and after it.
+    /// position is the time of the plan and whose velocity is the scale, and after it. No ramp does
+    /// before the plan itself is inside its limits.
     pub fn keeps(&self, ramp: &StateToState, from: f64) -> bool {
+        if !self.keeps_limits() {
+            return false;
+        }
         let (passed, end) = (ramp.at(from).p, ramp.at(ramp.duration()));
         if self.now + (end.p - passed) > self.known || (end.v > 1.0 && end.v > self.highest_scale()) {
             return false;
@@ -136,7 +153,7 @@ impl<'a> Course<'a> {
                 let jerk = sum(times(j, cube), times(a, (3.0 * cross.0, 3.0 * cross.1)));
                 let jerk = sum(jerk, ordered(v.0 * phase.j, v.1 * phase.j));
                 let all = [times(v, scale), sum(times(a, square), times(v, rate)), jerk];
-                all.iter().zip(&part.bounds).all(|(x, bound)| within(x, bound))
+                all.iter().zip(&part.bounds).all(|(x, bound)| within(x, bound, ROUND_OFF))
             }
         });
         if certain {
@@ -157,7 +174,7 @@ impl<'a> Course<'a> {
         hulls.all(|(hull, part)| {
             let [v, a, j] = hull.map(|h| h.0);
             let all = [v * s.v, a * s.v * s.v + v * s.a, j * s.v.powi(3) + 3.0 * a * s.v * s.a + v * phase.j];
-            hull == EMPTY || all.iter().zip(&part.bounds).all(|(&x, bound)| within(&(x, x), bound))
+            hull == EMPTY || all.iter().zip(&part.bounds).all(|(&x, bound)| within(&(x, x), bound, ROUND_OFF))
         })
     }
 
@@ -216,7 +233,7 @@ fn times(x: (f64, f64), y: (f64, f64)) -> (f64, f64) {
     (p.0.min(q.0), p.1.max(q.1))
 }
 
-fn within(x: &(f64, f64), bound: &(f64, f64)) -> bool {
-    let slack = ROUND_OFF * (bound.1 - bound.0);
+fn within(x: &(f64, f64), bound: &(f64, f64), part: f64) -> bool {
+    let slack = part * (bound.1 - bound.0);
     x.0 >= bound.0 - slack && x.1 <= bound.1 + slack
 }

@@ -7,6 +7,7 @@ mod course;
 mod events;
 mod following;
 mod planning;
+mod ranges;
 mod route;
 mod time_scale;
 
@@ -147,59 +148,6 @@ impl<const N: usize> OnlineGenerator<N> {
 }
 
 impl<const N: usize, R: RouteMemory<N>> OnlineGenerator<N, R> {
-    /// The range of positions of each axis, lower and upper end; infinite for none.
-    ///
-    /// # Errors
-    /// [`SyncError::Range`]; [`SyncError::OutsideRange`] if a start or target is outside;
-    /// [`SyncError::CannotStop`] and [`SyncError::LeavesRange`] if what is under way leaves it.
-    ///
-    /// ```
-    /// use arcfeed_sync::feedrate::{AxisLimits, AxisState};
-    /// use arcfeed_sync::{OnlineGenerator, SyncError, Synchronisation};
-    /// let limits = [AxisLimits::symmetric(1.0, 5.0, 50.0)?];
-    /// let generator = OnlineGenerator::new([AxisState::rest(0.0)], limits, 1e-3, Synchronisation::Time)?;
-    /// let mut generator = generator.with_ranges([(-2.0, 2.0)])?;
-    /// assert!(matches!(generator.set_target([AxisState::rest(2.5)]), Err(SyncError::OutsideRange { axis: 0, .. })));
-    /// // Goes on with 0.5 / s after the target, and stops where the range ends.
-    /// generator.set_target([AxisState::new(1.0, 0.5, 0.0)])?;
-    /// for _ in 0..10_000 {
-    ///     generator.step();
-    /// }
-    /// assert_eq!(generator.state()[0], AxisState::rest(2.0));
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn with_ranges(mut self, ranges: [(f64, f64); N]) -> Result<Self, SyncError> {
-        for (axis, (lower, upper)) in ranges.into_iter().enumerate() {
-            self.ranges[axis] =
-                PositionLimits::new(lower, upper).map_err(|_| SyncError::Range { axis, lower, upper })?;
-        }
-        self.check_inside("start", &self.planned)?;
-        self.check_inside("target", &self.target)?;
-        if matches!(self.command, Command::PathStop { .. }) && !self.is_underway() {
-            // Behind the end of the path there is none to stop on, and the scale of time does not know the new ends.
-            self.stop()?;
-            return Ok(self);
-        }
-        if self.following.section.is_some() {
-            self.keep_ranges()?;
-            return Ok(self);
-        }
-        if let Command::Jog { velocity, left } = self.command {
-            self.begin_jog(velocity, left, self.limits)?;
-            return Ok(self);
-        }
-        for k in 0..N {
-            let (limits, range, axis) = (&self.limits[k], &self.ranges[k], self.following.axes[k]);
-            if axis.underway {
-                self.following.lead(k, axis.planned, &self.target[k], limits, range)?;
-                self.following.axes[k].steps = axis.steps;
-            } else {
-                self.following.coast(k, &self.planned[k], limits, range)?;
-            }
-        }
-        Ok(self)
-    }
-
     /// Moves on by one cycle.
     pub fn step(&mut self) -> Step<N> {
         let mut pace = self.pace();
@@ -265,17 +213,6 @@ impl<const N: usize, R: RouteMemory<N>> OnlineGenerator<N, R> {
     /// section under way.
     pub const fn plan(&self) -> &Trajectory<N> {
         &self.following.plan
-    }
-
-    fn check_inside(&self, what: &'static str, states: &[AxisState; N]) -> Result<(), SyncError> {
-        for (axis, (range, s)) in self.ranges.iter().zip(states).enumerate() {
-            let (lower, upper) = (range.lower(), range.upper());
-            // The planner says what is not a number.
-            if !range.contain(s.p) && !s.p.is_nan() {
-                return Err(SyncError::OutsideRange { axis, what, position: s.p, lower, upper });
-            }
-        }
-        Ok(())
     }
 }
 

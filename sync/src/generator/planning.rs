@@ -85,6 +85,19 @@ impl<const N: usize, R: RouteMemory<N>> OnlineGenerator<N, R> {
         Ok(())
     }
 
+    /// Plans to the targets anew from the state commanded last, where the scale of time starts at 1 again.
+    pub(super) fn plan_from_commanded(&mut self) -> Result<(), SyncError> {
+        let order = Order { target: &self.target, limits: &self.limits, from: &self.state, anew: true };
+        let (next, replanned) = self.follow(&order)?;
+        self.scale.jump(1.0);
+        self.command = Command::Target;
+        self.replanned |= replanned;
+        if let Some(next) = next {
+            self.adopt(next);
+        }
+        Ok(())
+    }
+
     /// Follows other motions from now on.
     pub(super) fn adopt(&mut self, next: Following<N>) {
         self.following = next;
@@ -108,11 +121,11 @@ impl<const N: usize, R: RouteMemory<N>> OnlineGenerator<N, R> {
     }
 
     /// Returns true if the scale can go on as it does while other motions are followed.
+    ///
+    /// At a scale below 1 the axes may be inside limits that the state of the plan exceeds: a plan from
+    /// there would take them out.
     pub(super) fn scale_fits(&self, next: &Following<N>, limits: &[AxisLimits; N]) -> bool {
-        if self.scale.steady().is_some_and(|s| s <= 1.0) {
-            return true;
-        }
-        self.scale.fits(&next.courses(None, limits, self.cycle))
+        self.scale.is_one_or_zero() || self.scale.fits(&next.courses(None, limits, self.cycle))
     }
 
     /// The motions for an order, where they are new, and whether a plan is.

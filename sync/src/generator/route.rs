@@ -88,9 +88,9 @@ impl<const N: usize> OnlineGenerator<N, WayPointTrajectory<N>> {
         self.check_inside("target", route.target())?;
         let mut motion = planner.plan(self.planning_state(), route)?;
         let mut next = Following::along(&motion, self.cycle, &self.ranges)?;
-        let scale = self.scale.steady();
         let fits = |next: &Following<N>, motion| {
-            scale.is_some_and(|s| s <= 1.0) || self.scale.fits(&next.courses(Some(motion), route.limits(0), self.cycle))
+            let scale = &self.scale;
+            scale.is_one_or_zero() || scale.fits(&next.courses(Some(motion), route.limits(0), self.cycle))
         };
         if !fits(&next, &motion) {
             // The scale starts at 1 again, from the state commanded last.
@@ -138,17 +138,17 @@ impl<const N: usize, R: RouteMemory<N>> OnlineGenerator<N, R> {
         left.map_or(0.0, |(section, route)| route.section_durations()[section + 1..].iter().sum())
     }
 
-    /// Checks what is left of the route against the ranges, and arranges what follows its last section.
-    pub(super) fn keep_ranges(&mut self) -> Result<(), SyncError> {
-        let Some((section, route)) = self.following.section.zip(self.route.motion()) else { return Ok(()) };
-        let since = self.following.axes.first().map_or(0.0, |axis| axis.steps * self.cycle);
+    /// What is left of the route, checked against the ranges, with what follows its last section.
+    pub(super) fn route_within_ranges(&self, mut next: Following<N>) -> Result<Following<N>, SyncError> {
+        let Some((section, route)) = next.section.zip(self.route.motion()) else { return Ok(next) };
+        let since = next.axes.first().map_or(0.0, |axis| axis.steps * self.cycle);
         check_sections(route, (section, since), &self.ranges)?;
-        let mut rest = self.following;
-        rest.load_last(route, &self.ranges)?;
+        let mut last = next;
+        last.load_last(route, &self.ranges)?;
         if section + 1 == route.section_durations().len() {
-            self.following = rest;
+            next = last;
         }
-        Ok(())
+        Ok(next)
     }
 
     /// The axes have no command but their target.

@@ -112,6 +112,12 @@ impl TimeScale {
         self.ramp.is_none().then_some(self.scale)
     }
 
+    /// Returns true at a steady scale of 1, where the axes are in the state of their plan, and at one
+    /// of 0, where they rest.
+    pub fn is_one_or_zero(&self) -> bool {
+        self.ramp.is_none() && (self.scale == 1.0 || self.scale == 0.0)
+    }
+
     /// Jumps to a scale: for axes that stand, or plans that begin in the state commanded last.
     pub fn jump(&mut self, scale: f64) {
         (self.scale, self.ramp, self.next) = (scale, None, 0);
@@ -125,11 +131,12 @@ impl TimeScale {
         }
     }
 
-    /// Returns true if the ramp followed keeps the limits of other courses, too.
+    /// Returns true if the ramp followed, or the scale, keeps the limits of other courses, too.
     pub fn fits(&self, courses: &[Course<'_>]) -> bool {
         match &self.ramp {
             Some(r) => courses.iter().all(|c| c.keeps(&r.motion, r.t)),
-            None => self.scale <= 1.0 || courses.iter().all(|c| c.highest_scale() >= self.scale),
+            None if self.scale <= 1.0 => courses.iter().all(Course::keeps_limits),
+            None => courses.iter().all(|c| c.highest_scale() >= self.scale),
         }
     }
 

@@ -162,33 +162,53 @@ impl<const N: usize> WayPointPlanner<N> {
         let mut duration = self.settle(&mut motion, route);
         if duration > SLACK * self.program.best_total() {
             self.program.take_best();
-            let mut other = self.read(&guess, route);
-            let there = self.settle(&mut other, route);
-            if there < duration {
-                (motion, duration) = (other, there);
-            }
+            self.take_if_shorter(&guess, route, (&mut motion, &mut duration));
         }
         // The guess is exact for an axis that no other one makes slower.
         if guess.has_leader(route.sections()) {
             guess.write(route, &mut self.program);
             // Between states at their bounds there is one motion, and none that is a little longer.
             self.program.slow_down(CLEAR_OF_BOUNDS);
-            let mut other = self.read(&guess, route);
-            let there = self.settle(&mut other, route);
-            if there < duration {
-                (motion, duration) = (other, there);
-            }
+            self.take_if_shorter(&guess, route, (&mut motion, &mut duration));
         }
         // Never longer than with a stop in every point.
-        if duration <= stopping_bound(&guess.states, route) {
-            return Ok(motion);
+        if duration > stopping_bound(&guess.states, route) {
+            self.rest_if_shorter(&guess, route, (&mut motion, duration))?;
         }
-        let mut stopping = self.read(&guess, route);
+        Ok(motion)
+    }
+
+    /// Takes the motion of the program where it is shorter. Not inlined: the stack has the other motion
+    /// once, not for each call.
+    #[inline(never)]
+    fn take_if_shorter(
+        &self,
+        guess: &Guess<N>,
+        route: &Route<'_, N>,
+        (motion, duration): (&mut WayPointTrajectory<N>, &mut f64),
+    ) {
+        let mut other = self.read(guess, route);
+        let there = self.settle(&mut other, route);
+        if there < *duration {
+            (*motion, *duration) = (other, there);
+        }
+    }
+
+    /// Rests in every point where that is shorter; an error if there is no motion at all.
+    #[inline(never)]
+    fn rest_if_shorter(
+        &self,
+        guess: &Guess<N>,
+        route: &Route<'_, N>,
+        (motion, duration): (&mut WayPointTrajectory<N>, f64),
+    ) -> Result<(), SyncError> {
+        let mut stopping = self.read(guess, route);
         match rest(&mut stopping, route) {
-            Ok(()) if stopping.duration() < duration => Ok(stopping),
-            Err(e) if duration == f64::INFINITY => Err(e),
-            _ => Ok(motion),
+            Ok(()) if stopping.duration() < duration => *motion = stopping,
+            Err(e) if duration == f64::INFINITY => return Err(e),
+            _ => {}
         }
+        Ok(())
     }
 
     /// The states and durations of the program.
@@ -334,4 +354,26 @@ fn rest<const N: usize>(motion: &mut WayPointTrajectory<N>, route: &Route<'_, N>
         motion.durations[i] = made.duration();
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Before an acceleration that rises from zero and after one that falls to it the velocity is inside its limits.
+    #[test]
+    fn states_are_inside_before_and_after() {
+        let l = AxisLimits::new((-1.0, 2.0), (-4.0, 6.0), (-30.0, 50.0)).expect("on both sides of zero");
+        for (v, a) in (-30..60).flat_map(|v| (-9..9).map(move |a| (0.1 * f64::from(v), f64::from(a)))) {
+            let s = within(&AxisState::new(0.0, v, a), &l);
+            let way = |jerk: f64| 0.5 * s.a * s.a / jerk;
+            let (before, after) = if s.a > 0.0 {
+                (s.v - way(l.j_max()), s.v + way(-l.j_min()))
+            } else {
+                (s.v + way(-l.j_min()), s.v - way(l.j_max()))
+            };
+            let inside = |v: f64| v >= l.v_min() - 1e-12 && v <= l.v_max() + 1e-12;
+            assert!(inside(before) && inside(after) && s.a.abs() <= a.abs(), "{v} {a}: {s:?} {before} {after}");
+        }
+    }
 }

@@ -14,6 +14,7 @@ mod ranges;
 mod rest_to_rest;
 mod route_edges;
 mod routes;
+mod scaled_changes;
 mod so3;
 mod soak;
 mod state_to_state;

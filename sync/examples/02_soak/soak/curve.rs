@@ -23,6 +23,11 @@ impl Curve {
         Self { motions, from: 0.0 }
     }
 
+    /// The state at the time found last.
+    pub fn here(&self) -> JointState<AXES> {
+        self.at(self.from)
+    }
+
     fn at(&self, t: f64) -> JointState<AXES> {
         let mut left = t;
         for (i, motion) in self.motions.iter().enumerate() {
@@ -34,26 +39,41 @@ impl Curve {
         JointState::default()
     }
 
-    /// Looks for the time of the plan at which the axis that is farthest off is nearest, from the last one on, and returns how far
-    /// it is off there.
-    pub fn advance(&mut self, now: &States, cycle: f64) -> f64 {
+    /// Looks for the time of the plan at which the axis that is farthest off is nearest, around the last one, and returns how far it
+    /// is off there. Where all axes turn at once a time before the turn and one after it may be as near: of those that are near enough
+    /// the last one counts, from which the search can come back.
+    pub fn advance(&mut self, now: &States, cycle: f64, near_enough: f64) -> f64 {
         let start = self.from;
         let off_at = |t: f64| {
             let s = self.at(t);
             now.iter().zip(s.q.iter()).map(|(s, q): (&AxisState, &f64)| (q - s.p).abs()).fold(0.0, f64::max)
         };
-        // Golden section beside the best of some places: axes that turn have more than one minimum.
+        // Golden section in every minimum of some places: axes that turn have more than one.
         let wide = 1.6 * cycle / 64.0;
-        let places = (0..=64).map(|i| start + wide * f64::from(i));
-        let near = places.fold(start, |best, t| if off_at(t) < off_at(best) { t } else { best });
-        let (mut lo, mut hi) = ((near - wide).max(start), near + wide);
-        for _ in 0..80 {
-            let (x, y) = (hi - 0.618_033_988_75 * (hi - lo), lo + 0.618_033_988_75 * (hi - lo));
-            if off_at(x) <= off_at(y) { hi = y } else { lo = x }
+        let place = |i: i32| (start + wide * f64::from(i)).max(0.0);
+        let offs: Vec<f64> = (-65..=65).map(|i| off_at(place(i))).collect();
+        // The last of equal ones: before the begin all are.
+        let least = (1..offs.len() - 1).rev().min_by(|&i, &k| offs[i].total_cmp(&offs[k]));
+        let turns = (1..offs.len() - 1).filter(|&i| offs[i] < offs[i - 1] && offs[i] <= offs[i + 1]);
+        let mut best = start;
+        for i in least.into_iter().chain(turns) {
+            let near = i as i32 - 65;
+            let found = nearest(&off_at, place(near - 1), place(near + 1));
+            if off_at(found) < off_at(best).max(near_enough) {
+                best = found;
+            }
         }
-        let best = 0.5 * (lo + hi);
         let off = off_at(best);
         self.from = best;
         off
     }
+}
+
+/// The least of a function between two places, where it has one minimum.
+fn nearest(off_at: &impl Fn(f64) -> f64, mut lo: f64, mut hi: f64) -> f64 {
+    for _ in 0..80 {
+        let (x, y) = (hi - 0.618_033_988_75 * (hi - lo), lo + 0.618_033_988_75 * (hi - lo));
+        if off_at(x) <= off_at(y) { hi = y } else { lo = x }
+    }
+    0.5 * (lo + hi)
 }

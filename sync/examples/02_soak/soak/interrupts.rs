@@ -2,6 +2,7 @@
 //!
 //! Judged from the samples: every step is possible within the limits; a stop, a hold and a jog whose time is over end at rest in
 //! the time they can take; a jog gets to its velocities; a stop on the path, a hold and a scale leave no curve that was planned.
+//! With the changes of `changes` limits and ranges are set on the way, too.
 
 use std::cell::RefCell;
 
@@ -16,11 +17,11 @@ use super::generator_input::{AXES, Limits, Scene, States};
 use super::judge::{Precision, broken};
 use super::{Failure, Outcome, random};
 
-type Verdict = Result<(), (String, f64)>;
+pub(super) type Verdict = Result<(), (String, f64)>;
 
 /// What is expected of the cycles that follow.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Expect {
+pub(super) enum Expect {
     Nothing,
     /// Rest, in so many cycles at most.
     Rest(u64),
@@ -28,17 +29,23 @@ enum Expect {
     Jog([f64; AXES], u64),
 }
 
-struct Play {
-    scene: Scene,
-    generator: OnlineGenerator<AXES, WayPointTrajectory<AXES>>,
-    now: States,
-    limits: Limits,
-    expect: Expect,
+pub(super) struct Play {
+    pub(super) scene: Scene,
+    pub(super) generator: OnlineGenerator<AXES, WayPointTrajectory<AXES>>,
+    pub(super) now: States,
+    pub(super) limits: Limits,
+    /// The limits with which a stop on the path began that is not over.
+    pub(super) path_limits: Option<Limits>,
+    /// Axes stop in their shortest way.
+    pub(super) braking: bool,
+    pub(super) expect: Expect,
     /// The plan on whose curve the axes are.
-    curve: Option<Curve>,
+    pub(super) curve: Option<Curve>,
+    /// Limits were set on the way: axes may be outside.
+    pub(super) lowered: bool,
     /// The scale that is set.
     scale: f64,
-    log: Vec<String>,
+    pub(super) log: Vec<String>,
 }
 
 thread_local! {
@@ -53,6 +60,11 @@ pub fn case(seed: u64) -> Outcome {
 /// With routes through way-points, too.
 pub fn routes(seed: u64) -> Outcome {
     play(seed, 13)
+}
+
+/// With other limits and ranges, too.
+pub fn changes(seed: u64) -> Outcome {
+    play(seed, 18)
 }
 
 /// The first so many kinds of command.
@@ -72,15 +84,20 @@ fn play(seed: u64, kinds: usize) -> Outcome {
         generator,
         now: scene.start,
         limits: scene.limits,
+        path_limits: None,
+        braking: false,
         expect: Expect::Nothing,
         curve: None,
+        lowered: false,
         scale: 1.0,
         log: Vec::new(),
         scene,
     };
-    for _ in 0..12 {
+    for _ in 0..if kinds > 13 { 30 } else { 12 } {
         let result = play.command(kinds, &mut rng, &mut outcome).and_then(|()| {
-            let count = if rng.chance(0.2) { 2000 } else { rng.below(400) as u64 };
+            // Changes follow each other while the scale of time is on its way.
+            let (long, most) = if kinds > 13 { (0.04, if rng.chance(0.7) { 40 } else { 400 }) } else { (0.2, 400) };
+            let count = if rng.chance(long) { 2000 } else { rng.below(most) as u64 };
             (0..count).try_for_each(|_| {
                 outcome.counted += 1;
                 play.cycle()
@@ -96,15 +113,21 @@ fn play(seed: u64, kinds: usize) -> Outcome {
     outcome
 }
 
-fn wrong<T>(what: String, size: f64) -> Result<T, (String, f64)> {
+pub(super) fn wrong<T>(what: String, size: f64) -> Result<T, (String, f64)> {
     Err((what, size))
 }
 
 impl Play {
     fn command(&mut self, kinds: usize, rng: &mut Random, outcome: &mut Outcome) -> Verdict {
         let which = rng.below(kinds);
-        if which >= 9 {
-            return self.set_route(rng, outcome);
+        match which {
+            3 | 4 => {
+                self.stop_on_path(outcome);
+                return Ok(());
+            }
+            9..13 => return self.set_route(rng, outcome),
+            13.. => return self.change(which, rng, outcome),
+            _ => {}
         }
         let g = &mut self.generator;
         let mut done = Ok(());
@@ -128,12 +151,6 @@ impl Play {
                     self.curve = None;
                 }
             }
-            3 | 4 => {
-                text = "stop_on_path".to_owned();
-                let limit = cycles(self.scene.cycle, 2.0 * g.time_left() + stop_time(&self.now, &self.limits) + 1.0);
-                g.stop_on_path();
-                self.expect = Expect::Rest(limit);
-            }
             5 => {
                 let velocity = std::array::from_fn(|k| rng.between(self.limits[k].v_min(), self.limits[k].v_max()));
                 let time = rng.log(0.01, 3.0);
@@ -142,12 +159,10 @@ impl Play {
                 if done.is_ok() {
                     let free = self.scene.ranges.is_none() && self.scale == 1.0 && g.scale() == 1.0 && !g.is_held();
                     let count = cycles(self.scene.cycle, time);
-                    // Time enough to get there.
                     let enough = time
                         > stop_time(&self.now, &self.limits)
                             + stop_time(&velocity.map(|v| AxisState::new(0.0, v, 0.0)), &self.limits);
-                    let free = free && enough;
-                    self.expect = if free { Expect::Jog(velocity, count) } else { Expect::Nothing };
+                    self.expect = if free && enough { Expect::Jog(velocity, count) } else { Expect::Nothing };
                     self.curve = None;
                 }
             }
@@ -172,6 +187,9 @@ impl Play {
                 g.resume();
             }
         }
+        if done.is_ok() && matches!(which, 0..=2 | 5) {
+            (self.path_limits, self.braking) = (None, which == 2);
+        }
         let name = text.split(' ').next().unwrap_or_default().to_owned();
         outcome.see(&format!("{name}{}", if done.is_err() { ", refused" } else { "" }));
         self.log.push(format!("{text}: {done:?}"));
@@ -179,6 +197,23 @@ impl Play {
             return wrong(format!("refused without a reason: {text}: {done:?}"), 1.0);
         }
         Ok(())
+    }
+
+    fn stop_on_path(&mut self, outcome: &mut Outcome) {
+        let g = &mut self.generator;
+        // A jog has no target, but changes of velocity to be waited for.
+        let left = 2.0 * g.time_left().max(g.plan().duration());
+        let limit = cycles(self.scene.cycle, left + stop_time(&self.now, &self.limits) + 1.0);
+        let plan = *g.plan();
+        g.stop_on_path();
+        // A stop on a line is a plan of its own; during a stop nothing changes.
+        self.braking |= *g.plan() != plan;
+        if !self.braking {
+            self.path_limits.get_or_insert(self.limits);
+        }
+        self.expect = Expect::Rest(limit);
+        outcome.see("stop_on_path");
+        self.log.push("stop_on_path".to_owned());
     }
 
     /// A route from wherever the axes are.
@@ -206,7 +241,8 @@ impl Play {
         outcome.see(if done.is_ok() { "set_route" } else { "set_route, refused" });
         match done {
             Ok(()) => {
-                self.expect = Expect::Nothing;
+                self.path_over();
+                let g = &self.generator;
                 let sections = 0..g.route().section_durations().len();
                 let motions: Result<Vec<_>, SyncError> = sections.map(|i| g.route().section(i)).collect();
                 self.curve = motions.ok().filter(|_| rest).map(Curve::of);
@@ -219,16 +255,22 @@ impl Play {
 
     fn cycle(&mut self) -> Verdict {
         let dt = self.scene.cycle;
+        let target = *self.generator.target();
         let step = self.generator.step();
+        // The time of a jog is over, or the stop is.
+        self.braking |= *self.generator.target() != target;
+        self.braking &= !step.events.reached;
         let was = self.now;
         let size = was.iter().fold(0.0, |m: f64, s| m.max(s.p.abs()));
         for k in 0..AXES {
             self.now[k] = AxisState::new(step.state.q[k], step.state.qd[k], step.state.qdd[k]);
             let precision = Precision { slack: 1e-12, size };
-            if let Some((what, size)) = broken(&was[k], &self.now[k], dt, &self.limits[k], precision) {
-                return wrong(format!("{what}, axis {k}: {:?} -> {:?}", was[k], self.now[k]), size);
+            let limits = &self.path_limits.as_ref().unwrap_or(&self.limits)[k];
+            if let Some((what, size)) = broken(&was[k], &self.now[k], dt, limits, precision) {
+                let scale = self.generator.scale();
+                return wrong(format!("{what}, axis {k}: {:?} -> {:?} at scale {scale}", was[k], self.now[k]), size);
             }
-            if step.events.outside_limits {
+            if step.events.outside_limits && !self.lowered {
                 return wrong("outside its limits".to_owned(), 1.0);
             }
             if let Some(ranges) = &self.scene.ranges {
@@ -237,6 +279,9 @@ impl Play {
                     return wrong("outside its range".to_owned(), (p - ranges[k].1).max(ranges[k].0 - p));
                 }
             }
+        }
+        if step.events.reached && self.now.iter().all(|s| s.v == 0.0 && s.a == 0.0) {
+            self.path_limits = None;
         }
         self.expected(&step)?;
         self.on_curve()
@@ -274,6 +319,11 @@ impl Play {
         Ok(())
     }
 
+    /// Another command took the place of what was followed.
+    pub(super) fn path_over(&mut self) {
+        (self.expect, self.curve, self.path_limits, self.braking) = (Expect::Nothing, None, None, false);
+    }
+
     /// Looks for the time of the plan at which the axis that moves fastest is where it is, and compares the other axes.
     fn on_curve(&mut self) -> Verdict {
         let Some(curve) = &mut self.curve else { return Ok(()) };
@@ -285,22 +335,27 @@ impl Play {
         if self.scene.mode == Synchronisation::None && self.generator.section().is_none() {
             return Ok(());
         }
-        let off = curve.advance(&self.now, self.scene.cycle);
         let size = self.limits.iter().fold(0.0, |m: f64, l| m.max(l.v_max() - l.v_min()));
-        if off > 1e-9 * (1.0 + size * self.scene.cycle) {
+        let near_enough = 1e-9 * (1.0 + size * self.scene.cycle);
+        let off = curve.advance(&self.now, self.scene.cycle, 0.5 * near_enough);
+        if off > near_enough {
             let scale = self.generator.scale();
-            return wrong(format!("leaves the curve of its plan {curve:?}, scale {scale}"), off);
+            let now = self.now;
+            return wrong(
+                format!("leaves the curve of its plan {curve:?}, scale {scale}: {now:?} {:?}", curve.here()),
+                off,
+            );
         }
         Ok(())
     }
 }
 
-fn cycles(cycle: f64, time: f64) -> u64 {
+pub(super) fn cycles(cycle: f64, time: f64) -> u64 {
     (time / cycle).ceil() as u64 + 2
 }
 
 /// A time in which any axis comes to rest: acceleration to zero, velocity to zero with half the limits.
-fn stop_time(states: &States, limits: &Limits) -> f64 {
+pub(super) fn stop_time(states: &States, limits: &Limits) -> f64 {
     let time = |s: &AxisState, l: &arcfeed_sync::feedrate::AxisLimits| {
         let (a, j) = (l.a_max().min(-l.a_min()), l.j_max().min(-l.j_min()));
         let release = s.a.abs() / j;

@@ -2,6 +2,7 @@
 // Shared with a test, which uses a part of it.
 #![allow(dead_code)]
 
+mod changes;
 mod curve;
 pub mod generator;
 mod generator_input;
@@ -23,12 +24,13 @@ pub struct Family {
     pub case: fn(u64) -> Outcome,
 }
 
-pub const FAMILIES: [Family; 8] = [
+pub const FAMILIES: [Family; 9] = [
     Family { name: "states", case: states::case },
     Family { name: "generator", case: generator::case },
     Family { name: "projection", case: projection::case },
     Family { name: "interrupts", case: interrupts::case },
     Family { name: "routes", case: interrupts::routes },
+    Family { name: "changes", case: interrupts::changes },
     Family { name: "way_points", case: way_points::case },
     Family { name: "lines", case: lines::case },
     Family { name: "ranges", case: ranges::case },

@@ -1,0 +1,122 @@
+//! Limits, targets and ranges that are set while the scale of time changes.
+#![allow(clippy::unwrap_used)]
+
+use arcfeed_sync::feedrate::{AxisLimits, AxisState, MotionLaw, StateToState};
+use arcfeed_sync::{OnlineGenerator, Synchronisation};
+use arcfeed_testing::{Random, allocations_in};
+
+use crate::common::moving_problem;
+
+const CYCLE: f64 = 1e-3;
+
+/// The limits of velocity, acceleration and jerk by differences, one axis after the other.
+fn check(was: &AxisState, now: &AxisState, l: &AxisLimits, case: usize) {
+    let jerk = (now.a - was.a) / CYCLE;
+    let within = |x: f64, low: f64, high: f64, part: f64| x <= high * (1.0 + part) && x >= low * (1.0 + part);
+    assert!(within(jerk, l.j_min(), l.j_max(), 1e-6), "case {case}: jerk {jerk} from {was:?} to {now:?}");
+    assert!(within(now.a, l.a_min(), l.a_max(), 1e-9), "case {case}: {was:?} to {now:?}");
+    assert!(within(now.v, l.v_min(), l.v_max(), 1e-9), "case {case}: {was:?} to {now:?}");
+}
+
+/// The ramp of the scale covered what followed the target before, and the braking before the new end took too much jerk.
+#[test]
+fn ranges_that_are_set_while_the_scale_changes_keep_the_limits() {
+    let mut rng = Random::new(97);
+    let (mut taken, mut ramps) = (0, 0);
+    for case in 0..3000 {
+        let l = AxisLimits::symmetric(1.0, rng.log(1.0, 10.0), rng.log(5.0, 100.0)).unwrap();
+        let mut g = OnlineGenerator::new([AxisState::rest(0.0)], [l], CYCLE, Synchronisation::Time).unwrap();
+        let target = AxisState::new(rng.between(0.3, 1.5), rng.between(0.2, 0.95), 0.0);
+        g.set_target([target]).unwrap();
+        // The ramp begins at the target or shortly before it.
+        let before = rng.between(0.0, 0.05);
+        while g.is_underway() && g.time_left() > before {
+            g.step();
+        }
+        if rng.chance(0.3) {
+            g.set_scale(rng.unit()).unwrap();
+        } else if rng.chance(0.5) {
+            g.hold();
+        } else {
+            g.stop_on_path();
+        }
+        let (ramp, mut was) = (rng.below(60), g.state()[0]);
+        for cycle in 0..1500 {
+            if cycle == ramp {
+                ramps += usize::from(g.scale() != 1.0);
+                // As near as the axis can stop, and some more.
+                let stop = StateToState::stop(&AxisState::new(0.0, target.v, 0.0), &l).unwrap();
+                let end = target.p.max(was.p) + stop.at(stop.duration()).p;
+                let range = (-1.0, end + rng.log(1e-6, 0.1));
+                if let Ok(other) = g.clone().with_ranges([range]) {
+                    taken += 1;
+                    g = other;
+                }
+            }
+            g.step();
+            check(&was, &g.state()[0], &l, case);
+            was = g.state()[0];
+            if cycle == 1000 {
+                g.resume();
+            }
+        }
+    }
+    assert!(taken > 1000 && ramps > 500, "{taken} {ramps}");
+}
+
+/// At a scale below 1 the axes are inside limits that the state of the plan exceeds: the plan from there took them out.
+#[test]
+fn limits_that_only_the_plan_exceeds_are_kept_at_any_scale() {
+    let mut rng = Random::new(98);
+    let mut inside = 0;
+    for case in 0..600 {
+        let p = moving_problem::<2>(&mut rng, 0.0);
+        let mut g = OnlineGenerator::new(p.start, p.limits, CYCLE, Synchronisation::Time).unwrap();
+        g.set_target(p.target).unwrap();
+        g.set_scale(rng.between(0.1, 0.9)).unwrap();
+        let count = (rng.unit() * g.time_left() / CYCLE) as usize;
+        (0..count).for_each(|_| {
+            g.step();
+        });
+        // Just above what the axes do now.
+        let lower: [AxisLimits; 2] = std::array::from_fn(|k| {
+            let (s, l) = (g.state()[k], &p.limits[k]);
+            let later = s.v.abs() + 0.5 * s.a * s.a / l.j_max().min(-l.j_min());
+            let part = |x: f64, most: f64| (1.0001 * x.abs()).max(0.3 * most);
+            AxisLimits::symmetric(part(later, l.v_max()), part(s.a, l.a_max()), l.j_max().min(-l.j_min())).unwrap()
+        });
+        if g.set_limits(lower).is_err() || !g.state().iter().zip(&lower).all(|(s, l)| l.contain(s)) {
+            continue;
+        }
+        inside += 1;
+        for _ in 0..4000 {
+            let was = *g.state();
+            let step = g.step();
+            assert!(!step.events.outside_limits, "case {case}");
+            (0..2).for_each(|k| check(&was[k], &g.state()[k], &lower[k], case));
+        }
+    }
+    assert!(inside > 300, "{inside}");
+}
+
+#[test]
+fn changes_while_the_scale_changes_allocate_nothing() {
+    let limits = [AxisLimits::symmetric(1.0, 5.0, 50.0).unwrap(); 6];
+    let slow = [AxisLimits::symmetric(0.5, 2.0, 30.0).unwrap(); 6];
+    let count = allocations_in(|| {
+        let mut g = OnlineGenerator::new([AxisState::rest(0.0); 6], limits, CYCLE, Synchronisation::Time).unwrap();
+        g.set_target([AxisState::new(0.5, 0.3, 0.0); 6]).unwrap();
+        for n in 0..1500 {
+            match n {
+                300 => g.hold(),
+                310 => g.set_limits(slow).unwrap(),
+                320 => g = g.with_ranges([(-2.0, 2.0); 6]).unwrap(),
+                700 => g.resume(),
+                720 => g.set_limits(limits).unwrap(),
+                _ => {}
+            }
+            g.step();
+        }
+    });
+    assert_eq!(count, 0);
+}
