@@ -41,6 +41,8 @@ pub use output::bound_report::BoundReport;
 pub use output::compiled_report::{CertifiedRatio, CertifiedToolRatio, CompiledReport};
 pub use output::joint_report::JointReport;
 #[cfg(feature = "html")]
+pub use input::meshes::{LinkMesh, MeshFault, read_meshes};
+#[cfg(feature = "html")]
 pub use output::page::{MotionPage, PageFacts, SpeedCeiling};
 pub use output::part_report::{JointMoveReport, PartReport};
 #[cfg(feature = "plot")]
