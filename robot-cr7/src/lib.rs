@@ -23,6 +23,8 @@ pub use input::gcode::{
 };
 pub use input::job::{FeedLimits, Job, Payload, TableJob, ToolOrientation, TorqueJob, VibrationJob};
 pub use input::joint_values::{JointOverrides, JointValues};
+#[cfg(feature = "html")]
+pub use input::meshes::{LinkMesh, MeshFault, read_meshes};
 pub use input::named_column::NamedColumn;
 pub use input::online_file::OnlineFile;
 pub use input::online_scenario::OnlineScenario;
@@ -40,8 +42,6 @@ pub use output::binding_line::BindingLine;
 pub use output::bound_report::BoundReport;
 pub use output::compiled_report::{CertifiedRatio, CertifiedToolRatio, CompiledReport};
 pub use output::joint_report::JointReport;
-#[cfg(feature = "html")]
-pub use input::meshes::{LinkMesh, MeshFault, read_meshes};
 #[cfg(feature = "html")]
 pub use output::page::{MotionPage, PageFacts, SpeedCeiling};
 pub use output::part_report::{JointMoveReport, PartReport};

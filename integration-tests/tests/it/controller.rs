@@ -71,7 +71,8 @@ fn a_hold_of_the_operator_outlasts_the_events() {
                 let setpoints = held.setpoints(stage).expect("it ends");
                 // It takes up to a second to stand.
                 let [from, to] = [at + 1.0, at + 4.0].map(|t| (t / 0.03) as usize + 1);
-                let stands = setpoints[from..to.min(setpoints.len())].iter().all(|q| (q - setpoints[from]).amax() < 1e-9);
+                let stands =
+                    setpoints[from..to.min(setpoints.len())].iter().all(|q| (q - setpoints[from]).amax() < 1e-9);
                 assert!(stands, "{index}: held at {at} s, and it moves");
                 assert!((setpoints[setpoints.len() - 1] - alone[alone.len() - 1]).amax() < 1e-9, "{index}: {at}");
                 assert!(setpoints.len() > alone.len() + 90, "{index}: {at}");

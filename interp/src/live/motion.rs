@@ -368,10 +368,7 @@ impl<'a, const N: usize> HybridMotion<'a, N> {
         let t = self.cycles as f64 * self.live.period();
         self.last = Setpoint { t, s: self.feed.position(), feed, acceleration: 0.0, q, qd, qdd, jerk, pose };
         if !arrived {
-            // A held motion goes for no other point.
-            if !self.joints.is_held() {
-                self.pass();
-            }
+            self.pass();
             return Ok(());
         }
         if self.state == HybridState::Stopping {

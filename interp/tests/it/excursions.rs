@@ -105,7 +105,12 @@ fn a_hold_is_kept_whatever_was_ordered_before() {
                 assert!(matches!(step.refused, None | Some(HybridError::BrakesFirst { .. })), "{:?}", step.refused);
                 if (at + 2000..at + 3000).contains(&cycle) {
                     let place = held.get_or_insert(step.setpoint.q);
-                    assert!(step.holding && apart(&step.setpoint.q, place) < 1e-12, "{at}: {cycle} {:?}", step.state);
+                    assert!(
+                        step.holding && apart(&step.setpoint.q, place) < 1e-12,
+                        "{at}: {cycle} {:?} {:?}",
+                        step.state,
+                        step.setpoint
+                    );
                 }
                 record.push((step.setpoint, step.on_path));
                 if step.state == HybridState::Done {

@@ -144,7 +144,10 @@ fn the_meshes_of_a_urdf_stand_at_its_joints() {
     assert!(page.len() < 6_000_000, "{} bytes", page.len());
     let shape = &data["shape"];
     let meshes = shape["meshes"].as_array().expect("meshes");
-    assert_eq!(meshes.iter().map(|mesh| mesh["frame"].as_u64().expect("a frame")).collect::<Vec<_>>(), [1, 2, 3, 4, 5, 6]);
+    assert_eq!(
+        meshes.iter().map(|mesh| mesh["frame"].as_u64().expect("a frame")).collect::<Vec<_>>(),
+        [1, 2, 3, 4, 5, 6]
+    );
     for mesh in meshes {
         let (points, triangles) = (numbers(&mesh["points"]), numbers(&mesh["triangles"]));
         assert_eq!((points.len(), triangles.len()), (8 * 3, 12 * 3));
@@ -213,7 +216,8 @@ fn meshes_that_are_not_read_are_refused_with_the_way_out() {
     }
     with_meshes(&desk, "nan.stl\" scale=\"1 1");
     desk.run(&MESH_PLAN).refused(2, &["arm.urdf"]);
-    desk.run(&["plan", "--format", "html", "--meshes", "meshes"]).refused(2, &["cr7", "no .urdf file", "leave --meshes out"]);
+    desk.run(&["plan", "--format", "html", "--meshes", "meshes"])
+        .refused(2, &["cr7", "no .urdf file", "leave --meshes out"]);
     desk.run(&["plan", "--meshes", "meshes"]).refused(2, &["add --format html"]);
     desk.write("arm.urdf", &desk.run(&["robots", "--urdf", "ur5e"]).done().stdout);
     desk.run(&MESH_PLAN).refused(2, &["no link of the arm has a mesh"]);

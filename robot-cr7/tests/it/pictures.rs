@@ -141,7 +141,12 @@ fn polylines(svg: &str) -> Vec<(String, String, Vec<[f64; 2]>)> {
 
 /// An arm that goes up 400 mm from its base, then 400 mm along x, and has a tool of 300 mm down.
 fn gallows() -> Pose {
-    Pose { t: 0.0, points: vec![0.0, 0.0, 0.0, 0.0, 0.0, 0.4, 0.4, 0.0, 0.4, 0.4, 0.0, 0.1], joints: Vec::new(), feed: 0.0 }
+    Pose {
+        t: 0.0,
+        points: vec![0.0, 0.0, 0.0, 0.0, 0.0, 0.4, 0.4, 0.0, 0.4, 0.4, 0.0, 0.1],
+        joints: Vec::new(),
+        feed: 0.0,
+    }
 }
 
 /// Places along straight lines through these corners.

@@ -55,7 +55,9 @@ pub enum MeshFault {
         most: u64,
     },
     /// A binary file that is not as long as it says.
-    #[error("it states {triangles} triangles, which need {needed} bytes, and it has {bytes}: it was cut off, or is no STL; export it again")]
+    #[error(
+        "it states {triangles} triangles, which need {needed} bytes, and it has {bytes}: it was cut off, or is no STL; export it again"
+    )]
     Length {
         /// The number that it states.
         triangles: u32,
@@ -73,7 +75,9 @@ pub enum MeshFault {
         words: String,
     },
     /// A corner of a triangle is no place on an arm.
-    #[error("triangle {triangle}: a corner is at {value} m: a corner is less than {most} m from the origin of its link; check the scale in the .urdf file, which is 0.001 for a mesh in mm")]
+    #[error(
+        "triangle {triangle}: a corner is at {value} m: a corner is less than {most} m from the origin of its link; check the scale in the .urdf file, which is 0.001 for a mesh in mm"
+    )]
     Corner {
         /// The triangle, from 1.
         triangle: usize,

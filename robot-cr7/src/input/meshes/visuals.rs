@@ -100,11 +100,7 @@ fn triple(node: Node<'_, '_>, what: &'static str, link: &str) -> Result<Option<[
 }
 
 /// Finite numbers of an attribute, where there is one.
-fn numbers<const N: usize>(
-    node: Node<'_, '_>,
-    what: &'static str,
-    link: &str,
-) -> Result<Option<[f64; N]>, MeshFault> {
+fn numbers<const N: usize>(node: Node<'_, '_>, what: &'static str, link: &str) -> Result<Option<[f64; N]>, MeshFault> {
     let Some(value) = node.attribute(what) else { return Ok(None) };
     let all: Option<Vec<f64>> =
         value.split_whitespace().map(|v| v.parse().ok().filter(|v: &f64| v.is_finite())).collect();

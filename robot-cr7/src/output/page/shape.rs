@@ -133,7 +133,8 @@ mod tests {
         assert!((2_000..=MOST_TRIANGLES).contains(&count), "{count}");
         for mesh in &coarse {
             assert_eq!(mesh.frame, 3);
-            let radii = mesh.points.chunks_exact(3).map(|p| UNIT * p.iter().map(|v| f64::from(*v).powi(2)).sum::<f64>().sqrt());
+            let radii =
+                mesh.points.chunks_exact(3).map(|p| UNIT * p.iter().map(|v| f64::from(*v).powi(2)).sum::<f64>().sqrt());
             assert!(radii.into_iter().all(|r| (r - 0.2).abs() < 0.01));
             assert!(mesh.triangles.iter().all(|corner| (*corner as usize) < mesh.points.len() / 3));
         }
