@@ -53,7 +53,7 @@ fn found(folder: &Path, name: &str) -> Result<PathBuf, MeshFault> {
         match fs::canonicalize(stl) {
             Ok(file) if file.starts_with(&root) => return Ok(file),
             Ok(_) => return Err(MeshFault::Outside),
-            Err(_) if !is_stl && place.exists() => {
+            Err(_) if !is_stl && place.is_file() => {
                 let stand_in = Path::new(last).with_extension(STL).display().to_string();
                 fault = MeshFault::Kind { stand_in };
             }

@@ -85,7 +85,7 @@ fn merged(mesh: &LinkMesh, cell: f64) -> ShapeMesh {
     let mut triangles = Vec::new();
     for corners in &mesh.triangles {
         let corners = corners.map(|corner| {
-            let key = corner.map(|v| (v / cell).floor() as i64).into();
+            let key = corner.map(|v| (v / cell).round() as i64).into();
             let at = *index.entry(key).or_insert(sums.len() as u32);
             if at as usize == sums.len() {
                 sums.push((Vector3::zeros(), 0.0));
@@ -143,7 +143,7 @@ mod tests {
     #[test]
     fn a_coarse_mesh_is_left_as_it_is() {
         let few = coarse(&[sphere(20)]);
-        // Of each pole one triangle of two is a line.
+        // Of each square at a pole one triangle of two is a line.
         assert_eq!(few[0].triangles.len() / 3, 2 * 20 * 20 - 2 * 20);
     }
 }
