@@ -1,4 +1,5 @@
-"""Leads the simulated controller with the program `cr7 send`, in real time: a look, refusals, the whole motion, Ctrl-C.
+"""Leads the simulated controller with the program `cr7 send`, in real time: a look, refusals, the whole motion, Ctrl-C,
+a scenario that is planned while the arm moves, with orders on stdin.
 
 Usage: send_to_simulator.py SIMULATOR CR7 FOLDER
 """
@@ -12,6 +13,24 @@ import subprocess
 import sys
 import time
 
+SCENARIO = """
+[path]
+built_in = "six_point"
+[feed]
+feed_mm_s = 40.0
+tangential_acceleration_mm_s2 = 500.0
+tangential_jerk_mm_s3 = 10000.0
+[run]
+feed_mm_s = 20.0
+[[event]]
+at_mm = 10.0
+do = "leave"
+leave = "braking"
+points = [{ deg = [10.0, -25.0, 85.0, 30.0, -90.0, 0.0] }]
+[[event]]
+wait_s = 0.3
+do = "return"
+"""
 # A computer under load may be late: then the arm is stopped, and the motion is tried again.
 TRIES = 6
 
@@ -60,6 +79,31 @@ def main():
         last = rows[-1]
         return sent.returncode == 0 and all(abs(float(last[f"sent{k}_rad"]) - float(last[f"actual{k}_rad"])) < 1e-3 for k in range(1, 7))
 
+    def live(version):
+        """Leads the arm along a scenario, more slowly than in its file; false if this computer was late."""
+        dry = run("send", "--scenario", "live.toml", "--out", "dry", "--json")
+        assert dry.returncode == 0, dry
+        rows = list(csv.reader(open(os.path.join(folder, "dry/setpoints.csv"))))
+        count = len(rows) - 1
+        simulator, send = serve(version, [math.degrees(float(q)) for q in rows[1][1:]])
+        send[1:2] = ["--scenario", "live.toml"]
+        command = [cr7, *send, "--really", "--out", "live"]
+        process = subprocess.Popen(command, cwd=folder, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        for pause, order in [(0.5, "override 20"), (0.2, "faster")]:
+            time.sleep(pause)
+            if process.poll() is None:
+                process.stdin.write(order + "\n")
+                process.stdin.flush()
+        process.stdout, process.stderr = process.communicate(timeout=60)
+        print(process.stdout, process.stderr)
+        assert process.returncode == 0 or late(process), (process.returncode, process.stderr)
+        setpoints, stops = end(simulator)
+        assert stops >= 5 and "the arm rests" in process.stderr, (stops, process.stderr)
+        # With the order it takes longer than in the rehearsal.
+        return process.returncode == 0 and setpoints > count + 20 and '"faster" is no order' in process.stderr
+
+    open(os.path.join(folder, "live.toml"), "w").write(SCENARIO)
+    assert any(live("v4") for _ in range(TRIES)), f"no whole scenario in {TRIES} tries"
     for version in ["v3", "v4"]:
         assert any(whole(version) for _ in range(TRIES)), f"{version}: no whole motion in {TRIES} tries"
 

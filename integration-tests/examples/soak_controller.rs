@@ -10,7 +10,8 @@ use std::collections::BTreeMap;
 use std::time::Instant;
 
 use integration_tests::controller_simulator::{
-    ArmLimits, Case, Disturbance, SimulatedArm, SimulatedController, Version, long_motion, random_motion, serve,
+    ArmLimits, Case, Disturbance, Judged, Operator, SCENARIOS, SimulatedArm, SimulatedController, Version, long_motion,
+    on_stage, random_motion, serve,
 };
 use robot_cr7::controller::{Dialect, DobotLink, JointStream, Ports, SendLog, SendSettings, Session, TcpWire, drive};
 
@@ -18,7 +19,25 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<f64> = std::env::args().skip(1).map(|text| text.parse()).collect::<Result<_, _>>()?;
     let number = |i: usize, default: f64| arguments.get(i).copied().unwrap_or(default);
     let (count, seed) = (number(0, 40.0) as u64, number(1, 1.0) as u64);
-    let broken = faults(count, seed);
+    let mut tally = Tally::default();
+    for seed in seed..seed + count {
+        let motion = random_motion(seed, 4);
+        let case = Case::random(seed, motion.trajectory().duration());
+        tally.see(&case, case.run(&motion));
+    }
+    println!("certified motions: {tally}");
+    let mut live = Tally::default();
+    for index in 0..SCENARIOS {
+        on_stage(index, |stage| {
+            let seconds = 1.2 * stage.live().curve().duration();
+            for seed in (seed..seed + count).filter(|seed| *seed as usize % SCENARIOS == index) {
+                let case = Case::random(seed, seconds);
+                live.see(&case, case.run_live(stage, &Operator::random(seed, seconds)));
+            }
+        });
+    }
+    println!("live scenarios: {live}");
+    let broken = tally.broken + live.broken;
     for version in [Version::Three, Version::Four] {
         long(version, number(2, 20.0))?;
     }
@@ -30,34 +49,48 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     if broken > 0 { Err(format!("{broken} promises broken").into()) } else { Ok(()) }
 }
 
-/// Random faults; the number of promises that are broken.
-fn faults(count: u64, first: u64) -> usize {
-    let (mut broken, mut worst, mut braking) = (0, (0, String::new()), 0);
-    let mut kinds: BTreeMap<String, usize> = BTreeMap::new();
-    for seed in first..first + count {
-        let motion = random_motion(seed, 4);
-        let case = Case::random(seed, motion.trajectory().duration());
-        match case.run(&motion) {
+/// What became of random faults.
+#[derive(Default)]
+struct Tally {
+    count: usize,
+    /// Promises that are broken.
+    broken: usize,
+    kinds: BTreeMap<String, usize>,
+    /// From the fault to rest at most, and in which case; ms.
+    worst: (u64, String),
+    /// From the stop to rest at most, ms.
+    braking: u64,
+}
+
+impl Tally {
+    fn see(&mut self, case: &Case, result: Result<Judged, String>) {
+        self.count += 1;
+        let judged = match result {
+            Ok(judged) => judged,
             Err(words) => {
-                broken += 1;
+                self.broken += 1;
                 println!("{words}: {case:?}");
+                return;
             }
-            Ok(judged) => {
-                let kind = judged.outcome.fault.as_ref().map_or("arrived".to_owned(), |fault| {
-                    let name = format!("{fault:?}");
-                    name.split([' ', '(']).next().unwrap_or_default().to_owned()
-                });
-                *kinds.entry(kind).or_default() += 1;
-                braking = braking.max(judged.stop_to_rest);
-                if judged.outcome.fault.is_some() && case.shows_at_once() && judged.fault_to_rest > worst.0 {
-                    worst = (judged.fault_to_rest, format!("{case:?}"));
-                }
-            }
+        };
+        let kind = judged.outcome.fault.as_ref().map_or("arrived".to_owned(), |fault| {
+            let name = format!("{fault:?}");
+            name.split([' ', '(']).next().unwrap_or_default().to_owned()
+        });
+        *self.kinds.entry(kind).or_default() += 1;
+        self.braking = self.braking.max(judged.stop_to_rest);
+        if judged.outcome.fault.is_some() && case.shows_at_once() && judged.fault_to_rest > self.worst.0 {
+            self.worst = (judged.fault_to_rest, format!("{case:?}"));
         }
     }
-    println!("{count} faults: {broken} promises broken; {kinds:?}");
-    println!("from the fault to rest {} ms at most: {}; from the stop to rest {braking} ms", worst.0, worst.1);
-    broken
+}
+
+impl std::fmt::Display for Tally {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        writeln!(f, "{} faults, {} promises broken; {:?}", self.count, self.broken, self.kinds)?;
+        let (worst, case) = &self.worst;
+        write!(f, "from the fault to rest {worst} ms at most: {case}; from the stop to rest {} ms", self.braking)
+    }
 }
 
 /// A long motion in fast time.

@@ -23,6 +23,8 @@ pub use input::gcode::{
 };
 pub use input::job::{FeedLimits, Job, Payload, TableJob, ToolOrientation, TorqueJob, VibrationJob};
 pub use input::joint_values::{JointOverrides, JointValues};
+#[cfg(feature = "html")]
+pub use input::meshes::{LinkMesh, MeshFault, read_meshes};
 pub use input::named_column::NamedColumn;
 pub use input::online_file::OnlineFile;
 pub use input::online_scenario::OnlineScenario;

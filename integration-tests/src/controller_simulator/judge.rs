@@ -1,6 +1,7 @@
 //! The judge of a session: what the simulated controller and its arm saw, against what is promised.
 
-use robot_cr7::controller::{Fault, Outcome, VerifiedMotion};
+use arcfeed_kinematics::Joints;
+use robot_cr7::controller::{Fault, Outcome};
 
 use super::case::{Case, PERIOD};
 use super::controller::{Record, Version};
@@ -30,7 +31,8 @@ pub struct Judged {
 /// One session and what became of it.
 pub(super) struct Judge<'c> {
     pub case: &'c Case,
-    pub motion: &'c VerifiedMotion,
+    /// The setpoints, rad.
+    pub expected: &'c [Joints<6>],
     pub outcome: Outcome,
 }
 
@@ -71,10 +73,10 @@ impl Judge<'_> {
         Ok(Judged { outcome: self.outcome, fault_to_rest, stop_to_rest })
     }
 
-    /// Every setpoint is one of the verified motion, in order.
+    /// Every setpoint is one of those that are expected, in order.
     fn setpoints(&self, setpoints: &[[f64; 6]]) -> Result<(), String> {
         for (i, setpoint) in setpoints.iter().enumerate() {
-            let q = self.motion.trajectory().at(i as f64 * PERIOD).q;
+            let q = self.expected.get(i).ok_or_else(|| format!("setpoint {i} of {}", self.expected.len()))?;
             if let Some(k) = (0..6).find(|&k| (setpoint[k] - q[k].to_degrees()).abs() > DIGITS) {
                 return Err(format!("setpoint {i}: joint {} is {} deg, not {}", k + 1, setpoint[k], q[k].to_degrees()));
             }
@@ -84,10 +86,10 @@ impl Judge<'_> {
 
     fn arrived(&self, wire: &InProcess) -> Result<(), String> {
         let (record, q) = (wire.controller().record(), wire.controller().arm().q());
-        let end = self.motion.trajectory().at(self.motion.trajectory().duration()).q;
+        let end = self.expected.last().ok_or("nothing to be sent")?;
         let off = (0..6).map(|k| (q[k] - end[k].to_degrees()).abs()).fold(0.0, f64::max);
         // A link that is deaf towards the end loses setpoints of rest and the stop, and the arm rests already.
-        let told = record.stops > 0 && record.setpoints.len() == self.outcome.setpoints;
+        let told = record.stops > 0 && record.setpoints.len() == self.expected.len();
         if off > 0.06 || !(told || self.case.fault == Disturbance::Deaf) {
             return Err(format!(
                 "not arrived: {off} deg, {} setpoints, {} stops",
@@ -172,7 +174,7 @@ impl Judge<'_> {
     /// True for faults that a session has to notice. The first setpoint came at `first`, ms.
     fn must_fail(&self, first: Option<u64>) -> bool {
         // Well before the last setpoint.
-        let duration = (1e3 * self.motion.trajectory().duration()) as u64;
+        let duration = (1e3 * PERIOD * (self.expected.len() as f64 - 2.0)).max(0.0) as u64;
         let fault_at = self.case.fault_at;
         let during = first.is_some_and(|first| first < fault_at && fault_at + 300 < first + duration);
         match self.case.fault {
@@ -187,15 +189,12 @@ impl Judge<'_> {
 
     /// True if the motion takes a joint well away from where it stands when it gets stuck.
     fn moves_on(&self, joint: usize) -> bool {
-        let trajectory = self.motion.trajectory();
         // The motion began at most a second and a bit after the start.
-        let place = |t: f64| trajectory.at(t).q[joint].to_degrees();
         let at = self.case.fault_at as f64 * 1e-3;
-        let steps = (trajectory.duration() / 0.01) as usize;
-        let later = (0..steps).map(|i| 0.01 * i as f64).filter(|t| *t > at);
+        let later = self.expected.iter().enumerate().filter(|(i, _)| PERIOD * *i as f64 > at);
         let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
-        for t in later {
-            (least, most) = (least.min(place(t)), most.max(place(t)));
+        for place in later.map(|(_, q)| q[joint].to_degrees()) {
+            (least, most) = (least.min(place), most.max(place));
         }
         most - least > 6.0
     }

@@ -6,7 +6,7 @@ use std::rc::Rc;
 use arcfeed_kinematics::{JointLimits, Joints};
 use robot_cr7::controller::{
     Channel, Dialect, DobotLink, FEEDBACK_BYTES, JointStream, LinkError, SendLog, SendSettings, Session,
-    VerifiedMotion, Wire, drive,
+    SetpointSource, VerifiedMotion, Wire, drive,
 };
 
 use super::arm::{ArmLimits, SimulatedArm};
@@ -33,17 +33,27 @@ fn arm_limits(limits: &JointLimits<6>) -> ArmLimits {
 }
 
 impl Case {
-    /// Runs the session and judges it.
+    /// Runs a session that leads the simulated arm along a motion, and judges it.
     ///
     /// # Errors
     /// The promise that is broken, in words.
     pub fn run(&self, motion: &VerifiedMotion) -> Result<Judged, String> {
-        let mut start: [f64; 6] = std::array::from_fn(|k| motion.start()[k].to_degrees());
+        let count = motion.count(PERIOD);
+        let setpoints: Vec<_> = (0..count).map(|i| motion.trajectory().at(i as f64 * PERIOD).q).collect();
+        self.run_source(motion, &setpoints)
+    }
+
+    /// The same with setpoints of any source, which are `expected`, rad.
+    ///
+    /// # Errors
+    /// The promise that is broken, in words.
+    pub fn run_source<M: SetpointSource>(&self, source: M, expected: &[Joints<6>]) -> Result<Judged, String> {
+        let mut start: [f64; 6] = std::array::from_fn(|k| source.start()[k].to_degrees());
         if let Disturbance::WrongStart(joint, off) = self.fault {
             start[joint] += off;
         }
         let fault = (self.fault, self.fault_at);
-        let arm = SimulatedArm::new(start, arm_limits(motion.limits()), DRIVE_LAG);
+        let arm = SimulatedArm::new(start, arm_limits(source.limits()), DRIVE_LAG);
         let controller = SimulatedController::new(self.version, arm, !self.off, fault);
         let wire = InProcess::new(controller, self.jitter, fault, self.seed);
         let clock = wire.clock();
@@ -54,7 +64,7 @@ impl Case {
         let settings = SendSettings::new(PERIOD).map_err(|e| e.to_string())?;
         let enable = self.fault != Disturbance::OffAtStart;
         let settings = SendSettings { enable, models: &[7, 117, 207], ..settings };
-        let mut session = Session::new(motion, &settings, link.now());
+        let mut session = Session::new(source, &settings, link.now());
         let mut log = SendLog::new(60.0);
         let interrupts = matches!(self.fault, Disturbance::Interrupted | Disturbance::Overtaken(_));
         let asked = || interrupts && clock.get() >= self.fault_at;
@@ -63,7 +73,7 @@ impl Case {
         drop(link);
         let mut wire = shared.borrow_mut();
         wire.pass(AFTERWARDS);
-        Judge { case: self, motion, outcome }.judge(&wire)
+        Judge { case: self, expected, outcome }.judge(&wire)
     }
 }
 

@@ -9,6 +9,9 @@ use arcfeed_sync::{
 use super::command::JointMoveBy;
 use super::error::HybridError;
 
+/// Rounding, relative to a range or a limit.
+const ROUNDING: f64 = 1e-12;
+
 /// All joints on the way to one target.
 #[derive(Debug, Clone)]
 pub(super) struct JointSpace<const N: usize> {
@@ -110,7 +113,13 @@ impl<const N: usize> JointSpace<N> {
     }
 
     fn brake(&mut self) -> Result<(), HybridError> {
-        let state = self.state();
+        let mut state = self.state();
+        for (axis, limits) in state.iter_mut().zip(&self.limits) {
+            // A joint that moves by rounding alone stands: nothing would be left to brake, and it never rested.
+            if axis.v.abs() <= ROUNDING * limits.v_max() && axis.a.abs() <= ROUNDING * limits.a_max() {
+                *axis = AxisState::rest(axis.p);
+            }
+        }
         let mut generator = OnlineGenerator::new(state, self.limits, self.period, Synchronisation::None)?;
         let mut places = state;
         for (axis, (place, limits)) in places.iter_mut().zip(&self.limits).enumerate() {
@@ -210,7 +219,7 @@ impl<const N: usize> JointSpace<N> {
 
     /// What is outside by rounding is a point on the limit itself.
     fn rounding(&self, joint: usize) -> f64 {
-        1e-12 * (self.upper[joint] - self.lower[joint])
+        ROUNDING * (self.upper[joint] - self.lower[joint])
     }
 
     /// No joint leaves its range on the way.

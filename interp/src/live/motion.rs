@@ -63,6 +63,8 @@ pub struct HybridMotion<'a, const N: usize = 6> {
     on_path: bool,
     /// The operator's wish for the motion on the path, whatever events do to it meanwhile.
     held: bool,
+    /// True while a hold keeps the motion where it stands to leave the path.
+    held_leaving: bool,
     excursion: Option<Excursion<N>>,
     /// Points that were reached since the path was left, for the way back, and how many.
     passed: [Joints<N>; MAX_POINTS],
@@ -110,6 +112,7 @@ impl<'a, const N: usize> HybridMotion<'a, N> {
             state: HybridState::TaskPath,
             on_path: true,
             held: false,
+            held_leaving: false,
             excursion: None,
             passed: [still; MAX_POINTS],
             passed_count: 0,
@@ -123,7 +126,7 @@ impl<'a, const N: usize> HybridMotion<'a, N> {
         let refused = self.tell(command).err();
         let refused = self.advance().err().or(refused);
         let holding = match self.on_path {
-            true => self.state == HybridState::TaskPath && self.held && self.feed.is_at_rest(),
+            true => (self.state == HybridState::TaskPath && self.held || self.held_leaving) && self.feed.is_at_rest(),
             false => self.joints.is_held() && self.last.qd.amax() == 0.0,
         };
         HybridStep { setpoint: self.last, state: self.state, on_path: self.on_path, holding, refused }
@@ -212,6 +215,7 @@ impl<'a, const N: usize> HybridMotion<'a, N> {
 
     fn hold(&mut self) -> Result<(), HybridError> {
         self.held = true;
+        self.held_leaving = self.on_path && self.state == HybridState::Leaving;
         self.halt()
     }
 
@@ -227,6 +231,7 @@ impl<'a, const N: usize> HybridMotion<'a, N> {
 
     fn resume(&mut self) -> Result<(), HybridError> {
         self.held = false;
+        self.held_leaving = false;
         if !self.on_path {
             return self.joints.resume();
         }
@@ -274,6 +279,7 @@ impl<'a, const N: usize> HybridMotion<'a, N> {
             self.feed.hold();
         }
         self.passed_count = 0;
+        self.held_leaving = false;
         self.excursion = Some(excursion);
         self.state = HybridState::Leaving;
         outcome
@@ -284,6 +290,7 @@ impl<'a, const N: usize> HybridMotion<'a, N> {
             HybridState::Leaving if self.on_path => {
                 // It has not left yet.
                 self.excursion = None;
+                self.held_leaving = false;
                 self.state = HybridState::TaskPath;
                 if !self.held {
                     self.feed.resume();
@@ -322,6 +329,8 @@ impl<'a, const N: usize> HybridMotion<'a, N> {
         let step = self.feed.step();
         self.last = self.on_path_at(step.state);
         match self.state {
+            // A held motion stays at the end of a part.
+            HybridState::TaskPath if self.held && !self.ahead.is_empty() => {}
             HybridState::TaskPath if step.status == LiveStatus::Finished => match self.ahead.split_first() {
                 Some((next, ahead)) => {
                     (self.live, self.ahead) = (next, ahead);
@@ -337,7 +346,7 @@ impl<'a, const N: usize> HybridMotion<'a, N> {
                 None => self.state = HybridState::Done,
             },
             HybridState::Stopping if self.feed.is_at_rest() => self.state = HybridState::Stopped,
-            HybridState::Leaving if self.feed.is_at_rest() => {
+            HybridState::Leaving if self.feed.is_at_rest() && !self.held_leaving => {
                 if let Some(excursion) = self.excursion {
                     let still = Joints::zeros();
                     let first = excursion.points()[0];

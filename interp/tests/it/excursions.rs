@@ -83,6 +83,47 @@ fn points_before_the_goal_are_passed_without_a_stop_and_as_near_as_asked() {
     }
 }
 
+/// A hold that comes while the path is left, or between points that are passed, is kept until it is ended.
+#[test]
+fn a_hold_is_kept_whatever_was_ordered_before() {
+    common::live_on_the_knotted_path(|live, _| {
+        for (at, leave) in (500..4000).step_by(125).zip([LeaveBy::Braking, LeaveBy::AtOnce].into_iter().cycle()) {
+            let mut motion = HybridMotion::new(live, 0.05).expect("a feed");
+            let first = *motion.setpoint();
+            let points = corner().map(|by| first.q + by);
+            let excursion = Excursion::new(&points, leave).and_then(|e| e.with_passing(0.1)).expect("points");
+            let (mut record, mut held) = (Vec::new(), None);
+            for cycle in 0..60_000 {
+                let command = match motion.state() {
+                    _ if cycle == 490 => Command::Leave(excursion),
+                    _ if cycle == at => Command::Hold,
+                    _ if cycle == at + 3000 => Command::Resume,
+                    HybridState::Waiting if cycle > at + 3000 => Command::Return,
+                    _ => Command::None,
+                };
+                let step = motion.step(&command);
+                assert!(matches!(step.refused, None | Some(HybridError::BrakesFirst { .. })), "{:?}", step.refused);
+                if (at + 2000..at + 3000).contains(&cycle) {
+                    let place = held.get_or_insert(step.setpoint.q);
+                    assert!(
+                        step.holding && apart(&step.setpoint.q, place) < 1e-12,
+                        "{at}: {cycle} {:?} {:?}",
+                        step.state,
+                        step.setpoint
+                    );
+                }
+                record.push((step.setpoint, step.on_path));
+                if step.state == HybridState::Done {
+                    break;
+                }
+            }
+            assert_eq!(motion.state(), HybridState::Done, "{at}");
+            let check = live.verify(&first, record.iter().map(|(p, on_path)| (p, *on_path)));
+            assert!(check.holds(1e-6), "{at}: {:?}", check.worst());
+        }
+    });
+}
+
 #[test]
 fn projection_moves_the_joints_on_straight_lines() {
     let off_lines = |by: JointMoveBy| {

@@ -94,8 +94,15 @@ def run(jobs, results, workers, kills):
     import dask.dataframe as dd
     from dask.distributed import Client, LocalCluster
 
-    # A list of numbers stays a list. A partition that was on several workers when they died is not to blame.
-    dask.config.set({"dataframe.convert-string": False, "distributed.scheduler.allowed-failures": 100})
+    # A list of numbers stays a list. A partition that was on several workers when they died is not to blame. A worker whose start takes
+    # long, as on a computer under load, is waited for: after 15 s the cluster gives it up else, and goes on with fewer or none.
+    dask.config.set(
+        {
+            "dataframe.convert-string": False,
+            "distributed.scheduler.allowed-failures": 100,
+            "distributed.deploy.lost-worker-timeout": "10 minutes",
+        }
+    )
     done, killed = threading.Event(), []
     with LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
         client.wait_for_workers(workers)

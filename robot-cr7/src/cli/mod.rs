@@ -30,7 +30,11 @@ mod send;
 #[cfg(feature = "controller")]
 mod send_args;
 #[cfg(feature = "controller")]
+mod send_live;
+#[cfg(feature = "controller")]
 mod send_motion;
+#[cfg(feature = "controller")]
+mod send_steps;
 mod shell;
 mod tool_path;
 mod verify;
@@ -169,7 +173,7 @@ const INTERRUPTED: i32 = 130;
 /// Ends the program, unless an arm is led: that is stopped first.
 fn on_interrupt() {
     #[cfg(feature = "controller")]
-    if send::stop_is_asked() {
+    if send_steps::stop_is_asked() {
         return;
     }
     crate::interrupt(INTERRUPTED)

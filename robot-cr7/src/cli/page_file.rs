@@ -1,18 +1,44 @@
 //! The file of `cr7 plan --format html`.
 
 #[cfg(feature = "html")]
-use crate::{MotionPage, PageFacts, SpeedCeiling};
+use std::path::Path;
+
+#[cfg(feature = "html")]
+use crate::{LinkMesh, MotionPage, PageFacts, SpeedCeiling, read_meshes};
 use crate::{Report, Robot, Staging, TrajectoryRow};
 use arcfeed_interp::{LimitPoint, TorqueLimits};
 use arcfeed_kinematics::JointLimits;
 
 use crate::cli::Failure;
-#[cfg(feature = "html")]
 use crate::cli::formats::Format;
 use crate::cli::plan_args::Args;
 use crate::cli::plan_files::Drawn;
 #[cfg(feature = "html")]
 use crate::cli::plan_files::PAGE;
+
+/// The meshes of the robot's links, where they are asked for.
+pub struct Meshes {
+    #[cfg(feature = "html")]
+    links: Vec<LinkMesh>,
+}
+
+impl Meshes {
+    /// Reads them before anything is planned.
+    pub fn read(args: &Args) -> Result<Self, Failure> {
+        if args.meshes.is_some() && !args.format.contains(&Format::Html) {
+            return Err(Failure::BadInput("--meshes: meshes are drawn on a page alone: add --format html".to_owned()));
+        }
+        #[cfg(feature = "html")]
+        {
+            let Some(folder) = &args.meshes else { return Ok(Self { links: Vec::new() }) };
+            let (robot, base) = (args.robot.load()?, args.robot.base_link.as_deref());
+            let links = read_meshes(Path::new(&args.robot.robot), folder, base, robot.description());
+            Ok(Self { links: links.map_err(crate::Cr7Error::from)? })
+        }
+        #[cfg(not(feature = "html"))]
+        Ok(Self {})
+    }
+}
 
 /// The page while its samples are collected.
 pub struct PageFile<'a, const N: usize> {
@@ -33,6 +59,7 @@ impl<'a, const N: usize> PageFile<'a, N> {
         joints: &'a JointLimits<N>,
         torque: Option<&'a TorqueLimits<'a, N>>,
         samples: usize,
+        meshes: Meshes,
     ) -> Self {
         #[cfg(feature = "html")]
         {
@@ -41,13 +68,14 @@ impl<'a, const N: usize> PageFile<'a, N> {
                 joint_names: robot.any().joint_names().to_vec(),
                 joints,
                 torque,
+                meshes: meshes.links,
             };
             let page = args.format.contains(&Format::Html).then(|| MotionPage::new(facts(), samples));
             Self { page, limited_by: Vec::new() }
         }
         #[cfg(not(feature = "html"))]
         {
-            let _ = (args, robot, torque, samples);
+            let _ = (args, robot, torque, samples, meshes);
             Self { _limits: joints }
         }
     }

@@ -13,7 +13,7 @@ use arcfeed_interp::PathArm;
 use crate::cli::Failure;
 use crate::cli::formats::{self};
 use crate::cli::output::conclude;
-use crate::cli::page_file::PageFile;
+use crate::cli::page_file::{Meshes, PageFile};
 use crate::cli::path_places::{distance_of_places, places_of_path};
 use crate::cli::picture_files::PictureFiles;
 use crate::cli::plan_args::Args;
@@ -30,6 +30,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         return Err(Failure::BadInput(format!("--compile-rad {value}: give a number above 0, such as 1e-6")));
     }
     formats::check(&args.format)?;
+    let meshes = Meshes::read(args)?;
     let pictures = PictureFiles::new(&args.format)?;
     let inputs: Vec<&Path> = [&args.path, &args.job].into_iter().filter_map(|file| file.as_deref()).collect();
     let mut staging = Staging::new(&args.out, &FILES, &inputs)?;
@@ -47,9 +48,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     staging.clear()?;
     let progress = Progress::new("planning");
     if ProgramTask::is_needed(&job, &file) {
-        return plan_program::run(args, (&job, &file), pictures, staging, progress);
+        return plan_program::run(args, (&job, &file), pictures, (staging, progress), meshes);
     }
-    args.robot.load()?.on_tool_path(&job, &file, Plan { args, job: &job, pictures, staging, progress })
+    args.robot.load()?.on_tool_path(&job, &file, Plan { args, job: &job, pictures, staging, progress, meshes })
 }
 
 /// Plans and samples the motion, and writes all there is to write.
@@ -59,6 +60,7 @@ struct Plan<'a> {
     pictures: PictureFiles,
     staging: Staging,
     progress: Progress,
+    meshes: Meshes,
 }
 
 impl OnToolPath for Plan<'_> {
@@ -66,7 +68,7 @@ impl OnToolPath for Plan<'_> {
     type Error = Failure;
 
     fn run<A: PathArm<N>, const N: usize>(self, task: Task<A, N>, warnings: Vec<String>) -> Result<(), Failure> {
-        let Self { args, job, pictures, mut staging, progress } = self;
+        let Self { args, job, pictures, mut staging, progress, meshes } = self;
         // A lower bound of the duration, before the work.
         few_enough(task.least_duration(), task.period(), LEVERS)?;
         let path;
@@ -101,7 +103,7 @@ impl OnToolPath for Plan<'_> {
         let pieces = compiled.as_ref().map(|(_, pieces, _)| pieces);
         let limits = motion.trajectory().limits();
         let mut ros = RosFiles::new(args, job, &mut staging, pieces, limits.joints())?;
-        let mut page = PageFile::new(args, &robot, limits.joints(), limits.torque(), samples);
+        let mut page = PageFile::new(args, &robot, limits.joints(), limits.torque(), samples, meshes);
         let mut poses = ArmPoses::new(*robot.arm::<N>(job.tool).map_err(Cr7Error::from)?.chain(), samples);
         for setpoint in sampler {
             let p = setpoint.map_err(|e| Failure::Undoable(e.to_string()))?;

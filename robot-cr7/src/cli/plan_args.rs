@@ -18,6 +18,8 @@ use crate::cli::robot_args::RobotArgs;
   cr7 plan --compile-rad 1e-6              the joints as polynomials of the time, too, within 1 urad
   cr7 plan --format ros2                   for ROS 2's joint trajectory controller
   cr7 plan --format html                   a page for a browser on which the arm moves
+  cr7 plan --robot arm.urdf --format html --meshes ros/src
+                                           with the meshes of the links, package://.. being below ros/src
   cr7 plan --bound                         how much shorter any motion can be, too
   cr7 plan --stream 20                     segments arrive while the motion runs, 20 of them known ahead
   cr7 plan --stream 20 --stream-gap-ms 12  one every 12 ms: the motion waits where they come too late
@@ -42,6 +44,9 @@ pub struct Args {
     /// Also write the motion for others: `ros2` for trajectory_msgs/JointTrajectory as YAML and JSON, `mcap` for a recording, `html` for a page on which the arm moves, `png` for the pictures as PNG
     #[arg(long, value_enum, value_delimiter = ',', conflicts_with = "stream")]
     pub format: Vec<Format>,
+    /// Draw the robot with the meshes that its .urdf file names, which are looked for below this folder alone; needs --format html
+    #[arg(long, value_name = "FOLDER")]
+    pub meshes: Option<PathBuf>,
     /// Also bound the duration of all motions within the limits from below; takes a few to forty times as long as the plan
     #[arg(long, conflicts_with = "stream")]
     pub bound: bool,

@@ -10,7 +10,7 @@ use arcfeed_interp::PathArm;
 
 use crate::cli::Failure;
 use crate::cli::output::conclude;
-use crate::cli::page_file::PageFile;
+use crate::cli::page_file::{Meshes, PageFile};
 use crate::cli::path_places::{distance_of_places, places_of_program};
 use crate::cli::picture_files::PictureFiles;
 use crate::cli::plan_args::Args;
@@ -22,8 +22,8 @@ pub fn run(
     args: &Args,
     (job, file): (&Job, &PathFile),
     pictures: PictureFiles,
-    staging: Staging,
-    progress: Progress,
+    (staging, progress): (Staging, Progress),
+    meshes: Meshes,
 ) -> Result<(), Failure> {
     if args.stream.is_some() {
         return Err(Failure::BadInput(
@@ -32,7 +32,7 @@ pub fn run(
                 .to_owned(),
         ));
     }
-    args.robot.load()?.on_program(job, file, PlanProgram { args, job, pictures, staging, progress })
+    args.robot.load()?.on_program(job, file, PlanProgram { args, job, pictures, staging, progress, meshes })
 }
 
 /// Plans and samples the motion of a program, and writes all there is to write.
@@ -42,6 +42,7 @@ struct PlanProgram<'a> {
     pictures: PictureFiles,
     staging: Staging,
     progress: Progress,
+    meshes: Meshes,
 }
 
 impl OnProgram for PlanProgram<'_> {
@@ -53,7 +54,7 @@ impl OnProgram for PlanProgram<'_> {
         task: ProgramTask<A, N>,
         warnings: Vec<String>,
     ) -> Result<(), Failure> {
-        let Self { args, job, pictures: files, mut staging, progress } = self;
+        let Self { args, job, pictures: files, mut staging, progress, meshes } = self;
         few_enough(task.least_duration(), task.period(), LEVERS)?;
         let (mut motion, compiled) = match args.tolerance() {
             None => (task.plan()?, None),
@@ -83,7 +84,7 @@ impl OnProgram for PlanProgram<'_> {
         let pieces = compiled.as_ref().map(|(_, compiled)| &compiled.joints);
         let mut ros = RosFiles::new(args, job, &mut staging, pieces, motion.joint_limits())?;
         let torque = motion.parts().iter().find_map(|part| part.trajectory()?.limits().torque());
-        let mut page = PageFile::new(args, &robot, motion.joint_limits(), torque, samples);
+        let mut page = PageFile::new(args, &robot, motion.joint_limits(), torque, samples, meshes);
         let mut poses = ArmPoses::new(*robot.arm::<N>(job.tool).map_err(Cr7Error::from)?.chain(), samples);
         for sample in sampler {
             let sample = sample.map_err(|e| Failure::Undoable(e.to_string()))?;

@@ -21,6 +21,8 @@ const LEAST_FOLLOWING: f64 = 0.006;
                                                     leads the arm; Ctrl-C stops it
   cr7 send --job job.toml --address 192.168.5.1 --really --enable --approach
                                                     switches the drives on, and leads the arm to the start first
+  cr7 send --scenario live.toml --address 192.168.5.1 --really --approach
+                                                    a scenario of `cr7 run`, planned while the arm moves
 
 Read docs/send.md before an arm moves. An emergency stop has to be in reach.
 Exit code 0: done. 1: refused, or the arm was stopped on a doubt. 130: Ctrl-C.")]
@@ -29,6 +31,10 @@ pub struct Args {
     pub robot: RobotArgs,
     /// joint_trajectory.json of `cr7 plan --compile-rad`, or a path as for `cr7 plan`. Without it: the path of the job, else an embedded butterfly
     pub motion: Option<PathBuf>,
+    /// Scenario of `cr7 run` (TOML) instead of a motion: it is planned while the arm moves. Lines on stdin are orders: hold, resume, stop,
+    /// override PERCENT
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["motion", "job", "unit"])]
+    pub scenario: Option<PathBuf>,
     /// Job file (TOML): limits of the joints; for a path all the rest, too
     #[arg(long)]
     pub job: Option<PathBuf>,

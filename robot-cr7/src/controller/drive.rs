@@ -4,6 +4,7 @@ use super::arm_state::ArmState;
 use super::fault::Fault;
 use super::log::SendLog;
 use super::session::Session;
+use super::setpoints::SetpointSource;
 use super::stream::{Event, JointStream, Order};
 
 /// The longest time between two looks at the wish of the operator, s.
@@ -12,8 +13,8 @@ const LOOK_AGAIN: f64 = 0.005;
 const LOOK_TIME: f64 = 2.0;
 
 /// Runs a session to its end. `interrupted` is asked every few milliseconds.
-pub fn drive<S: JointStream<N>, const N: usize>(
-    session: &mut Session<'_, N>,
+pub fn drive<M: SetpointSource<N>, S: JointStream<N>, const N: usize>(
+    session: &mut Session<M, N>,
     stream: &mut S,
     log: &mut SendLog<N>,
     mut interrupted: impl FnMut() -> bool,

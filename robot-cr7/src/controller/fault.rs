@@ -93,6 +93,23 @@ pub enum Fault {
         /// How late it is, s.
         late: f64,
     },
+    /// A setpoint would exceed a limit.
+    #[error("setpoint {index} is not sent: the {what} of joint {} up to it would be {value:.6}, beyond {limit:.6} (rad, s); this is an error of the planner, please report it", joint + 1)]
+    Unsafe {
+        /// The setpoint, from 0.
+        index: usize,
+        /// The quantity.
+        what: &'static str,
+        /// The joint, from 0.
+        joint: usize,
+        /// Its value, in rad and s.
+        value: f64,
+        /// The limit.
+        limit: f64,
+    },
+    /// A scenario does not go on.
+    #[error("{0}")]
+    Scenario(String),
     /// The arm does not follow.
     #[error("joint {} is {:.2} deg off what was asked of it within the lag: look for an obstacle, payload and speed limits of the controller", joint + 1, off.to_degrees())]
     Following {

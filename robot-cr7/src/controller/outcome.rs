@@ -12,7 +12,7 @@ pub struct Outcome {
     pub fault: Option<Fault>,
     /// Number of setpoints sent.
     pub sent: usize,
-    /// Number of setpoints of the motion.
+    /// Number of setpoints of the motion, as far as it was known before it began.
     pub setpoints: usize,
     /// When they were sent.
     pub deadlines: Deadlines,

@@ -4,11 +4,12 @@ use arcfeed_kinematics::Joints;
 
 use super::arm_state::{ArmMode, ArmState};
 use super::fault::Fault;
+use super::guard::Guard;
 use super::outcome::Outcome;
 use super::recent::Recent;
+use super::setpoints::{NextSetpoint, SetpointSource};
 use super::settings::SendSettings;
 use super::stream::{Event, Order};
-use super::verified_motion::VerifiedMotion;
 
 /// How long the answer to a question may take, s.
 const ANSWER_TIME: f64 = 2.0;
@@ -47,10 +48,13 @@ enum Phase {
     Over,
 }
 
-/// The course of one motion. It allocates nothing while the arm moves.
+/// The course of one motion, whose setpoints `M` gives. It allocates nothing while the arm moves.
 #[derive(Debug)]
-pub struct Session<'m, const N: usize = 6> {
-    motion: &'m VerifiedMotion<N>,
+pub struct Session<M, const N: usize = 6> {
+    source: M,
+    guard: Guard<N>,
+    /// The setpoint that is due next, once it is known and held against the limits.
+    ready: Option<NextSetpoint<N>>,
     settings: SendSettings,
     phase: Phase,
     /// The last new state, and when it came.
@@ -61,17 +65,19 @@ pub struct Session<'m, const N: usize = 6> {
     outcome: Outcome,
 }
 
-impl<'m, const N: usize> Session<'m, N> {
+impl<M: SetpointSource<N>, const N: usize> Session<M, N> {
     /// A session that begins at time `now`, s.
-    pub fn new(motion: &'m VerifiedMotion<N>, settings: &SendSettings, now: f64) -> Self {
-        let setpoints = (motion.trajectory().duration() / settings.period).ceil() as usize + 1;
+    pub fn new(source: M, settings: &SendSettings, now: f64) -> Self {
+        let (start, setpoints) = (source.start(), source.count(settings.period));
         Self {
-            motion,
+            guard: Guard::new(start, *source.limits(), settings.period),
+            source,
+            ready: None,
             settings: *settings,
             phase: Phase::Look { since: now },
             last: None,
             rests_since: None,
-            recent: Recent::new(motion.start()),
+            recent: Recent::new(start),
             outcome: Outcome { setpoints, ..Outcome::default() },
         }
     }
@@ -196,7 +202,16 @@ impl<'m, const N: usize> Session<'m, N> {
         }
     }
 
+    /// The setpoint that is due. It is made ready a period before, so that what it takes to plan it does not make it late.
     fn setpoint_due(&mut self, now: f64, begin: f64, next: usize) -> Option<Order<N>> {
+        let ready = match self.ready.take().map_or_else(|| self.prepare(next), Ok) {
+            Ok(ready) => ready,
+            Err(fault) => {
+                self.fail(now, fault);
+                return None;
+            }
+        };
+        self.ready = Some(ready);
         let late = now - (begin + next as f64 * self.settings.period);
         if late < 0.0 {
             return None;
@@ -205,14 +220,21 @@ impl<'m, const N: usize> Session<'m, N> {
             self.fail(now, Fault::Late { index: next, late });
             return None;
         }
-        let q = self.motion.trajectory().at(next as f64 * self.settings.period).q;
+        self.ready = None;
+        let NextSetpoint { q, is_last } = ready;
         self.recent.push(now, q);
         self.outcome.touched = true;
         self.outcome.sent = next + 1;
         self.outcome.deadlines.see(late);
-        let last = next + 1 == self.outcome.setpoints;
-        self.phase = if last { Phase::Arrive { since: now } } else { Phase::Lead { begin, next: next + 1 } };
+        self.phase = if is_last { Phase::Arrive { since: now } } else { Phase::Lead { begin, next: next + 1 } };
         Some(Order::Setpoint { q, period: self.settings.period })
+    }
+
+    /// Setpoint `next`, held against the limits.
+    fn prepare(&mut self, next: usize) -> Result<NextSetpoint<N>, Fault> {
+        let setpoint = self.source.setpoint(next, self.settings.period)?;
+        self.guard.check(&setpoint)?;
+        Ok(setpoint)
     }
 
     /// The stop that is due. It is repeated until the arm has been at rest for some time.
@@ -285,7 +307,7 @@ impl<'m, const N: usize> Session<'m, N> {
 
     /// Begins to lead the arm if it rests at the start.
     fn begin(&mut self, now: f64, state: &ArmState<N>) {
-        let start = self.motion.start();
+        let start = self.source.start();
         for joint in 0..N {
             let (actual, velocity) = (state.q[joint], state.qd[joint]);
             // Not `>`: a NaN has to show.

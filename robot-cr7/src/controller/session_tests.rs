@@ -22,7 +22,7 @@ fn motion() -> VerifiedMotion<1> {
 
 /// An arm that follows at once, or does what a test wants.
 struct Bench<'m> {
-    session: Session<'m, 1>,
+    session: Session<&'m VerifiedMotion<1>, 1>,
     now: f64,
     state: ArmState<1>,
     orders: Vec<Order<1>>,

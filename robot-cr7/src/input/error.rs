@@ -182,6 +182,15 @@ pub enum InputError {
         /// Points needed.
         needed: usize,
     },
+    /// A mesh of an arm cannot be drawn.
+    #[cfg(feature = "html")]
+    #[error("{}: {fault}", file.display())]
+    Mesh {
+        /// The mesh as the URDF names it, or the URDF.
+        file: PathBuf,
+        /// What is wrong with it.
+        fault: super::meshes::MeshFault,
+    },
     /// A value breaks a rule.
     #[error("{}: {key} is {value}: {rule}; {remedy}", Place(file, *line))]
     Value {

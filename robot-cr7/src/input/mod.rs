@@ -8,6 +8,8 @@ pub(crate) mod job;
 pub(crate) mod job_file;
 pub(crate) mod job_reader;
 pub(crate) mod joint_values;
+#[cfg(feature = "html")]
+pub(crate) mod meshes;
 pub(crate) mod named_column;
 pub(crate) mod online_file;
 pub(crate) mod online_scenario;

@@ -23,6 +23,8 @@ pub struct Pose {
     pub t: f64,
     /// x, y, z of base, joints, flange and tip of the tool in turn, in the frame of the base, m.
     pub points: Vec<f64>,
+    /// Joint values, rad or m.
+    pub joints: Vec<f64>,
     /// Speed of the tool along its path, m/s.
     pub feed: f64,
 }
@@ -54,7 +56,9 @@ impl<const N: usize> ArmPoses<N> {
     pub fn push(&mut self, row: &TrajectoryRow<N>, feed: f64) {
         let every = self.samples.div_ceil(MOST_POSES).max(1);
         if self.seen.is_multiple_of(every) || self.seen + 1 == self.samples {
-            self.poses.push(Pose { t: short(row.t), points: places(&self.chain, &row.q), feed: short(feed) });
+            let points = places(&self.chain, &row.q);
+            let joints = row.q.iter().map(|v| short(*v)).collect();
+            self.poses.push(Pose { t: short(row.t), points, joints, feed: short(feed) });
         }
         self.seen += 1;
     }
@@ -62,6 +66,12 @@ impl<const N: usize> ArmPoses<N> {
     /// The poses in their order.
     pub fn poses(&self) -> &[Pose] {
         &self.poses
+    }
+
+    /// The arm.
+    #[cfg(feature = "html")]
+    pub(crate) fn chain(&self) -> &Chain<N> {
+        &self.chain
     }
 
     /// Length of all links together, m.

@@ -11,6 +11,7 @@ pub(crate) mod feed_notes;
 pub(crate) mod joint_move;
 pub(crate) mod limit_line;
 pub(crate) mod limit_lines;
+pub(crate) mod live_run;
 pub(crate) mod measure;
 pub(crate) mod motion;
 pub(crate) mod on_robot;

@@ -3,15 +3,14 @@
 use std::time::{Duration, Instant};
 
 use arcfeed_feedrate::LiveSection;
-use arcfeed_interp::{Command, DriveLag, HybridMotion, HybridState, HybridStep, LimitError, Setpoint};
+use arcfeed_interp::{Command, DriveLag, HybridState, LimitError, Setpoint};
 use arcfeed_kinematics::Joints;
 use serde::Serialize;
 
 use super::error::Cr7Error;
-use super::plan_error::{live_error, plan_error};
-use super::samples::MOST_CYCLES;
-use super::stage::{Order, Stage, What};
-use crate::input::scenario::{Action, When};
+use super::live_run::{LiveCycle, LiveRun};
+use super::plan_error::plan_error;
+use super::stage::Stage;
 
 /// The passing of time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -126,35 +125,29 @@ impl Stage<'_> {
     /// # Errors
     /// [`Cr7Error::Input`] naming the line for an event after the end of the motion, or a motion longer than `run.longest_s`.
     pub fn play(&self, clock: Clock) -> Result<Played, Cr7Error> {
-        let (scenario, period) = (self.scenario, self.live().period());
-        let mut motion = HybridMotion::along(&self.route, scenario.feed).map_err(|e| live_error(&self.name, e))?;
-        let start = *motion.setpoint();
+        let period = self.live().period();
+        let mut run = LiveRun::new(self)?;
+        let start = *run.setpoint();
         let mut drive =
             DriveLag::new(start.q, self.drive, period).map_err(|e: LimitError| plan_error(&self.name, e.into()))?;
-        let mut asked = Asked { feed: scenario.feed, factor: 1.0, sections: Vec::new() };
-        let longest = (scenario.longest / period).ceil();
-        let most = longest.min(MOST_CYCLES as f64) as usize;
-        let foreseen = ((1.5 * self.live().curve().duration() / period) as usize + 10_000).min(most);
+        let mut asked = Asked { feed: self.scenario.feed, factor: 1.0, sections: Vec::new() };
+        let foreseen = ((1.5 * self.live().curve().duration() / period) as usize + 10_000).min(self.most_cycles());
         let mut cycles: Vec<Cycle> = Vec::with_capacity(foreseen);
         let mut times: Vec<f64> = Vec::with_capacity(foreseen);
         let mut given: Vec<Given> = Vec::with_capacity(self.orders.len());
-        let (mut late, mut latest, mut stood) = (0, 0.0f64, 0usize);
+        let (mut late, mut latest) = (0, 0.0f64);
         let begin = Instant::now();
-        for cycle in 0..most {
+        while !run.is_over()? {
+            let cycle = run.cycles();
             if clock == Clock::RealTime {
                 let behind = wait_until(begin + Duration::from_secs_f64(cycle as f64 * period));
                 late += usize::from(behind > period);
                 latest = latest.max(behind);
             }
-            let due = self.orders.get(given.len()).filter(|order| self.is_due(order, cycle, &motion, stood));
-            let command = due.map_or(Command::None, |order| match &order.what {
-                What::Command(command) => **command,
-                What::StepBackBy(way) => Command::StepBack((motion.feed().position() - way).max(0.0)),
-            });
             let before = Instant::now();
-            let step = motion.step(&command);
+            let LiveCycle { step, event } = run.step(&Command::None);
             times.push(before.elapsed().as_secs_f64());
-            if due.is_some() {
+            if let Some(command) = event {
                 let refused = step.refused.map(|e| e.to_string());
                 if refused.is_none() {
                     asked.take(&command);
@@ -175,60 +168,9 @@ impl Stage<'_> {
                 programmed,
                 factor: asked.factor,
             });
-            stood = if stands(&step, asked.factor) { stood + 1 } else { 0 };
-            if matches!(step.state, HybridState::Done | HybridState::Stopped) {
-                self.all_given(given.len(), step.setpoint.t)?;
-                let times = statistics(times, late, latest);
-                return Ok(Played { start, cycles, given, times });
-            }
         }
-        let state = motion.state().name();
-        if longest > MOST_CYCLES as f64 {
-            let value = format!("{} ms, and after {MOST_CYCLES} cycles the state is \"{state}\"", period * 1e3);
-            let rule = "a scenario has no more cycles than that";
-            let remedy = "raise it, or the feeds, or let the scenario end earlier";
-            return Err(scenario.check().wrong("sampling.period_ms", value, rule, remedy).into());
-        }
-        let value = format!("{} s, and the motion is still in the state \"{state}\"", scenario.longest);
-        let rule = "a scenario ends within it";
-        let remedy = "raise it, or look in the events for what keeps the arm from the end of its path";
-        Err(scenario.check().wrong("run.longest_s", value, rule, remedy).into())
+        Ok(Played { start, cycles, given, times: statistics(times, late, latest) })
     }
-
-    fn is_due(&self, order: &Order, cycle: usize, motion: &HybridMotion<'_>, stood: usize) -> bool {
-        let period = self.live().period();
-        let now = cycle as f64 * period;
-        match order.when {
-            When::Time(t) => t <= now + 1e-9 * period,
-            When::Cycle(at) => at <= cycle as u64,
-            When::Length(s) => motion.state() == HybridState::TaskPath && motion.feed().position() >= s,
-            When::Stood(t) => stood > 0 && t <= stood as f64 * period + 1e-9 * period,
-        }
-    }
-
-    /// Nothing is ordered after the end.
-    fn all_given(&self, given: usize, end: f64) -> Result<(), Cr7Error> {
-        let Some(event) = self.scenario.events.get(given) else { return Ok(()) };
-        let (name, value) = match event.when {
-            When::Time(t) => ("at_s", t.to_string()),
-            When::Cycle(cycle) => ("at_cycle", cycle.to_string()),
-            When::Length(s) => ("at_mm", (s * 1e3).to_string()),
-            When::Stood(t) => ("wait_s", t.to_string()),
-        };
-        let value = format!("{value}, but the motion ended at {end:.3} s");
-        let rule = "nothing can be ordered after the end";
-        let remedy = match event.action {
-            Action::Leave(..) => "let it come earlier: an event has to find the arm on its path",
-            _ => "let it come earlier, or remove it",
-        };
-        Err(self.scenario.check().wrong(&format!("event[{given}].{name}"), value, rule, remedy).into())
-    }
-}
-
-/// True if the arm stands and waits for an order.
-fn stands(step: &HybridStep, factor: f64) -> bool {
-    let waits = step.holding || step.state == HybridState::Waiting || factor == 0.0 && step.on_path;
-    waits && step.setpoint.qd.amax() == 0.0 && step.setpoint.qdd.amax() == 0.0
 }
 
 /// Sleeps until `time`; by how much it is past (s).

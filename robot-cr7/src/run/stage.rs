@@ -9,6 +9,7 @@ use arcfeed_kinematics::{AnalyticInverse, JointLimits, Joints};
 use super::error::Cr7Error;
 use super::placed_path::{ARC_LENGTH_TOLERANCE, PlacedPath, tool_of};
 use super::plan_error::live_error;
+use super::samples::MOST_CYCLES;
 use crate::input::error::InputError;
 use crate::input::joint_values::JointValues;
 use crate::input::path_file::PathFile;
@@ -60,6 +61,11 @@ impl<'a> Stage<'a> {
     /// Time constants of the simulated drives, s.
     pub fn drive(&self) -> &Joints<6> {
         &self.drive
+    }
+
+    /// The number of cycles after which a scenario has to be over.
+    pub(crate) fn most_cycles(&self) -> usize {
+        (self.scenario.longest / self.live().period()).ceil().min(MOST_CYCLES as f64) as usize
     }
 
     /// Adds what a person should know, such as an assumption about the arm.

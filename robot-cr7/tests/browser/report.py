@@ -107,6 +107,17 @@ def check(page):
     )
     assert abs(left - wanted) < 0.6, "the cursor stands at the time"
 
+    # Meshes stand at the joints.
+    off = run(
+        """const shape = data.shape, points = armAt(time), drawn = document.getElementById('arm').data[0];
+        if (!shape) return 0;
+        const corners = shape.meshes.reduce((sum, mesh) => sum + mesh.points.length / 3, 0);
+        if (drawn.x.length < corners || drawn.i.length < 1000) return 1;
+        return Math.max(...frames(shape, armAt(time, 'joints')).map((pose) => Math.min(...points.map((_, n) =>
+            n % 3 ? 1 : Math.hypot(...[0, 1, 2].map((k) => pose[k] - points[n + k]))))))"""
+    )
+    assert off < 1e-3, f"meshes are {off} m off their joints"
+
     # It plays from the start to where it is paused, and the arm moves.
     run("const s = document.getElementById('scrub'); s.value = 0; s.dispatchEvent(new Event('input'))")
     assert page.clock() == 0

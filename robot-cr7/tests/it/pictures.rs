@@ -141,7 +141,12 @@ fn polylines(svg: &str) -> Vec<(String, String, Vec<[f64; 2]>)> {
 
 /// An arm that goes up 400 mm from its base, then 400 mm along x, and has a tool of 300 mm down.
 fn gallows() -> Pose {
-    Pose { t: 0.0, points: vec![0.0, 0.0, 0.0, 0.0, 0.0, 0.4, 0.4, 0.0, 0.4, 0.4, 0.0, 0.1], feed: 0.0 }
+    Pose {
+        t: 0.0,
+        points: vec![0.0, 0.0, 0.0, 0.0, 0.0, 0.4, 0.4, 0.0, 0.4, 0.4, 0.0, 0.1],
+        joints: Vec::new(),
+        feed: 0.0,
+    }
 }
 
 /// Places along straight lines through these corners.
@@ -251,7 +256,7 @@ proptest! {
         let segments: Vec<Vec<[f64; 3]>> = v.chunks(3).map(|c| c.iter().map(|p| [p.0, p.1, p.0]).collect()).collect();
         let places: Vec<PathPlace> = v.iter().map(|p| PathPlace { at: [p.0, p.1, p.1], s: p.0, speed: p.1 }).collect();
         let binding = [BindingLine { limit: name.clone(), intervals: v.iter().map(|p| [p.0, p.1]).collect() }];
-        let arm = Pose { t: 0.0, points: x.iter().chain(&y).copied().collect(), feed: limit };
+        let arm = Pose { t: 0.0, points: x.iter().chain(&y).copied().collect(), joints: Vec::new(), feed: limit };
         let workpiece = Isometry3::rotation(nalgebra::Vector3::x() * if limit > 0.0 { 1.0 } else { 0.0 });
         let arm = Some(ArmAtEnds { start: &arm, end: &arm, workpiece: &workpiece });
         let motion = PathMotion { places: &places, binding: &binding, arm };

@@ -48,6 +48,35 @@ fn limits_beyond_those_of_the_arm_are_not_sent() {
 }
 
 #[test]
+fn a_scenario_is_rehearsed_and_its_setpoints_keep_the_limits() {
+    let desk = Desk::new("send_live");
+    desk.write("live.toml", &desk.run(&["run", "--print-example", "butterfly_live"]).done().stdout);
+    let run = desk.run(&["send", "--scenario", "live.toml", "--json"]).done();
+    let report = run.json();
+    let facts = report["facts"].to_string();
+    assert!(facts.contains("nothing is sent") && facts.contains("planned while the arm moves"), "{facts}");
+    // The joints keep the limits, whatever became of the feed on the way.
+    desk.run(&["verify", "out/setpoints.csv"]).done();
+    let played = desk.run(&["run", "live.toml", "--json", "--out", "played"]).done().json();
+    assert_eq!(report["duration_s"], played["duration_s"]);
+    assert_eq!(report["limits"], played["limits"]);
+
+    desk.write("event.toml", &desk.run(&["run", "--print-example", "event"]).done().stdout);
+    let arguments = ["send", "--scenario", "event.toml"];
+    desk.run(&arguments).refused(2, &["velocity of joint 1", "343.775", "joint1 of cr7 has 180.000 deg/s", "lower it"]);
+    let arguments = ["send", "--scenario", "live.toml", "--period-ms", "7", "--dialect", "v4"];
+    let live = desk
+        .run(&["run", "--print-example", "butterfly_live"])
+        .done()
+        .stdout
+        .replace("period_ms = 1.0", "period_ms = 2.0");
+    desk.write("live.toml", &live);
+    desk.run(&arguments).refused(2, &["live.toml", "sampling.period_ms", "whole number of cycles"]);
+    desk.run(&["send", "motion.json", "--scenario", "live.toml"]).refused(2, &["cannot be used with"]);
+    assert!(!desk.folder.join("out/setpoints.csv").exists());
+}
+
+#[test]
 fn wrong_usage_is_refused_with_the_way_out() {
     let desk = Desk::new("send_usage");
     desk.run(&["send", "--really"]).refused(2, &["--address"]);

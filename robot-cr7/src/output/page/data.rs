@@ -3,13 +3,14 @@
 use plotly::Plot;
 use serde::Serialize;
 
+use super::shape::ArmShape;
 use crate::output::arm_poses::Pose;
 use crate::output::report::Report;
 use crate::text::json;
 
 const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
-const SCRIPT: &str = include_str!("page.js");
+const SCRIPT: &str = concat!(include_str!("shape.js"), include_str!("page.js"));
 
 /// One quantity of all joints.
 #[derive(Debug, Serialize)]
@@ -43,6 +44,8 @@ pub struct Page<'a> {
     /// Radius of the links, m.
     pub radius: f64,
     pub poses: &'a [Pose],
+    /// Meshes of the arm, where there are some.
+    pub shape: Option<ArmShape>,
 }
 
 impl Page<'_> {

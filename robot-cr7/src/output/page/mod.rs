@@ -1,15 +1,18 @@
 //! A motion as one page for a browser: the arm that moves, the curves of tool and joints, the limits and where they bind.
 
 mod data;
+mod shape;
 
 use arcfeed_interp::TorqueLimits;
 use arcfeed_kinematics::{JointLimits, Joints};
 
 use self::data::{JointCurves, Page};
+use self::shape::ArmShape;
 use super::arm_poses::{ArmPoses, short};
 use super::binding_line::limited_by;
 use super::report::Report;
 use super::series::Series;
+use crate::input::meshes::LinkMesh;
 use crate::run::trajectory_row::TrajectoryRow;
 
 /// Samples of the curves, at the most: more than a wide screen has columns.
@@ -28,6 +31,8 @@ pub struct PageFacts<'a, const N: usize> {
     pub joints: &'a JointLimits<N>,
     /// Those of their torques, where these are limited.
     pub torque: Option<&'a TorqueLimits<'a, N>>,
+    /// Meshes of its links, which are drawn instead of capsules; any number of triangles.
+    pub meshes: Vec<LinkMesh>,
 }
 
 /// The highest speed along a motion.
@@ -69,7 +74,7 @@ impl<'a, const N: usize> MotionPage<'a, N> {
     /// The page of the motion that `report` is about.
     pub fn finish(mut self, report: &Report, ceiling: &SpeedCeiling<'_>, poses: &ArmPoses<N>) -> String {
         self.series.cut();
-        let PageFacts { robot, joint_names, joints, torque } = &self.facts;
+        let PageFacts { robot, joint_names, joints, torque, meshes } = &self.facts;
         let series = &self.series;
         let degrees = 1f64.to_degrees();
         let curves = |name, unit, first: usize, factor: f64, least: [f64; N], most: [f64; N]| JointCurves {
@@ -104,6 +109,7 @@ impl<'a, const N: usize> MotionPage<'a, N> {
             quantities,
             radius: short(SLENDER * poses.reach()),
             poses: poses.poses(),
+            shape: ArmShape::new(poses.chain(), meshes),
         };
         page.to_html()
     }

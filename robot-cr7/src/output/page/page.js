@@ -96,25 +96,34 @@ function capsules(points, radius) {
   }
   return mesh;
 }
+/** The arm at a time, as a mesh: its own meshes and a capsule for the tool where there are some, else capsules. */
+function armMesh(t) {
+  const points = armAt(t);
+  return data.shape ? addShape(capsules(points.slice(-6), data.radius), data.shape, armAt(t, "joints")) : capsules(points, data.radius);
+}
 const poseTimes = data.poses.map((pose) => pose.t);
-/** The arm at a time: between two poses, on the straight line from one to the next. */
-function armAt(t) {
+/** Points of the arm, or its joint values, at a time: between two poses, on the straight line from one to the next. */
+function armAt(t, what = "points") {
   const i = before(poseTimes, t), k = Math.min(i + 1, data.poses.length - 1);
   const [p, q] = [data.poses[i], data.poses[k]];
-  if (p.points.length !== q.points.length || q.t <= p.t) return p.points;
+  if (p[what].length !== q[what].length || q.t <= p.t) return p[what];
   const part = Math.min(Math.max((t - p.t) / (q.t - p.t), 0), 1);
-  return p.points.map((v, n) => v + part * (q.points[n] - v));
+  return p[what].map((v, n) => v + part * (q[what][n] - v));
 }
 const tips = data.poses.map((pose) => pose.points.slice(-3));
 const column = (n) => tips.map((tip) => tip[n]);
 
 function ranges() {
   const all = [[Infinity, -Infinity], [Infinity, -Infinity], [Infinity, -Infinity]];
-  for (const pose of data.poses) {
-    pose.points.forEach((v, n) => {
-      all[n % 3][0] = Math.min(all[n % 3][0], v - 2 * data.radius);
-      all[n % 3][1] = Math.max(all[n % 3][1], v + 2 * data.radius);
-    });
+  const add = (v, n, far) => {
+    all[n][0] = Math.min(all[n][0], v - far);
+    all[n][1] = Math.max(all[n][1], v + far);
+  };
+  for (const pose of data.poses) pose.points.forEach((v, n) => add(v, n % 3, 2 * data.radius));
+  // Meshes go further: they are looked at in some poses.
+  for (let n = 0; data.shape && n <= 10; n++) {
+    const { x, y, z } = armMesh(duration * n / 10);
+    [x, y, z].forEach((values, axis) => values.forEach((v) => add(v, axis, 0.5 * data.radius)));
   }
   return all;
 }
@@ -148,11 +157,12 @@ const axis = (title, more) => {
 const quiet = { displaylogo: false, responsive: true, modeBarButtonsToRemove: ["lasso2d", "select2d", "toImage"] };
 
 function drawArm() {
-  const c = ink(), mesh = capsules(armAt(time), data.radius), [x, y, z] = ranges();
+  const c = ink(), mesh = armMesh(time), [x, y, z] = ranges();
   const tip = armAt(time).slice(-3);
   const traces = [
-    { type: "mesh3d", ...mesh, color: "#8aa4b8", flatshading: false, hoverinfo: "skip",
-      lighting: { ambient: 0.5, diffuse: 0.8, specular: 0.15 }, lightposition: { x: 2000, y: -4000, z: 6000 } },
+    { type: "mesh3d", ...mesh, color: "#8aa4b8", flatshading: Boolean(data.shape), hoverinfo: "skip",
+      lighting: { ambient: 0.5, diffuse: 0.8, specular: 0.15, facenormalsepsilon: 1e-15 },
+      lightposition: { x: 2000, y: -4000, z: 6000 } },
     { type: "scatter3d", mode: "lines", x: column(0), y: column(1), z: column(2), hoverinfo: "skip",
       line: { width: 5, color: data.poses.map((pose) => 1e3 * pose.feed), colorscale: "Viridis", showscale: true,
         colorbar: { title: { text: "mm/s" }, thickness: 10, len: 0.6, x: 1 } } },
@@ -167,7 +177,7 @@ function drawArm() {
   }, quiet);
 }
 function moveArm() {
-  const points = armAt(time), mesh = capsules(points, data.radius), tip = points.slice(-3);
+  const mesh = armMesh(time), tip = armAt(time).slice(-3);
   Plotly.restyle("arm", { x: [mesh.x, [tip[0]]], y: [mesh.y, [tip[1]]], z: [mesh.z, [tip[2]]] }, [0, 2]);
 }
 

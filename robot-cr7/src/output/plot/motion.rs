@@ -155,6 +155,7 @@ mod tests {
             Pose {
                 t,
                 points: vec![0.0, 0.0, 0.0, 0.0, 0.0, 0.3, 0.4 + 0.1 * t, 0.1 * t.sin(), 0.2],
+                joints: Vec::new(),
                 feed: 0.05 + 0.01 * t,
             }
         };
