@@ -22,7 +22,8 @@ pub(super) fn explain(passes: &Passes<'_>, problem: &FeedProblem, why: NotSolved
         return why.error;
     }
     let trials = (INTERVALS / problem.intervals()).clamp(LEAST_TRIALS, MOST_TRIALS);
-    let search = Search { passes: *passes, problem, trials };
+    // A law near the plan is not near those with other speeds.
+    let search = Search { passes: Passes { near: None, ..*passes }, problem, trials };
     if let FeedError::SpeedOutOfReach { end, highest, .. } = why.error {
         // What is possible without limits on jerk may be so with them.
         let speeds = if end == PathEnd::Start { [highest, asked[1]] } else { [asked[0], highest] };

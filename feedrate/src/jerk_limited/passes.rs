@@ -167,22 +167,33 @@ impl Passes<'_> {
 
     /// The plan, or why there is none. On a long grid it starts from that on a part of the points.
     pub fn plan(&self, problem: &FeedProblem) -> Result<JerkLimitedPlan, NotSolved> {
+        let rests = problem.v_start() == 0.0 && problem.v_end() == 0.0;
         let from = if self.aim == Aim::Rough { ROUGH_FROM } else { COARSE_FROM };
-        if self.near.is_none() && problem.is_between_points() && problem.intervals() > from {
+        if self.near.is_none() && rests && problem.is_between_points() && problem.intervals() > from {
             let coarse = Passes { tolerance: COARSE_TOLERANCE, near: None, aim: Aim::Rough };
             let thin = problem.thinned(COARSER);
             // Short stretches between stops keep their points: what does not get shorter would be thinned for ever.
             if 2 * thin.intervals() <= problem.intervals()
                 && let Ok(plan) = coarse.plan(&thin)
             {
-                return Passes { near: Some(&plan.law), ..*self }.plan_on_all(problem);
+                return Passes { near: Some(&plan.law), ..*self }.plan_near(problem);
             }
         }
-        self.plan_on_all(problem)
+        self.plan_near(problem)
+    }
+
+    /// The plan on all points, and where a law to start from leads nowhere, from a start of its own.
+    fn plan_near(&self, problem: &FeedProblem) -> Result<JerkLimitedPlan, NotSolved> {
+        self.plan_on_all(problem).or_else(|why| match why.error {
+            FeedError::NotConverged { .. } if self.near.is_some() => {
+                Passes { near: None, ..*self }.plan_on_all(problem)
+            }
+            _ => Err(why),
+        })
     }
 
     /// The plan on all points, with all rows in the end.
-    fn plan_on_all(&self, problem: &FeedProblem) -> Result<JerkLimitedPlan, NotSolved> {
+    pub fn plan_on_all(&self, problem: &FeedProblem) -> Result<JerkLimitedPlan, NotSolved> {
         self.plan_with(problem, DROP_UP_TO).or_else(|why| match why.error {
             FeedError::NotConverged { .. } => self.plan_with(problem, 0),
             _ => Err(why),

@@ -99,10 +99,10 @@ impl JerkLimited {
         Ok(JerkLimitedDraft { law, grid_costs })
     }
 
-    /// The law, if there is one. Nothing is spent on the reasons where there is none.
+    /// The law, if there is one: from a start of its own, or near another law. Nothing is spent on the reasons where there is none.
     pub(super) fn plan_if_any(&self, problem: &FeedProblem, near: Option<&SpeedLaw>) -> Option<JerkLimitedPlan> {
         let passes = Passes { tolerance: self.tolerance, near, aim: Aim::Motion };
-        passes.plan(problem).ok()
+        passes.plan_on_all(problem).ok()
     }
 
     fn plan_from(&self, problem: &FeedProblem, near: Option<&SpeedLaw>) -> Result<JerkLimitedPlan, FeedError> {

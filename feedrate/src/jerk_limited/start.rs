@@ -20,6 +20,9 @@ const POOR: f64 = 0.1;
 const NEAR_FRACTION: f64 = 0.98;
 const NEAR: f64 = 0.5;
 
+/// A law whose squared speeds would have to be lowered to less than this part to be inside is no start where limits are widened.
+const FAR: f64 = 0.02;
+
 /// A law that keeps all bounds if its squared speeds are lowered or raised by this part is close to the solution, row by row.
 const CLOSE: f64 = 0.02;
 
@@ -169,8 +172,8 @@ pub(super) struct NearLaw {
     pub distance: Distance,
 }
 
-/// A start along a law that the solution is close to; none where it has to be slowed down much. Where a speed is given at an end, the
-/// limits are widened instead.
+/// A start along a law that the solution is close to; none where it has to be slowed down much. Where it cannot be slowed down, the
+/// limits are widened instead, unless by very much.
 pub(super) fn near(problem: &FeedProblem, barrier_problem: &mut BarrierProblem, law: &SpeedLaw) -> Option<NearLaw> {
     let (m, grid) = (barrier_problem.knots.intervals(), &problem.grid()[barrier_problem.from..]);
     let states: Vec<_> = grid[..=m].iter().map(|&s| law.at_position(s)).collect();
@@ -194,6 +197,10 @@ pub(super) fn near(problem: &FeedProblem, barrier_problem: &mut BarrierProblem, 
     barrier_problem.knots.evaluate(&c, &mut values);
     let [scale, jerk_scale] = barrier_problem.largest_scales(&values);
     if !barrier_problem.slows {
+        let moves = c.iter().chain(&values.x).all(|x| *x > 0.0 && x.is_finite());
+        if !moves || scale.min(jerk_scale) <= FAR || !(scale + jerk_scale).is_finite() {
+            return None;
+        }
         widen(barrier_problem, &values, jerk_scale.powf(-1.5));
         return Some(NearLaw { law: c.clone(), start: c, distance: Distance::COARSE });
     }

@@ -19,15 +19,18 @@ const MOST: usize = 100_000;
 /// Where a window is left for the next one, in sixteenths of it: the first that a motion goes on from.
 const CUTS: [usize; 6] = [8, 7, 9, 6, 10, 4];
 
-/// Two laws whose squared speeds are apart by no more than this part of them are about as fast.
+/// Two laws are alike whose squared speeds are apart by no more than this part of them, and they join where the slower one has come that
+/// near.
 const ALIKE: f64 = 0.05;
+const JOIN: f64 = 0.04;
 
 /// A jerk-limited planner for paths of any number of intervals, in memory that does not grow with
 /// the rows of the path.
 ///
 /// A window of the grid is planned to rest at its end, by [`JerkLimited`]. About the first half of
 /// the motion is kept. The next window begins where that half ends, at the speed and acceleration
-/// reached there, so that both are continuous along the whole path.
+/// reached there, so that both are continuous along the whole path. Where the planner finds no motion by itself, it starts near that of
+/// the window before, joined to a rough one from rest.
 ///
 /// # It always has a motion
 /// The rest of a window leads to standstill within all limits. If no motion is found that goes on
@@ -148,11 +151,13 @@ impl WindowedJerkLimited {
             let i = window.range.len() * cut / 16;
             let (from, state) = (window.range.start + i, window.law.at_position(window.grid[i]));
             let (problem, to) = self.problem(from, intervals, stretch)?;
-            let from_rest = Passes::rough(&problem);
-            let near = from_rest.and_then(|law| window.joined_to(&law, problem.grid()));
-            let problem = problem.going_on_from(state);
-            if let Some(planned) = self.planner.plan_if_any(&problem, near.as_ref()) {
-                return Ok(Some((Window::new(&problem, from..to, planned), state.p)));
+            let going_on = problem.clone().going_on_from(state);
+            let planned = self.planner.plan_if_any(&going_on, None).or_else(|| {
+                let near = window.joined_to(&Passes::rough(&problem)?, problem.grid())?;
+                self.planner.plan_if_any(&going_on, Some(&near))
+            });
+            if let Some(planned) = planned {
+                return Ok(Some((Window::new(&going_on, from..to, planned), state.p)));
             }
         }
         Ok(None)
@@ -207,7 +212,7 @@ impl Window {
         let squared = |law: &SpeedLaw, s: f64| law.v_at_s(s).powi(2);
         let common = grid.partition_point(|&s| s < end);
         let pairs: Vec<[f64; 2]> = grid[..common].iter().map(|&s| [squared(&self.law, s), squared(next, s)]).collect();
-        let first = pairs.iter().position(|[a, b]| *b > (1.0 - 0.8 * ALIKE) * a)?;
+        let first = pairs.iter().position(|[a, b]| *b > (1.0 - JOIN) * a)?;
         let alike = pairs[first..].iter().take_while(|[a, b]| (a - b).abs() < ALIKE * a).count();
         let speed = |(i, &s): (usize, &f64)| {
             let w = ((i as f64 - first as f64) / (alike as f64 + 1.0)).clamp(0.0, 1.0);

@@ -257,8 +257,8 @@ fn farthest_of(points: &[Point], others: &[Point]) -> f64 {
 /// curvature has a bound in any case.
 #[test]
 fn cusps_are_found_as_near_to_an_end_as_they_may_be() {
-    let (mut turned, mut specks) = (0, 0);
-    for seed in cases(100) {
+    let (mut turned, mut specks, seeds) = (0, 0, cases(100));
+    for seed in seeds.clone() {
         let r = &mut Random::new(seed);
         let mut cusps: Vec<f64> = (0..1 + r.below(2)).map(|_| any_place(r)).collect();
         cusps.sort_by(f64::total_cmp);
@@ -291,12 +291,13 @@ fn cusps_are_found_as_near_to_an_end_as_they_may_be() {
         }
         let deviation = path.pieces().iter().map(|p| p.deviation).fold(0.0, f64::max);
         assert!(deviation <= tolerance, "seed {seed}: {deviation} of {tolerance}");
-        if seed % 100 == 0 {
+        if seed % 25 == 0 {
             let [a, b] = [dense(&made, &knots), dense(&curve, &ends)];
             let (new, old) = (farthest_of(&a, &b), farthest_of(&b, &a));
             let bound = deviation + 1e-5;
             assert!(new <= bound && old <= bound, "seed {seed}, {cusps:?}: {new}, {old} of {deviation}");
         }
     }
-    assert!(turned > 150 && specks > 150, "{turned}, {specks}");
+    let few = (seeds.end - seeds.start) as usize / 3;
+    assert!(turned > few && specks > few, "{turned}, {specks}");
 }

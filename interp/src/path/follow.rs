@@ -179,6 +179,7 @@ impl<const N: usize> JointPath<N> {
             let movable = closest > 0
                 && closest + 1 < self.after.len()
                 && !path.knots().contains(&self.after[closest].s)
+                && !path.corners().contains(&self.after[closest].s)
                 && !taken.contains(&self.after[closest].s);
             if distance < 1e-9 * (s1 - s0) {
                 // It stands on the point already.

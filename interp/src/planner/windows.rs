@@ -13,9 +13,11 @@ use crate::trajectory::PlanWindows;
 const MOST_AT_ONCE: usize = 50_000;
 /// Intervals of a window.
 const WINDOW: usize = 10_000;
-/// Where windows find no motion, grids of no more than so many of them are planned at once: in two gigabytes at the most.
+/// Where windows find no motion, grids of no more than so many of them are planned at once, and of no more intervals than this: in two
+/// gigabytes at the most.
 const WINDOWS_AT_ONCE: usize = 20;
-/// Longer ones are scanned in parts of so many windows.
+const MOST_AFTER_WINDOWS: usize = 200_000;
+/// Longer ones are scanned in parts of so many windows, and of no more than [`MOST_AT_ONCE`] intervals.
 const WINDOWS_SCANNED: usize = 5;
 /// The fewest and the most intervals of a window.
 const FEWEST: usize = 64;
@@ -58,9 +60,9 @@ impl<const N: usize> Planner<'_, N> {
     /// ([`WindowedJerkLimited`](arcfeed_feedrate::WindowedJerkLimited)). The motion is as fast as the whole as long as it can brake to
     /// rest within half a window. Standing still must be possible at the end of a window.
     ///
-    /// Where no motion is found in windows, grids of up to twenty windows (200 000 intervals without this method) are planned at once
-    /// like shorter ones. Longer ones take the motion of the continuous-acceleration scan, with rest after five windows without a stop
-    /// of the path.
+    /// Where no motion is found in windows, grids of up to twenty windows, but of no more than 200 000 intervals, are planned at once
+    /// like shorter ones. Longer ones take the motion of the continuous-acceleration scan, with rest after five windows, but after no more
+    /// than 50 000 intervals, without a stop of the path.
     ///
     /// ```
     /// use arcfeed_interp::{JointSpline, Limits, Planner};
@@ -132,11 +134,11 @@ impl<const N: usize> Planner<'_, N> {
         error: FeedError,
     ) -> Result<Chosen, PlanError> {
         let window = self.settings.window.unwrap_or(WINDOW);
-        if problem.intervals() <= WINDOWS_AT_ONCE * window {
+        if problem.intervals() <= MOST_AFTER_WINDOWS.min(WINDOWS_AT_ONCE * window) {
             return self.choose_at_once(problem, used);
         }
         let mut parts = Vec::new();
-        let scanned = problem.for_parts(used, WINDOWS_SCANNED * window, |_, rows| {
+        let scanned = problem.for_parts(used, MOST_AT_ONCE.min(WINDOWS_SCANNED * window), |_, rows| {
             parts.push(ContinuousAccelerationScan.plan(&rows)?);
             Ok(())
         });
@@ -194,4 +196,41 @@ fn braking_time(v: f64, a: f64, j: f64) -> f64 {
 fn shortest_half<const N: usize>(problem: &PathProblem<'_, N>, law: &SpeedLaw, window: usize) -> f64 {
     let times: Vec<f64> = problem.layout.grid.iter().step_by(window / 2).map(|&s| law.time_at_position(s)).collect();
     times.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use arcfeed_feedrate::{Fallback, FeedError};
+    use arcfeed_kinematics::{Joints, models};
+
+    use crate::problem::LimitFractions;
+    use crate::{JointSpline, Limits, MotionPath, Planner, RowsNeeded};
+
+    /// Grids of up to twenty windows are planned at once, longer ones by the scan, with a rest after each five windows.
+    #[test]
+    fn where_windows_find_no_motion_there_is_one_at_once_or_of_the_scan() {
+        let arm = models::ur5e();
+        let joints = [2.5, 8.0, 80.0].map(Joints::repeat);
+        let joints = arm.range().with_rates(joints[0], joints[1], joints[2]).expect("above 0");
+        let points: Vec<Joints<6>> = (0..12).map(|i| Joints::repeat(0.4 * f64::from(i % 3))).collect();
+        let path = JointSpline::through(&points).expect("points that differ");
+        let planner = Planner::new(&arm, Limits::new(joints)).with_intervals(2000).expect("allowed");
+        for (window, scanned) in [(64, true), (128, false)] {
+            let planner = planner.clone().with_window(window).expect("allowed");
+            let problem = planner.prepare(&path, RowsNeeded::Jerk).expect("in the range");
+            let error = FeedError::NotConverged { what: "windows", iterations: 1, residual: 1.0 };
+            let full = LimitFractions::default();
+            let chosen = planner.choose_without_windows(&problem, &full, error).expect("there is a motion");
+            let rests = chosen.law.knots().filter(|(_, state)| state.v == 0.0).count();
+            let parts = problem.intervals().div_ceil(5 * window);
+            assert_eq!(rests, if scanned { parts } else { 1 }, "{window}: {parts} parts");
+            assert_eq!(
+                matches!(chosen.fallback, Some(Fallback::Failed(_))),
+                scanned,
+                "{window}: {:?}",
+                chosen.fallback
+            );
+            assert!((chosen.law.end().p - path.length()).abs() < 1e-9 && chosen.windows.is_none(), "{window}");
+        }
+    }
 }

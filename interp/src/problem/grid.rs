@@ -36,14 +36,22 @@ pub(crate) fn shortest(intervals: usize, period: f64) -> f64 {
     if intervals > LARGE { period } else { 0.0 }
 }
 
-/// Values from 0 to `length` in equal steps between the knots, about `intervals` in all.
-pub(crate) fn equal_steps(length: f64, knots: &[f64], intervals: usize) -> Vec<f64> {
-    let mut grid = Vec::with_capacity(intervals + 2 * knots.len() + 2);
-    let mut from = 0.0;
-    for &to in knots.iter().chain([&length]) {
-        let pieces = ((to - from) / length * intervals as f64).round().max(2.0) as usize;
+/// The fewest intervals between two knots, and between two stops: a motion with limits on jerk needs these.
+const LEAST_PIECES: f64 = 2.0;
+pub(crate) const BETWEEN_STOPS: usize = 4;
+
+/// Values from 0 to `length` in equal steps between the `places`, at some of which there are `corners`; about `intervals` in all.
+pub(crate) fn equal_steps(length: f64, places: &[f64], corners: &[f64], intervals: usize) -> Vec<f64> {
+    let mut grid = Vec::with_capacity(intervals + BETWEEN_STOPS * (places.len() + 1));
+    let is_corner = |s: f64| corners.iter().any(|corner| (corner - s).abs() <= CLOSE * length);
+    // The ends of a path without corners are as near as its length says.
+    let (mut from, mut from_stop) = (0.0, !corners.is_empty());
+    for &to in places.iter().chain([&length]) {
+        let is_stop = is_corner(to) || (to == length && !corners.is_empty());
+        let least = if from_stop && is_stop { BETWEEN_STOPS as f64 } else { LEAST_PIECES };
+        let pieces = ((to - from) / length * intervals as f64).round().max(least) as usize;
         grid.extend((0..pieces).map(|i| from + (to - from) * (i as f64 / pieces as f64)));
-        from = to;
+        (from, from_stop) = (to, is_stop);
     }
     grid.push(length);
     grid
@@ -117,7 +125,7 @@ pub(crate) fn along_curve(path: &PosePath, knots: &[f64], breaks: &[f64], measur
 /// The knots and corners of a path without a curve that are inside it, increasing; of several that stand next to each other, one.
 pub(crate) fn places(knots: &[f64], corners: &[f64], length: f64) -> Vec<f64> {
     let mut places = borders(knots, corners, length);
-    places.retain(|s| *s > 0.0 && *s < length);
+    places.retain(|s| *s > CLOSE * length && *s < length - CLOSE * length);
     places
 }
 

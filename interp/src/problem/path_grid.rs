@@ -41,10 +41,10 @@ impl PathGrid {
                 }
                 .into());
             }
-            // At least two between neighbouring knots.
+            // At the most so many between neighbouring knots that are hardly apart.
             let places = grid::places(path.knots(), path.corners(), path.length());
-            fits(2 * (places.len() + 1))?;
-            let grid = grid::equal_steps(path.length(), &places, settings.intervals);
+            fits(grid::BETWEEN_STOPS * (places.len() + 1))?;
+            let grid = grid::equal_steps(path.length(), &places, path.corners(), settings.intervals);
             return Ok(Self { grid, segmentation: None, breaks: Vec::new(), sections: Vec::new() });
         };
         let segmentation = curve
@@ -56,6 +56,7 @@ impl PathGrid {
         let mut sections = limits::resolve(&settings.sections, curve, &breaks)?;
         let mut places = if on_breaks { breaks.clone() } else { Vec::new() };
         places.extend(sections.iter().flat_map(|section| [section.from, section.to]));
+        places.extend(path.corners());
         let measure = measure(settings, curve, &sections)?;
         let mut grid = grid::along_curve(curve, &curve.knots(), &places, &measure);
         let shortest = grid::shortest(grid.len(), settings.period);

@@ -109,7 +109,8 @@ fn a_circle_with_the_fourth_joint_constant_passes_the_straight_wrist() {
 fn random_motions_with_smooth_joints_pass_the_straight_wrist() {
     let (kr6, ur5e, cr7) = (models::kr6_r700(), models::ur5e(), models::cr7());
     let (mut planned, mut passed) = (0, 0);
-    for seed in cases(3) {
+    let seeds = cases(3);
+    for seed in seeds.clone() {
         let mut random = Random::new(seed);
         let mut vector = |size: f64| Joints::<6>::from_fn(|_, _| random.between(-size, size));
         let (first, second, third) = (vector(0.5), vector(0.3), vector(0.2));
@@ -144,7 +145,10 @@ fn random_motions_with_smooth_joints_pass_the_straight_wrist() {
         };
         passed += usize::from(!singular.is_empty());
     }
-    assert!(planned >= 1 && passed + 1 >= planned, "{planned} planned, {passed} with setpoints inside");
+    assert!(
+        3 * planned >= 2 * seeds.count() && 6 * passed >= 5 * planned,
+        "{planned} planned, {passed} with setpoints inside"
+    );
 }
 
 #[test]

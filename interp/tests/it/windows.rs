@@ -1,9 +1,9 @@
 //! Long paths in windows: verified, as fast as the whole within 0.5 %, in less memory.
 
-use arcfeed_feedrate::{Fallback, FeedPlanner, JerkLimited};
+use arcfeed_feedrate::{FeedPlanner, JerkLimited};
 use arcfeed_interp::{
     Extent, FeedSection, JointJet, JointSpline, LimitError, Limits, Method, MotionPath, PathError, PathParameter,
-    Planner, RowsNeeded, ToolPath, Trajectory,
+    Planner, RowsNeeded, ToolPath,
 };
 use arcfeed_kinematics::{Joints, models};
 use arcfeed_testing::{Random, most_bytes_in};
@@ -149,46 +149,28 @@ fn windows_keep_the_speeds_at_the_ends() {
     assert!((ends[0] - 0.5).abs() < 1e-9 && (ends[1] - 0.25).abs() < 1e-9, "{ends:?}");
 }
 
-/// Two stops one interval apart are too near for the jerk-limited planner: in windows, as at once, the scan takes its place and says why.
+/// Stops where no grid of equal steps has a point, at the ends, and as near to each other as 30 nm: the motion rests in each that is
+/// inside, at once and in windows.
 #[test]
-fn the_scan_takes_the_place_of_windows_without_a_motion() {
+fn stops_are_planned_wherever_they_are() {
     let arm = models::ur5e();
-    // There are such stops on the grids of two and four times as many intervals, too.
-    let path = Stopping { stops: vec![5.0, 5.01, 6.0, 6.0025, 7.0, 7.005] };
+    let inside = [3.00317, 5.0, 5.001, 6.0, 6.0 + 3e-8];
+    let path = Stopping { stops: [&inside[..], &[0.0, 9.999_999_999_999_998, 10.0]].concat() };
     let planner = Planner::new(&arm, limits()).with_intervals(1000).expect("allowed");
-    let whole = planner.plan(&path).expect("the scan finds one");
-    let windows = planner.with_window(250).expect("allowed").plan(&path).expect("the scan finds one");
+    let whole = planner.plan(&path).expect("is planned");
+    let windows = planner.with_window(250).expect("allowed").plan(&path).expect("is planned");
     for plan in [&whole, &windows] {
         let info = plan.info();
-        assert!(matches!(info.fallback, Some(Fallback::Failed(_))) && info.windows.is_none(), "{info:?}");
-        assert!(info.method == Some(Method::ContinuousAcceleration), "{info:?}");
-        assert!(info.to_string().contains("instead of jerk-limited") && info.to_string().contains("stops"), "{info}");
-        assert!(plan.verification().holds(1e-6));
+        assert!(info.fallback.is_none() && info.method == Some(Method::JerkLimited), "{info:?}");
+        assert!(plan.verification().holds(1e-6), "{:?}", plan.verification().worst());
+        let rests = plan.law().knots().filter(|(_, state)| state.v == 0.0).count();
+        assert_eq!(rests, inside.len() + 1, "one in each stop, and at the begin");
+        for stop in inside {
+            let v = plan.law().at_position(stop).v;
+            assert!(v < 1e-6, "{v} at {stop}");
+        }
     }
-    let durations = [windows.duration(), whole.duration()];
-    assert!((durations[0] / durations[1] - 1.0).abs() < 1e-9, "{durations:?}");
-}
-
-/// Where the grid is longer than twenty windows, too, it is scanned in parts of five windows, or up to a stop of the path.
-#[test]
-fn a_long_path_without_a_motion_in_windows_is_scanned_in_parts() {
-    let arm = models::ur5e();
-    let path = Stopping { stops: vec![5.0, 5.01, 6.0, 6.00125, 7.0, 7.0025] };
-    let planner = Planner::new(&arm, limits()).with_intervals(2000).expect("allowed");
-    let whole = planner.plan(&path).expect("the scan finds one");
-    let parts = planner.with_window(64).expect("allowed").plan(&path).expect("the scan finds one");
-    let info = parts.info();
-    assert!(matches!(info.fallback, Some(Fallback::Failed(_))) && info.windows.is_none(), "{info:?}");
-    assert!(info.method == Some(Method::ContinuousAcceleration), "{info:?}");
-    assert!(parts.verification().holds(1e-6), "{:?}", parts.verification().worst());
-    // A part of 320 intervals is 1.6 long, or half of that on a grid twice as fine.
-    let rests = |plan: &Trajectory<'_>| plan.law().knots().filter(|(_, state)| state.v < 1e-9).count();
-    assert!(rests(&parts) > rests(&whole), "{} and {}", rests(&parts), rests(&whole));
-    assert!(parts.duration() > whole.duration() && parts.duration() < 2.0 * whole.duration(), "{}", parts.duration());
-    for stop in &path.stops[..2] {
-        let v = parts.law().at_position(*stop).v;
-        assert!(v < 1e-6, "{v} at {stop}");
-    }
+    assert!(windows.duration() < 1.005 * whole.duration(), "{} and {}", windows.duration(), whole.duration());
 }
 
 /// The motion passes half a window of 10 000 intervals in less than twice the time in which it brakes: windows grow by themselves.
@@ -242,14 +224,14 @@ fn sections_are_kept_in_windows() {
 fn tables_are_kept_in_windows() {
     let arm = qb::arm();
     let path = bent::rounds();
-    for kind in Kind::ALL {
+    for kind in [Kind::AccelerationBySpeed, Kind::JerkByPosition, Kind::TorqueBySpeed, Kind::ToolAcceleration] {
         let told = kind.told(1.0);
         let planner = told.planner(&arm).with_intervals(1200).expect("allowed");
         let whole = planner.plan(&path).expect("is planned");
         let windows = planner.with_window(400).expect("allowed").plan(&path).expect("is planned");
         let info = windows.info();
         let what = format!("{kind:?}: {} and {}, {info:?}", windows.duration(), whole.duration());
-        assert!(info.windows.as_ref().is_some_and(|windows| windows.count > 1), "{what}");
+        assert!(info.windows.as_ref().is_some_and(|windows| windows.count > 2), "{what}");
         // Some windows rest at their end: from a jerk or an acceleration at its table's limit not every motion is found that goes on.
         assert!(windows.verification().holds(1e-6) && windows.duration() < 1.25 * whole.duration(), "{what}");
         let worst = windows.verification().worst_of(kind.quantity()).expect("looked at");

@@ -142,7 +142,7 @@ fn every_planner_ends_at_rest_behind_a_dwell() {
     let desk = Desk::new("dwell_planners");
     for planner in ["jerk-limited", "per-segment", "reachability", "interpolated-reachability"] {
         desk.write("job.toml", &format!("[plan]\nplanner = \"{planner}\"\n"));
-        for i in (1..=20).step_by(7) {
+        for i in (1..=20).step_by(4) {
             // Ends on which the difference of two times rounds down, among others.
             let (wait, end) = (format!("0.0{}", 37 * i + 11), format!("1{i:02}.{i}"));
             let text = format!("G21 G90 G61\nG0 X0 Y0 Z0\nG1 X60 F3000\nG4 P{wait}\nG1 X{end}\nM2\n");

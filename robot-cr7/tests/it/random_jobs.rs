@@ -1,15 +1,15 @@
 //! Random `cr7 schedule`, `cr7 move` and `cr7 online`: whenever the exit code is 0, the file that was written keeps every limit,
 //! by differences of its numbers; otherwise there is none.
 //!
-//! `RANDOM_JOBS=1000 RANDOM_SEED=7 cargo test --release -p robot-cr7 --test it random_jobs -- --nocapture` searches as long as one
-//! likes; `RANDOM_JOBS=1 RANDOM_SEED=S` plays one case again. A failing case prints its command and its file.
+//! `ARCFEED_CASES=100 cargo test --release -p robot-cr7 --test it random_jobs -- --nocapture` searches longer; `ARCFEED_CASES=S..T` plays
+//! the cases of these seeds. A failing case prints its command and its file.
 #![cfg(feature = "cli")]
 
 use crate::common;
 use crate::keeps;
 
 use arcfeed_kinematics::{ArmDynamics, Dynamics, ForwardKinematics, Inertial, Joints};
-use arcfeed_testing::Random;
+use arcfeed_testing::{Random, cases};
 use common::{Desk, Run};
 use keeps::{Limits, broken};
 use nalgebra::{Isometry3, Matrix3, Vector3};
@@ -28,26 +28,14 @@ fn around<const N: usize>(random: &mut Random, home: [f64; N], by: f64) -> [f64;
     })
 }
 
-fn searched() -> (u64, u64) {
-    let number = |name: &str, default| std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default);
-    (number("RANDOM_JOBS", 8), number("RANDOM_SEED", 20_261_128))
-}
-
 /// Runs `case` for every seed and tells how many ended how.
 fn search(name: &str, case: impl Fn(&Desk, u64) -> i32) {
-    let (count, first) = searched();
-    let desk = Desk::new(name);
+    let (seeds, desk) = (cases(8), Desk::new(name));
     let mut codes = [0, 0, 0];
-    for seed in first..first + count {
+    for seed in seeds.clone() {
         codes[usize::try_from(case(&desk, seed)).expect("a code")] += 1;
     }
-    println!(
-        "{name}: seeds {first} to {}: {} done, {} refused, {} bad",
-        first + count - 1,
-        codes[0],
-        codes[1],
-        codes[2]
-    );
+    println!("{name}: seeds {seeds:?}: {} done, {} refused, {} bad", codes[0], codes[1], codes[2]);
     assert_eq!(codes[2], 0, "all inputs are good ones");
     assert!(count < 8 || codes[0] > 0, "some are done");
 }
