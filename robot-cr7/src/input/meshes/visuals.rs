@@ -173,7 +173,7 @@ mod tests {
     #[test]
     fn numbers_that_are_none_are_named() {
         for (from, to, words) in [
-            ("0.001 0.001 0.002", "0.001 0.001", "link \"base\": scale of its <visual> is \"0.001 0.001\""),
+            ("0.001 0.001 0.002", "0.001 0.001", "link \"base\": scale of its <mesh> is \"0.001 0.001\""),
             ("<origin xyz=\"0 0 1\"/>", "<origin xyz=\"0 0 nan\"/>", "link \"cover\": the origin"),
             ("<origin xyz=\"0 0 1\"/>", "<origin xyz=\"0 0 a\"/>", "link \"cover\": not a valid URDF"),
             ("</robot>", "", "root"),
