@@ -239,7 +239,7 @@ fn meshes_that_are_not_read_are_refused_with_the_way_out() {
         .refused(2, &["cr7", "no .urdf file", "leave --meshes out"]);
     desk.run(&["plan", "--meshes", "meshes"]).refused(2, &["add --format html"]);
     desk.run(&["plan", "--meshes", "meshes", "--stream", "20"])
-        .refused(2, &["'--meshes <FOLDER>' cannot be used with '--stream"]);
+        .refused(2, &["'--meshes <FOLDER>'", "cannot be used with", "--stream <N>"]);
     desk.write("arm.urdf", &desk.run(&["robots", "--urdf", "ur5e"]).done().stdout);
     desk.run(&MESH_PLAN).refused(2, &["no link of the arm has a mesh"]);
     assert!(!desk.folder.join("out/report.html").exists());
