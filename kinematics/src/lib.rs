@@ -19,6 +19,7 @@
 //! | one with its limits, links and source | [`models::description`], [`ArmDescription::build`] |
 //! | your own arm | [`Chain::new`], [`Chain::from_dh`], [`Chain::from_modified_dh`]; [`Arm::new`] |
 //! | an arm from a file | `ArmDescription::from_urdf` (feature `urdf`), `ArmDescription::from_json` (feature `json`) |
+//! | the pose of another element of a URDF | `urdf_origin` (feature `urdf`) |
 //! | an arm whose number of joints the file decides | [`ArmDescription::build_any`], [`AnyArm`] |
 //! | its tables and files | [`Chain::to_dh`], [`Chain::to_modified_dh`], [`ArmDescription::to_urdf`], `ArmDescription::to_json` (feature `json`) |
 //! | pose, Jacobian, J' qd | [`ForwardKinematics`] |
@@ -114,3 +115,5 @@ pub use singularity::{
 pub use singularity_kind::SingularityKind;
 pub use traits::{AnalyticInverse, ForwardKinematics, InverseKinematics, PoseResidual};
 pub use turns::{LimitExcess, nearest_turns};
+#[cfg(feature = "urdf")]
+pub use urdf::urdf_origin;

@@ -8,7 +8,7 @@
 //!
 //! Inputs are fed in a process of their own, which a watchdog ends when one takes more than the time of its target (1 s of the processor for
 //! readers) or 500 MB. An input that is a defect is saved to `target/fuzz/`, ready for `--replay`, and the exit code is 1. The feature
-//! `controller` adds the packets of a controller.
+//! `controller` adds the packets of a controller, `html` the meshes of an arm.
 
 mod block;
 mod options;

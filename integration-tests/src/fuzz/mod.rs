@@ -8,6 +8,8 @@
 
 mod corpus;
 mod judge;
+#[cfg(feature = "html")]
+mod meshes;
 mod mutation;
 mod numbers;
 mod planners;

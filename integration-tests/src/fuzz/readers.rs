@@ -18,7 +18,7 @@ use super::verdict::Verdict;
 const LONGEST_MESSAGE: usize = 30_000;
 
 /// What a reader gave: an error has to say something, and not too much.
-fn verdict<T, E: Display>(read: Result<T, E>, broken: impl FnOnce(&T) -> Option<String>) -> Verdict {
+pub(super) fn verdict<T, E: Display>(read: Result<T, E>, broken: impl FnOnce(&T) -> Option<String>) -> Verdict {
     match read {
         Ok(value) => broken(&value).map_or(Verdict::Accepted, Verdict::Broken),
         Err(error) => match error.to_string() {
@@ -30,7 +30,7 @@ fn verdict<T, E: Display>(read: Result<T, E>, broken: impl FnOnce(&T) -> Option<
 }
 
 /// Text for readers that take no bytes, without a byte order mark as files are read.
-fn text(bytes: &[u8]) -> Option<&str> {
+pub(super) fn text(bytes: &[u8]) -> Option<&str> {
     std::str::from_utf8(bytes).ok().map(|text| text.strip_prefix('\u{feff}').unwrap_or(text))
 }
 

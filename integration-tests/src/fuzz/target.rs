@@ -5,6 +5,8 @@ use std::time::{Duration, Instant};
 
 use arcfeed_testing::{Random, most_bytes_in};
 
+#[cfg(feature = "html")]
+use super::meshes;
 use super::verdict::Verdict;
 use super::watchdog::MOST_BYTES;
 use super::{corpus, mutation, planners, readers};
@@ -73,6 +75,10 @@ pub const TARGETS: &[Target] = &[
     reader("batch-line", corpus::batch_lines, readers::batch_line),
     #[cfg(feature = "controller")]
     reader("controller", readers::streams, readers::controller),
+    #[cfg(feature = "html")]
+    reader("stl", meshes::stl_files, meshes::stl),
+    #[cfg(feature = "html")]
+    reader("urdf-meshes", meshes::urdf_files, meshes::urdf),
     planner("state-to-state", 200, 1.0, planners::state_to_state),
     planner("online", 400, 1.0, planners::online),
     planner("way-points", 400, 1.0, planners::way_points),

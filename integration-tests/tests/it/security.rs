@@ -112,6 +112,41 @@ fn nothing_that_a_robot_file_names_is_opened() {
     }
 }
 
+/// Files of the command's crate that open files at all. Another one is added here when it is clear that no name in an input reaches it.
+const OPENERS: [&str; 13] = [
+    "robot-cr7/src/cli/batch.rs",
+    "robot-cr7/src/cli/joint_space.rs",
+    "robot-cr7/src/cli/plan_files.rs",
+    "robot-cr7/src/cli/ros.rs",
+    "robot-cr7/src/cli/verify.rs",
+    "robot-cr7/src/input/drawing/reader.rs",
+    "robot-cr7/src/input/error.rs",
+    "robot-cr7/src/input/gcode/reader.rs",
+    MESHES,
+    "robot-cr7/src/output/folder_lock.rs",
+    "robot-cr7/src/output/staging.rs",
+    "robot-cr7/src/output/whole_file.rs",
+    "robot-cr7/src/run/batch.rs",
+];
+/// The one place where a mesh is opened.
+const MESHES: &str = "robot-cr7/src/input/meshes/folder.rs";
+
+#[test]
+fn a_mesh_is_opened_in_one_place_alone() {
+    let own: Vec<_> = sources().into_iter().filter(|(file, _)| file.starts_with("robot-cr7/src/")).collect();
+    for (file, text) in &own {
+        let found: Vec<&str> = ["fs", "OpenOptions"].iter().flat_map(|word| lines_with(text, word)).collect();
+        assert_eq!(OPENERS.contains(&file.as_str()), !found.is_empty(), "{file}: {found:?}");
+        // Names of meshes are read in one place, and go to no other opener.
+        let names = text.contains("\"filename\"") || file != MESHES && text.contains("folder::read(");
+        let meshes = file.starts_with("robot-cr7/src/input/meshes/");
+        assert!(meshes || !names, "{file}");
+    }
+    let calls = own.iter().map(|(_, text)| text.matches("folder::read(").count()).sum::<usize>();
+    let module = own.iter().find(|(file, _)| file.ends_with("input/meshes/mod.rs")).map(|(_, text)| text.as_str());
+    assert!(calls == 1 && module.is_some_and(|text| text.contains("\nmod folder;\n")), "{calls} calls");
+}
+
 #[test]
 fn nothing_that_a_drawing_names_is_opened() {
     let line = "<path d=\"M0 0 L10 10\"/>";

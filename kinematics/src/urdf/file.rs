@@ -6,12 +6,12 @@
 //! proportion to the text.
 
 use super::markup::{Attributes, Markup, Tag, unreadable};
+use super::origin::{Origin, Version};
 use crate::{
     dynamics::Inertial,
     error::{KinematicsError, Part},
-    joint::checked_pose,
 };
-use nalgebra::{Isometry3, Matrix3, Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Matrix3, Vector3};
 
 /// The link that simulators take for granted as the parent of the first joint.
 const WORLD: &str = "world";
@@ -49,19 +49,6 @@ pub(super) enum JointType {
     Other(&'static str),
 }
 
-/// A frame in that of its parent.
-#[derive(Debug, Clone, Copy)]
-struct Origin {
-    xyz: [f64; 3],
-    turn: UnitQuaternion<f64>,
-}
-
-impl Default for Origin {
-    fn default() -> Self {
-        Self { xyz: [0.0; 3], turn: UnitQuaternion::identity() }
-    }
-}
-
 /// The limits of the drive of a joint; 0 where the file does not say.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Limit {
@@ -86,13 +73,6 @@ pub(super) struct Joint {
     pub(super) dynamics: Option<[f64; 2]>,
     /// The joint it follows.
     pub(super) mimic: Option<String>,
-}
-
-impl Origin {
-    fn pose(origin: Option<Self>) -> Result<Isometry3<f64>, KinematicsError> {
-        let Self { xyz, turn } = origin.unwrap_or_default();
-        checked_pose("the origin", &Isometry3::from_parts(xyz.into(), turn))
-    }
 }
 
 impl Joint {
@@ -144,21 +124,6 @@ impl Link {
             }
             Err(error) => Err(in_link(error)),
         }
-    }
-}
-
-/// The `version` of a robot: later ones know more attributes.
-#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
-struct Version(u32, u32);
-
-impl Version {
-    /// A missing or malformed one counts as 1.0.
-    fn of(text: Option<&str>) -> Self {
-        let read = |text: &str| {
-            let (major, minor) = text.trim().split_once('.')?;
-            Some(Self(major.parse().ok()?, minor.parse().ok()?))
-        };
-        text.and_then(read).unwrap_or(Self(1, 0))
     }
 }
 
@@ -289,7 +254,7 @@ impl Reader {
             Ok(())
         };
         match element.name() {
-            "origin" => set(&mut joint.origin, "origin", origin(element, version)?),
+            "origin" => set(&mut joint.origin, "origin", Origin::of(element, version)?),
             "parent" => link(&mut joint.parent, "parent"),
             "child" => link(&mut joint.child, "child"),
             "axis" => {
@@ -311,7 +276,7 @@ impl Reader {
         let Some(Some(body)) = self.robot.links.last_mut().map(|link| link.inertial.as_mut()) else { return Ok(()) };
         let need = |name| element.number(name)?.ok_or_else(|| element.without(name));
         match element.name() {
-            "origin" => set(&mut body.origin, "origin", origin(element, version)?),
+            "origin" => set(&mut body.origin, "origin", Origin::of(element, version)?),
             "mass" => set(&mut body.mass, "mass", need("value")?),
             "inertia" => {
                 let mut values = [0.0; 6];
@@ -362,29 +327,6 @@ fn set<T>(place: &mut Option<T>, what: &str, value: T) -> Result<(), String> {
         None => Ok(()),
         Some(_) => Err(twice(what)),
     }
-}
-
-/// `<origin>`: fixed-axis angles or, since version 1.1, a quaternion.
-fn origin(element: &Attributes<'_>, version: Version) -> Result<Origin, String> {
-    let xyz = element.vector("xyz")?.unwrap_or_default();
-    let angles = element.vector("rpy")?;
-    let quaternion = match version >= Version(1, 1) {
-        true => element.vector::<4>("quat_xyzw")?,
-        false => None,
-    };
-    let turn = match (angles, quaternion) {
-        (Some(_), Some(_)) => return Err("its <origin> has both rpy and quat_xyzw: leave one".to_owned()),
-        (angles, None) => {
-            let [roll, pitch, yaw] = angles.unwrap_or_default();
-            UnitQuaternion::from_euler_angles(roll, pitch, yaw)
-        }
-        (None, Some([x, y, z, w])) => {
-            let quaternion = Quaternion::new(w, x, y, z);
-            let short = || format!("its quat_xyzw has length {}: it must not be 0", quaternion.norm());
-            UnitQuaternion::try_new(quaternion, 0.0).ok_or_else(short)?
-        }
-    };
-    Ok(Origin { xyz, turn })
 }
 
 /// `<limit>`: what a version does not know is ignored, what is absent counts as unknown.

@@ -116,14 +116,11 @@ impl Attributes<'_> {
                 return Err(wrong(format!("there are two attributes {name}")));
             }
             if attribute.value.len() > MAX_TEXT {
-                return Err(wrong(format!("{name} is longer than {MAX_TEXT} bytes")));
+                return Err(wrong(too_long(name)));
             }
             let value = attribute.decode_and_unescape_value(self.element.decoder());
             let value = value.map_err(|error| wrong(format!("{name}: {error}")))?;
-            if value.chars().any(|c| c.is_control() && !c.is_ascii_whitespace()) {
-                return Err(wrong(format!("{name} holds a control character")));
-            }
-            found = Some(value.into_owned());
+            found = Some(usable(name, &value).map_err(wrong)?.to_owned());
         }
         Ok(found)
     }
@@ -148,17 +145,32 @@ impl Attributes<'_> {
 
     /// `K` numbers with blanks between them, if they are there.
     pub(super) fn vector<const K: usize>(&self, name: &str) -> Result<Option<[f64; K]>, String> {
-        let Some(text) = self.get(name)? else { return Ok(None) };
-        let numbers: Option<Vec<f64>> = text.split_whitespace().map(|part| part.parse().ok()).collect();
-        match numbers.and_then(|numbers| <[f64; K]>::try_from(numbers).ok()) {
-            Some(values) => Ok(Some(values)),
-            None => Err(self.no_numbers(name, K, &text)),
-        }
+        let wrong = |reason: String| format!("<{}>: {reason}", self.name());
+        self.get(name)?.map(|text| numbers(name, &text).map_err(wrong)).transpose()
     }
+}
 
-    fn no_numbers(&self, name: &str, count: usize, text: &str) -> String {
-        let rule = if count == 1 { "a number".to_owned() } else { format!("{count} numbers") };
-        let remedy = if text.contains("${") { " (run xacro on the file and give its output)" } else { "" };
-        format!("<{}>: {name} is \"{text}\", it must be {rule}{remedy}", self.name())
+fn too_long(name: &str) -> String {
+    format!("{name} is longer than {MAX_TEXT} bytes")
+}
+
+/// The text of the attribute `name`, refused where it is no text for an error.
+pub(super) fn usable<'t>(name: &str, text: &'t str) -> Result<&'t str, String> {
+    if text.len() > MAX_TEXT {
+        return Err(too_long(name));
     }
+    if text.chars().any(|c| c.is_control() && !c.is_ascii_whitespace()) {
+        return Err(format!("{name} holds a control character"));
+    }
+    Ok(text)
+}
+
+/// `K` numbers with blanks between them, as the attribute `name` holds them.
+pub(super) fn numbers<const K: usize>(name: &str, text: &str) -> Result<[f64; K], String> {
+    let numbers: Option<Vec<f64>> = text.split_whitespace().map(|part| part.parse().ok()).collect();
+    numbers.and_then(|numbers| <[f64; K]>::try_from(numbers).ok()).ok_or_else(|| {
+        let rule = if K == 1 { "a number".to_owned() } else { format!("{K} numbers") };
+        let remedy = if text.contains("${") { " (run xacro on the file and give its output)" } else { "" };
+        format!("{name} is \"{text}\", it must be {rule}{remedy}")
+    })
 }

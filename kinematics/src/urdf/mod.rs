@@ -6,6 +6,7 @@
 
 mod file;
 mod markup;
+mod origin;
 mod tree;
 
 use crate::{
@@ -13,6 +14,8 @@ use crate::{
     error::KinematicsError,
     joint::JointKind,
 };
+pub use origin::urdf_origin;
+
 use file::{Joint, JointType, Robot};
 use nalgebra::Isometry3;
 use std::collections::HashSet;

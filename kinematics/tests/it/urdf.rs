@@ -5,7 +5,7 @@ use crate::common;
 use crate::damaged_urdf;
 
 use arcfeed_kinematics::{
-    ArmDescription, Dynamics, ForwardKinematics, Inertial, InverseMethod, Joints, KinematicsError, models,
+    ArmDescription, Dynamics, ForwardKinematics, Inertial, InverseMethod, Joints, KinematicsError, models, urdf_origin,
 };
 use common::pose_distance;
 use nalgebra::{Isometry3, Matrix3, Vector3};
@@ -387,6 +387,40 @@ fn a_file_of_a_hundred_thousand_links_is_read() {
 }
 
 /// Later versions of the format say more of limits and know quaternions; earlier ones ignore both.
+/// An origin of an element that is skipped is read as that of a joint.
+#[test]
+fn an_origin_on_its_own_is_read_as_that_of_a_joint() {
+    let read = |version: &str, attributes: &[(&'static str, &'static str)]| {
+        let of = |name: &str| attributes.iter().find(|(own, _)| *own == name).map(|(_, text)| *text);
+        let own = urdf_origin(Some(version), of);
+        let text = attributes.iter().map(|(name, text)| format!(" {name}=\"{text}\"")).collect::<String>();
+        let text = one_joint("world", "").replace("<axis", &format!("<origin{text}/><axis"));
+        let text = text.replacen("name=\"x\"", &format!("name=\"x\" version=\"{version}\""), 1);
+        let joint = ArmDescription::from_urdf(&text, None, None).map(|arm| arm.joints[0].origin);
+        assert_eq!(own.as_ref().ok(), joint.as_ref().ok(), "{version} {attributes:?}: {own:?} {joint:?}");
+        own.map_err(|error| error.to_string())
+    };
+    let turned = ("quat_xyzw", "0 0 3 4");
+    assert_eq!(read("1.0", &[]).unwrap(), Isometry3::identity());
+    assert_eq!(read("1.0", &[("xyz", "1 2 3"), turned]).unwrap(), Isometry3::translation(1.0, 2.0, 3.0));
+    let angle = read("1.1", &[turned]).unwrap().rotation.angle();
+    assert!((angle - 2.0 * (0.6f64).asin()).abs() < 1e-12, "{angle}");
+    assert!((read("1.0", &[("rpy", "0 0 1")]).unwrap().rotation.angle() - 1.0).abs() < 1e-12);
+    for (version, attributes, words) in [
+        ("1.1", &[("rpy", "0 0 1"), turned][..], "both rpy and quat_xyzw"),
+        ("1.1", &[("quat_xyzw", "0 0 0 0")], "length 0"),
+        ("1.0", &[("xyz", "1 2")], "xyz is \"1 2\", it must be 3 numbers"),
+        ("1.0", &[("xyz", "0 0 nan")], "origin"),
+        ("1.0", &[("xyz", "0 0 \u{7}")], "control character"),
+    ] {
+        let said = read(version, attributes).expect_err("no origin");
+        assert!(said.contains(words), "{said}");
+    }
+    let long = "1 ".repeat(600);
+    let said = urdf_origin(None, |_| Some(long.as_str())).expect_err("too long").to_string();
+    assert!(said.contains("xyz is longer than 1000 bytes"), "{said}");
+}
+
 #[test]
 fn the_version_of_a_file_decides_what_counts() {
     let text = one_joint("world", "")

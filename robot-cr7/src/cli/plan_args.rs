@@ -45,7 +45,7 @@ pub struct Args {
     #[arg(long, value_enum, value_delimiter = ',', conflicts_with = "stream")]
     pub format: Vec<Format>,
     /// Draw the robot with the meshes that its .urdf file names, which are looked for below this folder alone; needs --format html
-    #[arg(long, value_name = "FOLDER")]
+    #[arg(long, value_name = "FOLDER", conflicts_with = "stream")]
     pub meshes: Option<PathBuf>,
     /// Also bound the duration of all motions within the limits from below; takes a few to forty times as long as the plan
     #[arg(long, conflicts_with = "stream")]

@@ -184,7 +184,7 @@ pub enum InputError {
     },
     /// A mesh of an arm cannot be drawn.
     #[cfg(feature = "html")]
-    #[error("{}: {fault}", file.display())]
+    #[error("{}: {fault}", crate::text::clip(&file.to_string_lossy(), 200))]
     Mesh {
         /// The mesh as the URDF names it, or the URDF.
         file: PathBuf,

@@ -1,8 +1,9 @@
 """Opens report.html in Chromium, uses it as a person would, and checks what it shows.
 
-    python3 report.py REPORT.html [FOLDER]
+    python3 report.py REPORT.html [FOLDER] [--meshes]
 
 Needs Chromium with its driver, and Selenium (PyPI). Pictures of the page (light, dark, on a telephone) are written to FOLDER.
+With --meshes the arm has to be drawn with meshes.
 """
 
 import re
@@ -64,7 +65,7 @@ class Page:
         WebDriverWait(self.driver, PATIENCE).until(lambda _: what(), words)
 
 
-def check(page):
+def check(page, meshes):
     run = page.run
     assert run("return document.querySelectorAll('#arm canvas').length") >= 1, "the arm is not drawn"
     for name, least in [("feed", 2), ("joints", 6)]:
@@ -110,12 +111,14 @@ def check(page):
     # Meshes stand at the joints.
     off = run(
         """const shape = data.shape, points = armAt(time), drawn = document.getElementById('arm').data[0];
-        if (!shape) return 0;
+        if (!shape) return arguments[0] ? -1 : 0;
         const corners = shape.meshes.reduce((sum, mesh) => sum + mesh.points.length / 3, 0);
         if (drawn.x.length < corners || drawn.i.length < 1000) return 1;
         return Math.max(...frames(shape, armAt(time, 'joints')).map((pose) => Math.min(...points.map((_, n) =>
-            n % 3 ? 1 : Math.hypot(...[0, 1, 2].map((k) => pose[k] - points[n + k]))))))"""
+            n % 3 ? 1 : Math.hypot(...[0, 1, 2].map((k) => pose[k] - points[n + k]))))))""",
+        meshes,
     )
+    assert off >= 0, "the page has no meshes"
     assert off < 1e-3, f"meshes are {off} m off their joints"
 
     # It plays from the start to where it is paused, and the arm moves.
@@ -147,7 +150,7 @@ def check(page):
     assert run(dark) != first, "turns dark"
 
 
-def main(report, folder=None):
+def main(report, folder=None, *, meshes):
     text = Path(report).read_text(encoding="utf-8")
     size = len(text.encode()) / 1e6
     assert size < 6, f"{size:.2f} MB"
@@ -156,7 +159,7 @@ def main(report, folder=None):
     driver = browser()
     try:
         opened(driver, page, "light", (1400, 950))
-        check(Page(driver))
+        check(Page(driver), meshes)
         for name, shape, mark in [("light", (1400, 950), "light"), ("dark", (1400, 950), "dark"), ("telephone", (500, 1900), "light")]:
             opened(driver, page, f"{mark}&t=1", shape)
             if folder is not None:
@@ -172,4 +175,4 @@ def main(report, folder=None):
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    main(*(word for word in sys.argv[1:] if word != "--meshes"), meshes="--meshes" in sys.argv)

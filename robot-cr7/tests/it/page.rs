@@ -140,6 +140,11 @@ fn the_meshes_of_a_urdf_stand_at_its_joints() {
     std::fs::create_dir_all(desk.folder.join("meshes/visual")).expect("a folder");
     desk.write("meshes/visual/box.dae", "<COLLADA/>");
     std::fs::write(desk.folder.join("meshes/visual/box.stl"), box_stl([100.0, 50.0, 20.0])).expect("a mesh");
+    // The names of a package in Gazebo's way are the same.
+    with_meshes(&desk, "model://ur/visual/box.dae");
+    let (_, data) = page(&desk, &MESH_PLAN);
+    assert_eq!(data["shape"]["meshes"].as_array().map(Vec::len), Some(6));
+    with_meshes(&desk, "package://ur/visual/box.dae");
     let (page, data) = page(&desk, &MESH_PLAN);
     assert!(page.len() < 6_000_000, "{} bytes", page.len());
     let shape = &data["shape"];
@@ -189,6 +194,9 @@ fn meshes_that_are_not_read_are_refused_with_the_way_out() {
         ("meshes/nan.stl", &not_finite),
         ("meshes/huge.stl", &huge),
         ("meshes/large.stl", &box_stl([1e6, 1.0, 1.0])),
+        ("meshes/small.stl", &box_stl([0.9, 0.5, 0.1])),
+        ("meshes/none.stl", &[0; 84]),
+        ("meshes/parts.stl", b"solid a\nendsolid a\nfacet normal 0 0 1\n"),
         ("meshes/only.dae", b"<COLLADA/>"),
         ("outside.stl", &whole),
     ] {
@@ -201,8 +209,14 @@ fn meshes_that_are_not_read_are_refused_with_the_way_out() {
         ("nan.stl", "triangle 1: a corner has the coordinate NaN"),
         ("huge.stl", "it states 4294967295 triangles"),
         ("large.stl", "a corner is at 1000 m"),
+        (
+            "small.stl",
+            "it is 9.0e-4 m large, which nobody sees: at least 0.001 m is drawn; check the scale in the .urdf file",
+        ),
+        ("none.stl", "it has no triangles"),
+        ("parts.stl", "line 3 is \"facet normal 0 0 1\", but only \"solid\" begins"),
         ("only.dae", "only STL is read: convert it, and put \"only.stl\" beside it"),
-        ("none.stl", "there is no such file below meshes"),
+        ("lost.stl", "there is no such file below meshes"),
         ("far", "there is no such file below meshes"),
         ("../outside.stl", "outside of the folder of --meshes"),
         ("package://../outside.stl", "outside of the folder of --meshes"),
@@ -214,11 +228,18 @@ fn meshes_that_are_not_read_are_refused_with_the_way_out() {
         with_meshes(&desk, name);
         desk.run(&MESH_PLAN).refused(2, &[name, words]);
     }
+    // A name that is a trick fits on a line of a terminal.
+    let long = format!("package://a/&#155;2J&#10;{}.stl", "a".repeat(500));
+    with_meshes(&desk, &long);
+    let said = desk.run(&MESH_PLAN).refused(2, &["package://a/ 2J aaa", "...: "]).stderr;
+    assert!(said.len() < 500 && !said.contains('\u{9b}'), "{said}");
     with_meshes(&desk, "nan.stl\" scale=\"1 1");
     desk.run(&MESH_PLAN).refused(2, &["arm.urdf"]);
     desk.run(&["plan", "--format", "html", "--meshes", "meshes"])
         .refused(2, &["cr7", "no .urdf file", "leave --meshes out"]);
     desk.run(&["plan", "--meshes", "meshes"]).refused(2, &["add --format html"]);
+    desk.run(&["plan", "--meshes", "meshes", "--stream", "20"])
+        .refused(2, &["'--meshes <FOLDER>'", "cannot be used with", "--stream <N>"]);
     desk.write("arm.urdf", &desk.run(&["robots", "--urdf", "ur5e"]).done().stdout);
     desk.run(&MESH_PLAN).refused(2, &["no link of the arm has a mesh"]);
     assert!(!desk.folder.join("out/report.html").exists());

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use arcfeed_kinematics::KinematicsError;
 use thiserror::Error;
 
 /// What is wrong with a mesh that a URDF names, or with how it names it.
@@ -11,22 +12,28 @@ pub enum MeshFault {
     /// No URDF, or none of its links has a mesh.
     #[error("{0}: meshes are drawn for a robot whose .urdf file names them; leave --meshes out")]
     None(&'static str),
-    /// The markup of a visual cannot be read.
-    #[error("link \"{link}\": {what} of its <visual> is \"{value}\": give three finite numbers")]
-    Visual {
+    /// The scale of a mesh cannot be read.
+    #[error("link \"{link}\": scale of its <mesh> is \"{value}\": give three finite numbers")]
+    Scale {
         /// The link.
         link: String,
-        /// The attribute.
-        what: &'static str,
-        /// Its value.
+        /// The scale.
         value: String,
+    },
+    /// The origin of a visual, or of a joint, cannot be read.
+    #[error("link \"{link}\": {error}")]
+    Origin {
+        /// The link.
+        link: String,
+        /// What is wrong with it.
+        error: Box<KinematicsError>,
     },
     /// The markup is none.
     #[error("{0}")]
     Markup(#[from] roxmltree::Error),
     /// The name is of a place that is not looked at.
     #[error(
-        "the mesh is named by a place outside of the folder of --meshes, which alone is read: name it package://PACKAGE/FILE or by a path below that folder"
+        "the mesh is named by a place outside of the folder of --meshes, which alone is read: name it package://PACKAGE/FILE, model://PACKAGE/FILE or by a path below that folder"
     )]
     Outside,
     /// There is no such file.
@@ -45,7 +52,7 @@ pub enum MeshFault {
     #[error("cannot be read: {0}")]
     Io(#[from] std::io::Error),
     /// More than is read.
-    #[error("{count} {what}: at most {most} are read; make the mesh coarser")]
+    #[error("{count} {what}: at most {most} are read; make meshes coarser, or fewer in the .urdf file")]
     Many {
         /// What there is too much of.
         what: &'static str,
@@ -73,6 +80,27 @@ pub enum MeshFault {
         triangle: usize,
         /// What is wrong, in the words of the reader.
         words: String,
+    },
+    /// A text goes on behind its end in a way that is none of STL.
+    #[error("line {line} is \"{found}\", but only \"solid\" begins what follows \"endsolid\": export it again")]
+    Behind {
+        /// The line, from 1.
+        line: usize,
+        /// Its beginning.
+        found: String,
+    },
+    /// It has no triangles.
+    #[error("it has no triangles: export it again, or take its <visual> out of the .urdf file")]
+    Nothing,
+    /// It is too small to be seen.
+    #[error(
+        "it is {size:.1e} m large, which nobody sees: at least {least} m is drawn; check the scale in the .urdf file, which is 0.001 for a mesh in mm and 1 for one in m"
+    )]
+    Small {
+        /// Its greatest extent along an axis, m.
+        size: f64,
+        /// The least one that is drawn, m.
+        least: f64,
     },
     /// A corner of a triangle is no place on an arm.
     #[error(

@@ -17,6 +17,8 @@ use super::error::{InputError, read_text};
 const MOST_TRIANGLES: usize = 1_000_000;
 /// Most meshes.
 const MOST_MESHES: usize = 100;
+/// Least extent of a mesh, m: ten units of the coordinates on a page.
+const LEAST_SIZE: f64 = 1e-3;
 /// Greatest coordinate in the frame of a joint, m.
 const MOST_PLACE: f64 = 10.0;
 
@@ -46,19 +48,19 @@ pub fn read_meshes(
     }
     let text = read_text(urdf, "a robot as URDF")?;
     let carried: Vec<&str> = description.joints.iter().map(|joint| joint.link.as_str()).collect();
-    let visuals = visuals::visuals(&text, base, &carried).map_err(|fault| fault_of(urdf, fault))?;
+    let visuals = visuals::visuals(&text, base, &carried, MOST_MESHES + 1).map_err(|fault| fault_of(urdf, fault))?;
     if visuals.is_empty() {
         return Err(fault_of(urdf, MeshFault::None("no link of the arm has a mesh")));
     }
     if visuals.len() > MOST_MESHES {
-        let (count, most) = (visuals.len() as u64, MOST_MESHES as u64);
-        return Err(fault_of(urdf, MeshFault::Many { what: "meshes", count, most }));
+        let most = MOST_MESHES as u64;
+        return Err(fault_of(urdf, MeshFault::Many { what: "meshes or more", count: most + 1, most }));
     }
     let mut left = MOST_TRIANGLES;
     let mut all = Vec::new();
     for visual in visuals {
         let wrong = |fault| fault_of(&PathBuf::from(&visual.name), fault);
-        let corners = folder::read(folder, &visual.name).and_then(|bytes| stl::triangles(bytes, left));
+        let corners = folder::read(folder, &visual.name).and_then(|bytes| stl::triangles(&bytes, left));
         let corners = corners.map_err(wrong)?;
         left -= corners.len();
         let place = |corner: [f32; 3]| {
@@ -74,7 +76,18 @@ pub fn read_meshes(
                 return Err(wrong(MeshFault::Corner { triangle: index + 1, value, most: MOST_PLACE }));
             }
         }
+        let size = extent(&triangles).ok_or_else(|| wrong(MeshFault::Nothing))?;
+        if size < LEAST_SIZE {
+            return Err(wrong(MeshFault::Small { size, least: LEAST_SIZE }));
+        }
         all.push(LinkMesh { frame: visual.frame, triangles });
     }
     Ok(all)
+}
+
+/// The greatest extent of triangles along an axis; `None` without any.
+fn extent(triangles: &[[Vector3<f64>; 3]]) -> Option<f64> {
+    let corners = || triangles.iter().flatten().copied();
+    let (least, most) = (corners().reduce(|a, b| a.inf(&b))?, corners().reduce(|a, b| a.sup(&b))?);
+    Some((most - least).max())
 }

@@ -10,6 +10,8 @@ use crate::input::meshes::LinkMesh;
 
 /// Most triangles on the page: a browser moves them smoothly, and they take 0.4 MB.
 const MOST_TRIANGLES: usize = 12_000;
+/// Most triangles of a mesh that is smaller than a cell.
+const FEW: usize = 100;
 /// Unit of coordinates on the page, m.
 const UNIT: f64 = 1e-4;
 /// By how much cells grow from one try to the next.
@@ -62,11 +64,14 @@ fn pose(pose: &Isometry3<f64>) -> [f64; 7] {
     [place.x, place.y, place.z, turn.x, turn.y, turn.z, turn.w]
 }
 
-/// The meshes with corners merged that are near to each other, as few as there have to be.
+/// The meshes with corners merged that are near to each other, as few as there have to be. A mesh that would vanish in a cell keeps some
+/// triangles as they are.
 fn coarse(meshes: &[LinkMesh]) -> Vec<ShapeMesh> {
+    let few = FEW.min(MOST_TRIANGLES / meshes.len().max(1));
+    let seen = |mesh: &LinkMesh, cell| Some(merged(mesh, cell)).filter(|shape| !shape.triangles.is_empty());
     let mut cell = UNIT;
     loop {
-        let all: Vec<_> = meshes.iter().map(|mesh| merged(mesh, cell)).collect();
+        let all: Vec<_> = meshes.iter().map(|mesh| seen(mesh, cell).unwrap_or_else(|| picked(mesh, few))).collect();
         let count: usize = all.iter().map(|mesh| mesh.triangles.len() / 3).sum();
         // In a cell as large as the arm hardly anything is left of a mesh.
         if count <= MOST_TRIANGLES || cell > 100.0 {
@@ -102,9 +107,30 @@ fn merged(mesh: &LinkMesh, cell: f64) -> ShapeMesh {
             triangles.extend(corners);
         }
     }
-    let unit = |v: f64| (v / UNIT).round() as i32;
-    let points = sums.iter().flat_map(|(sum, count)| [sum.x, sum.y, sum.z].map(|v| unit(v / count))).collect();
+    // Cells that triangles are left of, in the order in which these name them.
+    let mut numbers = vec![None; sums.len()];
+    let mut points = Vec::new();
+    for corner in &mut triangles {
+        let (sum, count) = &sums[*corner as usize];
+        *corner = *numbers[*corner as usize].get_or_insert_with(|| {
+            points.extend(units(&(sum / *count)));
+            (points.len() / 3 - 1) as u32
+        });
+    }
     ShapeMesh { frame: mesh.frame, points, triangles }
+}
+
+/// `most` triangles of a mesh at most, evenly taken from all, with corners of their own.
+fn picked(mesh: &LinkMesh, most: usize) -> ShapeMesh {
+    let step = mesh.triangles.len().div_ceil(most.max(1)).max(1);
+    let points: Vec<i32> = mesh.triangles.iter().step_by(step).flatten().flat_map(units).collect();
+    let triangles = (0..(points.len() / 3) as u32).collect();
+    ShapeMesh { frame: mesh.frame, points, triangles }
+}
+
+/// A place in the units of the page.
+fn units(place: &Vector3<f64>) -> [i32; 3] {
+    [place.x, place.y, place.z].map(|v| (v / UNIT).round() as i32)
 }
 
 #[cfg(test)]
@@ -136,6 +162,40 @@ mod tests {
             let radii =
                 mesh.points.chunks_exact(3).map(|p| UNIT * p.iter().map(|v| f64::from(*v).powi(2)).sum::<f64>().sqrt());
             assert!(radii.into_iter().all(|r| (r - 0.2).abs() < 0.01));
+            assert!(mesh.triangles.iter().all(|corner| (*corner as usize) < mesh.points.len() / 3));
+        }
+    }
+
+    /// A needle is thinner than every cell that is tried, and a mesh of needles has a corner in each cell.
+    #[test]
+    fn corners_that_no_triangle_has_are_not_on_the_page() {
+        let needle = |k: usize| {
+            let foot = Vector3::new((k % 100) as f64, (k / 100) as f64, 0.0) * 1e-2;
+            [foot, foot + Vector3::new(1e-6, 0.0, 0.0), foot + Vector3::new(0.0, 1e-6, 0.0)]
+        };
+        let mut mesh = sphere(20);
+        let alone = merged(&mesh, UNIT).points.len();
+        mesh.triangles.extend((0..10_000).map(needle));
+        let coarse = coarse(&[mesh]);
+        assert_eq!(coarse[0].points.len(), alone);
+        assert!(coarse[0].triangles.iter().all(|corner| (*corner as usize) < alone / 3));
+    }
+
+    /// Beside meshes that need large cells a screw, and a wire that is thinner than a unit, are still there, and all of it is bounded.
+    #[test]
+    fn no_mesh_vanishes() {
+        let scaled = |mesh: LinkMesh, by: Vector3<f64>| {
+            let triangles = mesh.triangles.iter().map(|corners| corners.map(|corner| corner.component_mul(&by)));
+            LinkMesh { frame: 7, triangles: triangles.collect() }
+        };
+        let screw = scaled(sphere(40), Vector3::repeat(0.005));
+        let wire = scaled(sphere(60), Vector3::new(1e-4, 1e-4, 1.0));
+        let coarse = coarse(&[sphere(300), screw, wire]);
+        let counts: Vec<usize> = coarse.iter().map(|mesh| mesh.triangles.len() / 3).collect();
+        assert!(counts.iter().all(|count| *count > 0), "{counts:?}");
+        assert!(counts.iter().sum::<usize>() <= MOST_TRIANGLES, "{counts:?}");
+        for mesh in &coarse {
+            assert!(mesh.points.len() <= 3 * mesh.triangles.len(), "{} corners", mesh.points.len() / 3);
             assert!(mesh.triangles.iter().all(|corner| (*corner as usize) < mesh.points.len() / 3));
         }
     }
