@@ -49,7 +49,13 @@ impl<'m> Bench<'m> {
     fn run(&mut self, until: f64, mut change: impl FnMut(f64, &mut ArmState<1>)) -> &mut Self {
         while self.now < until && !self.session.is_over() {
             self.now += 0.008;
-            while let Some(order) = self.session.next_order(self.now) {
+            loop {
+                let Some(order) = self.session.next_order(self.now) else {
+                    if self.session.has_planned() {
+                        continue;
+                    }
+                    break;
+                };
                 match order {
                     Order::Setpoint { q, .. } => self.state.q = q,
                     Order::Enable => (self.state.mode, self.state.enabled) = (ArmMode::Idle, true),
