@@ -79,31 +79,50 @@ def main():
         last = rows[-1]
         return sent.returncode == 0 and all(abs(float(last[f"sent{k}_rad"]) - float(last[f"actual{k}_rad"])) < 1e-3 for k in range(1, 7))
 
-    def live(version):
-        """Leads the arm along a scenario, more slowly than in its file; false if this computer was late."""
+    def live(version, orders):
+        """Leads the arm along a scenario with orders on stdin: the program, its setpoints, those of the rehearsal, and the report."""
         dry = run("send", "--scenario", "live.toml", "--out", "dry", "--json")
         assert dry.returncode == 0, dry
         rows = list(csv.reader(open(os.path.join(folder, "dry/setpoints.csv"))))
-        count = len(rows) - 1
         simulator, send = serve(version, [math.degrees(float(q)) for q in rows[1][1:]])
         send[1:2] = ["--scenario", "live.toml"]
         command = [cr7, *send, "--really", "--out", "live"]
-        process = subprocess.Popen(command, cwd=folder, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        for pause, order in [(0.5, "override 20"), (0.2, "faster")]:
+        process = subprocess.Popen(command, cwd=folder, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        for pause, order in orders:
             time.sleep(pause)
             if process.poll() is None:
-                process.stdin.write(order + "\n")
+                process.stdin.write(order + b"\n")
                 process.stdin.flush()
-        process.stdout, process.stderr = process.communicate(timeout=60)
+        process.stdout, process.stderr = (text.decode() for text in process.communicate(timeout=60))
         print(process.stdout, process.stderr)
-        assert process.returncode == 0 or late(process), (process.returncode, process.stderr)
         setpoints, stops = end(simulator)
         assert stops >= 5 and "the arm rests" in process.stderr, (stops, process.stderr)
+        report = json.load(open(os.path.join(folder, "live/report.json")))
+        return process, setpoints, len(rows) - 1, report
+
+    def slower(version):
+        """An override, and lines that are no order; false if this computer was late."""
+        orders = [(0.5, b"override 20"), (0.2, b"faster"), (0.1, b"\xff\xfe"), (0.1, b"override 21")]
+        process, setpoints, count, report = live(version, orders)
+        assert process.returncode == 0 or late(process), (process.returncode, process.stderr)
         # With the order it takes longer than in the rehearsal.
-        return process.returncode == 0 and setpoints > count + 20 and '"faster" is no order' in process.stderr
+        whole = process.returncode == 0 and setpoints > count + 20 and '"faster" is no order' in process.stderr
+        return whole and any(event["what"] == "order: override 21 %" for event in report["events"])
+
+    def halted(version):
+        """A hold, a resume and a stop: the program says so, and has a code of its own; false if this computer was late."""
+        orders = [(0.6, b"hold"), (1.5, b"resume"), (0.3, b"stop")]
+        process, setpoints, count, report = live(version, orders)
+        if late(process):
+            return False
+        assert process.returncode == 3 and "stopped by order" in process.stderr, (process.returncode, process.stderr)
+        told = [event["what"] for event in report["events"] if event["what"].startswith("order")]
+        assert told == ["order: hold", "order: resume", "order: stop"], told
+        return True
 
     open(os.path.join(folder, "live.toml"), "w").write(SCENARIO)
-    assert any(live("v4") for _ in range(TRIES)), f"no whole scenario in {TRIES} tries"
+    assert any(slower("v4") for _ in range(TRIES)), f"no whole scenario in {TRIES} tries"
+    assert any(halted("v4") for _ in range(TRIES)), f"no stop by order in {TRIES} tries"
     for version in ["v3", "v4"]:
         assert any(whole(version) for _ in range(TRIES)), f"{version}: no whole motion in {TRIES} tries"
 

@@ -81,22 +81,6 @@ fn a_hold_of_the_operator_outlasts_the_events() {
     }
 }
 
-/// An override of the operator lasts when the scenario sets its own.
-#[test]
-fn an_override_of_the_operator_multiplies_that_of_the_scenario() {
-    for index in 0..SCENARIOS {
-        on_stage(index, |stage| {
-            let mean_step = |operator: Operator| {
-                let all = operator.setpoints(stage).expect("it ends");
-                all.windows(2).map(|two| (two[1] - two[0]).amax()).sum::<f64>() / all.len() as f64
-            };
-            let slow = mean_step(Operator::new(vec![(0.0, Command::Override(0.25))]));
-            let alone = mean_step(Operator::default());
-            assert!(slow < 0.8 * alone, "{index}: {slow} {alone}");
-        });
-    }
-}
-
 /// As for certified motions, while an operator overrides and holds; the example `soak_controller` runs any number of them.
 #[test]
 fn random_faults_in_live_scenarios_end_in_a_stop() {
@@ -131,12 +115,12 @@ fn the_way_to_a_scenario_is_led_in_its_session() {
         expected.extend(Operator::default().setpoints(stage).expect("it ends"));
         let case =
             Case { version: Version::Four, fault: Disturbance::None, fault_at: 0, jitter: 0, off: false, seed: 1 };
-        let judged = case.run_source(live().with_way(&way, 0.03), &expected).expect("it arrives");
+        let judged = case.run_source(live().with_way(&way), &expected).expect("it arrives");
         assert_eq!((judged.outcome.sent, judged.outcome.setpoints), (expected.len(), expected.len()));
 
         for order in [Command::Stop, Command::Hold] {
             let mut asked = 0;
-            let source = live().with_way(&way, 0.03).with_operator(|_| {
+            let source = live().with_way(&way).with_operator(|_| {
                 asked += 1;
                 if asked == on_the_way / 2 { order } else { Command::None }
             });

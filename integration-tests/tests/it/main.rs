@@ -9,6 +9,8 @@ mod cnc_curves;
 mod conformance;
 #[cfg(feature = "controller")]
 mod controller;
+#[cfg(feature = "controller")]
+mod controller_live;
 mod fuzz;
 mod hybrid;
 #[cfg(feature = "oracle")]

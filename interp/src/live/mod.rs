@@ -8,6 +8,7 @@
 //! | `state`, `error` | where the motion is: [`HybridState`], [`HybridStep`]; what is refused: [`HybridError`] |
 //! | `joints` | the part in joint space |
 //! | `motion` | [`HybridMotion`]: one step a cycle |
+//! | `orders` | what a command means in each state of it |
 //! | `live_tool` | poses of the tool as targets, straight through task space: [`LiveTool`] |
 //! | `drive` | simulated drives behind their setpoints: [`DriveLag`] |
 //!
@@ -26,6 +27,7 @@ mod joints;
 mod live_path;
 mod live_tool;
 mod motion;
+mod orders;
 mod recorded;
 mod singular;
 mod state;

@@ -3,7 +3,7 @@
 use arcfeed_feedrate::{FeedOverride, LiveSection, LiveStatus, MAX_SECTIONS, MotionState};
 use arcfeed_kinematics::Joints;
 
-use super::command::{Command, Excursion, JointMoveBy, LeaveBy};
+use super::command::{Command, Excursion, JointMoveBy};
 use super::error::{HybridError, LiveError, MAX_POINTS};
 use super::joints::JointSpace;
 use super::live_path::LivePath;
@@ -15,12 +15,12 @@ use crate::setpoint::Setpoint;
 
 /// A motion along a tool path that can be slowed down, held, stepped back, left for joint space, resumed and stopped in any cycle.
 ///
-/// **Guarantees**, whatever is commanded and whenever: no limit of joints or tool is exceeded; position, velocity and acceleration of every
-/// joint go on without a jump, with its jerk inside its limit; while [`HybridStep::on_path`] is true the tool is on the path; a path that was
-/// left is resumed exactly where it was left. A step allocates nothing and takes a bounded number of operations.
+/// **Guarantees**, whatever is commanded and whenever: no limit of joints or tool is exceeded; position, velocity and acceleration of
+/// every joint go on without a jump, with its jerk inside its limit; while [`HybridStep::on_path`] is true the tool is on the path; a path
+/// that was left is resumed exactly where it was left. A step allocates nothing and takes a bounded number of operations.
 ///
-/// The speed on the path is that of a [`FeedOverride`]; joint space is an [`OnlineGenerator`](arcfeed_sync::OnlineGenerator). Nothing is known
-/// of obstacles: the points of an excursion are chosen by who gives it.
+/// The speed on the path is that of a [`FeedOverride`]; joint space is an [`OnlineGenerator`](arcfeed_sync::OnlineGenerator). Nothing is
+/// known of obstacles: the points of an excursion are chosen by who gives it.
 ///
 /// ```no_run
 /// # fn example(path: arcfeed_geometry::PosePath) -> Result<(), Box<dyn std::error::Error>> {
@@ -52,24 +52,24 @@ use crate::setpoint::Setpoint;
 /// ```
 #[derive(Debug, Clone)]
 pub struct HybridMotion<'a, const N: usize = 6> {
-    live: &'a LivePath<'a, N>,
+    pub(super) live: &'a LivePath<'a, N>,
     /// Parts of the path after this one, each reached through joint space.
     ahead: &'a [LivePath<'a, N>],
-    feed: FeedOverride<'a>,
-    sections: [LiveSection; MAX_SECTIONS],
-    section_count: usize,
-    joints: JointSpace<N>,
-    state: HybridState,
-    on_path: bool,
+    pub(super) feed: FeedOverride<'a>,
+    pub(super) sections: [LiveSection; MAX_SECTIONS],
+    pub(super) section_count: usize,
+    pub(super) joints: JointSpace<N>,
+    pub(super) state: HybridState,
+    pub(super) on_path: bool,
     /// The operator's wish for the motion on the path, whatever events do to it meanwhile.
-    held: bool,
+    pub(super) held: bool,
     /// True while a hold keeps the motion where it stands to leave the path.
-    held_leaving: bool,
-    excursion: Option<Excursion<N>>,
+    pub(super) held_leaving: bool,
+    pub(super) excursion: Option<Excursion<N>>,
     /// Points that were reached since the path was left, for the way back, and how many.
     passed: [Joints<N>; MAX_POINTS],
-    passed_count: usize,
-    last: Setpoint<N>,
+    pub(super) passed_count: usize,
+    pub(super) last: Setpoint<N>,
     cycles: u64,
 }
 
@@ -125,16 +125,22 @@ impl<'a, const N: usize> HybridMotion<'a, N> {
     pub fn step(&mut self, command: &Command<N>) -> HybridStep<N> {
         let refused = self.tell(command).err();
         let refused = self.advance().err().or(refused);
-        let holding = match self.on_path {
-            true => (self.state == HybridState::TaskPath && self.held || self.held_leaving) && self.feed.is_at_rest(),
-            false => self.joints.is_held() && self.last.qd.amax() == 0.0,
-        };
+        let stands = if self.on_path { self.feed.is_at_rest() } else { self.last.qd.amax() == 0.0 };
+        let holding = self.is_held() && stands;
         HybridStep { setpoint: self.last, state: self.state, on_path: self.on_path, holding, refused }
     }
 
     /// The state of the motion.
     pub fn state(&self) -> HybridState {
         self.state
+    }
+
+    /// True while a hold or a step back keeps the motion from going on by itself, whether it stands already or not.
+    pub fn is_held(&self) -> bool {
+        match self.on_path {
+            true => self.state == HybridState::TaskPath && self.held || self.held_leaving,
+            false => self.joints.is_held(),
+        }
     }
 
     /// The setpoint of the last cycle; before the first one, the start.
@@ -147,169 +153,8 @@ impl<'a, const N: usize> HybridMotion<'a, N> {
         &self.feed
     }
 
-    /// Takes a command to heart; the motion changes with the next cycle.
-    fn tell(&mut self, command: &Command<N>) -> Result<(), HybridError> {
-        if let Command::None = command {
-            return Ok(());
-        }
-        if matches!(self.state, HybridState::Done | HybridState::Stopping | HybridState::Stopped) {
-            return Err(self.not_now(command, "the motion is over; start another one"));
-        }
-        match *command {
-            Command::None => {}
-            Command::Feed(feed) => self.feed.set_feed(feed)?,
-            Command::Override(factor) => self.feed.set_override(factor)?,
-            Command::Section(section) => self.add_section(section)?,
-            Command::ClearSections => {
-                self.section_count = 0;
-                self.feed.set_sections(&[])?;
-            }
-            Command::Hold => self.hold()?,
-            Command::Resume => self.resume()?,
-            Command::StepBack(place) => {
-                if self.state != HybridState::TaskPath {
-                    return Err(self.not_now(command, "the tool has to be on its task path"));
-                }
-                self.feed.step_back(place)?;
-                self.held = true;
-            }
-            Command::Leave(excursion) => self.leave(excursion)?,
-            Command::Return => self.go_back(command)?,
-            Command::Stop => {
-                self.halt()?;
-                self.state = HybridState::Stopping;
-            }
-        }
-        Ok(())
-    }
-
-    fn not_now(&self, command: &Command<N>, rule: &'static str) -> HybridError {
-        let command = match command {
-            Command::None => "nothing",
-            Command::Feed(_) => "a new feed",
-            Command::Override(_) => "an override",
-            Command::Section(_) | Command::ClearSections => "a feed section",
-            Command::Hold => "hold",
-            Command::Resume => "resume",
-            Command::StepBack(_) => "step back",
-            Command::Leave(_) => "leave",
-            Command::Return => "return",
-            Command::Stop => "stop",
-        };
-        HybridError::NotNow { command, state: self.state.name(), rule }
-    }
-
-    fn add_section(&mut self, section: LiveSection) -> Result<(), HybridError> {
-        let mut all = self.sections;
-        let Some(place) = all.get_mut(self.section_count) else {
-            let (value, limit) = ((MAX_SECTIONS + 1) as f64, MAX_SECTIONS as f64);
-            let what = "number of feed sections";
-            return Err(arcfeed_feedrate::FeedError::AboveLimit { what, value, limit }.into());
-        };
-        *place = section;
-        self.feed.set_sections(&all[..=self.section_count])?;
-        self.sections = all;
-        self.section_count += 1;
-        Ok(())
-    }
-
-    fn hold(&mut self) -> Result<(), HybridError> {
-        self.held = true;
-        self.held_leaving = self.on_path && self.state == HybridState::Leaving;
-        self.halt()
-    }
-
-    /// Brakes, wherever it is.
-    fn halt(&mut self) -> Result<(), HybridError> {
-        if self.on_path {
-            self.feed.hold();
-            Ok(())
-        } else {
-            self.joints.hold()
-        }
-    }
-
-    fn resume(&mut self) -> Result<(), HybridError> {
-        self.held = false;
-        self.held_leaving = false;
-        if !self.on_path {
-            return self.joints.resume();
-        }
-        // While it brakes for an event the motion along the path stays held.
-        if self.state == HybridState::TaskPath {
-            self.feed.resume();
-        }
-        Ok(())
-    }
-
-    fn leave(&mut self, excursion: Excursion<N>) -> Result<(), HybridError> {
-        let (lower, upper) = (self.live.joints().lower(), self.live.joints().upper());
-        for (point, q) in excursion.points().iter().enumerate() {
-            for (joint, &value) in q.iter().enumerate() {
-                let (lower, upper) = (lower[joint], upper[joint]);
-                if !(lower..=upper).contains(&value) {
-                    return Err(HybridError::OutsideRange { point, joint, value, lower, upper });
-                }
-            }
-        }
-        let first = excursion.points()[0];
-        if !self.on_path {
-            // Already in joint space: other points, from the present motion.
-            self.joints.move_by(excursion.by);
-            self.joints.retarget(&first)?;
-            self.excursion = Some(excursion);
-            self.state = HybridState::JointMove(0);
-            self.held = false;
-            return Ok(());
-        }
-        let mut outcome = Ok(());
-        self.joints.move_by(excursion.by);
-        if excursion.leave == LeaveBy::AtOnce && !self.feed.is_at_rest() {
-            let now = self.last;
-            match self.joints.start(&now.q, &now.qd, &now.qdd, &first) {
-                Ok(()) => {
-                    self.feed.stand();
-                    self.on_path = false;
-                }
-                Err(error @ HybridError::BrakesFirst { .. }) => outcome = Err(error),
-                Err(error) => return Err(error),
-            }
-        }
-        if self.on_path {
-            self.feed.hold();
-        }
-        self.passed_count = 0;
-        self.held_leaving = false;
-        self.excursion = Some(excursion);
-        self.state = HybridState::Leaving;
-        outcome
-    }
-
-    fn go_back(&mut self, command: &Command<N>) -> Result<(), HybridError> {
-        match self.state {
-            HybridState::Leaving if self.on_path => {
-                // It has not left yet.
-                self.excursion = None;
-                self.held_leaving = false;
-                self.state = HybridState::TaskPath;
-                if !self.held {
-                    self.feed.resume();
-                }
-                Ok(())
-            }
-            HybridState::Leaving | HybridState::JointMove(_) | HybridState::Waiting => {
-                self.joints.retarget(&self.way_back(self.passed_count))?;
-                self.state = HybridState::Returning;
-                self.held = false;
-                Ok(())
-            }
-            HybridState::Returning | HybridState::GoingRound => Ok(()),
-            _ => Err(self.not_now(command, "the path has to have been left before")),
-        }
-    }
-
     /// The last of the `count` points still to be passed on the way back, or else the place where the path was left.
-    fn way_back(&self, count: usize) -> Joints<N> {
+    pub(super) fn way_back(&self, count: usize) -> Joints<N> {
         if count > 0 { self.passed[count - 1] } else { self.place_left() }
     }
 

@@ -34,6 +34,8 @@ mod send_live;
 #[cfg(feature = "controller")]
 mod send_motion;
 #[cfg(feature = "controller")]
+mod send_orders;
+#[cfg(feature = "controller")]
 mod send_steps;
 mod shell;
 mod tool_path;
@@ -47,7 +49,8 @@ use clap::{Parser, Subcommand};
 /// Plans tool paths for the Dobot CR7 and other robot arms: NURBS paths cut within a chord tolerance, speed planned under tool and
 /// joint limits, every result verified before it is handed out.
 ///
-/// Exit codes: 0 done, 1 cannot be planned (or a limit or guarantee does not hold), 2 bad usage or input, 130 interrupted.
+/// Exit codes: 0 done, 1 cannot be planned (or a limit or guarantee does not hold), 2 bad usage or input, 130 interrupted; `cr7 send`: 3
+/// stopped by an order.
 /// With another code than 0 no trajectory stands in the folder: neither a new one nor that of an earlier run.
 #[derive(Debug, Parser)]
 #[command(name = "cr7", version, arg_required_else_help = true, after_help = EXAMPLES)]

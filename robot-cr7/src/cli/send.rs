@@ -65,7 +65,7 @@ pub fn run(args: &Args, stoppable: bool) -> Result<(), Failure> {
         return send_live::run(args, scenario, &robot, &settings, staging);
     }
     let progress = Progress::new("planning and certifying");
-    let planned = send_motion::load(args, &robot)?;
+    let mut planned = send_motion::load(args, &robot)?;
     drop(progress);
     if let Some(path) = &read_job(args.job.as_deref())?.path_file {
         staging.reads(path)?;
@@ -83,8 +83,9 @@ pub fn run(args: &Args, stoppable: bool) -> Result<(), Failure> {
             motion = look(args, &mut link, &planned, &mut fact)?;
             if args.really {
                 let mut log = SendLog::new(motion.trajectory().duration());
-                let led = lead(&motion, &settings, &mut link, &mut log);
+                let led = lead(&motion, &settings, &mut link, &mut log).outcome().clone();
                 write_log(&led, &log, &mut staging)?;
+                planned.warnings.extend(log.bound());
                 outcome = Some(led);
             } else {
                 fact("dry run", "no motion is ordered; --really leads the arm".to_owned());

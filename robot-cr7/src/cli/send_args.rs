@@ -25,11 +25,13 @@ const LEAST_FOLLOWING: f64 = 0.006;
                                                     a scenario of `cr7 run`, planned while the arm moves
 
 Read docs/send.md before an arm moves. An emergency stop has to be in reach.
-Exit code 0: done. 1: refused, or the arm was stopped on a doubt. 130: Ctrl-C.")]
+Exit code 0: done. 1: refused, or the arm was stopped on a doubt. 3: stopped on the way by an order on stdin. 130: Ctrl-C, or a hold or stop
+on the way to the start.")]
 pub struct Args {
     #[command(flatten)]
     pub robot: RobotArgs,
-    /// joint_trajectory.json of `cr7 plan --compile-rad`, or a path as for `cr7 plan`. Without it: the path of the job, else an embedded butterfly
+    /// joint_trajectory.json of `cr7 plan --compile-rad`, or a path as for `cr7 plan`. Without it: the path of the job, else an embedded
+    /// butterfly
     pub motion: Option<PathBuf>,
     /// Scenario of `cr7 run` (TOML) instead of a motion: it is planned while the arm moves. Lines on stdin are orders: hold, resume, stop,
     /// override PERCENT

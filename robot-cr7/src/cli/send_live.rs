@@ -1,23 +1,22 @@
 //! `cr7 send --scenario`: a Dobot CR is led along a scenario that is planned while the arm moves.
 
-use std::io::BufRead;
 use std::path::Path;
-use std::sync::mpsc::{Receiver, channel};
 
-use crate::controller::{LiveSetpoints, SendLog, SendSettings, SetpointSource, VerifiedMotion};
-use crate::{Clock, Cr7, Cr7Error, JointReport, LimitsHold, ReportHead, Robot, RunReport, Scenario, Staging};
-use arcfeed_interp::{Command, JointTrajectory, PathArm};
+use crate::controller::{LiveSetpoints, Outcome, SendLog, SendSettings, SetpointSource, VerifiedMotion};
+use crate::{
+    Clock, Cr7, Cr7Error, Happening, JointReport, LimitsHold, ReportHead, Robot, RunReport, Scenario, Staging,
+};
+use arcfeed_interp::{JointTrajectory, PathArm};
 use arcfeed_kinematics::{AnalyticInverse, JointLimits};
 
 use crate::cli::Failure;
 use crate::cli::send_args::Args;
 use crate::cli::send_motion::{SendMotion, within_its_own};
+use crate::cli::send_orders::Mailbox;
 use crate::cli::send_steps::{connect, describe, finish, lead, look, tell, write_log, write_setpoints};
 
 /// How long the arm is told to rest at the start before the scenario begins, s.
 const REST: f64 = 0.1;
-/// The highest override that is taken, percent.
-const MOST_OVERRIDE: f64 = 150.0;
 
 /// Runs the command for the scenario of a file.
 pub fn run(
@@ -72,91 +71,89 @@ impl Live<'_> {
         LimitsHold::of(&rehearsal.limits)
             .map_err(|error| Failure::exceeded(&error, "lower the feed, or take another path or start"))?;
         let source = LiveSetpoints::new(&stage, settings.period)?;
-        let (name, count) = (stage.name().to_owned(), source.count(settings.period));
+        let places = source.rehearsed().to_vec();
+        let name = stage.name().to_owned();
         let rest = JointTrajectory::resting(&source.start(), REST).map_err(|e| Failure::Undoable(e.to_string()))?;
         let rest = VerifiedMotion::new(rest, limits).map_err(|e| Failure::Undoable(format!("{name}: {e}")))?;
         let planned = SendMotion { name, motion: rest, warnings: rehearsal.warnings.clone() };
+        let cycles = settings.period / stage.live().period();
+        let slow = slow_planner(played.times().p99_s * cycles, settings);
 
         let mut facts = Vec::new();
         let mut fact = |name: &str, value: String| facts.push((name.to_owned(), value));
         fact("scenario", format!("{} events, planned while the arm moves", rehearsal.events.len()));
-        let mut outcome = None;
-        match args.address {
-            None => {
-                fact("dry run", "nothing is sent; --address looks at a controller, --really leads its arm".to_owned())
-            }
-            Some(address) => {
-                let mut link = connect(args, address)?;
-                let way = look(args, &mut link, &planned, &mut fact)?;
-                if args.really {
-                    let mut log = SendLog::new(way.trajectory().duration() + rehearsal.duration_s);
-                    let orders = orders();
-                    let told = move |_| orders.try_recv().unwrap_or(Command::None);
-                    let source = source.with_way(&way, settings.period).with_operator(told);
-                    let led = lead(source, settings, &mut link, &mut log);
-                    write_log(&led, &log, &mut staging)?;
-                    outcome = Some(led);
-                } else {
-                    fact("dry run", "no motion is ordered; --really leads the arm".to_owned());
-                }
-            }
-        }
-        let mut again = LiveSetpoints::new(&stage, settings.period)?;
-        let places: Result<Vec<_>, _> = (0..count).map(|i| again.setpoint(i, settings.period)).collect();
-        let places = places.map_err(|fault| Failure::Undoable(fault.to_string()))?;
-        let places: Vec<_> = places.into_iter().map(|next| next.q).collect();
+        let led = self.lead(source, (&planned, rehearsal.duration_s), &mut fact, &mut staging)?;
         describe(args, &places, settings, &mut fact);
-        if let Some(outcome) = &outcome {
-            tell(outcome, &mut fact);
+        let (mut events, mut warnings, mut outcome) = (Vec::new(), planned.warnings, None);
+        warnings.extend(slow);
+        if let Some(led) = led {
+            tell(&led.outcome, &mut fact);
+            events = led.happenings;
+            warnings.extend(led.bound);
+            outcome = Some(led.outcome);
         }
         write_setpoints(&places, settings, robot.any().joint_names(), &mut staging)?;
         let report = JointReport {
             name: planned.name,
             duration_s: rehearsal.duration_s,
-            samples: count,
+            samples: places.len(),
             period_s: settings.period,
             facts,
-            events: Vec::new(),
+            events,
             limits: rehearsal.limits,
-            warnings: planned.warnings,
+            warnings,
             files: Vec::new(),
         };
         finish(args, &ReportHead::new("send", robot), (report, outcome), staging)
     }
+
+    /// Looks at the controller and leads its arm, as far as the arguments say; the scenario takes so many seconds.
+    fn lead(
+        &self,
+        source: LiveSetpoints<'_>,
+        (planned, seconds): (&SendMotion, f64),
+        fact: &mut impl FnMut(&str, String),
+        staging: &mut Staging,
+    ) -> Result<Option<Led>, Failure> {
+        let Self { args, settings, .. } = *self;
+        let Some(address) = args.address else {
+            fact("dry run", "nothing is sent; --address looks at a controller, --really leads its arm".to_owned());
+            return Ok(None);
+        };
+        // A shell suspends a program in the background that reads its terminal: that has to be before the arm is touched.
+        let orders = args.really.then(Mailbox::of_stdin);
+        let mut link = connect(args, address)?;
+        let way = look(args, &mut link, planned, fact)?;
+        let Some(orders) = orders else {
+            fact("dry run", "no motion is ordered; --really leads the arm".to_owned());
+            return Ok(None);
+        };
+        let mut log = SendLog::with_holds(way.trajectory().duration() + seconds);
+        let source = source.with_way(&way).with_operator(move |_| orders.take());
+        let session = lead(source, settings, &mut link, &mut log);
+        let (outcome, happenings) = (session.outcome().clone(), session.source().happenings());
+        write_log(&outcome, &log, staging)?;
+        Ok(Some(Led { outcome, happenings, bound: log.bound() }))
+    }
 }
 
-/// Orders on stdin, one a line.
-fn orders() -> Receiver<Command> {
-    let (sender, receiver) = channel();
-    std::thread::spawn(move || {
-        for line in std::io::stdin().lock().lines().map_while(Result::ok) {
-            match order(&line) {
-                Some(order) => {
-                    if sender.send(order).is_err() {
-                        return;
-                    }
-                }
-                None => eprintln!(
-                    "cr7: {line:?} is no order: hold, resume, stop, or override with 0 to {MOST_OVERRIDE} percent"
-                ),
-            }
-        }
-    });
-    receiver
+/// What came of leading the arm.
+struct Led {
+    outcome: Outcome,
+    happenings: Vec<Happening>,
+    /// What the log does not hold.
+    bound: Option<String>,
 }
 
-/// What a line orders.
-fn order(line: &str) -> Option<Command> {
-    let words: Vec<&str> = line.split_whitespace().collect();
-    Some(match words[..] {
-        ["hold"] => Command::Hold,
-        ["resume"] => Command::Resume,
-        ["stop"] => Command::Stop,
-        ["override", percent] => {
-            let percent: f64 = percent.trim_end_matches('%').parse().ok()?;
-            Command::Override((0.0..=MOST_OVERRIDE).contains(&percent).then_some(percent / 100.0)?)
-        }
-        _ => return None,
+/// A warning where planning a setpoint took `seconds` in the rehearsal, which is more than a setpoint may be late.
+fn slow_planner(seconds: f64, settings: &SendSettings) -> Option<String> {
+    (seconds > settings.lateness).then(|| {
+        format!(
+            "planning a setpoint takes {:.1} ms on this computer, and one that is {:.1} ms late ends the motion: use a computer with less load, \
+             a longer --period-ms, or a longer sampling.period_ms",
+            1e3 * seconds,
+            1e3 * settings.lateness
+        )
     })
 }
 
@@ -165,14 +162,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn orders_are_words_and_a_percentage() {
-        assert_eq!(order(" hold "), Some(Command::Hold));
-        assert_eq!(order("resume"), Some(Command::Resume));
-        assert_eq!(order("stop"), Some(Command::Stop));
-        assert_eq!(order("override 50"), Some(Command::Override(0.5)));
-        assert_eq!(order("override 0%"), Some(Command::Override(0.0)));
-        for wrong in ["", "override", "override -1", "override 151", "override nan", "hold on", "leave"] {
-            assert_eq!(order(wrong), None, "{wrong}");
-        }
+    fn a_planner_that_takes_half_a_period_is_told() {
+        let settings = SendSettings::new(0.03).expect("a period");
+        assert_eq!(slow_planner(0.014, &settings), None);
+        let words = slow_planner(0.016, &settings).expect("a warning");
+        assert!(words.contains("16.0 ms") && words.contains("15.0 ms late"), "{words}");
     }
 }

@@ -1,5 +1,6 @@
 //! The steps of `cr7 send`, for certified motions and for scenarios: look at the controller, lead the arm, tell what came of it.
 
+use std::io::Write;
 use std::net::IpAddr;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -20,6 +21,9 @@ use crate::cli::{Failure, INTERRUPTED};
 pub const SETPOINTS: &str = "setpoints.csv";
 pub const SENT: &str = "sent.csv";
 pub const PICTURE: &str = "sent.svg";
+
+/// The exit code where an order has stopped the motion on the way.
+const STOPPED_BY_ORDER: u8 = 3;
 
 /// True while an arm is led.
 static LEADING: AtomicBool = AtomicBool::new(false);
@@ -80,15 +84,14 @@ pub fn lead<M: SetpointSource>(
     settings: &SendSettings,
     link: &mut DobotLink<TcpWire>,
     log: &mut SendLog,
-) -> Outcome {
+) -> Session<M> {
     LEADING.store(true, Ordering::SeqCst);
     let mut session = Session::new(source, settings, link.now());
     drive(&mut session, link, log, || ASKED.load(Ordering::SeqCst));
     LEADING.store(false, Ordering::SeqCst);
-    let outcome = session.outcome().clone();
-    // Said before any file is written, which may fail.
-    eprintln!("cr7: {outcome}");
-    outcome
+    // Said before any file is written, which may fail, as may stderr.
+    let _ = writeln!(std::io::stderr(), "cr7: {}", session.outcome());
+    session
 }
 
 /// Writes what came back.
@@ -117,7 +120,7 @@ pub fn tell(outcome: &Outcome, fact: &mut impl FnMut(&str, String)) {
     fact("deadlines", outcome.deadlines.to_string());
     let (joint, off) = outcome.off;
     fact("behind", format!("{:.3} deg at most (joint {})", off.to_degrees(), joint + 1));
-    fact("end", outcome.fault.as_ref().map_or("the motion is done".to_owned(), Fault::to_string));
+    fact("end", outcome.end());
     fact("arm", outcome.arm());
 }
 
@@ -153,7 +156,9 @@ pub fn finish(
     staging.write(REPORTS[1], &report.to_string())?;
     staging.publish(&hold)?;
     show(&report, args.json.then(|| head.json(&report)));
-    match outcome.and_then(|outcome| outcome.fault) {
+    let Some(outcome) = outcome else { return Ok(()) };
+    match outcome.fault {
+        None if outcome.stopped_by_order => Err(Failure::Told(STOPPED_BY_ORDER)),
         None => Ok(()),
         Some(Fault::Interrupted) => Err(Failure::Told(INTERRUPTED as u8)),
         Some(_) => Err(Failure::Told(1)),

@@ -23,7 +23,13 @@ pub fn drive<M: SetpointSource<N>, S: JointStream<N>, const N: usize>(
         if interrupted() {
             session.interrupt(stream.now());
         }
-        while let Some(order) = session.next_order(stream.now()) {
+        loop {
+            let Some(order) = session.next_order(stream.now()) else {
+                if session.has_planned() {
+                    continue;
+                }
+                break;
+            };
             match stream.send(&order) {
                 Ok(()) if order == Order::Stop => session.stop_is_sent(stream.now()),
                 Ok(()) => {}

@@ -86,12 +86,14 @@ pub enum Fault {
         velocity: f64,
     },
     /// A setpoint could not be sent in time.
-    #[error("setpoint {index} is {:.1} ms late: use a computer with less load, or a longer --period-ms", 1e3 * late)]
+    #[error("setpoint {index} is {:.1} ms late{}: use a computer with less load, or a longer --period-ms", 1e3 * late, planned(*planning, *late))]
     Late {
         /// The setpoint, from 0.
         index: usize,
         /// How late it is, s.
         late: f64,
+        /// The time that passed while it was planned, s.
+        planning: f64,
     },
     /// A setpoint would exceed a limit.
     #[error("setpoint {index} is not sent: the {what} of joint {} up to it would be {value:.6}, beyond {limit:.6} (rad, s); this is an error of the planner, please report it", joint + 1)]
@@ -142,6 +144,12 @@ pub enum Fault {
         /// The time waited, s.
         waited: f64,
     },
+}
+
+/// Names the planner where a setpoint is late because of it.
+fn planned(planning: f64, late: f64) -> String {
+    // Without its time the setpoint would have been in time.
+    if planning >= late { format!(", and planning it took {:.1} ms", 1e3 * planning) } else { String::new() }
 }
 
 /// The meaning of the codes that the maker lists.

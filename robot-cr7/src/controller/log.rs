@@ -9,6 +9,8 @@ use super::feedback::FEEDBACK_PERIOD;
 
 /// Time before and after the motion for which there is room, s.
 const MARGIN: f64 = 20.0;
+/// Time for which there is room besides where somebody may hold the motion, s.
+const HOLDS: f64 = 600.0;
 
 /// One state of the arm beside the setpoint in force.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,6 +43,20 @@ impl<const N: usize> SendLog<N> {
     pub fn new(seconds: f64) -> Self {
         let most = ((seconds + MARGIN) / FEEDBACK_PERIOD) as usize;
         Self { rows: Vec::with_capacity(most), most, begin: None, missed: 0 }
+    }
+
+    /// Room for the states of a motion of `seconds` that is held for up to ten minutes on the way.
+    pub fn with_holds(seconds: f64) -> Self {
+        Self::new(seconds + HOLDS)
+    }
+
+    /// Says that there was no room for some states, and how long those last that are there; `None` if all are there.
+    pub fn bound(&self) -> Option<String> {
+        let last = self.rows.last().filter(|_| self.missed > 0)?;
+        let (missed, t) = (self.missed, last.t);
+        Some(format!(
+            "the log ends after {t:.1} s, as its memory is taken beforehand: {missed} states that came later are not in it"
+        ))
     }
 
     /// Adds a state that came at time `now`, s, beside the setpoint in force. It does not allocate: where the room ends, it counts.
@@ -84,5 +100,30 @@ impl<const N: usize> SendLog<N> {
             writeln!(out, ",{}", row.mode)?;
         }
         out.flush()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_log_that_is_full_says_so() {
+        let q = Joints::<1>::zeros();
+        let state =
+            ArmState { mode: ArmMode::Idle, enabled: true, alarm: false, clock_ms: 0, model: 7, q, qd: q, q_target: q };
+        let mut log = SendLog::new(1.0);
+        let states = (21.0 / FEEDBACK_PERIOD) as usize;
+        for i in 0..states {
+            log.see(i as f64 * FEEDBACK_PERIOD, &q, &state);
+        }
+        assert_eq!(log.bound(), None);
+        (0..5).for_each(|i| log.see(21.0 + f64::from(i), &q, &state));
+        let words = log.bound().expect("it is full");
+        assert!(words.contains("after 21.0 s") && words.contains("5 states"), "{words}");
+        // A hold of half a minute is in the log of a scenario.
+        let mut log = SendLog::with_holds(1.0);
+        (0..states + 3750).for_each(|i| log.see(i as f64 * FEEDBACK_PERIOD, &q, &state));
+        assert_eq!((log.bound(), log.missed()), (None, 0));
     }
 }

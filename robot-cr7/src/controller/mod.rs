@@ -17,6 +17,7 @@ mod guard;
 mod lead_in;
 mod link;
 mod live;
+mod live_record;
 mod log;
 mod outcome;
 mod recent;

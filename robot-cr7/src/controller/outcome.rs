@@ -8,8 +8,10 @@ use super::fault::Fault;
 /// What became of a session. As text it says how the motion ended and what is known of the arm.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Outcome {
-    /// The doubt that ended it; `None` if the arm is at the end of the motion.
+    /// The doubt that ended it; `None` if the arm is at the end of the motion, or where an order has stopped the motion.
     pub fault: Option<Fault>,
+    /// True if an order has stopped the motion on the way, within the limits.
+    pub stopped_by_order: bool,
     /// Number of setpoints sent.
     pub sent: usize,
     /// Number of setpoints of the motion, as far as it was known before it began.
@@ -27,6 +29,15 @@ pub struct Outcome {
 }
 
 impl Outcome {
+    /// How the motion ended.
+    pub fn end(&self) -> String {
+        match &self.fault {
+            Some(fault) => fault.to_string(),
+            None if self.stopped_by_order => "the motion was stopped by order, and is not at its end".to_owned(),
+            None => "the motion is done".to_owned(),
+        }
+    }
+
     /// What is known of the arm at the end.
     pub fn arm(&self) -> String {
         match (self.stopped_at, self.rests_at) {
@@ -44,9 +55,7 @@ impl Outcome {
 
 impl Display for Outcome {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        match &self.fault {
-            None => write!(f, "the motion is done; {}", self.arm()),
-            Some(fault) => write!(f, "the motion was ended: {fault}; {}", self.arm()),
-        }
+        let begin = if self.fault.is_some() { "the motion was ended: " } else { "" };
+        write!(f, "{begin}{}; {}", self.end(), self.arm())
     }
 }

@@ -48,13 +48,23 @@ enum Phase {
     Over,
 }
 
+/// A setpoint that waits for its time.
+#[derive(Debug, Clone, Copy)]
+struct Ready<const N: usize> {
+    setpoint: NextSetpoint<N>,
+    /// The time at which the source was asked for it, s.
+    asked: f64,
+    /// How long the source took at most, s; `None` before the clock was looked at again.
+    planning: Option<f64>,
+}
+
 /// The course of one motion, whose setpoints `M` gives. It allocates nothing while the arm moves.
 #[derive(Debug)]
 pub struct Session<M, const N: usize = 6> {
     source: M,
     guard: Guard<N>,
     /// The setpoint that is due next, once it is known and held against the limits.
-    ready: Option<NextSetpoint<N>>,
+    ready: Option<Ready<N>>,
     settings: SendSettings,
     phase: Phase,
     /// The last new state, and when it came.
@@ -97,6 +107,16 @@ impl<M: SetpointSource<N>, const N: usize> Session<M, N> {
         self.recent.last()
     }
 
+    /// Where the setpoints came from.
+    pub fn source(&self) -> &M {
+        &self.source
+    }
+
+    /// True if a setpoint was planned in the last call of [`Session::next_order`], which took time: ask the clock, and call it again.
+    pub fn has_planned(&self) -> bool {
+        matches!(self.phase, Phase::Lead { .. }) && self.ready.is_some_and(|ready| ready.planning.is_none())
+    }
+
     /// The time by which [`Session::next_order`] has to be called again, s.
     pub fn due(&self) -> f64 {
         let silence = self.last.map_or(f64::INFINITY, |(at, _)| at + self.settings.feedback_timeout);
@@ -111,7 +131,8 @@ impl<M: SetpointSource<N>, const N: usize> Session<M, N> {
         }
     }
 
-    /// The order that is due at time `now` (s), to be sent at once; to be called until there is none.
+    /// The order that is due at time `now` (s), to be sent at once; to be called until there is none, and where [`Session::has_planned`]
+    /// with the time of then.
     pub fn next_order(&mut self, now: f64) -> Option<Order<N>> {
         self.check_silence(now);
         match self.phase {
@@ -204,24 +225,34 @@ impl<M: SetpointSource<N>, const N: usize> Session<M, N> {
 
     /// The setpoint that is due. It is made ready a period before, so that what it takes to plan it does not make it late.
     fn setpoint_due(&mut self, now: f64, begin: f64, next: usize) -> Option<Order<N>> {
-        let ready = match self.ready.take().map_or_else(|| self.prepare(next), Ok) {
+        let is_new = self.ready.is_none();
+        let mut ready = match self.ready.take().map_or_else(|| self.prepare(now, next), Ok) {
             Ok(ready) => ready,
             Err(fault) => {
                 self.fail(now, fault);
                 return None;
             }
         };
+        if is_new {
+            // The clock has to be looked at anew: it went on while the setpoint was planned.
+            self.ready = Some(ready);
+            return None;
+        }
+        let planning = *ready.planning.get_or_insert(now - ready.asked);
         self.ready = Some(ready);
+        // The first setpoint sets the time of all others.
+        let begin = if next == 0 { now } else { begin };
         let late = now - (begin + next as f64 * self.settings.period);
         if late < 0.0 {
             return None;
         }
         if late > self.settings.lateness {
-            self.fail(now, Fault::Late { index: next, late });
+            self.fail(now, Fault::Late { index: next, late, planning });
             return None;
         }
         self.ready = None;
-        let NextSetpoint { q, is_last } = ready;
+        let NextSetpoint { q, is_last } = ready.setpoint;
+        self.outcome.stopped_by_order = is_last && self.source.is_stopped_by_order();
         self.recent.push(now, q);
         self.outcome.touched = true;
         self.outcome.sent = next + 1;
@@ -231,10 +262,10 @@ impl<M: SetpointSource<N>, const N: usize> Session<M, N> {
     }
 
     /// Setpoint `next`, held against the limits.
-    fn prepare(&mut self, next: usize) -> Result<NextSetpoint<N>, Fault> {
+    fn prepare(&mut self, now: f64, next: usize) -> Result<Ready<N>, Fault> {
         let setpoint = self.source.setpoint(next, self.settings.period)?;
         self.guard.check(&setpoint)?;
-        Ok(setpoint)
+        Ok(Ready { setpoint, asked: now, planning: None })
     }
 
     /// The stop that is due. It is repeated until the arm has been at rest for some time.

@@ -6,6 +6,7 @@ use arcfeed_kinematics::{JointRange, Joints};
 use super::arm_state::{ArmMode, ArmState};
 use super::fault::Fault;
 use super::session::Session;
+use super::setpoints::{NextSetpoint, SetpointSource};
 use super::settings::SendSettings;
 use super::stream::{Event, Order};
 use super::verified_motion::VerifiedMotion;
@@ -48,7 +49,13 @@ impl<'m> Bench<'m> {
     fn run(&mut self, until: f64, mut change: impl FnMut(f64, &mut ArmState<1>)) -> &mut Self {
         while self.now < until && !self.session.is_over() {
             self.now += 0.008;
-            while let Some(order) = self.session.next_order(self.now) {
+            loop {
+                let Some(order) = self.session.next_order(self.now) else {
+                    if self.session.has_planned() {
+                        continue;
+                    }
+                    break;
+                };
                 match order {
                     Order::Setpoint { q, .. } => self.state.q = q,
                     Order::Enable => (self.state.mode, self.state.enabled) = (ArmMode::Idle, true),
@@ -318,4 +325,94 @@ fn a_gap_in_what_is_seen_is_not_rest() {
     });
     let outcome = bench.session.outcome();
     assert!(outcome.rests_at > Some(1.29), "{outcome:?}");
+}
+
+/// A source that is `VerifiedMotion`, and stopped on the way by somebody.
+struct Stopped<'m>(&'m VerifiedMotion<1>);
+
+impl SetpointSource<1> for Stopped<'_> {
+    fn start(&self) -> Joints<1> {
+        self.0.start()
+    }
+
+    fn limits(&self) -> &arcfeed_kinematics::JointLimits<1> {
+        self.0.limits()
+    }
+
+    fn count(&self, period: f64) -> usize {
+        self.0.count(period)
+    }
+
+    fn setpoint(&mut self, index: usize, _: f64) -> Result<NextSetpoint<1>, Fault> {
+        Ok(NextSetpoint { q: self.0.start(), is_last: index == 3 })
+    }
+
+    fn is_stopped_by_order(&self) -> bool {
+        true
+    }
+}
+
+/// Sends what is due until a session has sent so many setpoints, with a state every 10 ms; the time then, s.
+fn led<M: SetpointSource<1>>(session: &mut Session<M, 1>, setpoints: usize) -> f64 {
+    let mut state = Bench::new(&motion(), false).state;
+    for i in 1..1000u32 {
+        let now = f64::from(i) * 0.01;
+        state.clock_ms += 10;
+        session.see(now, &Event::State(state));
+        loop {
+            match session.next_order(now) {
+                Some(Order::AskErrors) => session.see(now, &Event::Errors { count: 0, first: 0 }),
+                Some(Order::Stop) => session.stop_is_sent(now),
+                Some(_) if session.outcome().sent == setpoints => return now,
+                None if !session.has_planned() => break,
+                _ => {}
+            }
+        }
+        if session.is_over() {
+            return now;
+        }
+    }
+    panic!("{:?}", session.outcome());
+}
+
+#[test]
+fn a_planner_that_makes_a_setpoint_late_is_named() {
+    let motion = motion();
+    let settings = SendSettings { models: &[7], ..SendSettings::new(0.03).expect("a period") };
+    let mut session = Session::new(&motion, &settings, 0.0);
+    let now = led(&mut session, 2);
+    // It is planned after that, and the clock says how long that took.
+    assert!(session.next_order(now).is_none() && session.has_planned());
+    assert_eq!(session.next_order(now + 0.06), Some(Order::Stop));
+    let Some(Fault::Late { index: 2, late, planning }) = session.outcome().fault else {
+        panic!("{:?}", session.outcome());
+    };
+    // States come every 10 ms, and a setpoint with one of them.
+    assert!((0.029..0.041).contains(&late) && (planning - 0.06).abs() < 1e-9, "{late} {planning}");
+    let words = session.outcome().to_string();
+    assert!(words.contains("ms late, and planning it took 60.0 ms"), "{words}");
+}
+
+#[test]
+fn the_clock_is_asked_anew_after_a_setpoint_was_planned() {
+    let motion = motion();
+    let settings = SendSettings { models: &[7], ..SendSettings::new(0.03).expect("a period") };
+    let mut session = Session::new(&motion, &settings, 0.0);
+    let now = led(&mut session, 2);
+    // Asked for only when it is due, by a clock from before it was planned.
+    assert!(session.next_order(now + 0.03).is_none() && session.has_planned());
+    assert_eq!(session.next_order(now + 0.03 + 0.02), Some(Order::Stop));
+    assert!(matches!(session.outcome().fault, Some(Fault::Late { index: 2, .. })), "{:?}", session.outcome());
+}
+
+#[test]
+fn a_motion_that_an_order_stops_is_not_done() {
+    let motion = motion();
+    let settings = SendSettings { models: &[7], ..SendSettings::new(0.03).expect("a period") };
+    let mut session = Session::new(Stopped(&motion), &settings, 0.0);
+    led(&mut session, usize::MAX);
+    let outcome = session.outcome();
+    assert_eq!((outcome.fault.as_ref(), outcome.sent, outcome.stopped_by_order), (None, 4, true));
+    let words = outcome.to_string();
+    assert!(words.contains("stopped by order") && !words.contains("is done"), "{words}");
 }

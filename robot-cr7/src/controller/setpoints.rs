@@ -31,6 +31,11 @@ pub trait SetpointSource<const N: usize = 6> {
     /// # Errors
     /// The doubt that ends the session.
     fn setpoint(&mut self, index: usize, period: f64) -> Result<NextSetpoint<N>, Fault>;
+
+    /// True if the last setpoint is not the end of the motion: somebody has ordered to stop on the way.
+    fn is_stopped_by_order(&self) -> bool {
+        false
+    }
 }
 
 impl<const N: usize> SetpointSource<N> for &VerifiedMotion<N> {

@@ -1,4 +1,4 @@
-//! The only motion that a session takes: certified, and at rest at both ends.
+//! A motion that is certified before a session takes it, and at rest at both ends.
 
 use arcfeed_interp::{Certificate, CertifiedBound, JointTrajectory, JointTrajectoryError, Quantity};
 use arcfeed_kinematics::{JointLimits, Joints};

@@ -21,19 +21,30 @@ pub(crate) struct LiveRun<'s> {
     stood: usize,
     /// The override of the events.
     factor: f64,
-    /// True while an event holds the motion.
-    is_held: bool,
+    /// The place that the events have told the tool to step back to, m.
+    back: Option<f64>,
     operator: Operator,
 }
 
 /// What somebody has ordered besides the events.
 struct Operator {
-    /// True while the motion is held.
-    holds: bool,
+    /// A hold that has not ended.
+    hold: Option<Hold>,
     /// The override on top of that of the events.
     share: f64,
+    /// An override that is not in force yet.
+    wanted: Option<f64>,
     /// True once anything was ordered.
     has_ordered: bool,
+    /// True once a stop was ordered and followed.
+    has_stopped: bool,
+}
+
+/// A hold of the operator.
+#[derive(Clone, Copy)]
+struct Hold {
+    /// True if the events held the motion before: they alone end that.
+    over_events: bool,
 }
 
 /// One cycle.
@@ -51,8 +62,8 @@ impl<'s> LiveRun<'s> {
     pub fn new(stage: &'s Stage<'s>) -> Result<Self, Cr7Error> {
         let motion = HybridMotion::along(&stage.route, stage.scenario.feed);
         let motion = motion.map_err(|e| live_error(&stage.name, e))?;
-        let operator = Operator { holds: false, share: 1.0, has_ordered: false };
-        Ok(Self { stage, motion, cycles: 0, clock: 0, given: 0, stood: 0, factor: 1.0, is_held: false, operator })
+        let operator = Operator { hold: None, share: 1.0, wanted: None, has_ordered: false, has_stopped: false };
+        Ok(Self { stage, motion, cycles: 0, clock: 0, given: 0, stood: 0, factor: 1.0, back: None, operator })
     }
 
     /// The setpoint of the last cycle; before the first one, the start.
@@ -65,63 +76,89 @@ impl<'s> LiveRun<'s> {
         self.cycles
     }
 
-    /// The next cycle, in which `order` is followed; where it is none, the event that is due.
+    /// True once the motion was stopped by an order besides the events.
+    pub fn is_stopped_by_order(&self) -> bool {
+        self.operator.has_stopped
+    }
+
+    /// The next cycle, in which `order` is followed. An override gives way to an event that is due in the same cycle, and comes after it;
+    /// any other order is followed first.
     pub fn step(&mut self, order: &Command) -> LiveCycle {
-        let order = self.ordered(order);
-        let event = if order.is_none() && !self.is_paused() { self.event() } else { None };
-        let step = self.motion.step(&order.or(event).unwrap_or(Command::None));
+        let ordered = self.ordered(order);
+        let event = if ordered.is_none() && !self.is_paused() { self.event() } else { None };
+        let wanted = if ordered.is_none() && event.is_none() { self.operator.wanted.take() } else { None };
+        let factor = if let Some(Command::Override(factor)) = event { factor } else { self.factor };
+        let share = wanted.unwrap_or(self.operator.share);
+        let command = match (event, wanted) {
+            (Some(Command::Override(_)), _) | (None, Some(_)) => Command::Override(factor * share),
+            (event, _) => ordered.or(event).unwrap_or(Command::None),
+        };
+        let before = self.motion.is_held();
+        let step = self.motion.step(&command);
         self.cycles += 1;
         self.given += usize::from(event.is_some());
-        if let (Some(event), None) = (&event, &step.refused) {
-            self.is_held = match event {
-                Command::Hold | Command::StepBack(_) => true,
-                Command::Resume | Command::Leave(_) | Command::Return => false,
-                _ => self.is_held,
-            };
+        // What was refused changes nothing, here neither.
+        if step.refused.is_none() {
+            match command {
+                Command::Override(_) => (self.factor, self.operator.share) = (factor, share),
+                _ if ordered.is_some() => self.followed(order, before),
+                _ => self.back = back_after(&command, self.back),
+            }
         }
         let counts = !self.is_paused();
         self.clock += usize::from(counts);
-        self.stood = if counts && stands(&step, self.factor) { self.stood + 1 } else { 0 };
+        if counts {
+            self.stood = if stands(&step, self.factor) { self.stood + 1 } else { 0 };
+        }
         LiveCycle { step, event }
     }
 
-    /// What an order besides the events means for the motion; it does not end a hold of the events, and overrides go on top of theirs.
+    /// What an order besides the events, other than an override, means for the motion. It does not end a hold of the events.
     fn ordered(&mut self, order: &Command) -> Option<Command> {
         self.operator.has_ordered |= !matches!(order, Command::None);
         match *order {
             Command::None => None,
-            Command::Hold => {
-                self.operator.holds = true;
-                Some(Command::Hold)
-            }
-            Command::Resume => {
-                let held = std::mem::take(&mut self.operator.holds);
-                (held && !self.is_held).then_some(Command::Resume)
-            }
             Command::Override(share) => {
-                self.operator.share = share;
-                Some(Command::Override(self.factor * share))
+                self.operator.wanted = Some(share);
+                None
             }
+            Command::Resume => match (self.operator.hold?.over_events, self.back) {
+                (false, _) => Some(Command::Resume),
+                // The hold took the way back from it.
+                (true, Some(place)) if place < self.motion.feed().position() => Some(Command::StepBack(place)),
+                (true, _) => {
+                    self.operator.hold = None;
+                    None
+                }
+            },
             other => Some(other),
+        }
+    }
+
+    /// An order besides the events was followed; the motion was held `before` or not.
+    fn followed(&mut self, order: &Command, before: bool) {
+        match order {
+            Command::Hold => {
+                self.operator.hold.get_or_insert(Hold { over_events: before });
+            }
+            Command::Resume => self.operator.hold = None,
+            other => {
+                self.operator.has_stopped |= matches!(other, Command::Stop);
+                self.back = back_after(other, self.back);
+            }
         }
     }
 
     /// True while somebody keeps the motion from going on.
     fn is_paused(&self) -> bool {
-        self.operator.holds || self.operator.share == 0.0
+        self.operator.hold.is_some() || self.operator.share == 0.0
     }
 
     /// The event that is due.
-    fn event(&mut self) -> Option<Command> {
+    fn event(&self) -> Option<Command> {
         let order = self.stage.orders.get(self.given).filter(|order| self.is_due(order))?;
         Some(match &order.what {
-            What::Command(command) => match **command {
-                Command::Override(factor) => {
-                    self.factor = factor;
-                    Command::Override(factor * self.operator.share)
-                }
-                command => command,
-            },
+            What::Command(command) => **command,
             What::StepBackBy(way) => Command::StepBack((self.motion.feed().position() - way).max(0.0)),
         })
     }
@@ -179,6 +216,15 @@ impl<'s> LiveRun<'s> {
         let rule = "a scenario ends within it";
         let remedy = "raise it, or look in the events for what keeps the arm from the end of its path";
         scenario.check().wrong("run.longest_s", value, rule, remedy).into()
+    }
+}
+
+/// The place to step back to after a command was followed.
+fn back_after(command: &Command, back: Option<f64>) -> Option<f64> {
+    match command {
+        Command::StepBack(place) => Some(*place),
+        Command::Hold | Command::Resume | Command::Leave(_) | Command::Return | Command::Stop => None,
+        _ => back,
     }
 }
 
