@@ -75,6 +75,9 @@ impl<const N: usize, R: RouteMemory<N>> OnlineGenerator<N, R> {
     ///
     /// An axis whose range ends ahead brakes so that it stands at that end.
     ///
+    /// Where the scale of time cannot go on ([`OnlineGenerator::set_scale`]) it starts at 1 again: after
+    /// [`OnlineGenerator::hold`] the axes may become faster once more before they rest.
+    ///
     /// # Errors
     /// [`SyncError::Timeout`]; [`SyncError::State`] naming an axis whose velocity is not finite or
     /// outside its limits; [`SyncError::CannotStop`]. Nothing changes then.
@@ -115,7 +118,8 @@ impl<const N: usize, R: RouteMemory<N>> OnlineGenerator<N, R> {
     /// against its velocity no change is possible, and the scale waits; so it does until a plan that
     /// begins outside its limits is inside. A new target, other limits and other ranges keep the scale
     /// where the limits permit; otherwise the plan begins at scale 1 in the state commanded last,
-    /// and the scale returns to what is set. [`OnlineGenerator::stop`] is not scaled.
+    /// and the scale returns to what is set. An axis that goes on after its target goes back to its
+    /// velocity then. [`OnlineGenerator::stop`] is not scaled.
     ///
     /// # Errors
     /// [`SyncError::Scale`].
@@ -299,7 +303,7 @@ impl<const N: usize, R: RouteMemory<N>> OnlineGenerator<N, R> {
     ) -> Result<(), SyncError> {
         let jogging = |from: &[AxisState; N]| Following::jogging(from, &velocity, &limits, &self.ranges);
         let mut next = jogging(self.planning_state())?;
-        if !self.scale_fits(&next, &limits) {
+        if !self.scale_fits(&next, None, &limits) {
             next = jogging(&self.state)?;
             self.scale.jump(1.0);
         }

@@ -58,7 +58,7 @@ impl<const N: usize> Following<N> {
         limits: &[AxisLimits; N],
         ranges: &[PositionLimits; N],
     ) -> Result<Self, SyncError> {
-        Self::each(|k| coast(k, "present state", &start[k], &limits[k], &ranges[k]))
+        Self::each(|k| checked(k, "present state", Coast::new(&start[k], &limits[k], &ranges[k]), &ranges[k]))
     }
 
     /// Every axis by itself.
@@ -81,19 +81,14 @@ impl<const N: usize> Following<N> {
     ) -> Result<Self, SyncError> {
         Self::each(|k| {
             let after = StateToState::to_velocity(&start[k], velocity[k], 0.0, &limits[k])
-                .and_then(|_| Coast::to_velocity(&start[k], velocity[k], &limits[k], &ranges[k]))
-                .map_err(|source| SyncError::State { axis: k, source })?;
-            check_stop(k, "present state", &after, &ranges[k])?;
-            Ok(after)
+                .and_then(|_| Coast::to_velocity(&start[k], velocity[k], &limits[k], &ranges[k]));
+            checked(k, "present state", after, &ranges[k])
         })
     }
 
     /// Motions that end at rest, each in a whole number of cycles or a little earlier.
     pub fn stopping(plan: Trajectory<N>, cycle: f64) -> Self {
-        let rest = |m: &StateToState| {
-            let motion = StateToState::standing(m.at(m.duration()).p);
-            Coast { motion, brakes_from: f64::INFINITY }
-        };
+        let rest = |m: &StateToState| Coast::none(StateToState::standing(m.at(m.duration()).p));
         let axes = std::array::from_fn(|k| {
             let motion = &plan.axes()[k];
             Axis::new((motion.duration() / cycle).ceil(), true, rest(motion))
@@ -154,7 +149,7 @@ impl<const N: usize> Following<N> {
         }
         let motion = route.section(next)?;
         for (axis, motion) in self.axes.iter_mut().zip(motion.axes()) {
-            axis.after = Coast { motion: *motion, brakes_from: f64::INFINITY };
+            axis.after = Coast::none(*motion);
         }
         Ok(())
     }
@@ -165,7 +160,8 @@ impl<const N: usize> Following<N> {
         (0..N).try_for_each(|k| self.arrange_after(k, &target[k], &limits[k], &ranges[k]))
     }
 
-    /// Axis `k` goes on from `state` without a target.
+    /// Axis `k`, which has arrived, goes on from `state` with the velocity it goes on with, inside its limits: a state that was
+    /// commanded while time was scaled has another one.
     pub fn coast(
         &mut self,
         k: usize,
@@ -173,7 +169,8 @@ impl<const N: usize> Following<N> {
         l: &AxisLimits,
         range: &PositionLimits,
     ) -> Result<(), SyncError> {
-        let after = coast(k, "present state", state, l, range)?;
+        let velocity = self.axes[k].after.velocity.clamp(l.v_min(), l.v_max());
+        let after = checked(k, "present state", Coast::to_velocity(state, velocity, l, range), range)?;
         self.go_on(k, &after);
         Ok(())
     }
@@ -201,7 +198,7 @@ impl<const N: usize> Following<N> {
         range: &PositionLimits,
     ) -> Result<(), SyncError> {
         l.check_leaving(target).map_err(|source| SyncError::State { axis: k, source })?;
-        self.axes[k].after = coast(k, "target", target, l, range)?;
+        self.axes[k].after = checked(k, "target", Coast::new(target, l, range), range)?;
         Ok(())
     }
 
@@ -258,6 +255,11 @@ impl<const N: usize> Following<N> {
         })
     }
 
+    /// Returns true if `other` has the same motions after those under way, where all axes are under way.
+    pub fn goes_on_as(&self, other: &Self) -> bool {
+        self.axes.iter().zip(&other.axes).all(|(x, y)| x.underway && y.underway && x.after == y.after)
+    }
+
     fn arrive(&mut self, k: usize) {
         let after = self.axes[k].after;
         self.go_on(k, &after);
@@ -292,27 +294,20 @@ pub(super) fn check_sections<const N: usize>(
     Ok(())
 }
 
-/// Going on from `state`, checked against the range.
-fn coast(
+/// A motion without a target, or an error if there is none or it leaves the range.
+fn checked(
     axis: usize,
     what: &'static str,
-    state: &AxisState,
-    l: &AxisLimits,
+    after: Result<Coast, FeedError>,
     range: &PositionLimits,
 ) -> Result<Coast, SyncError> {
-    let after = Coast::new(state, l, range).map_err(|source| SyncError::State { axis, source })?;
-    check_stop(axis, what, &after, range)?;
-    Ok(after)
-}
-
-/// Returns an error if a motion without a target leaves the range.
-fn check_stop(axis: usize, what: &'static str, after: &Coast, range: &PositionLimits) -> Result<(), SyncError> {
+    let after = after.map_err(|source| SyncError::State { axis, source })?;
     match range.check(&after.motion) {
         Err(FeedError::LeavesPositions { position, limit, .. }) => {
             Err(SyncError::CannotStop { axis, what, position, limit })
         }
         Err(source) => Err(SyncError::State { axis, source }),
-        Ok(()) => Ok(()),
+        Ok(()) => Ok(after),
     }
 }
 

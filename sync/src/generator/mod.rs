@@ -48,8 +48,10 @@ pub use self::events::{Events, Step};
 /// that the last one did.
 ///
 /// With [`Synchronisation::None`] every axis is on its own: it arrives when it can, goes on from
-/// there, and neither another target nor other limits of its neighbours change its motion. With
-/// every other mode a change plans all axes anew.
+/// there, and neither another target nor other limits of its neighbours change its motion, with one
+/// exception: where the scale of time cannot go on with what a neighbour is told, all axes are planned
+/// anew from the state commanded last ([`OnlineGenerator::set_scale`]). With every other mode a change
+/// plans all axes anew.
 ///
 /// # Ranges
 /// With ranges ([`OnlineGenerator::with_ranges`]) no position leaves them. A motion that would leave

@@ -8,12 +8,15 @@ use super::{OnlineGenerator, is_outside};
 use crate::error::SyncError;
 use crate::mode::Synchronisation;
 use crate::state_to_state::{Trajectory, keeps};
-use crate::way_points::RouteMemory;
+use crate::way_points::{RouteMemory, WayPointTrajectory};
 #[cfg(not(feature = "std"))]
 use num_traits::Float;
 
 impl<const N: usize, R: RouteMemory<N>> OnlineGenerator<N, R> {
     /// Sets the state to reach.
+    ///
+    /// Where the scale of time cannot go on ([`OnlineGenerator::set_scale`]) it starts at 1 again: after
+    /// [`OnlineGenerator::hold`] the axes may become faster once more before they rest.
     ///
     /// # Errors
     /// As [`Trajectory::new`]. Nothing changes then.
@@ -36,6 +39,9 @@ impl<const N: usize, R: RouteMemory<N>> OnlineGenerator<N, R> {
     /// ([`SyncError::LimitsOfRoute`]). A stop or a jog goes on within them, a jog no faster than they allow; a stop
     /// on the path is finished with the limits it began with, on a route with those of its sections, and refuses others until then.
     ///
+    /// Where the scale of time cannot go on ([`OnlineGenerator::set_scale`]) it starts at 1 again: after
+    /// [`OnlineGenerator::hold`] the axes may become faster once more before they rest.
+    ///
     /// # Errors
     /// As [`Trajectory::new`]: the target must be inside the new limits. Nothing changes then.
     pub fn set_limits(&mut self, limits: [AxisLimits; N]) -> Result<(), SyncError> {
@@ -57,6 +63,9 @@ impl<const N: usize, R: RouteMemory<N>> OnlineGenerator<N, R> {
 
     /// Sets target and limits at once: where neither goes with the other's old value.
     ///
+    /// Where the scale of time cannot go on ([`OnlineGenerator::set_scale`]) it starts at 1 again: after
+    /// [`OnlineGenerator::hold`] the axes may become faster once more before they rest.
+    ///
     /// # Errors
     /// As [`Trajectory::new`]; [`SyncError::State`] also for a target from which the axis cannot go
     /// on within its velocity limits; with ranges [`SyncError::OutsideRange`],
@@ -64,38 +73,42 @@ impl<const N: usize, R: RouteMemory<N>> OnlineGenerator<N, R> {
     pub fn set(&mut self, target: [AxisState; N], limits: [AxisLimits; N]) -> Result<(), SyncError> {
         let from = *self.planning_state();
         let order = Order { target: &target, limits: &limits, from: &from, anew: self.command != Command::Target };
-        let (mut next, mut replanned) = self.follow(&order)?;
-        if next.as_ref().is_some_and(|next| !self.scale_fits(next, &limits)) {
-            // The scale starts at 1 again, from the state commanded last.
-            (next, replanned) = self.follow(&Order { from: &self.state, anew: true, ..order })?;
-            self.scale.jump(1.0);
+        let next = self.follow(&order)?;
+        if next.0.as_ref().is_some_and(|next| !self.scale_fits(next, None, &limits)) {
+            return self.plan_from_commanded(&target, &limits);
         }
-        self.limits = limits;
+        self.obey(&order, next);
+        Ok(())
+    }
+
+    /// Plans to targets from the state commanded last, where the scale of time starts at 1 again.
+    pub(super) fn plan_from_commanded(
+        &mut self,
+        target: &[AxisState; N],
+        limits: &[AxisLimits; N],
+    ) -> Result<(), SyncError> {
+        let from = self.state;
+        let order = Order { target, limits, from: &from, anew: true };
+        let next = self.follow(&order)?;
+        self.scale.jump(1.0);
+        self.obey(&order, next);
+        Ok(())
+    }
+
+    /// Follows what was planned for an order, with its limits and targets.
+    fn obey(&mut self, order: &Order<'_, N>, (next, replanned): (Option<Following<N>>, bool)) {
+        self.limits = *order.limits;
         self.command = Command::Target;
         self.replanned |= replanned;
         if let Some(next) = next {
             self.adopt(next);
         }
-        for ((old, new), axis) in self.target.iter_mut().zip(&target).zip(&self.following.axes) {
+        for ((old, new), axis) in self.target.iter_mut().zip(order.target).zip(&self.following.axes) {
             // Arrival is exact for the latest target, the same one up to round-off included.
             if axis.underway {
                 *old = *new;
             }
         }
-        Ok(())
-    }
-
-    /// Plans to the targets anew from the state commanded last, where the scale of time starts at 1 again.
-    pub(super) fn plan_from_commanded(&mut self) -> Result<(), SyncError> {
-        let order = Order { target: &self.target, limits: &self.limits, from: &self.state, anew: true };
-        let (next, replanned) = self.follow(&order)?;
-        self.scale.jump(1.0);
-        self.command = Command::Target;
-        self.replanned |= replanned;
-        if let Some(next) = next {
-            self.adopt(next);
-        }
-        Ok(())
     }
 
     /// Follows other motions from now on.
@@ -120,12 +133,18 @@ impl<const N: usize, R: RouteMemory<N>> OnlineGenerator<N, R> {
         if self.scale.steady() == Some(0.0) { &self.state } else { &self.planned }
     }
 
-    /// Returns true if the scale can go on as it does while other motions are followed.
+    /// Returns true if the scale can go on as it does while other motions are followed, with the limits of
+    /// a route, or `limits`.
     ///
     /// At a scale below 1 the axes may be inside limits that the state of the plan exceeds: a plan from
     /// there would take them out.
-    pub(super) fn scale_fits(&self, next: &Following<N>, limits: &[AxisLimits; N]) -> bool {
-        self.scale.is_one_or_zero() || self.scale.fits(&next.courses(None, limits, self.cycle))
+    pub(super) fn scale_fits(
+        &self,
+        next: &Following<N>,
+        route: Option<&WayPointTrajectory<N>>,
+        limits: &[AxisLimits; N],
+    ) -> bool {
+        self.scale.fits(|| next.courses(route, limits, self.cycle))
     }
 
     /// The motions for an order, where they are new, and whether a plan is.
@@ -175,7 +194,7 @@ impl<const N: usize, R: RouteMemory<N>> OnlineGenerator<N, R> {
         let next = next.get_or_insert(self.following);
         let arrived = !group.iter().any(|&k| self.following.axes[k].underway);
         if same_target && arrived && self.command == Command::Target {
-            // Nothing to plan but the way back inside.
+            // Nothing to plan but the way back inside, and to the velocity with which the axis goes on.
             for &k in &group {
                 next.coast(k, &order.from[k], &limits[k], &self.ranges[k])?;
             }

@@ -11,9 +11,10 @@ use crate::way_points::RouteMemory;
 impl<const N: usize, R: RouteMemory<N>> OnlineGenerator<N, R> {
     /// The range of positions of each axis, lower and upper end; infinite for none.
     ///
-    /// Where the scale of time is changing and cannot go on so with what has to follow the target now, the
-    /// motion is planned anew from the state commanded last, at scale 1; a stop on the path becomes a
-    /// shortest stop, and the last section of a route a motion to its target.
+    /// Where the scale of time is neither 1 nor 0 and cannot go on so with what has to follow the target now,
+    /// the motion is planned anew from the state commanded last, at scale 1; a stop on the path becomes a
+    /// shortest stop, and the last section of a route a motion to its target. After
+    /// [`OnlineGenerator::hold`] the axes may become faster once more before they rest.
     ///
     /// # Errors
     /// [`SyncError::Range`]; [`SyncError::OutsideRange`] if a start or target is outside;
@@ -56,7 +57,8 @@ impl<const N: usize, R: RouteMemory<N>> OnlineGenerator<N, R> {
         } else if matches!(self.command, Command::PathStop { .. }) {
             self.stop()?;
         } else {
-            self.plan_from_commanded()?;
+            let (target, limits) = (self.target, self.limits);
+            self.plan_from_commanded(&target, &limits)?;
         }
         Ok(self)
     }
@@ -79,13 +81,14 @@ impl<const N: usize, R: RouteMemory<N>> OnlineGenerator<N, R> {
         Ok(next)
     }
 
-    /// Returns true if the scale of time can go on as it does with what follows now.
+    /// Returns true if the scale of time can go on as it does with what follows now. What it was judged by
+    /// before and has not changed is not judged again: the judge of ramps refuses some that keep the limits.
     fn fits_next(&self, next: &Following<N>) -> bool {
         let limits = match &self.command {
             Command::PathStop { limits } => limits,
             _ => &self.limits,
         };
-        self.scale.is_one_or_zero() || self.scale.fits(&next.courses(self.route.motion(), limits, self.cycle))
+        next.goes_on_as(&self.following) || self.scale_fits(next, self.route.motion(), limits)
     }
 
     pub(super) fn check_inside(&self, what: &'static str, states: &[AxisState; N]) -> Result<(), SyncError> {

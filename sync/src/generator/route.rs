@@ -47,6 +47,9 @@ impl<const N: usize> OnlineGenerator<N, WayPointTrajectory<N>> {
     /// above 1 in the last two sections only. With a target that moves they look ahead to the end of the
     /// route only, and the scale is above 1 in the last section.
     ///
+    /// Where the scale of time cannot go on ([`OnlineGenerator::set_scale`]) it starts at 1 again: after
+    /// [`OnlineGenerator::hold`] the axes may become faster once more before they rest.
+    ///
     /// # Errors
     /// As [`WayPointPlanner::plan`]; with ranges [`SyncError::WayPoint`] for a point outside,
     /// [`SyncError::OutsideRange`], [`SyncError::LeavesRange`] and [`SyncError::CannotStop`].
@@ -88,11 +91,7 @@ impl<const N: usize> OnlineGenerator<N, WayPointTrajectory<N>> {
         self.check_inside("target", route.target())?;
         let mut motion = planner.plan(self.planning_state(), route)?;
         let mut next = Following::along(&motion, self.cycle, &self.ranges)?;
-        let fits = |next: &Following<N>, motion| {
-            let scale = &self.scale;
-            scale.is_one_or_zero() || scale.fits(&next.courses(Some(motion), route.limits(0), self.cycle))
-        };
-        if !fits(&next, &motion) {
+        if !self.scale_fits(&next, Some(&motion), route.limits(0)) {
             // The scale starts at 1 again, from the state commanded last.
             motion = planner.plan(&self.state, route)?;
             next = Following::along(&motion, self.cycle, &self.ranges)?;

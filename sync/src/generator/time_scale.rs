@@ -112,12 +112,6 @@ impl TimeScale {
         self.ramp.is_none().then_some(self.scale)
     }
 
-    /// Returns true at a steady scale of 1, where the axes are in the state of their plan, and at one
-    /// of 0, where they rest.
-    pub fn is_one_or_zero(&self) -> bool {
-        self.ramp.is_none() && (self.scale == 1.0 || self.scale == 0.0)
-    }
-
     /// Jumps to a scale: for axes that stand, or plans that begin in the state commanded last.
     pub fn jump(&mut self, scale: f64) {
         (self.scale, self.ramp, self.next) = (scale, None, 0);
@@ -131,12 +125,14 @@ impl TimeScale {
         }
     }
 
-    /// Returns true if the ramp followed, or the scale, keeps the limits of other courses, too.
-    pub fn fits(&self, courses: &[Course<'_>]) -> bool {
+    /// Returns true if the ramp followed, or the scale, keeps the limits of other courses, too. At a steady
+    /// scale of 1 the axes are in the state of their plan, and at one of 0 they rest: all courses fit.
+    pub fn fits<'a, const N: usize>(&self, courses: impl FnOnce() -> [Course<'a>; N]) -> bool {
         match &self.ramp {
-            Some(r) => courses.iter().all(|c| c.keeps(&r.motion, r.t)),
-            None if self.scale <= 1.0 => courses.iter().all(Course::keeps_limits),
-            None => courses.iter().all(|c| c.highest_scale() >= self.scale),
+            Some(r) => courses().iter().all(|c| c.keeps(&r.motion, r.t)),
+            None if self.scale == 1.0 || self.scale == 0.0 => true,
+            None if self.scale < 1.0 => courses().iter().all(Course::keeps_limits),
+            None => courses().iter().all(|c| c.highest_scale() >= self.scale),
         }
     }
 

@@ -9,7 +9,15 @@ use super::generator_input::{AXES, States};
 pub struct Curve {
     motions: Vec<Trajectory<AXES>>,
     from: f64,
+    /// The latest time that was found, and for how many cycles the axes have been behind it.
+    latest: f64,
+    behind: usize,
 }
+
+/// How far the axes may be behind the latest time without counting as behind, in cycles: where all of them turn at once with
+/// little jerk, positions do not tell the time any better. For how many cycles they may be farther behind.
+const UNCERTAIN: f64 = 0.25;
+const SEVERAL: usize = 5;
 
 impl std::fmt::Debug for Curve {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -20,7 +28,7 @@ impl std::fmt::Debug for Curve {
 
 impl Curve {
     pub fn of(motions: Vec<Trajectory<AXES>>) -> Self {
-        Self { motions, from: 0.0 }
+        Self { motions, from: 0.0, latest: 0.0, behind: 0 }
     }
 
     /// The state at the time found last.
@@ -39,10 +47,16 @@ impl Curve {
         JointState::default()
     }
 
+    /// Returns true if the axes have been behind a place of the curve where they were for several cycles: they run backward, or
+    /// jumped back.
+    pub fn runs_back(&self) -> bool {
+        self.behind > SEVERAL
+    }
+
     /// Looks for the time of the plan at which the axis that is farthest off is nearest, around the last one, and returns how far it
     /// is off there. Where all axes turn at once a time before the turn and one after it may be as near: of those that are near enough
-    /// the last one counts, from which the search can come back.
-    pub fn advance(&mut self, now: &States, cycle: f64, near_enough: f64) -> f64 {
+    /// the one counts whose velocities, at this scale of time, are nearest.
+    pub fn advance(&mut self, now: &States, (scale, cycle): (f64, f64), near_enough: f64) -> f64 {
         let start = self.from;
         let off_at = |t: f64| {
             let s = self.at(t);
@@ -55,16 +69,24 @@ impl Curve {
         // The last of equal ones: before the begin all are.
         let least = (1..offs.len() - 1).rev().min_by(|&i, &k| offs[i].total_cmp(&offs[k]));
         let turns = (1..offs.len() - 1).filter(|&i| offs[i] < offs[i - 1] && offs[i] <= offs[i + 1]);
+        let faster_at = |t: f64| {
+            let s = self.at(t);
+            now.iter().zip(s.qd.iter()).map(|(s, v): (&AxisState, &f64)| (scale * v - s.v).abs()).fold(0.0, f64::max)
+        };
         let mut best = start;
         for i in least.into_iter().chain(turns) {
             let near = i as i32 - 65;
             let found = nearest(&off_at, place(near - 1), place(near + 1));
-            if off_at(found) < off_at(best).max(near_enough) {
+            let (off, was) = (off_at(found), off_at(best));
+            let better = if off.max(was) < near_enough { faster_at(found) < faster_at(best) } else { off < was };
+            if better {
                 best = found;
             }
         }
         let off = off_at(best);
         self.from = best;
+        self.behind = if best < self.latest - UNCERTAIN * cycle { self.behind + 1 } else { 0 };
+        self.latest = self.latest.max(best);
         off
     }
 }

@@ -337,10 +337,13 @@ impl Play {
         }
         let size = self.limits.iter().fold(0.0, |m: f64, l| m.max(l.v_max() - l.v_min()));
         let near_enough = 1e-9 * (1.0 + size * self.scene.cycle);
-        let off = curve.advance(&self.now, self.scene.cycle, 0.5 * near_enough);
+        let scale = self.generator.scale();
+        let off = curve.advance(&self.now, (scale, self.scene.cycle), 0.5 * near_enough);
+        let now = self.now;
+        if curve.runs_back() {
+            return wrong(format!("runs back on its curve {curve:?}, scale {scale}: {now:?}"), 1.0);
+        }
         if off > near_enough {
-            let scale = self.generator.scale();
-            let now = self.now;
             return wrong(
                 format!("leaves the curve of its plan {curve:?}, scale {scale}: {now:?} {:?}", curve.here()),
                 off,

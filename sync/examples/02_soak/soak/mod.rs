@@ -3,7 +3,7 @@
 #![allow(dead_code)]
 
 mod changes;
-mod curve;
+pub mod curve;
 pub mod generator;
 mod generator_input;
 pub mod interrupts;
