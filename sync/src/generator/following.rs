@@ -160,17 +160,18 @@ impl<const N: usize> Following<N> {
         (0..N).try_for_each(|k| self.arrange_after(k, &target[k], &limits[k], &ranges[k]))
     }
 
-    /// Axis `k`, which has arrived, goes on from `state` with the velocity it goes on with, inside its limits: a state that was
-    /// commanded while time was scaled has another one.
+    /// Axis `k`, which has arrived, goes on from `state`. Where that is not the state of its `plan`, as time was scaled, it goes back
+    /// to the velocity it goes on with.
     pub fn coast(
         &mut self,
         k: usize,
-        state: &AxisState,
+        (state, plan): (&AxisState, &AxisState),
         l: &AxisLimits,
         range: &PositionLimits,
     ) -> Result<(), SyncError> {
-        let velocity = self.axes[k].after.velocity.clamp(l.v_min(), l.v_max());
-        let after = checked(k, "present state", Coast::to_velocity(state, velocity, l, range), range)?;
+        let velocity = if state == plan { l.velocity_after(state) } else { self.axes[k].after.velocity };
+        let coast = Coast::to_velocity(state, velocity.clamp(l.v_min(), l.v_max()), l, range);
+        let after = checked(k, "present state", coast, range)?;
         self.go_on(k, &after);
         Ok(())
     }
