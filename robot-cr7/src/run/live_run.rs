@@ -77,6 +77,7 @@ impl<'s> LiveRun<'s> {
     }
 
     /// True once the motion was stopped by an order besides the events.
+    #[cfg(feature = "controller")]
     pub fn is_stopped_by_order(&self) -> bool {
         self.operator.has_stopped
     }
