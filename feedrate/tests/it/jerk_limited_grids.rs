@@ -6,6 +6,7 @@ use arcfeed_feedrate::constraint::{
 };
 use arcfeed_feedrate::{
     ContinuousAccelerationScan, FeedError, FeedPlanner, FeedProblem, JerkLimited, LimitId, Quantity, Reachability,
+    SpeedLaw,
 };
 
 use crate::spline_paths::{A_MAX, Path, V_A, paths, worst};
@@ -61,6 +62,20 @@ fn any_law_will_do_to_start_from() {
         let near = planner.plan_near(&problem, &law).unwrap();
         let ratio = near.law.duration() / own.duration();
         assert!((ratio - 1.0).abs() < 2e-4, "{ratio} from a law of {} s", law.duration());
+    }
+    // Nor does one lead astray where speeds are given at the ends, so that it cannot be slowed down as a whole.
+    let problem = problem.with_end_speeds(0.02, 0.02).unwrap();
+    let own = planner.plan(&problem).unwrap();
+    let length = problem.grid()[problem.intervals()];
+    let resting = SpeedLaw::from_knots(&[0.0, 0.5 * length, length], &[0.02, 0.0, 0.02]).unwrap();
+    let spiked: Vec<f64> =
+        problem.grid().iter().enumerate().map(|(i, s)| own.v_at_s(*s) * (1.0 + 0.5 * (i % 2) as f64)).collect();
+    let spiked = SpeedLaw::from_knots(problem.grid(), &spiked).unwrap();
+    let faster = own.scaled(3.0).unwrap();
+    for law in [own.clone(), resting, faster, spiked] {
+        let near = planner.plan_near(&problem, &law).unwrap();
+        let ratio = near.law.duration() / own.duration();
+        assert!((ratio - 1.0).abs() < 2e-4, "{ratio} from a law of {} s, with speeds at the ends", law.duration());
     }
 }
 

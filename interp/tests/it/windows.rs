@@ -173,6 +173,35 @@ fn stops_are_planned_wherever_they_are() {
     assert!(windows.duration() < 1.005 * whole.duration(), "{} and {}", windows.duration(), whole.duration());
 }
 
+/// A stop of a curve of the tool is where it was asked for, though no knot and no break is there.
+#[test]
+fn stops_of_curves_are_where_they_were_asked_for() {
+    let arm = arm();
+    let curve = tool_down(analytic());
+    for part in [0.123_456_7, 0.5, 0.876_543_21] {
+        let stop = part * curve.length();
+        let path = ToolPath::new(&arm, curve.clone(), arm.range()).expect("in reach").with_stops(&[stop]);
+        let joints = arm.range().with_rates(Joints::repeat(3.0), Joints::repeat(12.0), Joints::repeat(120.0));
+        let plan = Planner::new(&arm, Limits::new(joints.expect("above 0")).with_tool(tool())).plan(&path);
+        let plan = plan.expect("is planned");
+        let v = plan.law().at_position(stop).v;
+        assert!(v < 1e-6, "{v} at {stop}");
+    }
+}
+
+/// From the middle of one of these windows no motion was found that goes on: it rested at 4.75 rad, 3.7 % longer in all.
+#[test]
+fn windows_go_on_where_the_grid_is_very_fine() {
+    let arm = models::ur5e();
+    let path = Stopping { stops: Vec::new() };
+    let rates = [3.0, 8.0, 80.0].map(Joints::repeat);
+    let joints = arm.range().with_rates(rates[0], rates[1], rates[2]).expect("above 0");
+    let planner = Planner::new(&arm, Limits::new(joints)).with_intervals(12_000).expect("allowed");
+    let plan = planner.with_window(2400).expect("allowed").plan(&path).expect("is planned");
+    let info = plan.info().windows.as_ref().expect("a long path");
+    assert!(info.count > 5 && info.stops.is_empty() && plan.verification().holds(1e-6), "{info:?}");
+}
+
 /// The motion passes half a window of 10 000 intervals in less than twice the time in which it brakes: windows grow by themselves.
 #[test]
 #[ignore = "a minute: a grid of more than 50 000 intervals, twice"]

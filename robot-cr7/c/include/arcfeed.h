@@ -245,14 +245,14 @@ extern "C" {
 
 // A built-in arm by its name, for example "cr7" or "ur5e". On success `*out` holds it, else NULL.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused.
+// Each pointer is valid for its type, or NULL, which is refused.
 enum ArcfeedStatus arcfeed_arm_builtin(const char *name, struct ArcfeedArm **out);
 
 // The arm of a file: JSON of the format "arm-params/1" if the name ends in ".json", else URDF. `base` and `tip` name
 // links of a URDF; NULL for the root, and for the hand, `tool0` or the only end of its chain. On success `*out` holds the arm,
 // else NULL.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused.
+// Each pointer is valid for its type, or NULL, which is refused.
 enum ArcfeedStatus arcfeed_arm_load(const char *path,
                                     const char *base,
                                     const char *tip,
@@ -270,24 +270,24 @@ size_t arcfeed_arm_joints(const struct ArcfeedArm *arm);
 
 // Name of a joint, counted from 0. The text belongs to the arm.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused.
+// Each pointer is valid for its type, or NULL, which is refused.
 enum ArcfeedStatus arcfeed_arm_joint_name(const struct ArcfeedArm *arm, size_t joint, const char **name);
 
 // The range of each joint (rad or m).
 //
-// Every pointer is valid for what its name says, or NULL, which is refused; `ranges` has room for `joints` entries.
+// Each pointer is valid for its type, or NULL, which is refused; `ranges` has room for `joints` entries.
 enum ArcfeedStatus arcfeed_arm_ranges(const struct ArcfeedArm *arm,
                                       size_t joints,
                                       struct ArcfeedRange *ranges);
 
 // Sets the tool point in the frame of the flange. Allocates.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused.
+// Each pointer is valid for its type, or NULL, which is refused.
 enum ArcfeedStatus arcfeed_arm_set_tool(struct ArcfeedArm *arm, const struct ArcfeedPose *tool);
 
 // The pose of the tool in the base for the joint values `q` (rad or m).
 //
-// Every pointer is valid for what its name says, or NULL, which is refused.
+// Each pointer is valid for its type, or NULL, which is refused.
 enum ArcfeedStatus arcfeed_arm_forward(const struct ArcfeedArm *arm,
                                        size_t joints,
                                        const double *q,
@@ -296,7 +296,7 @@ enum ArcfeedStatus arcfeed_arm_forward(const struct ArcfeedArm *arm,
 // Joint values inside the range of the joints that put the tool at `target`, as near to `seed` as can be. `q` and
 // `seed` may be the same array.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused; `q` has room for `joints` entries.
+// Each pointer is valid for its type, or NULL, which is refused; `q` has room for `joints` entries.
 enum ArcfeedStatus arcfeed_arm_inverse(const struct ArcfeedArm *arm,
                                        const struct ArcfeedPose *target,
                                        size_t joints,
@@ -306,7 +306,7 @@ enum ArcfeedStatus arcfeed_arm_inverse(const struct ArcfeedArm *arm,
 // All joint values that put the tool at `target`, each angle in (-pi, pi], without regard to the range of the joints;
 // of a numeric inverse several. `q` gets one solution after the other, `*count` their number.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused; `q` has room for `ARCFEED_MAX_SOLUTIONS` times `joints` entries.
+// Each pointer is valid for its type, or NULL, which is refused; `q` has room for `ARCFEED_MAX_SOLUTIONS` times `joints` entries.
 enum ArcfeedStatus arcfeed_arm_inverse_all(const struct ArcfeedArm *arm,
                                            const struct ArcfeedPose *target,
                                            size_t joints,
@@ -316,7 +316,7 @@ enum ArcfeedStatus arcfeed_arm_inverse_all(const struct ArcfeedArm *arm,
 // A generator at `start`, which is the target, too, until one is set. `start` and `limits` have `axes` entries; `cycle`
 // is the control cycle (s); `synchronisation` is an ArcfeedSynchronisation. On success `*out` holds the generator, else NULL.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused.
+// Each pointer is valid for its type, or NULL, which is refused.
 enum ArcfeedStatus arcfeed_generator_new(size_t axes,
                                          const struct ArcfeedAxisState *start,
                                          const struct ArcfeedAxisLimits *limits,
@@ -331,21 +331,21 @@ void arcfeed_generator_free(struct ArcfeedGenerator *generator);
 
 // Sets the range of positions of each axis. What is under way must stay inside, else the call is refused.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused.
+// Each pointer is valid for its type, or NULL, which is refused.
 enum ArcfeedStatus arcfeed_generator_set_ranges(struct ArcfeedGenerator *generator,
                                                 size_t axes,
                                                 const struct ArcfeedRange *ranges);
 
 // Sets the state to reach. A call that is refused changes nothing.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused.
+// Each pointer is valid for its type, or NULL, which is refused.
 enum ArcfeedStatus arcfeed_generator_set_target(struct ArcfeedGenerator *generator,
                                                 size_t axes,
                                                 const struct ArcfeedAxisState *target);
 
 // Sets the state that one axis, counted from 0, is to reach.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused.
+// Each pointer is valid for its type, or NULL, which is refused.
 enum ArcfeedStatus arcfeed_generator_set_axis_target(struct ArcfeedGenerator *generator,
                                                      size_t axis,
                                                      const struct ArcfeedAxisState *target);
@@ -353,14 +353,14 @@ enum ArcfeedStatus arcfeed_generator_set_axis_target(struct ArcfeedGenerator *ge
 // Sets the limits of all axes. The target must be inside of them, else the call is refused; so it is on a route, which has its own
 // limits, until the axes have left it.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused.
+// Each pointer is valid for its type, or NULL, which is refused.
 enum ArcfeedStatus arcfeed_generator_set_limits(struct ArcfeedGenerator *generator,
                                                 size_t axes,
                                                 const struct ArcfeedAxisLimits *limits);
 
 // Sets target and limits at once: where neither goes with the other's old value.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused.
+// Each pointer is valid for its type, or NULL, which is refused.
 enum ArcfeedStatus arcfeed_generator_set(struct ArcfeedGenerator *generator,
                                          size_t axes,
                                          const struct ArcfeedAxisState *target,
@@ -368,14 +368,14 @@ enum ArcfeedStatus arcfeed_generator_set(struct ArcfeedGenerator *generator,
 
 // Copies the state of the last step.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused; `states` has room for `axes` entries.
+// Each pointer is valid for its type, or NULL, which is refused; `states` has room for `axes` entries.
 enum ArcfeedStatus arcfeed_generator_state(const struct ArcfeedGenerator *generator,
                                            size_t axes,
                                            struct ArcfeedAxisState *states);
 
 // Copies the target; after a stop the place where the axes will stand.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused; `target` has room for `axes` entries.
+// Each pointer is valid for its type, or NULL, which is refused; `target` has room for `axes` entries.
 enum ArcfeedStatus arcfeed_generator_target(const struct ArcfeedGenerator *generator,
                                             size_t axes,
                                             struct ArcfeedAxisState *target);
@@ -383,7 +383,7 @@ enum ArcfeedStatus arcfeed_generator_target(const struct ArcfeedGenerator *gener
 // Moves on by one cycle. `states` gets what to command at its end, one entry for each axis; `events`, if it is not NULL,
 // what happened.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused; `states` has room for `axes` entries.
+// Each pointer is valid for its type, or NULL, which is refused; `states` has room for `axes` entries.
 enum ArcfeedStatus arcfeed_generator_step(struct ArcfeedGenerator *generator,
                                           size_t axes,
                                           struct ArcfeedMotionState *states,
@@ -402,7 +402,7 @@ enum ArcfeedStatus arcfeed_generator_stop_on_path(struct ArcfeedGenerator *gener
 // Moves the axes at `velocity`, one entry for each, until `timeout` (s) is over; then they stop. Another call renews the
 // time.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused.
+// Each pointer is valid for its type, or NULL, which is refused.
 enum ArcfeedStatus arcfeed_generator_jog(struct ArcfeedGenerator *generator,
                                          size_t axes,
                                          const double *velocity,
@@ -425,17 +425,17 @@ enum ArcfeedStatus arcfeed_generator_resume(struct ArcfeedGenerator *generator);
 
 // Whether an axis has still to reach its target.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused.
+// Each pointer is valid for its type, or NULL, which is refused.
 enum ArcfeedStatus arcfeed_generator_is_underway(const struct ArcfeedGenerator *generator, bool *is_underway);
 
 // Time until the last axis has reached its target (s), at scale 1.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused.
+// Each pointer is valid for its type, or NULL, which is refused.
 enum ArcfeedStatus arcfeed_generator_time_left(const struct ArcfeedGenerator *generator, double *seconds);
 
 // The scale of time at the end of the last cycle.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused.
+// Each pointer is valid for its type, or NULL, which is refused.
 enum ArcfeedStatus arcfeed_generator_scale(const struct ArcfeedGenerator *generator, double *scale);
 
 // Gives the generator the memory that routes are planned in, some 0.1 MB for one axis and 0.6 MB for eight. Called once
@@ -456,13 +456,13 @@ enum ArcfeedStatus arcfeed_generator_set_route(struct ArcfeedGenerator *generato
 // Number of sections of the route set last: one more than it has way-points, and one more for each corner that is rounded and for
 // a stop before a straight line that begins in motion; 0 before the first route.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused.
+// Each pointer is valid for its type, or NULL, which is refused.
 enum ArcfeedStatus arcfeed_generator_sections(const struct ArcfeedGenerator *generator,
                                               size_t *count);
 
 // Durations of the sections of the route set last (s); `count` must be their number.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused; `seconds` has room for `count` entries.
+// Each pointer is valid for its type, or NULL, which is refused; `seconds` has room for `count` entries.
 enum ArcfeedStatus arcfeed_generator_section_durations(const struct ArcfeedGenerator *generator,
                                                        size_t count,
                                                        double *seconds);
@@ -470,7 +470,7 @@ enum ArcfeedStatus arcfeed_generator_section_durations(const struct ArcfeedGener
 // The state of the motion along the route set last at time `t` (s) from its beginning, one entry of `states` for each
 // axis, without regard to cycles and other commands. Computes the section of `t` anew.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused; `states` has room for `axes` entries.
+// Each pointer is valid for its type, or NULL, which is refused; `states` has room for `axes` entries.
 enum ArcfeedStatus arcfeed_generator_route_at(const struct ArcfeedGenerator *generator,
                                               double t,
                                               size_t axes,
@@ -478,12 +478,12 @@ enum ArcfeedStatus arcfeed_generator_route_at(const struct ArcfeedGenerator *gen
 
 // The trajectory of a file. On success `*out` holds it, else NULL.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused.
+// Each pointer is valid for its type, or NULL, which is refused.
 enum ArcfeedStatus arcfeed_joint_trajectory_load(const char *path, struct ArcfeedJointTrajectory **out);
 
 // The trajectory of a text, for systems without files. On success `*out` holds it, else NULL.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused.
+// Each pointer is valid for its type, or NULL, which is refused.
 enum ArcfeedStatus arcfeed_joint_trajectory_parse(const char *json, struct ArcfeedJointTrajectory **out);
 
 // Frees a trajectory; NULL is nothing to free.
@@ -498,21 +498,21 @@ size_t arcfeed_joint_trajectory_joints(const struct ArcfeedJointTrajectory *traj
 
 // Name of a joint, counted from 0. The text belongs to the trajectory.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused.
+// Each pointer is valid for its type, or NULL, which is refused.
 enum ArcfeedStatus arcfeed_joint_trajectory_joint_name(const struct ArcfeedJointTrajectory *trajectory,
                                                        size_t joint,
                                                        const char **name);
 
 // Duration (s).
 //
-// Every pointer is valid for what its name says, or NULL, which is refused.
+// Each pointer is valid for its type, or NULL, which is refused.
 enum ArcfeedStatus arcfeed_joint_trajectory_duration(const struct ArcfeedJointTrajectory *trajectory,
                                                      double *seconds);
 
 // The motion at time `t` (s), one entry of `states` for each joint; `t` is taken to the nearest end. Any time is found
 // in about the same time, so that seeking needs no call of its own.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused; `states` has room for `joints` entries.
+// Each pointer is valid for its type, or NULL, which is refused; `states` has room for `joints` entries.
 enum ArcfeedStatus arcfeed_joint_trajectory_at(const struct ArcfeedJointTrajectory *trajectory,
                                                double t,
                                                size_t joints,
@@ -520,7 +520,7 @@ enum ArcfeedStatus arcfeed_joint_trajectory_at(const struct ArcfeedJointTrajecto
 
 // A motion from `start` to rest at `target`. On success `*out` holds the motion, else NULL.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused.
+// Each pointer is valid for its type, or NULL, which is refused.
 enum ArcfeedStatus arcfeed_projection_new(const struct ArcfeedPoseState *start,
                                           const struct ArcfeedPose *target,
                                           const struct ArcfeedPoseLimits *limits,
@@ -533,19 +533,19 @@ void arcfeed_projection_free(struct ArcfeedProjection *projection);
 
 // Sets another target from here on.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused.
+// Each pointer is valid for its type, or NULL, which is refused.
 enum ArcfeedStatus arcfeed_projection_set_target(struct ArcfeedProjection *projection,
                                                  const struct ArcfeedPose *target);
 
 // Sets other limits from here on.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused.
+// Each pointer is valid for its type, or NULL, which is refused.
 enum ArcfeedStatus arcfeed_projection_set_limits(struct ArcfeedProjection *projection,
                                                  const struct ArcfeedPoseLimits *limits);
 
 // Moves on by `period` (s). `state` gets the state; `status`, if it is not NULL, an ArcfeedProjectionStatus.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused.
+// Each pointer is valid for its type, or NULL, which is refused.
 enum ArcfeedStatus arcfeed_projection_step(struct ArcfeedProjection *projection,
                                            double period,
                                            struct ArcfeedPoseState *state,
@@ -554,7 +554,7 @@ enum ArcfeedStatus arcfeed_projection_step(struct ArcfeedProjection *projection,
 // Time to the target if nothing changes (s); negative while that is not known, because the state is still brought
 // inside the limits.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused.
+// Each pointer is valid for its type, or NULL, which is refused.
 enum ArcfeedStatus arcfeed_projection_time_left(const struct ArcfeedProjection *projection,
                                                 double *seconds);
 
@@ -565,7 +565,7 @@ const char *arcfeed_last_error(void);
 // Axes at `start` that follow a target. `start` and `limits` have `axes` entries; `cycle` is the control cycle (s). A start
 // outside the limits is brought back inside. On success `*out` holds the axes, else NULL.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused.
+// Each pointer is valid for its type, or NULL, which is refused.
 enum ArcfeedStatus arcfeed_tracking_new(size_t axes,
                                         const struct ArcfeedAxisState *start,
                                         const struct ArcfeedAxisLimits *limits,
@@ -579,7 +579,7 @@ void arcfeed_tracking_free(struct ArcfeedTracking *tracking);
 
 // Sets the limits of all axes from the next cycle on.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused.
+// Each pointer is valid for its type, or NULL, which is refused.
 enum ArcfeedStatus arcfeed_tracking_set_limits(struct ArcfeedTracking *tracking,
                                                size_t axes,
                                                const struct ArcfeedAxisLimits *limits);
@@ -587,7 +587,7 @@ enum ArcfeedStatus arcfeed_tracking_set_limits(struct ArcfeedTracking *tracking,
 // Moves on by one cycle, at whose end the target is in the state `target`. `states` gets what to command then; `status`,
 // if it is not NULL, what the axes do. A call that is refused moves no axis.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused; `target` has `axes` entries, and `states` room for as many.
+// Each pointer is valid for its type, or NULL, which is refused; `target` has `axes` entries, and `states` room for as many.
 enum ArcfeedStatus arcfeed_tracking_step(struct ArcfeedTracking *tracking,
                                          size_t axes,
                                          const struct ArcfeedAxisState *target,
@@ -596,7 +596,7 @@ enum ArcfeedStatus arcfeed_tracking_step(struct ArcfeedTracking *tracking,
 
 // Copies the state of the last step.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused; `states` has room for `axes` entries.
+// Each pointer is valid for its type, or NULL, which is refused; `states` has room for `axes` entries.
 enum ArcfeedStatus arcfeed_tracking_state(const struct ArcfeedTracking *tracking,
                                           size_t axes,
                                           struct ArcfeedAxisState *states);
@@ -604,7 +604,7 @@ enum ArcfeedStatus arcfeed_tracking_state(const struct ArcfeedTracking *tracking
 // The shortest motion from `start` to `target` within `limits`, each with `axes` entries. On success `*out` holds the
 // motion, else NULL.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused.
+// Each pointer is valid for its type, or NULL, which is refused.
 enum ArcfeedStatus arcfeed_trajectory_new(size_t axes,
                                           const struct ArcfeedAxisState *start,
                                           const struct ArcfeedAxisState *target,
@@ -619,19 +619,19 @@ void arcfeed_trajectory_free(struct ArcfeedTrajectory *trajectory);
 
 // Duration (s): when the last axis arrives.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused.
+// Each pointer is valid for its type, or NULL, which is refused.
 enum ArcfeedStatus arcfeed_trajectory_duration(const struct ArcfeedTrajectory *trajectory, double *seconds);
 
 // Whether all axes move in proportion, on a straight line.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused.
+// Each pointer is valid for its type, or NULL, which is refused.
 enum ArcfeedStatus arcfeed_trajectory_is_straight(const struct ArcfeedTrajectory *trajectory,
                                                   bool *is_straight);
 
 // The state at time `t` (s), one entry of `states` for each axis. Before 0 it is the start; an axis that has arrived
 // goes on with the velocity of its target.
 //
-// Every pointer is valid for what its name says, or NULL, which is refused; `states` has room for `axes` entries.
+// Each pointer is valid for its type, or NULL, which is refused; `states` has room for `axes` entries.
 enum ArcfeedStatus arcfeed_trajectory_at(const struct ArcfeedTrajectory *trajectory,
                                          double t,
                                          size_t axes,

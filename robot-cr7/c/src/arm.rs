@@ -99,7 +99,7 @@ fn of_kinematics(error: KinematicsError) -> ArcfeedStatus {
 /// A built-in arm by its name, for example "cr7" or "ur5e". On success `*out` holds it, else NULL.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused.
+/// Each pointer is valid for its type, or NULL, which is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_arm_builtin(name: *const c_char, out: *mut *mut ArcfeedArm) -> ArcfeedStatus {
     guarded(|| unsafe {
@@ -116,7 +116,7 @@ pub unsafe extern "C" fn arcfeed_arm_builtin(name: *const c_char, out: *mut *mut
 /// else NULL.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused.
+/// Each pointer is valid for its type, or NULL, which is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_arm_load(
     path: *const c_char,
@@ -160,7 +160,7 @@ pub unsafe extern "C" fn arcfeed_arm_joints(arm: *const ArcfeedArm) -> usize {
 /// Name of a joint, counted from 0. The text belongs to the arm.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused.
+/// Each pointer is valid for its type, or NULL, which is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_arm_joint_name(
     arm: *const ArcfeedArm,
@@ -178,7 +178,7 @@ pub unsafe extern "C" fn arcfeed_arm_joint_name(
 /// The range of each joint (rad or m).
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused; `ranges` has room for `joints` entries.
+/// Each pointer is valid for its type, or NULL, which is refused; `ranges` has room for `joints` entries.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_arm_ranges(
     arm: *const ArcfeedArm,
@@ -195,7 +195,7 @@ pub unsafe extern "C" fn arcfeed_arm_ranges(
 /// Sets the tool point in the frame of the flange. Allocates.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused.
+/// Each pointer is valid for its type, or NULL, which is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_arm_set_tool(arm: *mut ArcfeedArm, tool: *const ArcfeedPose) -> ArcfeedStatus {
     guarded(|| unsafe {
@@ -208,7 +208,7 @@ pub unsafe extern "C" fn arcfeed_arm_set_tool(arm: *mut ArcfeedArm, tool: *const
 /// The pose of the tool in the base for the joint values `q` (rad or m).
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused.
+/// Each pointer is valid for its type, or NULL, which is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_arm_forward(
     arm: *const ArcfeedArm,
@@ -228,7 +228,7 @@ pub unsafe extern "C" fn arcfeed_arm_forward(
 /// `seed` may be the same array.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused; `q` has room for `joints` entries.
+/// Each pointer is valid for its type, or NULL, which is refused; `q` has room for `joints` entries.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_arm_inverse(
     arm: *const ArcfeedArm,
@@ -251,7 +251,7 @@ pub unsafe extern "C" fn arcfeed_arm_inverse(
 /// of a numeric inverse several. `q` gets one solution after the other, `*count` their number.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused; `q` has room for `ARCFEED_MAX_SOLUTIONS` times `joints` entries.
+/// Each pointer is valid for its type, or NULL, which is refused; `q` has room for `ARCFEED_MAX_SOLUTIONS` times `joints` entries.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_arm_inverse_all(
     arm: *const ArcfeedArm,

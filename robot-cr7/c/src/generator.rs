@@ -189,7 +189,7 @@ fn make<const N: usize>(
 /// is the control cycle (s); `synchronisation` is an ArcfeedSynchronisation. On success `*out` holds the generator, else NULL.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused.
+/// Each pointer is valid for its type, or NULL, which is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_generator_new(
     axes: usize,
@@ -234,7 +234,7 @@ unsafe fn on(
 /// Sets the range of positions of each axis. What is under way must stay inside, else the call is refused.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused.
+/// Each pointer is valid for its type, or NULL, which is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_generator_set_ranges(
     generator: *mut ArcfeedGenerator,
@@ -249,7 +249,7 @@ pub unsafe extern "C" fn arcfeed_generator_set_ranges(
 /// Sets the state to reach. A call that is refused changes nothing.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused.
+/// Each pointer is valid for its type, or NULL, which is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_generator_set_target(
     generator: *mut ArcfeedGenerator,
@@ -264,7 +264,7 @@ pub unsafe extern "C" fn arcfeed_generator_set_target(
 /// Sets the state that one axis, counted from 0, is to reach.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused.
+/// Each pointer is valid for its type, or NULL, which is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_generator_set_axis_target(
     generator: *mut ArcfeedGenerator,
@@ -282,7 +282,7 @@ pub unsafe extern "C" fn arcfeed_generator_set_axis_target(
 /// limits, until the axes have left it.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused.
+/// Each pointer is valid for its type, or NULL, which is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_generator_set_limits(
     generator: *mut ArcfeedGenerator,
@@ -297,7 +297,7 @@ pub unsafe extern "C" fn arcfeed_generator_set_limits(
 /// Sets target and limits at once: where neither goes with the other's old value.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused.
+/// Each pointer is valid for its type, or NULL, which is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_generator_set(
     generator: *mut ArcfeedGenerator,
@@ -316,7 +316,7 @@ pub unsafe extern "C" fn arcfeed_generator_set(
 /// Copies the state of the last step.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused; `states` has room for `axes` entries.
+/// Each pointer is valid for its type, or NULL, which is refused; `states` has room for `axes` entries.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_generator_state(
     generator: *const ArcfeedGenerator,
@@ -333,7 +333,7 @@ pub unsafe extern "C" fn arcfeed_generator_state(
 /// Copies the target; after a stop the place where the axes will stand.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused; `target` has room for `axes` entries.
+/// Each pointer is valid for its type, or NULL, which is refused; `target` has room for `axes` entries.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_generator_target(
     generator: *const ArcfeedGenerator,

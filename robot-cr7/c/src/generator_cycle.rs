@@ -9,7 +9,7 @@ use crate::status::{ArcfeedStatus, guarded, of_sync};
 /// what happened.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused; `states` has room for `axes` entries.
+/// Each pointer is valid for its type, or NULL, which is refused; `states` has room for `axes` entries.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_generator_step(
     generator: *mut ArcfeedGenerator,
@@ -57,7 +57,7 @@ pub unsafe extern "C" fn arcfeed_generator_stop_on_path(generator: *mut ArcfeedG
 /// time.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused.
+/// Each pointer is valid for its type, or NULL, which is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_generator_jog(
     generator: *mut ArcfeedGenerator,
@@ -109,7 +109,7 @@ pub unsafe extern "C" fn arcfeed_generator_resume(generator: *mut ArcfeedGenerat
 /// Whether an axis has still to reach its target.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused.
+/// Each pointer is valid for its type, or NULL, which is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_generator_is_underway(
     generator: *const ArcfeedGenerator,
@@ -121,7 +121,7 @@ pub unsafe extern "C" fn arcfeed_generator_is_underway(
 /// Time until the last axis has reached its target (s), at scale 1.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused.
+/// Each pointer is valid for its type, or NULL, which is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_generator_time_left(
     generator: *const ArcfeedGenerator,
@@ -133,7 +133,7 @@ pub unsafe extern "C" fn arcfeed_generator_time_left(
 /// The scale of time at the end of the last cycle.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused.
+/// Each pointer is valid for its type, or NULL, which is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_generator_scale(generator: *const ArcfeedGenerator, scale: *mut f64) -> ArcfeedStatus {
     guarded(|| unsafe { put("scale", scale, held("generator", generator)?.inner.scale()) })

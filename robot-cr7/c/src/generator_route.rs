@@ -43,7 +43,7 @@ pub unsafe extern "C" fn arcfeed_generator_set_route(
 /// a stop before a straight line that begins in motion; 0 before the first route.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused.
+/// Each pointer is valid for its type, or NULL, which is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_generator_sections(
     generator: *const ArcfeedGenerator,
@@ -55,7 +55,7 @@ pub unsafe extern "C" fn arcfeed_generator_sections(
 /// Durations of the sections of the route set last (s); `count` must be their number.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused; `seconds` has room for `count` entries.
+/// Each pointer is valid for its type, or NULL, which is refused; `seconds` has room for `count` entries.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_generator_section_durations(
     generator: *const ArcfeedGenerator,
@@ -76,7 +76,7 @@ pub unsafe extern "C" fn arcfeed_generator_section_durations(
 /// axis, without regard to cycles and other commands. Computes the section of `t` anew.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused; `states` has room for `axes` entries.
+/// Each pointer is valid for its type, or NULL, which is refused; `states` has room for `axes` entries.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_generator_route_at(
     generator: *const ArcfeedGenerator,

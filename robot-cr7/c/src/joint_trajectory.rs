@@ -69,7 +69,7 @@ fn parse(content: &str) -> Outcome<ArcfeedJointTrajectory> {
 /// The trajectory of a file. On success `*out` holds it, else NULL.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused.
+/// Each pointer is valid for its type, or NULL, which is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_joint_trajectory_load(
     path: *const c_char,
@@ -86,7 +86,7 @@ pub unsafe extern "C" fn arcfeed_joint_trajectory_load(
 /// The trajectory of a text, for systems without files. On success `*out` holds it, else NULL.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused.
+/// Each pointer is valid for its type, or NULL, which is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_joint_trajectory_parse(
     json: *const c_char,
@@ -119,7 +119,7 @@ pub unsafe extern "C" fn arcfeed_joint_trajectory_joints(trajectory: *const Arcf
 /// Name of a joint, counted from 0. The text belongs to the trajectory.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused.
+/// Each pointer is valid for its type, or NULL, which is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_joint_trajectory_joint_name(
     trajectory: *const ArcfeedJointTrajectory,
@@ -138,7 +138,7 @@ pub unsafe extern "C" fn arcfeed_joint_trajectory_joint_name(
 /// Duration (s).
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused.
+/// Each pointer is valid for its type, or NULL, which is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_joint_trajectory_duration(
     trajectory: *const ArcfeedJointTrajectory,
@@ -151,7 +151,7 @@ pub unsafe extern "C" fn arcfeed_joint_trajectory_duration(
 /// in about the same time, so that seeking needs no call of its own.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused; `states` has room for `joints` entries.
+/// Each pointer is valid for its type, or NULL, which is refused; `states` has room for `joints` entries.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_joint_trajectory_at(
     trajectory: *const ArcfeedJointTrajectory,

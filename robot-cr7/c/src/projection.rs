@@ -90,7 +90,7 @@ fn limits_from(c: &ArcfeedPoseLimits) -> Outcome<PoseLimits> {
 /// A motion from `start` to rest at `target`. On success `*out` holds the motion, else NULL.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused.
+/// Each pointer is valid for its type, or NULL, which is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_projection_new(
     start: *const ArcfeedPoseState,
@@ -120,7 +120,7 @@ pub unsafe extern "C" fn arcfeed_projection_free(projection: *mut ArcfeedProject
 /// Sets another target from here on.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused.
+/// Each pointer is valid for its type, or NULL, which is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_projection_set_target(
     projection: *mut ArcfeedProjection,
@@ -135,7 +135,7 @@ pub unsafe extern "C" fn arcfeed_projection_set_target(
 /// Sets other limits from here on.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused.
+/// Each pointer is valid for its type, or NULL, which is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_projection_set_limits(
     projection: *mut ArcfeedProjection,
@@ -150,7 +150,7 @@ pub unsafe extern "C" fn arcfeed_projection_set_limits(
 /// Moves on by `period` (s). `state` gets the state; `status`, if it is not NULL, an ArcfeedProjectionStatus.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused.
+/// Each pointer is valid for its type, or NULL, which is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_projection_step(
     projection: *mut ArcfeedProjection,
@@ -171,7 +171,7 @@ pub unsafe extern "C" fn arcfeed_projection_step(
 /// inside the limits.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused.
+/// Each pointer is valid for its type, or NULL, which is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_projection_time_left(
     projection: *const ArcfeedProjection,

@@ -70,7 +70,7 @@ fn make<const N: usize>(start: &All<AxisState>, limits: &All<AxisLimits>, cycle:
 /// outside the limits is brought back inside. On success `*out` holds the axes, else NULL.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused.
+/// Each pointer is valid for its type, or NULL, which is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_tracking_new(
     axes: usize,
@@ -100,7 +100,7 @@ pub unsafe extern "C" fn arcfeed_tracking_free(tracking: *mut ArcfeedTracking) {
 /// Sets the limits of all axes from the next cycle on.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused.
+/// Each pointer is valid for its type, or NULL, which is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_tracking_set_limits(
     tracking: *mut ArcfeedTracking,
@@ -118,7 +118,7 @@ pub unsafe extern "C" fn arcfeed_tracking_set_limits(
 /// if it is not NULL, what the axes do. A call that is refused moves no axis.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused; `target` has `axes` entries, and `states` room for as many.
+/// Each pointer is valid for its type, or NULL, which is refused; `target` has `axes` entries, and `states` room for as many.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_tracking_step(
     tracking: *mut ArcfeedTracking,
@@ -146,7 +146,7 @@ pub unsafe extern "C" fn arcfeed_tracking_step(
 /// Copies the state of the last step.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused; `states` has room for `axes` entries.
+/// Each pointer is valid for its type, or NULL, which is refused; `states` has room for `axes` entries.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_tracking_state(
     tracking: *const ArcfeedTracking,

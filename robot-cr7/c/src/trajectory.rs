@@ -74,7 +74,7 @@ fn choices(c: &ArcfeedMotionOptions) -> Outcome<MotionOptions> {
 /// motion, else NULL.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused.
+/// Each pointer is valid for its type, or NULL, which is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_trajectory_new(
     axes: usize,
@@ -107,7 +107,7 @@ pub unsafe extern "C" fn arcfeed_trajectory_free(trajectory: *mut ArcfeedTraject
 /// Duration (s): when the last axis arrives.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused.
+/// Each pointer is valid for its type, or NULL, which is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_trajectory_duration(
     trajectory: *const ArcfeedTrajectory,
@@ -119,7 +119,7 @@ pub unsafe extern "C" fn arcfeed_trajectory_duration(
 /// Whether all axes move in proportion, on a straight line.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused.
+/// Each pointer is valid for its type, or NULL, which is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_trajectory_is_straight(
     trajectory: *const ArcfeedTrajectory,
@@ -132,7 +132,7 @@ pub unsafe extern "C" fn arcfeed_trajectory_is_straight(
 /// goes on with the velocity of its target.
 ///
 /// # Safety
-/// Every pointer is valid for what its name says, or NULL, which is refused; `states` has room for `axes` entries.
+/// Each pointer is valid for its type, or NULL, which is refused; `states` has room for `axes` entries.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn arcfeed_trajectory_at(
     trajectory: *const ArcfeedTrajectory,

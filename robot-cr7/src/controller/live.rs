@@ -153,7 +153,7 @@ impl SetpointSource for LiveSetpoints<'_> {
     }
 
     fn setpoint(&mut self, index: usize, period: f64) -> Result<NextSetpoint<6>, Fault> {
-        // Not `==`: the scenario would run at another speed.
+        // The scenario would run at another speed.
         if period != self.period {
             let (asked, made) = (1e3 * period, 1e3 * self.period);
             let words = format!(
