@@ -47,3 +47,13 @@ fn a_higher_limit_never_makes_a_motion_longer() {
         assert!(after <= before * (1.0 + LONGER), "{job:?} takes {before} s, {raised:?} {after} s");
     }
 }
+
+/// The iterations that look for a bound ended far from their optimum here, and the bound was 0.47 s.
+#[test]
+fn the_bound_of_a_small_diamond_is_close_to_its_motion() {
+    let mut job = CncJob::new("diamond", 0.002, 0.1, "puma560");
+    job.bounded = true;
+    let plan = job.plan(Method::JerkLimited).expect("a plan");
+    let bound = plan.bound.expect("asked for").expect("a bound").duration;
+    assert!(bound < plan.duration && plan.duration < 1.08 * bound, "{bound} s, planned {} s", plan.duration);
+}
