@@ -1,12 +1,15 @@
 //! Long paths in windows: verified, as fast as the whole within 0.5 %, in less memory.
 
+use std::f64::consts::FRAC_PI_2;
+
 use arcfeed_feedrate::{FeedPlanner, JerkLimited};
 use arcfeed_interp::{
     Extent, FeedSection, JointJet, JointSpline, LimitError, Limits, Method, MotionPath, PathError, PathParameter,
     Planner, RowsNeeded, ToolPath,
 };
-use arcfeed_kinematics::{Joints, models};
+use arcfeed_kinematics::{ArmDynamics, Inertial, Joints, models};
 use arcfeed_testing::{Random, most_bytes_in};
+use nalgebra::{Matrix3, Vector3};
 
 use crate::common::{analytic, arm, bent, knotted, tool, tool_down};
 use crate::limit_tables::Kind;
@@ -186,6 +189,24 @@ fn stops_of_curves_are_where_they_were_asked_for() {
         let plan = plan.expect("is planned");
         let v = plan.law().at_position(stop).v;
         assert!(v < 1e-6, "{v} at {stop}");
+    }
+}
+
+/// With torques limited there is a grid point where a joint turns around. A stop beside it stays.
+#[test]
+fn a_stop_beside_a_turning_point_is_kept_under_limits_on_torque() {
+    let arm = models::ur5e();
+    let point = Inertial::new(4.0, Vector3::zeros(), Matrix3::zeros()).expect("a point mass");
+    let bare = ArmDynamics::new(arm.chain(), [Inertial::none(); 6]).expect("finite");
+    let dynamics = bare.with_payload(point).expect("finite");
+    let limits = limits().with_torque(&dynamics, Joints::repeat(500.0)).expect("above 0");
+    for stop in [1e-3, -1e-3, 1e-6].map(|beside| FRAC_PI_2 + beside) {
+        let path = Stopping { stops: vec![stop] };
+        let plan = Planner::new(&arm, limits).with_intervals(1000).expect("allowed").plan(&path);
+        let plan = plan.expect("is planned");
+        assert!(plan.verification().holds(1e-6), "{:?}", plan.verification().worst());
+        let rests: Vec<f64> = plan.law().knots().filter(|(_, at)| at.v == 0.0).map(|(_, at)| at.p).collect();
+        assert!(rests.len() == 2 && (rests[1] - stop).abs() < 1e-12, "{rests:?}, asked for {stop}");
     }
 }
 
