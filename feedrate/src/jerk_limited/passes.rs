@@ -182,14 +182,19 @@ impl Passes<'_> {
         self.plan_near(problem)
     }
 
-    /// The plan on all points, and where a law to start from leads nowhere, from a start of its own.
+    /// The plan on all points; where a law to start from leads nowhere, or the iterations from it have not converged, that from a start
+    /// of its own if it is shorter.
     fn plan_near(&self, problem: &FeedProblem) -> Result<JerkLimitedPlan, NotSolved> {
-        self.plan_on_all(problem).or_else(|why| match why.error {
-            FeedError::NotConverged { .. } if self.near.is_some() => {
-                Passes { near: None, ..*self }.plan_on_all(problem)
-            }
-            _ => Err(why),
-        })
+        let near = self.plan_on_all(problem);
+        if self.near.is_none() || near.as_ref().is_ok_and(|plan| plan.converged) {
+            return near;
+        }
+        let own = Passes { near: None, ..*self }.plan_on_all(problem);
+        match (near, own) {
+            (Ok(near), Ok(own)) if near.law.duration() > own.law.duration() => Ok(own),
+            (Ok(near), _) => Ok(near),
+            (Err(_), own) => own,
+        }
     }
 
     /// The plan on all points, with all rows in the end.

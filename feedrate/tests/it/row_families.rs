@@ -54,6 +54,19 @@ fn no_family_exceeds_its_limits() {
     }
 }
 
+/// From a law of a hundredth of the speed the iterations led to motions that took up to 4e13 times as long, or to none.
+#[test]
+fn a_law_that_leads_nowhere_costs_nothing() {
+    for index in [150, 494, 614, 718, 1054, 1102, 1374, 1422] {
+        let case = Case::numbered(12, index as usize % FAMILIES.len(), index);
+        let problem = Path::new(&case).problem(true, true).unwrap();
+        let own = JerkLimited::default().plan(&problem).unwrap();
+        let near = JerkLimited::default().plan_near(&problem, &own.scaled(0.01).unwrap()).unwrap();
+        let ratio = near.law.duration() / own.duration();
+        assert!(ratio < 1.001, "case {index}: {ratio}");
+    }
+}
+
 /// A joint that stands still in places made its row decide the accelerations of all others: 4.3 % over at a grid point.
 #[test]
 fn certified_broke_an_acceleration_at_a_grid_point() {
