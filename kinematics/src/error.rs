@@ -50,6 +50,20 @@ impl std::fmt::Display for AtLimit {
     }
 }
 
+/// The first 1000 characters of a text from a file.
+#[cfg(feature = "std")]
+struct Clipped<'a>(&'a str);
+
+#[cfg(feature = "std")]
+impl std::fmt::Display for Clipped<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.0.char_indices().nth(1000) {
+            Some((end, _)) => write!(f, "{}...", &self.0[..end]),
+            None => f.write_str(self.0),
+        }
+    }
+}
+
 #[cfg(feature = "std")]
 impl KinematicsError {
     /// This error, told of a named part.
@@ -256,7 +270,7 @@ pub enum KinematicsError {
 
     /// Something is wrong with a joint or link that has a name.
     #[cfg(feature = "std")]
-    #[error("{part} '{name}': {source}")]
+    #[error("{part} '{}': {source}", Clipped(name))]
     InPart {
         /// Joint or link.
         part: Part,
@@ -282,7 +296,7 @@ pub enum KinematicsError {
 
     /// A text that is not what it should be.
     #[cfg(feature = "std")]
-    #[error("not a valid {format} description of an arm: {reason}")]
+    #[error("not a valid {format} description of an arm: {}", Clipped(reason))]
     Unreadable {
         /// The format: "URDF" or "JSON".
         format: &'static str,
@@ -292,7 +306,7 @@ pub enum KinematicsError {
 
     /// A joint of a kind that no arm here has.
     #[cfg(feature = "std")]
-    #[error("joints of type '{kind}' are not supported: revolute, continuous, prismatic and fixed are")]
+    #[error("joints of type '{}' are not supported: revolute, continuous, prismatic and fixed are", Clipped(kind))]
     UnsupportedJoint {
         /// Its type.
         kind: String,
@@ -300,7 +314,7 @@ pub enum KinematicsError {
 
     /// A joint that copies another one.
     #[cfg(feature = "std")]
-    #[error("it mimics joint '{of}': coupled joints are not supported")]
+    #[error("it mimics joint '{}': coupled joints are not supported", Clipped(of))]
     Mimic {
         /// The joint it follows.
         of: String,
@@ -308,7 +322,7 @@ pub enum KinematicsError {
 
     /// The links and joints do not make a tree, or not the chain that was asked for.
     #[cfg(feature = "std")]
-    #[error("{rule} (found: '{found}')")]
+    #[error("{rule} (found: '{}')", Clipped(found))]
     Structure {
         /// The rule that is broken.
         rule: &'static str,

@@ -15,7 +15,7 @@ use robot_cr7::{
 use super::verdict::Verdict;
 
 /// The longest message, bytes: longer ones are no help.
-const LONGEST_MESSAGE: usize = 30_000;
+const LONGEST_MESSAGE: usize = 6_000;
 
 /// What a reader gave: an error has to say something, and not too much.
 pub(super) fn verdict<T, E: Display>(read: Result<T, E>, broken: impl FnOnce(&T) -> Option<String>) -> Verdict {

@@ -62,3 +62,31 @@ fn inputs_that_were_defects_once_are_none_any_more() {
     }
     assert_eq!(count, kept);
 }
+
+/// A key of 39 000 letters was repeated as a whole.
+#[test]
+fn messages_repeat_only_the_beginning_of_long_texts() {
+    let long = "x".repeat(50_000);
+    let texts = [
+        ("json-path", format!("{{\"{long}\": 1}}")),
+        ("json-path", format!("{{\"units\": \"{long}\", \"degree\": 1, \"control_points\": [[0, 0], [1, 1]]}}")),
+        ("csv-points", format!("x_mm,{long}\n1,2\n")),
+        ("csv-points", format!("x_mm,y_mm\n1,{long}\n")),
+        ("gcode", format!("G1 {}\n", &long[..200])),
+        ("job", format!("{long} = 1\n")),
+        ("job", format!("[feed]\nfeed_mm_s = \"{long}\"\n")),
+        ("scenario", format!("[run]\nmode = \"{long}\"\n")),
+        ("schedule", format!("[{long}]\n")),
+        ("urdf", format!("<robot name='a'><joint name='{long}' type='{long}'/></robot>")),
+        ("urdf", format!("<robot name='a'><{long}></robot>")),
+        ("arm-json", format!("{{\"{long}\": 1}}")),
+        ("trajectory-csv", format!("{long}\n1\n")),
+        ("compiled-json", format!("{{\"{long}\": 1}}")),
+        ("batch-line", format!("{{\"{long}\": 1}}")),
+    ];
+    for (name, text) in texts {
+        let target = TARGETS.iter().find(|target| target.name == name).expect("a target");
+        let verdict = target.feed(text.as_bytes()).verdict;
+        assert!(matches!(verdict, Verdict::Refused), "{name}: {verdict:?} for {}", &text[..40.min(text.len())]);
+    }
+}

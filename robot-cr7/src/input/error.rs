@@ -6,6 +6,10 @@ use arcfeed_geometry::GeometryError;
 use thiserror::Error;
 
 use super::gcode::fault::GcodeFault;
+use crate::text::clip;
+
+/// Characters of a text from a file that a message repeats.
+const LONGEST: usize = 400;
 
 /// Everything that can be wrong with an input file (path, job or trajectory), or with writing an output file.
 ///
@@ -68,7 +72,7 @@ pub enum InputError {
         extension: String,
     },
     /// The text breaks the grammar of JSON or TOML, has an unknown or a missing key, or a value of the wrong kind.
-    #[error("{}:{line}:{column}: {message}{hint}", file.display())]
+    #[error("{}:{line}:{column}: {}{hint}", file.display(), clip(message, LONGEST))]
     Syntax {
         /// The file.
         file: PathBuf,
@@ -92,7 +96,7 @@ pub enum InputError {
         remedy: &'static str,
     },
     /// The unit of length is not a known one.
-    #[error("{}: {place} is \"{unit}\", which is not a known unit of length: use \"mm\", \"cm\", \"m\" or \"in\"", file.display())]
+    #[error("{}: {place} is \"{}\", which is not a known unit of length: use \"mm\", \"cm\", \"m\" or \"in\"", file.display(), clip(unit, LONGEST))]
     UnknownUnit {
         /// The file.
         file: PathBuf,
@@ -114,7 +118,7 @@ pub enum InputError {
         asked: &'static str,
     },
     /// A column of a CSV header has a name nobody knows.
-    #[error("{}:{line}: column {column} is named \"{name}\": {rule}", file.display())]
+    #[error("{}:{line}: column {column} is named \"{}\": {rule}", file.display(), clip(name, LONGEST))]
     Column {
         /// The file.
         file: PathBuf,
@@ -128,7 +132,7 @@ pub enum InputError {
         rule: &'static str,
     },
     /// A cell of a CSV file is not a finite number.
-    #[error("{}:{line}: column {column} is \"{cell}\", which is not a finite number: {remedy}", file.display())]
+    #[error("{}:{line}: column {column} is \"{}\", which is not a finite number: {remedy}", file.display(), clip(cell, LONGEST))]
     Cell {
         /// The file.
         file: PathBuf,
@@ -184,7 +188,7 @@ pub enum InputError {
     },
     /// A mesh of an arm cannot be drawn.
     #[cfg(feature = "html")]
-    #[error("{}: {fault}", crate::text::clip(&file.to_string_lossy(), 200))]
+    #[error("{}: {fault}", clip(&file.to_string_lossy(), 200))]
     Mesh {
         /// The mesh as the URDF names it, or the URDF.
         file: PathBuf,
@@ -192,7 +196,7 @@ pub enum InputError {
         fault: super::meshes::MeshFault,
     },
     /// A value breaks a rule.
-    #[error("{}: {key} is {value}: {rule}; {remedy}", Place(file, *line))]
+    #[error("{}: {} is {}: {rule}; {remedy}", Place(file, *line), clip(key, LONGEST), clip(value, LONGEST))]
     Value {
         /// The file.
         file: PathBuf,
@@ -208,7 +212,7 @@ pub enum InputError {
         remedy: &'static str,
     },
     /// The numbers of a path file do not make a curve.
-    #[error("{}: {key}: {source}", file.display())]
+    #[error("{}: {}: {source}", file.display(), clip(key, LONGEST))]
     Curve {
         /// The file.
         file: PathBuf,
@@ -218,7 +222,7 @@ pub enum InputError {
         source: GeometryError,
     },
     /// A word of a G-code program cannot be executed.
-    #[error("{}:{line}:{column}: {word}: {fault}", file.display())]
+    #[error("{}:{line}:{column}: {}: {fault}", file.display(), clip(word, LONGEST))]
     Gcode {
         /// The file.
         file: PathBuf,
