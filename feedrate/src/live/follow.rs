@@ -33,13 +33,12 @@ impl FeedOverride<'_> {
     /// One cycle under the curve.
     pub(super) fn follow_curve(&mut self) {
         let feed = self.asked();
-        let brake = self.change_to(0.0);
         let way = if feed == 0.0 {
-            brake
+            self.change_to(0.0)
         } else if self.is_at_rest() {
             self.start(feed)
         } else {
-            self.towards(feed, brake)
+            self.towards(feed)
         };
         (self.s, self.v, self.a) = self.after(&way, self.period);
     }
@@ -83,7 +82,7 @@ impl FeedOverride<'_> {
     }
 
     /// As far towards `feed` as is safe.
-    fn towards(&mut self, feed: f64, brake: Way) -> Way {
+    fn towards(&mut self, feed: f64) -> Way {
         let mut way = self.change_to(feed);
         let mut next = self.after(&way, self.period);
         if let Some(slower) = self.for_sections(&next) {
@@ -99,6 +98,7 @@ impl FeedOverride<'_> {
             return way;
         }
         // Between braking, which is safe, and what was asked for.
+        let brake = self.change_to(0.0);
         let jerk_to = |a: f64| (a - self.a) / self.period;
         let (mut low, mut high) = (jerk_to(self.after(&brake, self.period).2), jerk_to(next.2));
         let mut best = brake;
