@@ -70,6 +70,7 @@ fn messages_repeat_only_the_beginning_of_long_texts() {
     let texts = [
         ("json-path", format!("{{\"{long}\": 1}}")),
         ("json-path", format!("{{\"units\": \"{long}\", \"degree\": 1, \"control_points\": [[0, 0], [1, 1]]}}")),
+        ("csv-points", format!("x_{long},y_mm\n1,2\n")),
         ("csv-points", format!("x_mm,{long}\n1,2\n")),
         ("csv-points", format!("x_mm,y_mm\n1,{long}\n")),
         ("gcode", format!("G1 {}\n", &long[..200])),

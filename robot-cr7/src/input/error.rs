@@ -86,7 +86,7 @@ pub enum InputError {
         hint: String,
     },
     /// No unit of length is given.
-    #[error("{}: {place} names no unit of length: {remedy}", file.display())]
+    #[error("{}: {} names no unit of length: {remedy}", file.display(), clip(place, LONGEST))]
     MissingUnit {
         /// The file.
         file: PathBuf,
@@ -96,7 +96,7 @@ pub enum InputError {
         remedy: &'static str,
     },
     /// The unit of length is not a known one.
-    #[error("{}: {place} is \"{}\", which is not a known unit of length: use \"mm\", \"cm\", \"m\" or \"in\"", file.display(), clip(unit, LONGEST))]
+    #[error("{}: {} is \"{}\", which is not a known unit of length: use \"mm\", \"cm\", \"m\" or \"in\"", file.display(), clip(place, LONGEST), clip(unit, LONGEST))]
     UnknownUnit {
         /// The file.
         file: PathBuf,
@@ -106,7 +106,7 @@ pub enum InputError {
         unit: String,
     },
     /// The file says one unit and the caller another.
-    #[error("{}: {place} says \"{found}\", but \"{asked}\" was asked for: remove one of the two, or make them agree", file.display())]
+    #[error("{}: {} says \"{found}\", but \"{asked}\" was asked for: remove one of the two, or make them agree", file.display(), clip(place, LONGEST))]
     UnitConflict {
         /// The file.
         file: PathBuf,
