@@ -8,6 +8,7 @@ use arcfeed_interp::PathArm;
 
 use crate::cli::Failure;
 use crate::cli::output::show;
+use crate::cli::picture_files::PictureArgs;
 use crate::cli::progress::Progress;
 use crate::cli::robot_args::RobotArgs;
 use crate::cli::tool_path::{read_job, read_path};
@@ -26,6 +27,8 @@ pub struct Args {
     /// Folder for the picture; created when missing
     #[arg(long, default_value = "out")]
     out: PathBuf,
+    #[command(flatten)]
+    pictures: PictureArgs,
     /// Print one JSON object on stdout, and nothing else there
     #[arg(long)]
     json: bool,
@@ -37,6 +40,7 @@ const FILES: [&str; 1] = ["compare.svg"];
 pub fn run(args: &Args) -> Result<(), Failure> {
     let mut staging = Staging::new(&args.out, &FILES, args.job.as_deref().as_slice())?;
     staging.reads(args.robot.robot.as_ref())?;
+    args.pictures.apply(&mut staging)?;
     let job = read_job(args.job.as_deref())?;
     if let Some(path) = &job.path_file {
         staging.reads(path)?;
@@ -62,8 +66,7 @@ impl OnToolPath for Compare<'_> {
         let progress = Progress::new("joint path");
         let mut comparison = compare(&task, |planner| progress.step(planner))?;
         progress.step("drawing");
-        let svg = compare_picture(&comparison).map_err(|source| staging.failed(FILES[0], source))?;
-        staging.write(FILES[0], &svg)?;
+        staging.write_picture(FILES[0], compare_picture(&comparison))?;
         comparison.files = staging.files_with(&[]);
         staging.publish_pictures()?;
         comparison.warnings.extend(warnings);

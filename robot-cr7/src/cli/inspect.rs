@@ -9,6 +9,7 @@ use nalgebra::Vector3;
 
 use crate::cli::Failure;
 use crate::cli::output::say;
+use crate::cli::picture_files::PictureArgs;
 use crate::cli::robots;
 use crate::cli::tool_path::read_path;
 
@@ -43,6 +44,8 @@ pub struct Args {
     /// Folder for the picture; created when missing
     #[arg(long, default_value = "out")]
     out: PathBuf,
+    #[command(flatten)]
+    pictures: PictureArgs,
 }
 
 /// The file that is written.
@@ -56,6 +59,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         return robots::inspect(&Robot::load(name, args.base_link.as_deref(), args.tip_link.as_deref())?);
     }
     let mut staging = Staging::new(&args.out, &FILES, args.path.as_deref().as_slice())?;
+    args.pictures.apply(&mut staging)?;
     let file = read_path(args.path.as_deref(), args.unit.as_deref(), &Job::default())?;
     staging.clear()?;
     let shown = file.file.display().to_string();
@@ -88,9 +92,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         .map(|(u0, u1, _)| (0..=8).map(|i| curve.point(u0 + (u1 - u0) * f64::from(i) / 8.0).into()).collect())
         .collect();
     let picture = args.out.join(FILES[0]);
-    let svg = path_picture(&file.name, &lines, segmentation.deviations(), tolerance, None)
-        .map_err(|source| staging.failed(FILES[0], source))?;
-    staging.write(FILES[0], &svg)?;
+    let svg = path_picture(&file.name, &lines, segmentation.deviations(), tolerance, None);
+    staging.write_picture(FILES[0], svg)?;
     staging.publish_pictures()?;
     say!("\n  wrote {}", picture.display());
     Ok(())

@@ -12,6 +12,7 @@ use arcfeed_sync::{MotionOptions, Synchronisation, Trajectory};
 use crate::cli::Failure;
 use crate::cli::joint_space::{FILES, JointWriter, axes_of, axis_limits, for_joints, numbers, row};
 use crate::cli::output::conclude;
+use crate::cli::picture_files::PictureArgs;
 use crate::cli::progress::Progress;
 use crate::cli::robot_args::RobotArgs;
 
@@ -58,6 +59,8 @@ pub struct Args {
     /// Folder for the trajectory and the pictures; created when missing
     #[arg(long, default_value = "out")]
     out: PathBuf,
+    #[command(flatten)]
+    pictures: PictureArgs,
     /// Print the report as one JSON object on stdout, and nothing else there
     #[arg(long)]
     json: bool,
@@ -78,6 +81,7 @@ enum Mode {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let mut staging = Staging::new(&args.out, &FILES, args.job.as_deref().as_slice())?;
     staging.reads(args.robot.robot.as_ref())?;
+    args.pictures.apply(&mut staging)?;
     let robot = args.robot.load()?;
     for_joints!(robot, run_with(args, &robot, staging))
 }

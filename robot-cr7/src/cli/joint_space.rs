@@ -142,9 +142,8 @@ impl<'s, const N: usize> JointWriter<'s, N> {
                 0 => Bound::Between(limits.lower()[k], limits.upper()[k]),
                 _ => Bound::OverTime(series.column(1 + (3 + i) * N + k)),
             });
-            let svg = joint_picture(name, quantity, series.column(0), &values, &bounds, marks)
-                .map_err(|source| staging.failed(file, source))?;
-            staging.write(file, &svg)?;
+            let svg = joint_picture(name, quantity, series.column(0), &values, &bounds, marks);
+            staging.write_picture(file, svg)?;
         }
         Ok(limit_lines(&check.finish(), PathParameter::JointDistance))
     }

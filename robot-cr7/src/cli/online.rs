@@ -15,6 +15,7 @@ use nalgebra::Isometry3;
 use crate::cli::Failure;
 use crate::cli::joint_space::{FILES, JointWriter, axes_of, for_joints, row};
 use crate::cli::output::{conclude, say_as_is};
+use crate::cli::picture_files::PictureArgs;
 use crate::cli::progress::Progress;
 use crate::cli::robot_args::RobotArgs;
 
@@ -40,6 +41,8 @@ pub struct Args {
     /// Folder for the trajectory and the pictures; created when missing
     #[arg(long, default_value = "out")]
     out: PathBuf,
+    #[command(flatten)]
+    pictures: PictureArgs,
     /// Print the report as one JSON object on stdout, and nothing else there
     #[arg(long)]
     json: bool,
@@ -56,6 +59,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     let mut staging = Staging::new(&args.out, &FILES, args.scenario.as_deref().as_slice())?;
     staging.reads(args.robot.robot.as_ref())?;
+    args.pictures.apply(&mut staging)?;
     let robot = args.robot.load()?;
     let file = match &args.scenario {
         Some(file) => OnlineFile::read(file)?,

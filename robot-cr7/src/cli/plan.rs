@@ -11,11 +11,11 @@ use crate::{
 use arcfeed_interp::PathArm;
 
 use crate::cli::Failure;
-use crate::cli::formats::{self};
+use crate::cli::formats::{self, Format};
 use crate::cli::output::conclude;
 use crate::cli::page_file::{Meshes, PageFile};
 use crate::cli::path_places::{distance_of_places, places_of_path};
-use crate::cli::picture_files::PictureFiles;
+use crate::cli::picture_files::draw_png;
 use crate::cli::plan_args::Args;
 use crate::cli::plan_files::{
     COMPILED, Drawn, FILES, LEVERS, LINES, Picture, limit_at, pictures, stream_figure, write_lines,
@@ -31,10 +31,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     formats::check(&args.format)?;
     let meshes = Meshes::read(args)?;
-    let pictures = PictureFiles::new(&args.format)?;
     let inputs: Vec<&Path> = [&args.path, &args.job].into_iter().filter_map(|file| file.as_deref()).collect();
     let mut staging = Staging::new(&args.out, &FILES, &inputs)?;
     staging.reads(args.robot.robot.as_ref())?;
+    if args.format.contains(&Format::Png) {
+        draw_png(&mut staging)?;
+    }
     let job = read_job(args.job.as_deref())?;
     if args.stream.is_some() && job.whole_cycles {
         let words = "--stream: a motion whose segments arrive on the way does not know its duration: remove sampling.whole_cycles";
@@ -48,16 +50,15 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     staging.clear()?;
     let progress = Progress::new("planning");
     if ProgramTask::is_needed(&job, &file) {
-        return plan_program::run(args, (&job, &file), pictures, (staging, progress), meshes);
+        return plan_program::run(args, (&job, &file), (staging, progress), meshes);
     }
-    args.robot.load()?.on_tool_path(&job, &file, Plan { args, job: &job, pictures, staging, progress, meshes })
+    args.robot.load()?.on_tool_path(&job, &file, Plan { args, job: &job, staging, progress, meshes })
 }
 
 /// Plans and samples the motion, and writes all there is to write.
 struct Plan<'a> {
     args: &'a Args,
     job: &'a Job,
-    pictures: PictureFiles,
     staging: Staging,
     progress: Progress,
     meshes: Meshes,
@@ -68,7 +69,7 @@ impl OnToolPath for Plan<'_> {
     type Error = Failure;
 
     fn run<A: PathArm<N>, const N: usize>(self, task: Task<A, N>, warnings: Vec<String>) -> Result<(), Failure> {
-        let Self { args, job, pictures, mut staging, progress, meshes } = self;
+        let Self { args, job, mut staging, progress, meshes } = self;
         // A lower bound of the duration, before the work.
         few_enough(task.least_duration(), task.period(), LEVERS)?;
         let path;
@@ -122,7 +123,9 @@ impl OnToolPath for Plan<'_> {
         progress.step("drawing");
         let drawn = drawn(&motion, job, &series, poses, &mut page)?;
         let mut report = motion.report(samples, sampling);
-        pictures.write(path_pictures(&motion, &drawn, &series, &report.binding), &mut staging)?;
+        for (name, svg) in path_pictures(&motion, &drawn, &series, &report.binding) {
+            staging.write_picture(name, svg)?;
+        }
         let compiled = match compiled {
             Some((tolerance, pieces, certificate)) => {
                 let names = std::array::from_fn(|k| names.get(k).cloned().unwrap_or_default());

@@ -12,7 +12,7 @@ use crate::cli::output::REPORTS;
 use crate::cli::ros;
 
 /// The files of the command.
-pub const FILES: [&str; 26] = [
+pub const FILES: [&str; 18] = [
     "trajectory.csv",
     "path.svg",
     "path_speed.svg",
@@ -22,14 +22,6 @@ pub const FILES: [&str; 26] = [
     "joint_velocity.svg",
     "joint_acceleration.svg",
     "joint_jerk.svg",
-    "path.png",
-    "path_speed.png",
-    "motion.png",
-    "feed.png",
-    "feed_time.png",
-    "joint_velocity.png",
-    "joint_acceleration.png",
-    "joint_jerk.png",
     COMPILED,
     "stream.svg",
     LINES,

@@ -12,7 +12,6 @@ use crate::cli::Failure;
 use crate::cli::output::conclude;
 use crate::cli::page_file::{Meshes, PageFile};
 use crate::cli::path_places::{distance_of_places, places_of_program};
-use crate::cli::picture_files::PictureFiles;
 use crate::cli::plan_args::Args;
 use crate::cli::plan_files::{COMPILED, Drawn, FILES, LEVERS, LINES, limit_at, pictures, write_lines};
 use crate::cli::progress::Progress;
@@ -21,7 +20,6 @@ use crate::cli::ros::RosFiles;
 pub fn run(
     args: &Args,
     (job, file): (&Job, &PathFile),
-    pictures: PictureFiles,
     (staging, progress): (Staging, Progress),
     meshes: Meshes,
 ) -> Result<(), Failure> {
@@ -32,14 +30,13 @@ pub fn run(
                 .to_owned(),
         ));
     }
-    args.robot.load()?.on_program(job, file, PlanProgram { args, job, pictures, staging, progress, meshes })
+    args.robot.load()?.on_program(job, file, PlanProgram { args, job, staging, progress, meshes })
 }
 
 /// Plans and samples the motion of a program, and writes all there is to write.
 struct PlanProgram<'a> {
     args: &'a Args,
     job: &'a Job,
-    pictures: PictureFiles,
     staging: Staging,
     progress: Progress,
     meshes: Meshes,
@@ -54,7 +51,7 @@ impl OnProgram for PlanProgram<'_> {
         task: ProgramTask<A, N>,
         warnings: Vec<String>,
     ) -> Result<(), Failure> {
-        let Self { args, job, pictures: files, mut staging, progress, meshes } = self;
+        let Self { args, job, mut staging, progress, meshes } = self;
         few_enough(task.least_duration(), task.period(), LEVERS)?;
         let (mut motion, compiled) = match args.tolerance() {
             None => (task.plan()?, None),
@@ -106,7 +103,9 @@ impl OnProgram for PlanProgram<'_> {
         progress.step("drawing");
         let drawn = drawn(&motion, job, &series, poses, &mut page)?;
         let mut report = motion.report(&check, samples, sampling);
-        files.write(pictures(&drawn, &series, &report.binding), &mut staging)?;
+        for (name, svg) in pictures(&drawn, &series, &report.binding) {
+            staging.write_picture(name, svg)?;
+        }
         let file = staging.create(LINES)?;
         write_lines(file, &motion.line_times()).map_err(|source| staging.failed(LINES, source))?;
         if let Some((tolerance, compiled)) = &compiled {

@@ -9,6 +9,7 @@ use arcfeed_kinematics::{AnalyticInverse, JointLimits};
 
 use crate::cli::Failure;
 use crate::cli::output::{REPORTS, conclude, say_as_is};
+use crate::cli::picture_files::PictureArgs;
 use crate::cli::progress::Progress;
 use crate::cli::robot_args::RobotArgs;
 
@@ -35,6 +36,8 @@ pub struct Args {
     /// Begin every cycle at its time, in place of as soon as possible
     #[arg(long)]
     real_time: bool,
+    #[command(flatten)]
+    pictures: PictureArgs,
     /// Print the report as one JSON object on stdout, and nothing else there
     #[arg(long)]
     json: bool,
@@ -52,6 +55,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     let mut staging = Staging::new(&args.out, &FILES, args.scenario.as_deref().as_slice())?;
     staging.reads(args.robot.robot.as_ref())?;
+    args.pictures.apply(&mut staging)?;
     let scenario = match &args.scenario {
         Some(file) => Scenario::read(file)?,
         None => Scenario::parse(Scenario::EXAMPLE, "event.toml".as_ref())?,
@@ -113,7 +117,7 @@ where
         staging.write_trajectory("trajectory.csv", names, played.rows())?;
         staging.write_trajectory("simulated.csv", names, stage.simulated_rows(&played))?;
         for (name, svg) in run_pictures(&stage, &played, &report) {
-            staging.write(name, &svg.map_err(|source| staging.failed(name, source))?)?;
+            staging.write_picture(name, svg)?;
         }
     }
     drop(progress);

@@ -13,6 +13,7 @@ use clap::ValueEnum;
 use crate::cli::Failure;
 use crate::cli::joint_space::for_joints;
 use crate::cli::output::{REPORTS, conclude, say_as_is};
+use crate::cli::picture_files::PictureArgs;
 use crate::cli::progress::Progress;
 use crate::cli::robot_args::RobotArgs;
 
@@ -41,6 +42,8 @@ pub struct Args {
     /// Folder for trajectory, report and pictures; created when missing
     #[arg(long, default_value = "out")]
     out: PathBuf,
+    #[command(flatten)]
+    pictures: PictureArgs,
     /// Print the report as one JSON object on stdout, and nothing else there
     #[arg(long)]
     json: bool,
@@ -87,6 +90,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         (None, Some(file)) => {
             let mut staging = Staging::new(&args.out, &FILES, &[file])?;
             staging.reads(args.robot.robot.as_ref())?;
+            args.pictures.apply(&mut staging)?;
             let file = ScheduleFile::read(file)?;
             let robot = args.robot.load()?;
             return match (&file.way, robot.joints()) {
@@ -135,7 +139,7 @@ fn finish<const N: usize>(
     trajectory.finish().map_err(|e| staging.failed(name, e))?;
     if LimitsHold::of(&run.report.limits).is_ok() {
         for (name, svg) in [(FILES[1], speed_picture(&run.speed)), (FILES[2], shares_picture(&run.shares))] {
-            staging.write(name, &svg.map_err(|source| staging.failed(name, source))?)?;
+            staging.write_picture(name, svg)?;
         }
     }
     drop(progress);

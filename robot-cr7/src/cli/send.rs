@@ -59,6 +59,7 @@ pub fn run(args: &Args, stoppable: bool) -> Result<(), Failure> {
         [&args.motion, &args.job, &args.scenario].into_iter().filter_map(|file| file.as_deref()).collect();
     let mut staging = Staging::new(&args.out, &FILES, &inputs)?;
     staging.reads(args.robot.robot.as_ref())?;
+    args.pictures.apply(&mut staging)?;
     let robot = args.robot.load()?;
     let settings = args.settings(models(args, &robot)?)?;
     if let Some(scenario) = &args.scenario {

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use crate::controller::{Dialect, SendSettings};
 
 use crate::cli::Failure;
+use crate::cli::picture_files::PictureArgs;
 use crate::cli::robot_args::RobotArgs;
 
 /// The least tolerance of the following error, deg: rounded up to what a person reads.
@@ -79,6 +80,8 @@ pub struct Args {
     /// Folder for setpoints, log, picture and report; created when missing
     #[arg(long, default_value = "out")]
     pub out: PathBuf,
+    #[command(flatten)]
+    pub pictures: PictureArgs,
     /// Print the report as one JSON object on stdout, and nothing else there
     #[arg(long)]
     pub json: bool,

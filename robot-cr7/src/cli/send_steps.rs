@@ -99,8 +99,7 @@ pub fn write_log(outcome: &Outcome, log: &SendLog, staging: &mut Staging) -> Res
     let file = staging.create(SENT)?;
     log.write_csv(file).map_err(|source| staging.failed(SENT, source))?;
     let facts = format!("{} setpoints; {}", outcome.sent, outcome.deadlines);
-    let svg = sent_picture("sent and actual joints", &facts, log.rows()).map_err(|e| staging.failed(PICTURE, e))?;
-    Ok(staging.write(PICTURE, &svg)?)
+    Ok(staging.write_picture(PICTURE, sent_picture("sent and actual joints", &facts, log.rows()))?)
 }
 
 /// Says what is sent.

@@ -5,6 +5,8 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use super::folder_lock::FolderLock;
+#[cfg(feature = "png")]
+use super::plot::PngPainter;
 use super::trajectory_csv::write_rows;
 use super::whole_file::{Part, begin, publish, unwritten};
 use crate::input::error::InputError;
@@ -20,6 +22,8 @@ const COMPLETE: &str = "report.json";
 /// Each file is written under a hidden name in the same folder; [`Staging::publish`] renames all of them and asks for the proof
 /// that every limit holds. A command that ends without it, for whatever reason, leaves none of the files behind. From
 /// [`Staging::clear`] on no other run writes into the folder.
+///
+/// A picture `NAME.svg` can have a `NAME.png` beside it, which is handled as if it were one of the names.
 ///
 /// ```
 /// use robot_cr7::Staging;
@@ -42,6 +46,9 @@ pub struct Staging {
     lock: Option<FolderLock>,
     /// Nothing of the folder is ours to remove: the files are published, or another run has it.
     done: bool,
+    /// Draws each picture as PNG, too.
+    #[cfg(feature = "png")]
+    png: Option<PngPainter>,
 }
 
 impl Staging {
@@ -50,8 +57,16 @@ impl Staging {
     /// # Errors
     /// [`InputError::Overwritten`] for an input that is one of the files.
     pub fn new(folder: &Path, names: &'static [&'static str], inputs: &[&Path]) -> Result<Self, InputError> {
-        let mut staging =
-            Self { folder: folder.to_owned(), names, kept: Vec::new(), parts: Vec::new(), lock: None, done: false };
+        let mut staging = Self {
+            folder: folder.to_owned(),
+            names,
+            kept: Vec::new(),
+            parts: Vec::new(),
+            lock: None,
+            done: false,
+            #[cfg(feature = "png")]
+            png: None,
+        };
         for input in inputs {
             staging.reads(input)?;
         }
@@ -64,9 +79,9 @@ impl Staging {
     /// [`InputError::Overwritten`] if it is one of the files to write.
     pub fn reads(&mut self, input: &Path) -> Result<(), InputError> {
         let Ok(real) = fs::canonicalize(input) else { return Ok(()) };
-        let same = |name: &&&str| fs::canonicalize(self.folder.join(name)).is_ok_and(|file| file == real);
-        if let Some(name) = self.names.iter().find(same) {
-            self.kept.push(self.folder.join(name));
+        let same = |name: &PathBuf| fs::canonicalize(name).is_ok_and(|file| file == real);
+        if let Some(file) = self.complete_first().into_iter().find(same) {
+            self.kept.push(file);
             return Err(InputError::Overwritten { file: input.to_owned() });
         }
         Ok(())
@@ -98,16 +113,23 @@ impl Staging {
 
     /// The final names, that which says that all are there before the others.
     fn complete_first(&self) -> Vec<PathBuf> {
-        let mut names = self.names.to_vec();
-        names.sort_by_key(|name| *name != COMPLETE);
+        let pngs = self.names.iter().filter_map(|name| png_beside(name));
+        let mut names: Vec<String> = self.names.iter().map(|name| (*name).to_owned()).chain(pngs).collect();
+        names.sort_by_key(|name| name != COMPLETE);
         names.iter().map(|name| self.folder.join(name)).collect()
+    }
+
+    /// From now on each picture is written as PNG, too.
+    #[cfg(feature = "png")]
+    pub(crate) fn draw_png(&mut self, painter: PngPainter) {
+        self.png = Some(painter);
     }
 
     /// Begins a file under its temporary name.
     ///
     /// # Errors
     /// [`InputError::Write`] with its final name.
-    pub fn create(&mut self, name: &'static str) -> Result<File, InputError> {
+    pub fn create(&mut self, name: &str) -> Result<File, InputError> {
         let (part, created) = begin(&self.folder.join(name))?;
         self.parts.push(part);
         Ok(created)
@@ -117,9 +139,30 @@ impl Staging {
     ///
     /// # Errors
     /// [`InputError::Write`] with its final name.
-    pub fn write(&mut self, name: &'static str, text: &str) -> Result<(), InputError> {
+    pub fn write(&mut self, name: &str, text: &str) -> Result<(), InputError> {
         let mut file = self.create(name)?;
-        file.write_all(text.as_bytes()).map_err(|source| self.failed(name, source))
+        file.write_all(text.as_bytes()).map_err(|source| self.failed(name, source))?;
+        #[cfg(feature = "png")]
+        self.write_png(name, text)?;
+        Ok(())
+    }
+
+    /// Writes a picture as PNG, where that was asked for.
+    #[cfg(feature = "png")]
+    fn write_png(&mut self, svg_name: &str, svg: &str) -> Result<(), InputError> {
+        let Some((painter, name)) = self.png.as_ref().zip(png_beside(svg_name)) else { return Ok(()) };
+        let image = painter.paint(svg).map_err(|error| self.failed(&name, io::Error::other(error)))?;
+        let mut file = self.create(&name)?;
+        file.write_all(&image).map_err(|source| self.failed(&name, source))
+    }
+
+    /// Writes a picture under its temporary name.
+    ///
+    /// # Errors
+    /// [`InputError::Write`] with its final name, also where it could not be drawn.
+    pub(crate) fn write_picture(&mut self, name: &str, svg: io::Result<String>) -> Result<(), InputError> {
+        let svg = svg.map_err(|source| self.failed(name, source))?;
+        self.write(name, &svg)
     }
 
     /// Writes a whole trajectory of joints with these names under its temporary name.
@@ -128,7 +171,7 @@ impl Staging {
     /// [`InputError::Write`] with its final name.
     pub fn write_trajectory<const N: usize>(
         &mut self,
-        name: &'static str,
+        name: &str,
         joint_names: &[String],
         rows: impl IntoIterator<Item = TrajectoryRow<N>>,
     ) -> Result<(), InputError> {
@@ -162,6 +205,11 @@ impl Staging {
         self.done = true;
         Ok(())
     }
+}
+
+/// The name of the PNG beside a picture.
+fn png_beside(name: &str) -> Option<String> {
+    name.strip_suffix(".svg").map(|stem| format!("{stem}.png"))
 }
 
 impl Drop for Staging {

@@ -1,4 +1,4 @@
-//! `cr7 plan --format png`: images of the size of the pictures, with text that can be read.
+//! `--format png`: images of the size of the pictures, with text that can be read.
 #![cfg(all(feature = "cli", feature = "png"))]
 
 use resvg::tiny_skia::Pixmap;
@@ -76,4 +76,34 @@ fn a_program_in_parts_has_them_too() {
     desk.write("dwell.ngc", "G21 G90 F3000\nG1 X20\nG4 P0.1\nG1 Y20\n");
     desk.run(&["plan", "dwell.ngc", "--format", "png"]).done();
     assert!(PICTURES.iter().all(|name| desk.folder.join(format!("out/{name}.png")).exists()));
+}
+
+#[test]
+fn every_command_that_draws_has_them() {
+    if PngPainter::new().is_err() {
+        println!("skipped: this machine has no font");
+        return;
+    }
+    let desk = Desk::new("png_commands");
+    let zeros = ["0"; 6];
+    let [from, to] = [&["--from-deg"][..], &["--to-deg", "20"]].map(|flag| flag.to_vec());
+    let joint_move = [&["move"][..], &from, &zeros, &to, &zeros[1..]].concat();
+    desk.write("way.toml", robot_cr7::ScheduleFile::WAYPOINTS);
+    desk.write("six.json", SamplePath::SixPoint.json());
+    for command in [joint_move, vec!["run"], vec!["online"], vec!["schedule", "way.toml"], vec!["inspect", "six.json"]]
+    {
+        let out = desk.folder.join(command[0]);
+        let folder = out.to_string_lossy().into_owned();
+        desk.run(&[&command[..], &["--out", &folder, "--format", "png"]].concat()).done();
+        let files = std::fs::read_dir(&out).expect("a folder").map(|file| file.expect("a file").path());
+        let pictures: Vec<_> = files.filter(|file| file.extension().is_some_and(|e| e == "svg")).collect();
+        assert!(!pictures.is_empty(), "{command:?}");
+        for picture in &pictures {
+            let bytes = std::fs::read(picture.with_extension("png")).expect("a PNG beside it");
+            assert!(Pixmap::decode_png(&bytes).is_ok(), "{}", picture.display());
+        }
+        // Without it none stays.
+        desk.run(&[&command[..], &["--out", &folder]].concat()).done();
+        assert!(pictures.iter().all(|picture| picture.exists() && !picture.with_extension("png").exists()));
+    }
 }
