@@ -31,8 +31,11 @@ const FASTEST_ON_LINES: f64 = 1.1;
 /// Part of the length of an interval that multipliers are to have after a bound was made straight: they grow again.
 const AIM: f64 = 0.6;
 
-/// Ratio of this part from one interval to the next, as the multipliers move there.
+/// Ratio of this part from one interval to the next, as the multipliers move there: at first, how it approaches 1 from round to round,
+/// and the least. On short intervals a single multiplier moves by some twenty of them in each round.
 const SPREAD: f64 = 1.5;
+const WIDER: f64 = 0.9;
+const LEAST_SPREAD: f64 = 1.01;
 
 /// Times that the problem is solved.
 const ROUNDS: usize = 40;
@@ -138,13 +141,15 @@ impl<'a> Problem<'a> {
         let goal = Goal { tolerance: 1e-5, shortest: 0.0, start_gap: START_GAPS[0], drop_below: 0.0, polishes: 0 };
         let (mut duration, mut left) = (f64::NAN, 0);
         let (mut best, mut tries) = (None, 0);
+        let mut spread = SPREAD;
         for _ in 0..ROUNDS {
             let start_gap = START_GAPS[tries];
             let c = start::along_law(prepared, barrier_problem, law);
             solver.minimise(&prepared.problem, barrier_problem, c, Goal { start_gap, ..goal }, false);
             let sum = solver.with_rows(barrier_problem);
             duration = solver.least(barrier_problem, most);
-            left = straighten(barrier_problem, solver, ranges);
+            left = straighten(barrier_problem, solver, ranges, spread);
+            spread = (1.0 + WIDER * (spread - 1.0)).max(LEAST_SPREAD);
             if left > 0 || !duration.is_finite() {
                 continue;
             }
@@ -167,7 +172,7 @@ impl<'a> Problem<'a> {
 
 /// Puts straight lines in the place of bounds whose multipliers make the sum concave, and of those beside them, to which the
 /// multipliers move next. Returns the number of such places.
-fn straighten(barrier_problem: &mut BarrierProblem, solver: &Solver, ranges: &[[f64; 2]]) -> usize {
+fn straighten(barrier_problem: &mut BarrierProblem, solver: &Solver, ranges: &[[f64; 2]], spread: f64) -> usize {
     let (n, [_, _, thirds, rest]) = (ranges.len(), barrier_problem.offsets());
     let mut roots: Vec<f64> = barrier_problem.means.iter().map(|mean| mean.root).collect();
     let mut places = 0;
@@ -182,7 +187,7 @@ fn straighten(barrier_problem: &mut BarrierProblem, solver: &Solver, ranges: &[[
         let mut root = AIM * barrier_problem.means[k].root / used;
         roots[k] = root;
         for away in 1..n {
-            root *= SPREAD;
+            root *= spread;
             if root >= 1.0 || used < SPREAD {
                 break;
             }

@@ -24,10 +24,14 @@ const ROUNDS: usize = 12;
 const COARSE: f64 = 1e-2;
 /// Intervals on which a limit is exceeded are divided into so many parts.
 const FINER: usize = 4;
+/// Rounds in which a limit is lowered only where it is exceeded; later ones lower it everywhere.
+const LOCAL_ROUNDS: usize = 6;
 /// On a grid of more intervals than this, a motion that exceeds a limit by no more than this part is slowed down as a whole: another
 /// round would take long.
 const LARGE: usize = 6000;
 const SLIGHT: f64 = 1e-4;
+/// The same on any grid once limits were lowered where they are exceeded: lower everywhere, they can be exceeded by more the next time.
+const SLIGHT_AT_LAST: f64 = 1e-3;
 
 impl<'a, const N: usize> Planner<'a, N> {
     /// Plans until a verified trajectory exceeds nothing that `exceeded` looks for: limits, and the ratios to them.
@@ -43,8 +47,6 @@ impl<'a, const N: usize> Planner<'a, N> {
         const STUCK: f64 = 0.9;
         // Rounds in which the grid is made finer: what two of them do not mend, less of all limits does.
         const FINER_ROUNDS: usize = 2;
-        // Rounds in which a limit is lowered only where it is exceeded; later ones lower it everywhere.
-        const LOCAL_ROUNDS: usize = 6;
         self.check_ends_of_whole_cycles()?;
         let begin = Instant::now();
         let mut problem = self.laid_out(path)?;
@@ -82,7 +84,7 @@ impl<'a, const N: usize> Planner<'a, N> {
                 break verification;
             }
             let excess = verification.worst().ratio - 1.0;
-            if let Some(slower) = self.slower_as_a_whole(&problem, &chosen.law, excess, &mut margin)? {
+            if let Some(slower) = self.slower_as_a_whole(&problem, &chosen.law, (excess, rounds), &mut margin)? {
                 chosen.law = slower;
                 continue;
             }
@@ -152,17 +154,19 @@ impl<'a, const N: usize> Planner<'a, N> {
         Ok(law.scaled(cycles / whole).map_err(|error| problem.explained(error))?)
     }
 
-    /// On a large grid a motion that exceeds limits slightly, slower as a whole; `margin` doubles from round to round.
+    /// A motion that exceeds limits slightly, slower as a whole, on a large grid or in a late round; `margin` doubles from one to the next.
     fn slower_as_a_whole(
         &self,
         problem: &PathProblem<'_, N>,
         law: &SpeedLaw,
-        excess: f64,
+        (excess, rounds): (f64, usize),
         margin: &mut f64,
     ) -> Result<Option<SpeedLaw>, PlanError> {
         // A motion is not slowed as a whole by more than that; then limits are lowered where they are exceeded.
         const MOST_MARGIN: f64 = 8.0 * SLIGHT;
-        let slight = excess <= SLIGHT && problem.intervals() > LARGE && *margin < MOST_MARGIN;
+        let most = if rounds > LOCAL_ROUNDS { SLIGHT_AT_LAST } else { SLIGHT };
+        let is_late = rounds > LOCAL_ROUNDS || problem.intervals() > LARGE;
+        let slight = excess <= most && is_late && *margin < MOST_MARGIN;
         if !slight || self.settings.ends != [0.0; 2] || self.method != Method::JerkLimited {
             return Ok(None);
         }
