@@ -24,6 +24,7 @@ wrap="-Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=posix_memalign"
   gcc -std=c11 $warnings tests/refusals.c "$library" $system -o "$out/refusals"
   gcc -std=c11 $warnings tests/refusals_routes.c "$library" $system -o "$out/refusals_routes"
   gcc -std=c11 $warnings $wrap tests/no_heap.c "$library" $system -o "$out/no_heap"
+  gcc -std=c11 $warnings tests/stack.c "$library" $system -o "$out/stack"
   g++ -std=c++17 $warnings examples/moves.cpp "$library" $system -o "$out/moves"
   # The shared library, found beside the program.
   gcc -std=c11 $warnings examples/control_loop.c -L"$target/release" -larcfeed -Wl,-rpath,"$target/release" -lm -o "$out/shared"
@@ -40,6 +41,8 @@ run() {
 run "$out/refusals"
 run "$out/refusals_routes"
 run "$out/no_heap"
+# Its own painting of stacks is what it measures by: not under valgrind.
+"$out/stack"
 run "$out/control_loop" --fast "$files"
 run "$out/pass_and_follow"
 run "$out/moves" examples/data/there_and_back.json examples/data/arm.urdf

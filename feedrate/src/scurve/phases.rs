@@ -34,6 +34,13 @@ impl<const CAP: usize> Phases<CAP> {
         }
     }
 
+    /// Position, velocity and acceleration at the begin, which are those of the first phase but for round-off.
+    pub fn begin_at(&mut self, [s, v, a]: [f64; 3]) {
+        if let Some(first) = self.phases[..self.count].first_mut() {
+            *first = Phase { s, v, a, ..*first };
+        }
+    }
+
     /// Removes all phases.
     pub fn clear(&mut self) {
         self.count = 0;

@@ -87,6 +87,7 @@ impl<'a> Writer<'a> {
         let v6 = v7 - a2 * t6;
         let p6 = p7 - 0.5 * t6 * (v6 + v7);
 
+        let begins = self.out.len() == 0;
         self.push(t1, from, p.v0, p.a0, jerk(up.0));
         self.push(t2, p1, v1, a1, 0.0);
         if joined {
@@ -98,5 +99,9 @@ impl<'a> Writer<'a> {
         }
         self.push(t6, p6, v6, a2, 0.0);
         self.push(t7, p7, v7, a2, jerk(!up.1));
+        if begins {
+            // Also where the first half takes no time: the motion begins in its start, and round-off is at its end.
+            self.out.begin_at([from, p.v0, p.a0].map(|x| self.side * x));
+        }
     }
 }

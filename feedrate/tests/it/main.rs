@@ -6,6 +6,7 @@ mod baseline;
 mod bounded;
 mod change;
 mod common;
+mod exact_begin;
 mod exact_problems;
 mod hostile;
 mod jerk_limited;

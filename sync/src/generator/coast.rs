@@ -9,6 +9,8 @@ pub(super) struct Coast {
     pub motion: StateToState,
     /// The velocity with which it goes on, until its range ends (1/s).
     pub velocity: f64,
+    /// It goes back to that velocity, of which the scale of time, or a hold, had left another one.
+    pub returns: bool,
     /// Time at which it begins to brake because its range ends (s).
     pub brakes_from: f64,
 }
@@ -25,7 +27,7 @@ impl Coast {
         let end = if v > 0.0 { range.upper() } else { range.lower() };
         if v == 0.0 || !end.is_finite() {
             let motion = StateToState::to_velocity(s, v, 0.0, l)?;
-            return Ok(Self { motion, velocity: v, brakes_from: f64::INFINITY });
+            return Ok(Self { motion, velocity: v, returns: false, brakes_from: f64::INFINITY });
         }
         // The shortest way to a standstill there, no faster than the axis goes anyway.
         let velocity = if v > 0.0 { (l.v_min(), v) } else { (v, l.v_max()) };
@@ -33,12 +35,18 @@ impl Coast {
         let motion = StateToState::new(s, &AxisState::rest(end), &limits)?;
         let brakes_from =
             motion.phases().find(|(phase, _)| phase.a == 0.0 && phase.j == 0.0).map_or(0.0, |(phase, dt)| phase.t + dt);
-        Ok(Self { motion, velocity: v, brakes_from })
+        Ok(Self { motion, velocity: v, returns: false, brakes_from })
     }
 
     /// A motion that goes on with another one, or rests.
     pub fn none(motion: StateToState) -> Self {
-        Self { motion, velocity: 0.0, brakes_from: f64::INFINITY }
+        Self { motion, velocity: 0.0, returns: false, brakes_from: f64::INFINITY }
+    }
+
+    /// Returns true if the axis has another velocity at time `t` (s) than the one it goes on with, and may have that again: on the
+    /// way back to it, or while it brakes because its range ends.
+    pub fn deviates_at(&self, t: f64) -> bool {
+        t < self.motion.duration() && (self.returns || t >= self.brakes_from)
     }
 
     /// Returns true if the range makes the axis brake at some time between `from` and `to` (s).

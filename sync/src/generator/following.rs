@@ -161,18 +161,20 @@ impl<const N: usize> Following<N> {
     }
 
     /// Axis `k`, which has arrived, goes on from `state`. Where that is not the state of its `plan`, as time was scaled, it goes back
-    /// to the velocity it goes on with.
+    /// to the velocity it goes on with; so it does where it is on the way back already, or brakes because its range ended before.
     pub fn coast(
         &mut self,
         k: usize,
         (state, plan): (&AxisState, &AxisState),
-        l: &AxisLimits,
-        range: &PositionLimits,
+        (l, range): (&AxisLimits, &PositionLimits),
+        cycle: f64,
     ) -> Result<(), SyncError> {
-        let velocity = if state == plan { l.velocity_after(state) } else { self.axes[k].after.velocity };
+        let axis = &self.axes[k];
+        let returns = state != plan || axis.after.deviates_at(axis.steps * cycle);
+        let velocity = if returns { axis.after.velocity } else { l.velocity_after(state) };
         let coast = Coast::to_velocity(state, velocity.clamp(l.v_min(), l.v_max()), l, range);
         let after = checked(k, "present state", coast, range)?;
-        self.go_on(k, &after);
+        self.go_on(k, &Coast { returns, ..after });
         Ok(())
     }
 

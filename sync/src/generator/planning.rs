@@ -196,7 +196,7 @@ impl<const N: usize, R: RouteMemory<N>> OnlineGenerator<N, R> {
         if same_target && arrived && self.command == Command::Target {
             // Nothing to plan but the way back inside, and to the velocity with which the axis goes on.
             for &k in &group {
-                next.coast(k, (&order.from[k], &self.planned[k]), &limits[k], &self.ranges[k])?;
+                next.coast(k, (&order.from[k], &self.planned[k]), (&limits[k], &self.ranges[k]), self.cycle)?;
             }
             return Ok(false);
         }

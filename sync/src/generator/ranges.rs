@@ -75,7 +75,7 @@ impl<const N: usize, R: RouteMemory<N>> OnlineGenerator<N, R> {
                 next.lead(k, axis.planned, &self.target[k], limits, range)?;
                 next.axes[k].steps = axis.steps;
             } else {
-                next.coast(k, (&self.planned[k], &self.planned[k]), limits, range)?;
+                next.coast(k, (&self.planned[k], &self.planned[k]), (limits, range), self.cycle)?;
             }
         }
         Ok(next)

@@ -89,15 +89,18 @@ impl<const N: usize> OnlineGenerator<N, WayPointTrajectory<N>> {
             }
         }
         self.check_inside("target", route.target())?;
-        let mut motion = planner.plan(self.planning_state(), route)?;
+        // The route under way stays until this one has a motion.
+        let mut motion = WayPointTrajectory::standing(&self.state, route.limits(0));
+        planner.plan_into(self.planning_state(), route, &mut motion)?;
         let mut next = Following::along(&motion, self.cycle, &self.ranges)?;
         if !self.scale_fits(&next, Some(&motion), route.limits(0)) {
             // The scale starts at 1 again, from the state commanded last.
-            motion = planner.plan(&self.state, route)?;
+            planner.plan_into(&self.state, route, &mut motion)?;
             next = Following::along(&motion, self.cycle, &self.ranges)?;
             self.scale.jump(1.0);
         }
-        (self.route, self.target) = (motion, *route.target());
+        self.route = motion;
+        self.target = *route.target();
         let limits = *self.route.limits(0);
         self.begin(next, limits, Command::Route);
         Ok(())

@@ -66,19 +66,18 @@ impl<const N: usize> Distinct<N> {
         whole.through(&self.points[..self.count], self.last)
     }
 
-    /// The motion along the whole route: sections between equal points take no time.
-    pub fn expand(&self, short: &WayPointTrajectory<N>, sections: usize) -> WayPointTrajectory<N> {
-        let mut motion = short.clone();
+    /// Makes the motion along the shorter route one along the whole: sections between equal points take no time.
+    pub fn expand(&self, motion: &mut WayPointTrajectory<N>, sections: usize) {
         motion.sections = sections;
-        for i in 0..sections {
+        // Backward: what is read is not written yet.
+        for i in (0..sections).rev() {
             let (from, to) = (self.nodes[i], self.nodes[i + 1]);
             let section = to.saturating_sub(1);
-            motion.states[i + 1] = short.states[to];
-            motion.limits[i] = short.limits[section];
+            motion.states[i + 1] = motion.states[to];
+            motion.limits[i] = motion.limits[section];
             (motion.durations[i], motion.kinds[i]) =
-                if from == to { (0.0, SectionKind::Again) } else { (short.durations[section], short.kinds[section]) };
+                if from == to { (0.0, SectionKind::Again) } else { (motion.durations[section], motion.kinds[section]) };
         }
-        motion
     }
 }
 

@@ -23,6 +23,7 @@ mod planner;
 mod program;
 mod route;
 mod rows;
+mod settle;
 mod spline;
 mod step;
 mod sums;

@@ -1,13 +1,13 @@
 //! From a route to a motion.
 
-use arcfeed_feedrate::{AxisLimits, AxisState, FeedError};
+use arcfeed_feedrate::{AxisState, FeedError};
 
+use super::NODES;
 use super::distinct::Distinct;
 use super::guess::Guess;
 use super::program::Program;
 use super::route::Route;
-use super::trajectory::{SectionKind, WayPointTrajectory, section};
-use super::{NODES, SECTIONS};
+use super::trajectory::{WayPointTrajectory, section};
 use crate::error::SyncError;
 #[cfg(not(feature = "std"))]
 use num_traits::Float;
@@ -17,10 +17,10 @@ use num_traits::Float;
 ///
 /// The velocities and accelerations in the points come from a program in which every section has
 /// three parts with constant jerk, solved by an interior-point method for all axes at once in at
-/// most [`WayPointPlanner::DEFAULT_ROUNDS`] rounds. The sections are then the exact shortest motions
-/// between these states. Where one is impossible, the motion is made slower around it; where a stop in
-/// every point is shorter, or nothing else is left, the axes rest in the points. The limits of the motion are checked at the extremes
-/// of every phase before it is handed out.
+/// most [`WayPointPlanner::DEFAULT_ROUNDS`] rounds, and as many again where these are too few (some 3 % of random routes).
+/// The sections are then the exact shortest motions between these states. Where one is impossible, the motion is made slower
+/// around it; where a stop in every point is shorter, or nothing else is left, the axes rest in the points. The limits of the
+/// motion are checked at the extremes of every phase before it is handed out.
 ///
 /// Sections that have to be straight ([`WayPoint::with_straight_section`](crate::WayPoint::with_straight_section))
 /// are lines, with blends at the corners where they are asked for. They are computed corner by corner,
@@ -42,25 +42,9 @@ use num_traits::Float;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct WayPointPlanner<const N: usize> {
-    program: Program<N>,
+    pub(super) program: Program<N>,
     rounds: usize,
 }
-
-/// Times that the motion is made slower around impossible sections.
-const SLOWINGS: usize = 3;
-
-/// Times after that, in which points come to rest.
-const RESTS: usize = 4;
-
-/// The least factor of one such time, and the part of it that a section farther away gets.
-const SLOWER: f64 = 1.03;
-const FADING: f64 = 0.6;
-
-/// A section counts as impossible if it takes that much longer than in the program.
-const LONGER: f64 = 1.25;
-
-/// Part of an acceleration that the limits of the velocity allow.
-const CLEAR: f64 = 1.0 - 1e-12;
 
 /// Motions are made slower by this factor to be clear of their bounds.
 const CLEAR_OF_BOUNDS: f64 = 1.002;
@@ -89,8 +73,9 @@ impl<const N: usize> WayPointPlanner<N> {
         Self::with_rounds(Self::DEFAULT_ROUNDS)
     }
 
-    /// With at most so many rounds of improvement: one costs 0.03 ms for ten points and six axes, and up to ten times its usual time where
-    /// the equations of the durations have to be mended.
+    /// With at most so many rounds of improvement, and as many again where the search has not converged by then: one costs
+    /// 0.03 ms for ten points and six axes, and up to ten times its usual time where the equations of the durations have to be
+    /// mended.
     pub const fn with_rounds(rounds: usize) -> Self {
         Self { program: Program::new(), rounds }
     }
@@ -106,20 +91,38 @@ impl<const N: usize> WayPointPlanner<N> {
     /// [`SyncError::Duration`], and [`SyncError::State`] naming the axis, as
     /// [`Trajectory::new`](crate::Trajectory::new) for start and target.
     pub fn plan(&mut self, start: &[AxisState; N], route: &Route<'_, N>) -> Result<WayPointTrajectory<N>, SyncError> {
+        let mut motion = WayPointTrajectory::standing(start, route.limits(0));
+        self.plan_into(start, route, &mut motion)?;
+        Ok(motion)
+    }
+
+    /// As [`WayPointPlanner::plan`], into a motion that is there already: the stack has it once, not for each function that hands it
+    /// on. After an error it is undefined.
+    pub(crate) fn plan_into(
+        &mut self,
+        start: &[AxisState; N],
+        route: &Route<'_, N>,
+        motion: &mut WayPointTrajectory<N>,
+    ) -> Result<(), SyncError> {
         route.check(start)?;
-        let motion = self.whole(start, route)?;
+        self.whole(start, route, motion)?;
         match motion.duration().is_finite() {
-            true => Ok(motion),
+            true => Ok(()),
             false => Err(SyncError::State { axis: 0, source: FeedError::OutOfRange { what: "duration of the route" } }),
         }
     }
 
     /// The motion along a route that has been checked.
-    fn whole(&mut self, start: &[AxisState; N], route: &Route<'_, N>) -> Result<WayPointTrajectory<N>, SyncError> {
+    fn whole(
+        &mut self,
+        start: &[AxisState; N],
+        route: &Route<'_, N>,
+        motion: &mut WayPointTrajectory<N>,
+    ) -> Result<(), SyncError> {
         if !(0..route.sections()).any(|i| route.is_straight(i)) {
-            return self.pass(start, route);
+            return self.pass(start, route, motion);
         }
-        let mut motion = WayPointTrajectory::standing(start, route.limits(0));
+        motion.stand(start, route.limits(0));
         motion.states[0] = *start;
         let mut first = 0;
         while first < route.sections() {
@@ -130,22 +133,37 @@ impl<const N: usize> WayPointPlanner<N> {
             if straight {
                 motion.add_lines(&run)?;
             } else {
-                let begin = motion.states[motion.sections];
-                motion.append(&self.pass(&begin, &run)?);
+                self.add_free(&run, motion)?;
             }
             first = last + 1;
         }
-        Ok(motion)
+        Ok(())
+    }
+
+    /// Appends sections that are all free. Not inlined: the stack has no place for them where there are none.
+    #[inline(never)]
+    fn add_free(&mut self, run: &Route<'_, N>, motion: &mut WayPointTrajectory<N>) -> Result<(), SyncError> {
+        let begin = motion.states[motion.sections];
+        let mut part = WayPointTrajectory::standing(&begin, run.limits(0));
+        self.pass(&begin, run, &mut part)?;
+        motion.append(&part);
+        Ok(())
     }
 
     /// A motion whose sections are all free.
-    fn pass(&mut self, start: &[AxisState; N], route: &Route<'_, N>) -> Result<WayPointTrajectory<N>, SyncError> {
+    fn pass(
+        &mut self,
+        start: &[AxisState; N],
+        route: &Route<'_, N>,
+        motion: &mut WayPointTrajectory<N>,
+    ) -> Result<(), SyncError> {
         match Distinct::new(start, route) {
             Some(distinct) => {
-                let short = self.pass_distinct(start, &distinct.route(route))?;
-                Ok(distinct.expand(&short, route.sections()))
+                self.pass_distinct(start, &distinct.route(route), motion)?;
+                distinct.expand(motion, route.sections());
+                Ok(())
             }
-            None => self.pass_distinct(start, route),
+            None => self.pass_distinct(start, route, motion),
         }
     }
 
@@ -153,29 +171,51 @@ impl<const N: usize> WayPointPlanner<N> {
         &mut self,
         start: &[AxisState; N],
         route: &Route<'_, N>,
-    ) -> Result<WayPointTrajectory<N>, SyncError> {
+        motion: &mut WayPointTrajectory<N>,
+    ) -> Result<(), SyncError> {
         let guess = Guess::new(start, route);
         guess.write(route, &mut self.program);
         self.program.begin_with_spline();
-        self.program.improve(self.rounds);
-        let mut motion = self.read(&guess, route);
-        let mut duration = self.settle(&mut motion, route);
-        if duration > SLACK * self.program.best_total() {
-            self.program.take_best();
-            self.take_if_shorter(&guess, route, (&mut motion, &mut duration));
+        let mu = self.program.start();
+        let left = self.program.improve(self.rounds, mu);
+        self.read(&guess, route, motion);
+        let mut duration = self.settle(motion, route);
+        self.take_best_if_shorter(&guess, route, (motion, &mut duration), SLACK);
+        if let Some(mu) = left {
+            // Once more where the rounds were too few. The motion is not always shorter then.
+            self.program.improve(self.rounds, mu);
+            self.take_if_shorter(&guess, route, (motion, &mut duration));
+            self.take_best_if_shorter(&guess, route, (motion, &mut duration), 1.0);
         }
         // The guess is exact for an axis that no other one makes slower.
         if guess.has_leader(route.sections()) {
             guess.write(route, &mut self.program);
             // Between states at their bounds there is one motion, and none that is a little longer.
             self.program.slow_down(CLEAR_OF_BOUNDS);
-            self.take_if_shorter(&guess, route, (&mut motion, &mut duration));
+            self.take_if_shorter(&guess, route, (motion, &mut duration));
         }
         // Never longer than with a stop in every point.
         if duration > stopping_bound(&guess.states, route) {
-            self.rest_if_shorter(&guess, route, (&mut motion, duration))?;
+            self.rest_if_shorter(&guess, route, (motion, duration))?;
         }
-        Ok(motion)
+        Ok(())
+    }
+
+    /// Takes the motion that the program kept apart where the other one is longer than that by a factor and this one is
+    /// shorter. The program goes on as if it had not.
+    fn take_best_if_shorter(
+        &mut self,
+        guess: &Guess<N>,
+        route: &Route<'_, N>,
+        (motion, duration): (&mut WayPointTrajectory<N>, &mut f64),
+        slack: f64,
+    ) {
+        if *duration > slack * self.program.best_total() {
+            self.program.keep_round();
+            self.program.take_best();
+            self.take_if_shorter(guess, route, (motion, duration));
+            self.program.return_to_round();
+        }
     }
 
     /// Takes the motion of the program where it is shorter. Not inlined: the stack has the other motion
@@ -187,10 +227,12 @@ impl<const N: usize> WayPointPlanner<N> {
         route: &Route<'_, N>,
         (motion, duration): (&mut WayPointTrajectory<N>, &mut f64),
     ) {
-        let mut other = self.read(guess, route);
+        let mut other = motion.clone();
+        self.read(guess, route, &mut other);
         let there = self.settle(&mut other, route);
         if there < *duration {
-            (*motion, *duration) = (other, there);
+            motion.clone_from(&other);
+            *duration = there;
         }
     }
 
@@ -202,119 +244,14 @@ impl<const N: usize> WayPointPlanner<N> {
         route: &Route<'_, N>,
         (motion, duration): (&mut WayPointTrajectory<N>, f64),
     ) -> Result<(), SyncError> {
-        let mut stopping = self.read(guess, route);
+        let mut stopping = motion.clone();
+        self.read(guess, route, &mut stopping);
         match rest(&mut stopping, route) {
-            Ok(()) if stopping.duration() < duration => *motion = stopping,
+            Ok(()) if stopping.duration() < duration => motion.clone_from(&stopping),
             Err(e) if duration == f64::INFINITY => return Err(e),
             _ => {}
         }
         Ok(())
-    }
-
-    /// The states and durations of the program.
-    fn read(&self, guess: &Guess<N>, route: &Route<'_, N>) -> WayPointTrajectory<N> {
-        let n = route.sections();
-        let mut motion = WayPointTrajectory {
-            sections: n,
-            states: guess.states,
-            durations: self.program.durations,
-            limits: [*route.limits(0); SECTIONS],
-            kinds: [SectionKind::Free; SECTIONS],
-        };
-        for (i, limits) in motion.limits[..n].iter_mut().enumerate() {
-            *limits = *route.limits(i);
-        }
-        for (i, state) in motion.states[..n].iter_mut().enumerate().skip(1) {
-            for (k, s) in state.iter_mut().enumerate() {
-                let wanted = AxisState { p: s.p, ..self.program.node(i, k) };
-                *s = within(&within(&wanted, &route.limits(i - 1)[k]), &route.limits(i)[k]);
-            }
-        }
-        motion
-    }
-
-    /// Replaces the durations of the program by the exact ones. Where a section is impossible or
-    /// longer, the motion around it is made slower. Returns the duration, which is infinite if that
-    /// does not help.
-    fn settle(&self, motion: &mut WayPointTrajectory<N>, route: &Route<'_, N>) -> f64 {
-        let n = motion.sections;
-        let (planned, expected) = (motion.states, motion.durations);
-        let mut factors = [1.0_f64; NODES];
-        let mut changed = [true; SECTIONS];
-        for round in 0..=SLOWINGS + RESTS {
-            // At last only the points beside impossible sections are brought to rest.
-            let slowing = round < SLOWINGS;
-            let mut wanted = factors;
-            for i in 0..n {
-                let last = std::mem::take(&mut changed[i]);
-                if !last {
-                    continue;
-                }
-                let made = section(
-                    (i == 0, &motion.states[i], &motion.states[i + 1]),
-                    &motion.limits[i],
-                    route.least_duration(i),
-                );
-                match made {
-                    Ok(made) if !slowing || made.duration() <= LONGER * expected[i] => {
-                        motion.durations[i] = made.duration();
-                    }
-                    _ => {
-                        changed[i] = true;
-                        let slower = factors[i].max(factors[i + 1]) * self.program.excess(i).max(SLOWER);
-                        let factor = if slowing { slower } else { f64::INFINITY };
-                        (wanted[i], wanted[i + 1]) = (wanted[i].max(factor), wanted[i + 1].max(factor));
-                    }
-                }
-            }
-            if !changed[..n].iter().any(|&x| x) {
-                return motion.duration();
-            }
-            if slowing {
-                fade(&mut wanted[..=n]);
-            }
-            for i in 1..n {
-                if wanted[i] > factors[i] {
-                    factors[i] = wanted[i];
-                    slow(&mut motion.states[i], &planned[i], (route, i, wanted[i]));
-                    (changed[i - 1], changed[i]) = (true, true);
-                }
-            }
-        }
-        f64::INFINITY
-    }
-}
-
-/// The state inside its limits, and inside them before and after it: velocity first, then an
-/// acceleration that can come from zero and go back to it.
-fn within(s: &AxisState, l: &AxisLimits) -> AxisState {
-    let v = s.v.max(l.v_min()).min(l.v_max());
-    let (up, down) = (l.v_max() - v, v - l.v_min());
-    // Before a rise the velocity was lower, and after it, it is higher. A little less, so that no
-    // round-off is left that would have to be taken from the acceleration.
-    let most = CLEAR * (2.0 * f64::min(down * l.j_max(), up * -l.j_min())).sqrt();
-    let (highest, lowest) = (l.a_max().min(most), l.a_min().max(-most));
-    AxisState::new(s.p, v, s.a.max(lowest).min(highest))
-}
-
-/// Neighbours of slower points become slower, too, less and less.
-fn fade(factors: &mut [f64]) {
-    for i in 1..factors.len() {
-        factors[i] = factors[i].max(1.0 + FADING * (factors[i - 1] - 1.0));
-    }
-    for i in (1..factors.len()).rev() {
-        factors[i - 1] = factors[i - 1].max(1.0 + FADING * (factors[i] - 1.0));
-    }
-}
-
-/// The states of a way-point in a motion that is slower by a factor.
-fn slow<const N: usize>(
-    states: &mut [AxisState; N],
-    planned: &[AxisState; N],
-    (route, node, factor): (&Route<'_, N>, usize, f64),
-) {
-    for ((s, was), given) in states.iter_mut().zip(planned).zip(route.points[node - 1].velocity()) {
-        *s = AxisState::new(s.p, given.unwrap_or(was.v / factor), was.a / (factor * factor));
     }
 }
 
@@ -354,26 +291,4 @@ fn rest<const N: usize>(motion: &mut WayPointTrajectory<N>, route: &Route<'_, N>
         motion.durations[i] = made.duration();
     }
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Before an acceleration that rises from zero and after one that falls to it the velocity is inside its limits.
-    #[test]
-    fn states_are_inside_before_and_after() {
-        let l = AxisLimits::new((-1.0, 2.0), (-4.0, 6.0), (-30.0, 50.0)).expect("on both sides of zero");
-        for (v, a) in (-30..60).flat_map(|v| (-9..9).map(move |a| (0.1 * f64::from(v), f64::from(a)))) {
-            let s = within(&AxisState::new(0.0, v, a), &l);
-            let way = |jerk: f64| 0.5 * s.a * s.a / jerk;
-            let (before, after) = if s.a > 0.0 {
-                (s.v - way(l.j_max()), s.v + way(-l.j_min()))
-            } else {
-                (s.v + way(-l.j_min()), s.v - way(l.j_max()))
-            };
-            let inside = |v: f64| v >= l.v_min() - 1e-12 && v <= l.v_max() + 1e-12;
-            assert!(inside(before) && inside(after) && s.a.abs() <= a.abs(), "{v} {a}: {s:?} {before} {after}");
-        }
-    }
 }

@@ -102,18 +102,23 @@ impl<const N: usize> Program<N> {
         }
     }
 
-    /// Improves the motion in at most so many rounds, each of which costs the same. Keeps apart the
-    /// motion that is shortest once it is slowed down to its limits.
-    pub fn improve(&mut self, rounds: usize) {
-        let mut mu = self.begin();
+    /// Begins with the motion as it is. Returns the products of slacks and multipliers to aim at.
+    pub fn start(&mut self) -> f64 {
         self.slowed = f64::INFINITY;
+        self.begin()
+    }
+
+    /// Improves the motion in at most so many rounds, each of which costs the same, with products to aim
+    /// at. Keeps apart the motion that is shortest once it is slowed down to its limits. Returns the
+    /// products with which it can go on; `None` if it has converged, or cannot.
+    pub fn improve(&mut self, rounds: usize, mut mu: f64) -> Option<f64> {
         let mut excess = self.worst();
         self.remember(excess);
         for _ in 0..rounds {
             self.keep_round();
             self.assemble(mu);
             if !self.equations.solve(self.sections) {
-                return;
+                return None;
             }
             self.find_changes();
             let mut step = self.longest_step();
@@ -130,16 +135,22 @@ impl<const N: usize> Program<N> {
             self.remember(excess);
             let mean = self.mean_product();
             if excess < SETTLED && mean * self.count_products() < CLOSE * self.total() {
-                return;
+                return None;
             }
             mu = if step > LONG { QUICK } else { SLOW } * mean;
         }
+        Some(mu)
     }
 
     pub(super) fn keep_round(&mut self) {
         let n = self.sections;
         self.from.nodes[..=n].copy_from_slice(&self.nodes[..=n]);
         self.from.durations[..n].copy_from_slice(&self.durations[..n]);
+    }
+
+    /// Goes back to where the round began.
+    pub(super) fn return_to_round(&mut self) {
+        (self.nodes, self.durations) = (self.from.nodes, self.from.durations);
     }
 
     /// Keeps the motion apart if it is the shortest once it is slower by its excess.

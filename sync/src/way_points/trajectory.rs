@@ -66,6 +66,15 @@ impl<const N: usize> WayPointTrajectory<N> {
         }
     }
 
+    /// Becomes the motion before any.
+    pub(super) fn stand(&mut self, place: &[AxisState; N], limits: &[AxisLimits; N]) {
+        self.sections = 0;
+        self.states = [place.map(|s| AxisState::rest(s.p)); NODES];
+        self.durations = [0.0; SECTIONS];
+        self.limits = [*limits; SECTIONS];
+        self.kinds = [SectionKind::Free; SECTIONS];
+    }
+
     /// The state at the end.
     pub(crate) const fn target(&self) -> &[AxisState; N] {
         &self.states[self.sections]

@@ -99,6 +99,63 @@ fn limits_that_only_the_plan_exceeds_are_kept_at_any_scale() {
     assert!(inside > 300, "{inside}");
 }
 
+/// An axis behind its target went on for ever with what the scale of time had left of its velocity, when its neighbour was
+/// planned anew from the state commanded last, or when it was held.
+#[test]
+fn an_axis_behind_its_target_keeps_its_velocity() {
+    let mut rng = Random::new(99);
+    let (mut anew, mut at_ends) = (0, 0);
+    for case in 0..400 {
+        let l = AxisLimits::symmetric(1.0, rng.log(1.0, 10.0), rng.log(5.0, 100.0)).unwrap();
+        let mode = rng.one_of(&[Synchronisation::None, Synchronisation::Time]);
+        let mut g = OnlineGenerator::new([AxisState::rest(0.0); 2], [l; 2], CYCLE, mode).unwrap();
+        let velocity = rng.between(0.3, 0.9);
+        g.set_target([AxisState::new(0.2, velocity, 0.0), AxisState::rest(rng.between(1.0, 5.0))]).unwrap();
+        while !g.step().events.arrived[0] {}
+        if rng.chance(0.5) {
+            g.hold()
+        } else {
+            g.set_scale(rng.between(0.1, 0.9)).unwrap()
+        };
+        let mut end = f64::INFINITY;
+        for cycle in 0..1500 {
+            let (was, scale) = (*g.state(), g.scale());
+            if cycle % 100 == 50 {
+                if rng.chance(0.6) {
+                    let slower = AxisLimits::symmetric(rng.between(0.2, 1.0), l.a_max(), l.j_max()).unwrap();
+                    g.set_axis_limits(1, slower).unwrap();
+                } else if rng.chance(0.3) {
+                    // An order for the axis itself: other limits, which permit its velocity.
+                    g.set_axis_limits(0, AxisLimits::symmetric(rng.between(0.9, 1.0), l.a_max(), l.j_max()).unwrap())
+                        .unwrap();
+                } else {
+                    let new = was[0].p + rng.log(0.5, 20.0);
+                    if let Ok(other) = g.clone().with_ranges([(-1.0, new), (-10.0, 10.0)]) {
+                        (g, end) = (other, new);
+                    }
+                }
+                anew += usize::from(scale > 0.0 && scale < 1.0 && g.scale() == 1.0);
+            }
+            g.step();
+            check(&was[0], &g.state()[0], &l, case);
+        }
+        g.resume();
+        g.set_scale(1.0).unwrap();
+        (0..4000).for_each(|_| {
+            g.step();
+        });
+        let (now, target) = (g.state()[0], g.target()[0]);
+        let stands = now == AxisState::rest(end);
+        at_ends += usize::from(stands);
+        assert!(g.scale() == 1.0 && target.v == velocity, "case {case}: {}", g.scale());
+        assert!(
+            stands || (now.v - velocity).abs() < 1e-9 || end - now.p < 1.0,
+            "case {case}: {now:?} {target:?} {end}"
+        );
+    }
+    assert!(anew > 100 && at_ends > 20, "{anew} {at_ends}");
+}
+
 /// The ramp of the scale was judged anew though nothing had changed, and a route was left where that was refused.
 #[test]
 fn ranges_that_change_nothing_leave_a_route_as_it_is() {
@@ -138,20 +195,30 @@ fn ranges_that_change_nothing_leave_a_route_as_it_is() {
 fn changes_while_the_scale_changes_allocate_nothing() {
     let limits = [AxisLimits::symmetric(1.0, 5.0, 50.0).unwrap(); 6];
     let slow = [AxisLimits::symmetric(0.5, 2.0, 30.0).unwrap(); 6];
+    let mut changes = Vec::with_capacity(3);
     let count = allocations_in(|| {
         let mut g = OnlineGenerator::new([AxisState::rest(0.0); 6], limits, CYCLE, Synchronisation::Time).unwrap();
         g.set_target([AxisState::new(0.5, 0.3, 0.0); 6]).unwrap();
         for n in 0..1500 {
+            let before = g.scale();
             match n {
                 300 => g.hold(),
                 310 => g.set_limits(slow).unwrap(),
-                320 => g = g.with_ranges([(-2.0, 2.0); 6]).unwrap(),
                 700 => g.resume(),
-                720 => g.set_limits(limits).unwrap(),
+                715 => g.set_limits(limits).unwrap(),
+                720 => g = g.with_ranges([(-2.0, 2.0); 6]).unwrap(),
                 _ => {}
             }
-            g.step();
+            let after = g.scale();
+            let step = g.step();
+            if let 310 | 715 | 720 = n {
+                changes.push((before, after, step.events.replanned));
+            }
         }
     });
-    assert_eq!(count, 0);
+    assert_eq!(count, 0, "{changes:?}");
+    // The scale is on its way before each. The first one cannot go on with it and is planned from the state commanded last, at 1.
+    assert!(changes.iter().all(|(before, ..)| *before > 0.0 && *before < 1.0), "{changes:?}");
+    let goes_on = |i: usize| changes[i].1 == changes[i].0;
+    assert!(changes[0].1 == 1.0 && changes[0].2 && goes_on(1) && changes[1].2 && goes_on(2), "{changes:?}");
 }
