@@ -2,7 +2,7 @@
 //!
 //!     cargo run --release -p integration-tests --features copp --example beside_copp -- COUNT [SEED]
 //!
-//! The recipe is that of COPP's own benchmark (github.com/TOPP-THU/copp, tests/test_random_spline.rs, MIT OR Apache-2.0, written anew): 50
+//! The recipe is that of COPP's own benchmark (github.com/TOPP-THU/copp, tests/test_random_spline.rs, MIT, written anew): 50
 //! way-points in [-0.5, 0.5] on each axis, a spline of order 5 through them, 1000 intervals, limits of 1, 5 and 50 on velocity, acceleration
 //! and jerk, each drawn within 10 %. Random numbers are others, and limits are equal in both directions. Durations stand beside each
 //! other, and all motions are judged by differences of positions alone.
