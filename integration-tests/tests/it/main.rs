@@ -11,13 +11,18 @@ mod conformance;
 mod controller;
 #[cfg(feature = "controller")]
 mod controller_live;
+mod cubics;
 mod fuzz;
 mod hybrid;
 #[cfg(feature = "oracle")]
 mod large_fits;
+mod moveit_paths;
 mod paths_of_others;
+mod pilz;
+mod poses_of_others;
 mod raised_limits;
 mod random_jobs;
 mod regressions;
 mod security;
+mod states_of_users;
 mod tight_bends;

@@ -3,9 +3,9 @@
 //! Origin: hungpham2511/toppra (MIT), `tests/tests/retime/robustness/problem_suite_1.yaml`, `cpp/tests/test_issue_198.cpp`, and the
 //! numbers of its issues 15, 22 and 51. Only numbers are taken; the curve through the points is a natural cubic spline.
 
-use arcfeed_feedrate::constraint::{JointAcceleration, JointVelocity, PathDerivatives, SpeedCap};
-use arcfeed_feedrate::{FeedPlanner, FeedProblem, InterpolatedReachability, MotionLaw, Quantity, SpeedLaw};
 use serde::Deserialize;
+
+use crate::cubics::{Cubics, ROUNDING};
 
 const CASES: &str = include_str!("../data/toppra_cases.json");
 
@@ -48,142 +48,9 @@ struct Sections {
     reduced: f64,
 }
 
-/// A piecewise cubic curve; a piece holds, for each axis, the coefficients from the third power down, in `s` from its first knot on.
-struct Cubics {
-    knots: Vec<f64>,
-    pieces: Vec<Vec<[f64; 4]>>,
-}
-
-impl Cubics {
-    /// Through `points` at `knots`, with these slopes.
-    fn hermite(knots: Vec<f64>, points: &[Vec<f64>], slopes: &[Vec<f64>]) -> Self {
-        let piece = |i: usize| {
-            let h = knots[i + 1] - knots[i];
-            let axis = |j: usize| {
-                let (p, m) = ([points[i][j], points[i + 1][j]], [slopes[i][j], slopes[i + 1][j]]);
-                let chord = (p[1] - p[0]) / h;
-                [(m[0] + m[1] - 2.0 * chord) / (h * h), (3.0 * chord - 2.0 * m[0] - m[1]) / h, m[0], p[0]]
-            };
-            (0..points[0].len()).map(axis).collect()
-        };
-        Self { pieces: (0..points.len() - 1).map(piece).collect(), knots }
-    }
-
-    /// The natural spline on even knots in [0, 1].
-    fn natural(points: &[Vec<f64>]) -> Self {
-        let n = points.len() - 1;
-        let h = 1.0 / n as f64;
-        // Slopes m: 2 m0 + m1, m[i-1] + 4 m[i] + m[i+1] and m[n-1] + 2 m[n] are 3 / h times differences of positions.
-        let slopes_of = |j: usize| {
-            let p = |i: usize| points[i][j];
-            let right = |i: usize| 3.0 / h * (p((i + 1).min(n)) - p(i.saturating_sub(1)));
-            let (mut c, mut m) = (vec![0.0; n + 1], vec![0.0; n + 1]);
-            for i in 0..=n {
-                let (before, last) = if i == 0 { (0.0, 0.0) } else { (c[i - 1], m[i - 1]) };
-                let diagonal = if i == 0 || i == n { 2.0 } else { 4.0 };
-                c[i] = 1.0 / (diagonal - before);
-                m[i] = (right(i) - last) * c[i];
-            }
-            for i in (0..n).rev() {
-                m[i] -= c[i] * m[i + 1];
-            }
-            m
-        };
-        let by_axis: Vec<Vec<f64>> = (0..points[0].len()).map(slopes_of).collect();
-        let slopes: Vec<Vec<f64>> = (0..=n).map(|i| by_axis.iter().map(|m| m[i]).collect()).collect();
-        Self::hermite((0..=n).map(|i| i as f64 * h).collect(), points, &slopes)
-    }
-
-    fn axes(&self) -> usize {
-        self.pieces[0].len()
-    }
-
-    fn end(&self) -> f64 {
-        self.knots[self.pieces.len()]
-    }
-
-    /// At least so many even intervals in all, the same number on each piece.
-    fn grid(&self, intervals: usize) -> Vec<f64> {
-        let per = intervals.div_ceil(self.pieces.len());
-        let point = |k: usize| {
-            let (piece, i) = (k / per, k % per);
-            let from = self.knots[piece];
-            if i == 0 { from } else { from + (self.knots[piece + 1] - from) * i as f64 / per as f64 }
-        };
-        (0..=per * self.pieces.len()).map(point).collect()
-    }
-
-    /// The piece that `s` is on; of two, the one after it where `after`.
-    fn piece(&self, s: f64, after: bool) -> usize {
-        let passed = |knot: &&f64| if after { **knot <= s } else { **knot < s };
-        self.knots.iter().filter(passed).count().clamp(1, self.pieces.len()) - 1
-    }
-
-    /// Position and two derivatives of axis `j`.
-    fn jet(&self, piece: usize, s: f64, j: usize) -> [f64; 3] {
-        let [a, b, c, d] = self.pieces[piece][j];
-        let x = s - self.knots[piece];
-        [((a * x + b) * x + c) * x + d, (3.0 * a * x + 2.0 * b) * x + c, 6.0 * a * x + 2.0 * b]
-    }
-
-    fn values(&self, grid: &[f64], after: bool, derivative: usize) -> Vec<f64> {
-        let at = |&s: &f64| {
-            let piece = self.piece(s, after);
-            (0..self.axes()).map(move |j| self.jet(piece, s, j)[derivative])
-        };
-        grid.iter().flat_map(at).collect()
-    }
-
-    /// The certified plan from rest to rest.
-    fn planned(&self, grid: &[f64], v: &[f64], a: &[f64], caps: Option<(&[f64], &[f64])>, name: &str) -> SpeedLaw {
-        let [first, second] = [1, 2].map(|derivative| self.values(grid, true, derivative));
-        let before = self.values(grid, false, 2);
-        let path = PathDerivatives::new(self.axes(), &first, &second)
-            .and_then(|path| path.with_values_before(&[], &before, &[]))
-            .expect("arrays of equal length");
-        let velocity = JointVelocity::new(path, v).expect("above 0");
-        let acceleration = JointAcceleration::new(path, a).expect("above 0");
-        let problem = match caps {
-            None => FeedProblem::between_points(grid, &[&velocity, &acceleration]),
-            Some((points, intervals)) => {
-                let cap = SpeedCap::new(points, Quantity::Feed).and_then(|cap| cap.with_intervals(intervals));
-                FeedProblem::between_points(grid, &[&velocity, &acceleration, &cap.expect("above 0")])
-            }
-        };
-        InterpolatedReachability.plan(&problem.expect("rows")).unwrap_or_else(|error| panic!("{name}: {error}"))
-    }
-
-    /// Position of axis `j` at time `t`.
-    fn position(&self, law: &SpeedLaw, t: f64, j: usize) -> f64 {
-        let s = law.at(t).p.clamp(0.0, self.end());
-        self.jet(self.piece(s, true), s, j)[0]
-    }
-
-    /// The largest ratio of velocities and accelerations to their limits, by differences of positions alone: a mean velocity over some
-    /// time, and the change of two of them, are within the limits where these are kept at all times.
-    fn worst(&self, law: &SpeedLaw, v: impl Fn(f64, usize) -> f64, a: &[f64]) -> [f64; 2] {
-        const STEPS: usize = 4000;
-        let step = law.duration() / STEPS as f64;
-        let mut worst = [0.0_f64; 2];
-        for (j, limit) in a.iter().enumerate() {
-            let q: Vec<f64> = (0..=STEPS).map(|i| self.position(law, i as f64 * step, j)).collect();
-            for i in 1..STEPS {
-                // Across the border of two limits the higher one holds.
-                let [here, next] = [i, i + 1].map(|i| v(law.at(i as f64 * step).p, j));
-                worst[0] = worst[0].max((q[i + 1] - q[i]).abs() / step / here.max(next));
-                worst[1] = worst[1].max((q[i + 1] - 2.0 * q[i] + q[i - 1]).abs() / (step * step) / limit);
-            }
-        }
-        worst
-    }
-}
-
 fn cases() -> File {
     serde_json::from_str(CASES).expect("valid cases")
 }
-
-/// What rounding of positions adds to the second difference over a step of 1/4000 of the motion.
-const ROUNDING: f64 = 1e-6;
 
 #[test]
 fn lines_of_any_size_take_their_shortest_time() {

@@ -1,0 +1,222 @@
+//! Way-points of the tests of MoveIt's time-optimal trajectory generation, and of reports of its users: each motion keeps its limits, and
+//! takes the shortest time where that is known.
+//!
+//! Origin: moveit/moveit2 (BSD-3-Clause), `test_time_optimal_trajectory_generation.cpp`, and the issues named in the data. Only numbers
+//! are taken. Corners are rounded by parabolas here and by arcs of circles there, within the same tolerance.
+
+use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, SpeedLaw, StateToState};
+use arcfeed_kinematics::nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
+use arcfeed_kinematics::{ForwardKinematics, InverseKinematics, Joints, models};
+use serde::Deserialize;
+
+use crate::cubics::{Cubics, ROUNDING};
+
+const CASES: &str = include_str!("../data/moveit_cases.json");
+
+#[derive(Deserialize)]
+struct File {
+    lines: Vec<Case>,
+    equal_steps: EqualSteps,
+    corners: Vec<Case>,
+    zero_limits: Vec<ZeroLimit>,
+    users: Vec<Case>,
+    panda_goals: PandaGoals,
+    panda_turn: PandaTurn,
+}
+
+#[derive(Deserialize)]
+struct Case {
+    case: String,
+    points: Vec<Vec<f64>>,
+    v: Vec<f64>,
+    a: Vec<f64>,
+    tolerance: Option<f64>,
+    /// The duration that the suite states, s.
+    published: Option<f64>,
+    /// How far the suite lets it differ, s.
+    within: Option<f64>,
+}
+
+#[derive(Deserialize)]
+struct EqualSteps {
+    steps: usize,
+    step: f64,
+    end: f64,
+    v: f64,
+    a: f64,
+}
+
+#[derive(Deserialize)]
+struct ZeroLimit {
+    case: String,
+    a: [f64; 2],
+    axis: usize,
+}
+
+#[derive(Deserialize)]
+struct PandaGoals {
+    ready: [f64; 7],
+    goals: Vec<[f64; 3]>,
+    orientation_xyzw: [f64; 4],
+    v: Vec<f64>,
+    a: Vec<f64>,
+}
+
+#[derive(Deserialize)]
+struct PandaTurn {
+    from_deg: f64,
+    to_deg: f64,
+    v: f64,
+    a: f64,
+    j: f64,
+}
+
+fn cases() -> File {
+    serde_json::from_str(CASES).expect("valid cases")
+}
+
+/// The certified motion along `path`, its limits and its ends held by positions alone.
+fn judged(path: &Cubics, intervals: usize, (v, a): (&[f64], &[f64]), ends: [&[f64]; 2], name: &str) -> SpeedLaw {
+    let law = path.planned(&path.grid(intervals), v, a, None, name);
+    let worst = path.worst(&law, |_, j| v[j], a);
+    // Places far from 0 are rounded more.
+    let (step, size) = (law.duration() / 4000.0, ends[0].iter().fold(1.0, |size: f64, q| size.max(q.abs())));
+    let rounding =
+        ROUNDING + 4.0 * f64::EPSILON * size / (step * step) / a.iter().copied().fold(f64::INFINITY, f64::min);
+    assert!(worst[0] <= 1.0 + 1e-6 && worst[1] <= 1.0 + rounding, "{name}: {worst:?}");
+    for (t, point) in [0.0, law.duration()].into_iter().zip(ends) {
+        for (j, place) in point.iter().enumerate() {
+            let q = path.position(&law, t, j);
+            assert!((q - place).abs() <= 1e-12 * (1.0 + place.abs()), "{name}: axis {} at {q}, not {place}", j + 1);
+        }
+    }
+    law
+}
+
+fn ends(points: &[Vec<f64>]) -> [&[f64]; 2] {
+    [&points[0], &points[points.len() - 1]]
+}
+
+/// The shortest time on a line: all axes in proportion, speed and acceleration by the axis that allows the least.
+fn shortest(points: &[Vec<f64>], v: &[f64], a: &[f64]) -> f64 {
+    let [first, last] = ends(points);
+    let least = |limits: &[f64]| {
+        let shares = first.iter().zip(last).zip(limits).filter(|((from, to), _)| from != to);
+        shares.map(|((from, to), limit)| limit / (to - from).abs()).fold(f64::INFINITY, f64::min)
+    };
+    let (v, a) = (least(v), least(a));
+    if v * v < a { 1.0 / v + v / a } else { 2.0 / a.sqrt() }
+}
+
+#[test]
+fn lines_take_the_time_that_moveit_states() {
+    for case in cases().lines {
+        let shortest = shortest(&case.points, &case.v, &case.a);
+        if let Some(published) = case.published {
+            let within = case.within.expect("a tolerance beside the duration");
+            assert!((shortest - published).abs() <= within, "{}: {shortest} s, {published} s", case.case);
+        }
+        let path = Cubics::blended(&case.points, 0.0);
+        let law = judged(&path, 200, (&case.v, &case.a), ends(&case.points), &case.case);
+        let ratio = law.duration() / shortest;
+        assert!((1.0 - 1e-9..1.01).contains(&ratio), "{}: {ratio} of {shortest} s", case.case);
+    }
+}
+
+/// 89 way-points in equal steps, printed to nine digits: the end is the last one.
+#[test]
+fn equal_small_steps_end_at_the_last_way_point() {
+    let EqualSteps { steps, step, end, v, a } = cases().equal_steps;
+    let value = |i: usize| if i == steps { end } else { (i as f64 * step * 1e9).round() / 1e9 };
+    let points: Vec<Vec<f64>> = (0..=steps).map(|i| vec![value(i); 2]).collect();
+    let law = judged(&Cubics::natural(&points), 2 * steps, (&[v; 2], &[a; 2]), ends(&points), "equal steps");
+    let ratio = law.duration() / shortest(&points, &[v; 2], &[a; 2]);
+    assert!((1.0 - 1e-9..1.01).contains(&ratio), "{ratio}");
+}
+
+#[test]
+fn corners_keep_their_tolerance_and_the_limits() {
+    for case in cases().corners {
+        let tolerance = case.tolerance.expect("a tolerance");
+        let path = Cubics::blended(&case.points, tolerance);
+        let law = judged(&path, 2000, (&case.v, &case.a), ends(&case.points), &case.case);
+        for (i, point) in case.points.iter().enumerate() {
+            let away = |t: f64| (0..path.axes()).map(|j| (path.position(&law, t, j) - point[j]).powi(2)).sum::<f64>();
+            let nearest = (0..=20_000).map(|k| away(law.duration() * f64::from(k) / 20_000.0));
+            let nearest = nearest.fold(f64::INFINITY, f64::min).sqrt();
+            // Between two samples the motion goes on by a part of this.
+            let step = law.duration() / 20_000.0 * case.v.iter().map(|v| v * v).sum::<f64>().sqrt();
+            assert!(nearest <= tolerance + step, "{}: {nearest} from way-point {}", case.case, i + 1);
+        }
+        if let Some(published) = case.published {
+            // Another curve within the same tolerance, with a bend that suits the limits of single axes better.
+            let ratio = law.duration() / published;
+            assert!((0.95..1.0).contains(&ratio), "{}: {} s, {published} s", case.case, law.duration());
+        }
+    }
+}
+
+#[test]
+fn a_limit_of_zero_is_named() {
+    for case in cases().zero_limits {
+        let error = (0..2).find_map(|k| AxisLimits::symmetric(1.0, case.a[k], 1.0).err().map(|error| (k, error)));
+        let (axis, error) = error.unwrap_or_else(|| panic!("{}: accepted", case.case));
+        assert_eq!(axis, case.axis, "{}", case.case);
+        assert!(error.to_string().contains("a_max is 0"), "{}: {error}", case.case);
+    }
+}
+
+#[test]
+fn way_points_of_users_keep_their_limits() {
+    for case in cases().users {
+        let path = Cubics::natural(&case.points);
+        for intervals in [60, 600] {
+            judged(&path, intervals, (&case.v, &case.a), ends(&case.points), &case.case);
+        }
+    }
+}
+
+/// MoveIt commanded joints 1 and 3 of the Panda up to 10 % faster than its limits on the way between these goals.
+#[test]
+fn goals_that_made_the_panda_too_fast_keep_its_limits() {
+    let case = cases().panda_goals;
+    let arm = models::panda();
+    let [x, y, z, w] = case.orientation_xyzw;
+    let turn = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
+    let mut points = vec![Joints::from(case.ready)];
+    for goal in &case.goals {
+        let pose = Isometry3::from_parts(Translation3::from(*goal), turn);
+        let q = arm.inverse(&pose, &points[points.len() - 1]).unwrap_or_else(|error| panic!("{goal:?}: {error}"));
+        assert!((arm.forward(&q).translation.vector - pose.translation.vector).norm() < 1e-9, "{goal:?}");
+        points.push(q);
+    }
+    let points: Vec<Vec<f64>> = points.iter().map(|q| q.iter().copied().collect()).collect();
+    let limits = (&case.v[..], &case.a[..]);
+    for w in points.windows(2) {
+        let law = judged(&Cubics::blended(w, 0.0), 200, limits, [&w[0], &w[1]], "goal to goal");
+        let ratio = law.duration() / shortest(w, &case.v, &case.a);
+        assert!((1.0 - 1e-9..1.01).contains(&ratio), "{ratio}");
+    }
+    let path = Cubics::natural(&points);
+    let law = judged(&path, 600, limits, ends(&points), "through all goals");
+    let worst = path.worst(&law, |_, j| case.v[j], &case.a);
+    assert!(worst[0].max(worst[1]) > 0.99, "no limit binds: {worst:?}");
+}
+
+/// Half a turn of one joint oscillated at its end: here it turns one way, and no faster at the end than braking asks for.
+#[test]
+fn half_a_turn_ends_without_oscillation() {
+    let PandaTurn { from_deg, to_deg, v, a, j } = cases().panda_turn;
+    let limits = AxisLimits::symmetric(v, a, j).expect("above 0");
+    let (start, target) = (AxisState::rest(f64::to_radians(from_deg)), AxisState::rest(f64::to_radians(to_deg)));
+    let motion = StateToState::new(&start, &target, &limits).expect("a motion");
+    let closed = (target.p - start.p).abs() / v + v / a + a / j;
+    assert!((motion.duration() / closed - 1.0).abs() < 1e-12, "{} s, {closed} s", motion.duration());
+    let step = motion.duration() / 20_000.0;
+    let q: Vec<f64> = (0..=20_000).map(|i| motion.at(f64::from(i) * step).p).collect();
+    let speeds: Vec<f64> = q.windows(2).map(|w| (w[0] - w[1]) / step).collect();
+    let top = speeds.iter().position(|s| *s >= v * (1.0 - 1e-9)).expect("the limit is reached");
+    let rounding = 4.0 * f64::EPSILON * 2.0 / step;
+    assert!(speeds[..=top].windows(2).all(|w| w[1] >= w[0] - rounding), "it speeds up in one go");
+    assert!(speeds[top..].windows(2).all(|w| w[1] <= w[0] + rounding && w[1] >= -rounding), "and slows down in one go");
+}
