@@ -207,21 +207,21 @@ mod tests {
     use crate::constraint::SpeedCap;
     use crate::row::Quantity;
 
-    /// The parts of a split interval have the least of the caps at its middle and its two ends; the other intervals their own.
+    /// The parts of a split interval have the least of the caps in its middle, which is the mean of both ends, and at the ends
+    /// that are no ends of the path. The other intervals keep theirs.
     #[test]
     fn parts_of_an_interval_have_the_least_cap_of_it() {
-        let (points, middles) = ([4.0, 6.0, 3.0, 8.0, 7.0], [5.0, 4.0, 5.0, 9.0]);
-        let cap = SpeedCap::new(&points, Quantity::NormalAcceleration).unwrap().with_intervals(&middles).unwrap();
+        let cap = SpeedCap::new(&[4.0, 6.0, 3.0, 8.0, 7.0], Quantity::NormalAcceleration).unwrap();
         let whole = FeedProblem::between_points(&[0.0, 1.0, 2.0, 3.0, 4.0], &[&cap]).unwrap();
-        // Where the middle, the point before, the point after is the slowest.
-        for (k, least) in [(0, 5.0), (1, 3.0), (2, 3.0), (3, 8.0)] {
+        let means = [26.0, 22.5, 36.5, 56.5];
+        for (k, least) in [26.0, 9.0, 9.0, 56.5].into_iter().enumerate() {
             let split = whole.split(&[(k, vec![0.5])]);
             assert_eq!(split.grid()[k + 1], k as f64 + 0.5);
-            let speeds = [split.x_max(k + 1), split.middle_x_max(k), split.middle_x_max(k + 1)].map(f64::sqrt);
-            assert_eq!(speeds, [least; 3], "interval {k}");
+            let caps = [split.x_max(k + 1), split.middle_x_max(k), split.middle_x_max(k + 1)];
+            assert_eq!(caps, [least; 3], "interval {k}");
             for other in (0..4).filter(|other| *other != k) {
                 let at = other + usize::from(other > k);
-                assert_eq!(split.middle_x_max(at).sqrt(), middles[other], "interval {other} beside {k}");
+                assert_eq!(split.middle_x_max(at), means[other], "interval {other} beside {k}");
             }
         }
     }
