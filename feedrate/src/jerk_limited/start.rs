@@ -342,3 +342,23 @@ impl Departure {
         x + 2.0 * u * (distance - until)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Windows that grow and shrink along the values, as they do on a grid with intervals of any length.
+    #[test]
+    fn least_and_mean_are_those_of_the_window() {
+        let values: Vec<f64> = (0..60).map(|k| f64::from(k * 37 % 61)).collect();
+        let reach = |k: usize| [k, 59 - k, 1 + k / 9].into_iter().min().unwrap_or(0);
+        let (mut least, mut mean) = (Vec::new(), Vec::new());
+        least_within(&values, reach, &mut least);
+        mean_within(&values, reach, &mut mean);
+        for k in 0..values.len() {
+            let window = &values[k - reach(k)..=k + reach(k)];
+            assert_eq!(least[k], window.iter().copied().fold(f64::INFINITY, f64::min), "at {k}");
+            assert!((mean[k] - window.iter().sum::<f64>() / window.len() as f64).abs() < 1e-12, "at {k}");
+        }
+    }
+}

@@ -201,9 +201,30 @@ pub(crate) fn matching(rows: &[Row], middle: &[Row], j: usize, last: bool) -> Op
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test fails by panic")]
 mod tests {
     use super::*;
+    use crate::constraint::SpeedCap;
     use crate::row::Quantity;
+
+    /// The parts of a split interval have the least of the caps in its middle, which is the mean of both ends, and at the ends
+    /// that are no ends of the path. The other intervals keep theirs.
+    #[test]
+    fn parts_of_an_interval_have_the_least_cap_of_it() {
+        let cap = SpeedCap::new(&[4.0, 6.0, 3.0, 8.0, 7.0], Quantity::NormalAcceleration).unwrap();
+        let whole = FeedProblem::between_points(&[0.0, 1.0, 2.0, 3.0, 4.0], &[&cap]).unwrap();
+        let means = [26.0, 22.5, 36.5, 56.5];
+        for (k, least) in [26.0, 9.0, 9.0, 56.5].into_iter().enumerate() {
+            let split = whole.split(&[(k, vec![0.5])]);
+            assert_eq!(split.grid()[k + 1], k as f64 + 0.5);
+            let caps = [split.x_max(k + 1), split.middle_x_max(k), split.middle_x_max(k + 1)];
+            assert_eq!(caps, [least; 3], "interval {k}");
+            for other in (0..4).filter(|other| *other != k) {
+                let at = other + usize::from(other > k);
+                assert_eq!(split.middle_x_max(at), means[other], "interval {other} beside {k}");
+            }
+        }
+    }
 
     /// Two rows of one source and one of another: doubled at a jump, each finds its own.
     #[test]

@@ -206,3 +206,21 @@ fn links_without_length_are_an_arm_without_reach() {
     let there = arm.nearest_singular_pose(&q).unwrap();
     assert!(there.distance == 0.0 && arm.reach() == 0.0, "{there:?}");
 }
+
+#[test]
+fn a_stretched_arm_is_at_its_reach() {
+    let at = |x: f64, z: f64| Isometry3::translation(x, 0.0, z);
+    let turning = |origin: Isometry3<f64>| Joint::revolute(origin, Vector3::y()).unwrap();
+    let sliding = Joint::prismatic(at(0.4, 0.0), Vector3::x()).unwrap();
+    // The first joint stands where it likes; its own distance from the base is no link.
+    let joints = [turning(at(0.7, 0.5)), turning(at(0.3, 0.0)), sliding];
+    let chain = Chain::new(joints).unwrap().with_flange(at(0.1, 0.0)).unwrap();
+    let range = JointRange::new(Joints::from([-3.0, -3.0, -0.05]), Joints::from([3.0, 3.0, 0.2])).unwrap();
+    let arm = Arm::new(chain, range);
+    assert!((arm.reach() - (0.3 + 0.4 + 0.2 + 0.1)).abs() < 1e-15, "{}", arm.reach());
+    let flange = arm.forward(&Joints::from([0.0, 0.0, 0.2])).translation.vector;
+    assert!(((flange - Vector3::new(0.7, 0.0, 0.5)).norm() - arm.reach()).abs() < 1e-15, "{flange}");
+    // The slide counts by its farther end.
+    let back = JointRange::new(Joints::from([-3.0, -3.0, -0.25]), Joints::from([3.0, 3.0, 0.2])).unwrap();
+    assert!((Arm::new(chain, back).reach() - 1.05).abs() < 1e-15);
+}

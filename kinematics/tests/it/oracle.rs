@@ -5,10 +5,10 @@ use crate::common;
 
 use arcfeed_kinematics::{
     AnalyticInverse, ClosedForm, ClosedFormArm, ForwardKinematics, InverseKinematics, JointRange, Joints,
-    KinematicsError, SphericalWristArm, models, smallest_singular_value,
+    KinematicsError, SphericalWristArm, Twist, manipulability, models, smallest_singular_value,
 };
 use common::{ArmState, angle_difference, chain, isometry, pose_distance, records};
-use nalgebra::SVector;
+use nalgebra::{SMatrix, SVector};
 use serde::Deserialize;
 
 #[derive(Deserialize)]
@@ -121,4 +121,23 @@ fn inverse_solutions_are_exactly_those_of_eaik() {
         unreachable += usize::from(record.solutions.is_empty());
     }
     assert_eq!((poses, unreachable), (395, 60));
+}
+
+#[test]
+fn manipulability_is_the_root_of_the_determinant() {
+    // Yoshikawa 1985: sqrt(det(J J^T)), by elimination instead of singular values.
+    let six = models::cr7().jacobian(&Joints::from([0.3, -0.4, 1.2, 0.5, 0.8, 0.3]));
+    let by_determinant = six.determinant().abs();
+    assert!(by_determinant > 1e-3);
+    assert!((manipulability(&six) - by_determinant).abs() < 1e-12 * by_determinant);
+    let seven = models::panda().jacobian(&Joints::from([0.3, -0.4, 0.2, -1.5, 0.8, 1.3, 0.1]));
+    let by_determinant = (seven * seven.transpose()).determinant().sqrt();
+    assert!(by_determinant > 1e-3);
+    assert!((manipulability(&seven) - by_determinant).abs() < 1e-12 * by_determinant);
+    // Fewer than six joints: of the motions that the arm has.
+    let two = SMatrix::<f64, 6, 2>::from_columns(&[
+        Twist::repeat(2.0),
+        Twist::from_fn(|i, _| if i < 3 { 1.0 } else { -1.0 }),
+    ]);
+    assert!((manipulability(&two) - 12.0).abs() < 1e-12);
 }

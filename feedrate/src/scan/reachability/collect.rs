@@ -153,3 +153,41 @@ fn straight_through(rows: [&Row; 3], x_max: f64, near: Option<&f64>, mut push: i
         }));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::problem::quadratic;
+
+    /// Between the ends of an interval too the lines are on the safe side of friction, whatever sign its factor has where.
+    #[test]
+    fn straight_friction_is_on_the_safe_side_all_over_an_interval() {
+        const X_MAX: f64 = 4.0;
+        for factors in [
+            [0.2, -0.3, 0.1],
+            [-0.2, 0.3, 0.1],
+            [0.3, -0.05, 0.3],
+            [0.5, 0.4, 0.7],
+            [-0.5, -0.4, -0.7],
+            [0.0, 0.4, 0.0],
+        ] {
+            let source = LimitId::joint(Quantity::JointTorque, 0);
+            let rows = factors.map(|c| Row { c, ..Row::symmetric(1.0, 0.5, 2.0, source) });
+            let mut sides = [0, 0];
+            straight_through([&rows[0], &rows[1], &rows[2]], X_MAX, None, |lines| {
+                let upper = lines[0].hi.is_finite();
+                sides[usize::from(upper)] += 1;
+                for (fraction, n) in (0..=20).flat_map(|i| (0..=40).map(move |n| (f64::from(i) / 20.0, n))) {
+                    let x = X_MAX * f64::from(n) / 40.0;
+                    let mix = quadratic(fraction);
+                    let of = |value: fn(&Row) -> f64| mix(value(&lines[0]), value(&lines[1]), value(&lines[2]));
+                    let line = of(|row| row.b) * x + of(|row| row.d);
+                    let with_friction = 0.5 * x + mix(factors[0], factors[1], factors[2]) * x.sqrt();
+                    let beyond = if upper { with_friction - line } else { line - with_friction };
+                    assert!(beyond < 1e-12, "{factors:?} at {fraction}, x = {x}: {line} for {with_friction}");
+                }
+            });
+            assert_eq!(sides, [1, 1]);
+        }
+    }
+}
