@@ -44,21 +44,14 @@ struct Edge {
     root: f64,
 }
 
-/// Values and slopes (over the unit interval) of a row at both ends of an interval of length `h`,
-/// from the row at the start, in the middle and at the end; and the value of its constant part at
-/// both ends.
+/// Values and slopes (over the unit interval) of a row without friction at both ends of an interval of length `h`,
+/// from the row at the start, in the middle and at the end.
 fn along([p, m, q]: [&Row; 3], [near, far]: [Edge; 2], h: f64) -> ([f64; 2], [f64; 2]) {
     let w = (far.u - near.u) / h;
     let at = |edge: Edge, row: &Row, slope: &dyn Fn(fn(&Row) -> f64) -> f64| {
         let value = row.a * edge.u + row.b * edge.x + row.d;
         let moving = slope(|row| row.a) * edge.u + slope(|row| row.b) * edge.x + slope(|row| row.d);
-        let along = h * (row.a * w + 2.0 * row.b * edge.u);
-        if row.c == 0.0 {
-            (value, moving + along)
-        } else {
-            let friction = slope(|row| row.c) * edge.root + h * row.c * edge.u / edge.root;
-            (value + row.c * edge.root, moving + along + friction)
-        }
+        (value, moving + h * (row.a * w + 2.0 * row.b * edge.u))
     };
     let (start, slope) = at(near, p, &|of| 4.0 * of(m) - 3.0 * of(p) - of(q));
     let (end, end_slope) = at(far, q, &|of| 3.0 * of(q) - 4.0 * of(m) + of(p));

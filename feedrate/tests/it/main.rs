@@ -17,6 +17,7 @@ mod lower_bound;
 mod online;
 mod online_allocation;
 mod part_of_grid;
+mod position_range;
 mod return_inside;
 mod row_families;
 mod rows;
