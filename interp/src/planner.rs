@@ -238,6 +238,7 @@ impl<'a, const N: usize> Planner<'a, N> {
             refined: 1,
             lowered: Vec::new(),
             slowed: 1.0,
+            slower: 1.0,
         };
         Ok(Trajectory::new(problem, law, info, verification, timings))
     }

@@ -36,6 +36,9 @@ pub struct PlanInfo {
     /// The fraction of every limit that the last round planned with, beside those; 1 unless a limit was far exceeded where the grid sees
     /// too little.
     pub slowed: f64,
+    /// The part of the speed that the motion of the last round was slowed down to as a whole, because it exceeded a limit slightly: 1
+    /// unless that happened in a late round or on a large grid.
+    pub slower: f64,
 }
 
 /// The windows in which the speed along a long path was planned.

@@ -50,16 +50,25 @@ impl std::fmt::Display for AtLimit {
     }
 }
 
-/// The first 1000 characters of a text from a file.
+/// A text from a file, of a long one its beginning and its end, where readers say what they expect and where.
 #[cfg(feature = "std")]
 struct Clipped<'a>(&'a str);
 
 #[cfg(feature = "std")]
+impl Clipped<'_> {
+    /// Characters of the beginning and of the end of a text that is longer than both.
+    const BEGINNING: usize = 1500;
+    const END: usize = 500;
+}
+
+#[cfg(feature = "std")]
 impl std::fmt::Display for Clipped<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self.0.char_indices().nth(1000) {
-            Some((end, _)) => write!(f, "{}...", &self.0[..end]),
-            None => f.write_str(self.0),
+        let at = |i: usize| self.0.char_indices().nth(i).map(|(byte, _)| byte);
+        let length = self.0.chars().count();
+        match (at(Self::BEGINNING), at(length.saturating_sub(Self::END))) {
+            (Some(first), Some(last)) if first < last => write!(f, "{} ... {}", &self.0[..first], &self.0[last..]),
+            _ => f.write_str(self.0),
         }
     }
 }
@@ -338,4 +347,19 @@ pub enum KinematicsError {
         /// By how much, m or rad.
         deviation: f64,
     },
+}
+
+#[cfg(all(test, feature = "std"))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_a_long_text_both_ends_are_told() {
+        let long = format!("unknown field {}, expected `name` at line 3", "\u{e4}".repeat(10_000));
+        let text = KinematicsError::Unreadable { format: "JSON", reason: long }.to_string();
+        assert!(text.starts_with("not a valid JSON description of an arm: unknown field \u{e4}"), "{text}");
+        assert!(text.ends_with("expected `name` at line 3") && text.chars().count() < 2100, "{text}");
+        let short = KinematicsError::UnsupportedJoint { kind: "floating".to_owned() }.to_string();
+        assert!(short.contains("'floating'"), "{short}");
+    }
 }

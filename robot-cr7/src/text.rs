@@ -22,6 +22,19 @@ pub(crate) fn clip(text: &str, width: usize) -> String {
     flat.take(width.saturating_sub(3)).chain("...".chars()).collect()
 }
 
+/// A text of a file on one line, for a message; of a long one its beginning and its end, where readers say what they expect.
+pub(crate) fn shortened(text: &str) -> String {
+    const BEGINNING: usize = 300;
+    const END: usize = 200;
+    let length = text.chars().count();
+    let flat = text.chars().map(|c| if c.is_control() { ' ' } else { c });
+    if length <= BEGINNING + END {
+        return flat.collect();
+    }
+    let end = flat.clone().skip(length - END);
+    flat.take(BEGINNING).chain(" ... ".chars()).chain(end).collect()
+}
+
 /// A number with about five significant digits and no exponent where it can be avoided.
 pub(crate) fn number(v: f64) -> String {
     let a = v.abs();

@@ -183,15 +183,26 @@ impl Passes<'_> {
     }
 
     /// The plan on all points; where a law to start from leads nowhere, or the iterations from it have not converged, that from a start
-    /// of its own if it is shorter.
+    /// of its own if it is shorter, or as short and converged.
     fn plan_near(&self, problem: &FeedProblem) -> Result<JerkLimitedPlan, NotSolved> {
+        /// What is longer by this part of itself is as short.
+        const AS_SHORT: f64 = 1e-6;
         let near = self.plan_on_all(problem);
-        if self.near.is_none() || near.as_ref().is_ok_and(|plan| plan.converged) {
+        let is_sure = match &near {
+            Ok(plan) => plan.converged,
+            // What no start changes.
+            Err(why) => matches!(why.error, FeedError::StaticallyInfeasible { .. }),
+        };
+        if self.near.is_none() || is_sure {
             return near;
         }
         let own = Passes { near: None, ..*self }.plan_on_all(problem);
         match (near, own) {
-            (Ok(near), Ok(own)) if near.law.duration() > own.law.duration() => Ok(own),
+            (Ok(near), Ok(own)) => {
+                let longer = own.law.duration() / near.law.duration();
+                let is_better = longer < 1.0 || (own.converged && longer < 1.0 + AS_SHORT);
+                Ok(if is_better { own } else { near })
+            }
             (Ok(near), _) => Ok(near),
             (Err(_), own) => own,
         }

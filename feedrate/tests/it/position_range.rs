@@ -1,6 +1,6 @@
 //! The lowest and the highest position of a motion, and when it is there.
 #![allow(clippy::unwrap_used)]
-use arcfeed_feedrate::{AxisLimits, AxisState, StateToState};
+use arcfeed_feedrate::{AxisLimits, AxisState, MotionLaw, StateToState};
 
 /// A position that is reached twice counts at its first time.
 #[test]

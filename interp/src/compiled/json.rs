@@ -29,8 +29,17 @@ enum Name {
     Cubic,
 }
 
-/// Characters of a message, which can repeat a text of the file.
-const LONGEST: usize = 1000;
+/// A message, of a long one its beginning and its end: it can repeat a text of the file.
+fn clipped(text: &str) -> String {
+    const BEGINNING: usize = 600;
+    const END: usize = 400;
+    let length = text.chars().count();
+    if length <= BEGINNING + END {
+        return text.to_owned();
+    }
+    let beginning = text.chars().take(BEGINNING).chain(" ... ".chars());
+    beginning.chain(text.chars().skip(length - END)).collect()
+}
 
 impl<const N: usize> JointTrajectory<N> {
     /// The motion as JSON in the format "joint-trajectory/1", with the names of its joints. Reading it gives the same numbers.
@@ -85,7 +94,7 @@ impl<const N: usize> JointTrajectory<N> {
     /// [`JointTrajectoryError::File`] for text that is not of this format or of another number of joints; otherwise as
     /// [`JointTrajectory::from_pieces`].
     pub fn from_json(text: &str) -> Result<(Self, [String; N]), JointTrajectoryError> {
-        let wrong = |problem: String| JointTrajectoryError::File { problem: problem.chars().take(LONGEST).collect() };
+        let wrong = |problem: String| JointTrajectoryError::File { problem: clipped(&problem) };
         let file: File = serde_json::from_str(text).map_err(|error| wrong(error.to_string()))?;
         if file.format != FORMAT {
             return Err(wrong(format!("format is {:?}, but has to be {FORMAT:?}", file.format)));

@@ -30,8 +30,21 @@ const LOCAL_ROUNDS: usize = 6;
 /// round would take long.
 const LARGE: usize = 6000;
 const SLIGHT: f64 = 1e-4;
-/// The same on any grid once limits were lowered where they are exceeded: lower everywhere, they can be exceeded by more the next time.
+/// The same on any grid in late rounds: limits that are lowered everywhere can be exceeded by more the next time.
 const SLIGHT_AT_LAST: f64 = 1e-3;
+
+/// A motion is slowed down by what it exceeds a limit by and by this, twice as much each time, as often as it is below that.
+const MARGIN: f64 = 1.2 * SLIGHT;
+const MOST_MARGIN: f64 = 8.0 * SLIGHT;
+
+/// Motions that were slowed down as a whole.
+struct Slowing {
+    margin: f64,
+    /// The part of its speed that the motion has.
+    part: f64,
+    /// The motion before, and by what it exceeded a limit.
+    before: Option<(SpeedLaw, f64)>,
+}
 
 impl<'a, const N: usize> Planner<'a, N> {
     /// Plans until a verified trajectory exceeds nothing that `exceeded` looks for: limits, and the ratios to them.
@@ -56,7 +69,8 @@ impl<'a, const N: usize> Planner<'a, N> {
             None => self.choose_over_grids(&mut problem)?,
         };
         let (mut verifying, mut refined, mut finer_for_stuck) = (Duration::ZERO, 1, 0);
-        let (mut rounds, mut margin, mut last_excess) = (0, 1.2 * SLIGHT, f64::INFINITY);
+        let mut slowing = Slowing { margin: MARGIN, part: 1.0, before: None };
+        let (mut rounds, mut last_excess) = (0, f64::INFINITY);
         let verification = loop {
             rounds += 1;
             chosen.law = self.in_whole_cycles(&problem, chosen.law)?;
@@ -67,7 +81,7 @@ impl<'a, const N: usize> Planner<'a, N> {
                 let [grid, joint_path] = problem.times();
                 let speed = begin.elapsed().saturating_sub(verifying + grid + joint_path);
                 let timings = Timings { grid, joint_path, speed, verification: verifying };
-                let info = self.info(&problem, &chosen, (rounds, refined), &used);
+                let info = self.info(&problem, &chosen, (rounds, refined), (&used, slowing.part));
                 let window = chosen.window();
                 let trajectory = Trajectory::new(problem, chosen.law, info, verification, timings);
                 let more = exceeded(&trajectory)?;
@@ -84,10 +98,11 @@ impl<'a, const N: usize> Planner<'a, N> {
                 break verification;
             }
             let excess = verification.worst().ratio - 1.0;
-            if let Some(slower) = self.slower_as_a_whole(&problem, &chosen.law, (excess, rounds), &mut margin)? {
-                chosen.law = slower;
+            if let Some(slower) = self.slower_as_a_whole(&problem, &chosen.law, (excess, rounds), &mut slowing)? {
+                (chosen.law, last_excess) = (slower, excess);
                 continue;
             }
+            slowing.part = 1.0;
             let local = rounds <= LOCAL_ROUNDS && self.method == Method::JerkLimited;
             // What a lower limit does not mend may be seen by a finer grid; what that does not mend either, less of all limits does.
             let stuck = excess > STUCK * last_excess && finer_for_stuck < FINER_ROUNDS;
@@ -154,26 +169,32 @@ impl<'a, const N: usize> Planner<'a, N> {
         Ok(law.scaled(cycles / whole).map_err(|error| problem.explained(error))?)
     }
 
-    /// A motion that exceeds limits slightly, slower as a whole, on a large grid or in a late round; `margin` doubles from one to the next.
+    /// A motion that exceeds limits slightly, slower as a whole, on a large grid or in a late round. Where that does not help, as friction
+    /// can carry what brakes, the motion before, and none slower any more.
     fn slower_as_a_whole(
         &self,
         problem: &PathProblem<'_, N>,
         law: &SpeedLaw,
         (excess, rounds): (f64, usize),
-        margin: &mut f64,
+        slowing: &mut Slowing,
     ) -> Result<Option<SpeedLaw>, PlanError> {
-        // A motion is not slowed as a whole by more than that; then limits are lowered where they are exceeded.
-        const MOST_MARGIN: f64 = 8.0 * SLIGHT;
+        if let Some((before, _)) = slowing.before.take_if(|(_, least)| excess >= *least) {
+            *slowing = Slowing { margin: MOST_MARGIN, part: 1.0, before: None };
+            return Ok(Some(before));
+        }
+        slowing.before = None;
         let most = if rounds > LOCAL_ROUNDS { SLIGHT_AT_LAST } else { SLIGHT };
         let is_late = rounds > LOCAL_ROUNDS || problem.intervals() > LARGE;
-        let slight = excess <= most && is_late && *margin < MOST_MARGIN;
+        let slight = excess <= most && is_late && slowing.margin < MOST_MARGIN;
         if !slight || self.settings.ends != [0.0; 2] || self.method != Method::JerkLimited {
             return Ok(None);
         }
         // Accelerations and jerks fall by more. The margin is for the setpoints of the slower motion, which lie elsewhere.
-        let slower = law.scaled(1.0 - excess - *margin);
-        *margin *= 2.0;
-        Ok(Some(slower.map_err(|error| problem.explained(error))?))
+        let part = 1.0 - excess - slowing.margin;
+        let slower = law.scaled(part).map_err(|error| problem.explained(error))?;
+        *slowing =
+            Slowing { margin: 2.0 * slowing.margin, part: part * slowing.part, before: Some((law.clone(), excess)) };
+        Ok(Some(slower))
     }
 
     /// The law with a part of each limit; in windows of the length that an earlier round found, where it did.
@@ -319,7 +340,7 @@ impl<'a, const N: usize> Planner<'a, N> {
         problem: &PathProblem<'_, N>,
         chosen: &Chosen,
         (rounds, refined): (usize, usize),
-        used: &LimitFractions,
+        (used, slower): (&LimitFractions, f64),
     ) -> PlanInfo {
         let method = if chosen.fallback.is_some() { Method::ContinuousAcceleration } else { self.method };
         PlanInfo {
@@ -331,6 +352,7 @@ impl<'a, const N: usize> Planner<'a, N> {
             refined,
             lowered: used.lowered(),
             slowed: used.everywhere(),
+            slower,
         }
     }
 }

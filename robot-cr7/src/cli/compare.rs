@@ -38,9 +38,10 @@ pub struct Args {
 const FILES: [&str; 1] = ["compare.svg"];
 
 pub fn run(args: &Args) -> Result<(), Failure> {
+    let painter = args.pictures.painter()?;
     let mut staging = Staging::new(&args.out, &FILES, args.job.as_deref().as_slice())?;
     staging.reads(args.robot.robot.as_ref())?;
-    args.pictures.apply(&mut staging)?;
+    painter.draw(&mut staging);
     let job = read_job(args.job.as_deref())?;
     if let Some(path) = &job.path_file {
         staging.reads(path)?;

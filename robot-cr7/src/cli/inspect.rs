@@ -22,7 +22,7 @@ use crate::cli::tool_path::read_path;
   cr7 inspect --robot panda                limits, geometry, reach and inverse of a robot")]
 pub struct Args {
     /// Look at a robot in place of a path: a built-in name (`cr7 robots` lists them), or a file .urdf or .json
-    #[arg(long, conflicts_with = "path")]
+    #[arg(long, conflicts_with_all = ["path", "format"])]
     robot: Option<String>,
     /// Link of a .urdf file where the arm begins [default: its root]
     #[arg(long, requires = "robot")]
@@ -58,8 +58,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if let Some(name) = &args.robot {
         return robots::inspect(&Robot::load(name, args.base_link.as_deref(), args.tip_link.as_deref())?);
     }
+    let painter = args.pictures.painter()?;
     let mut staging = Staging::new(&args.out, &FILES, args.path.as_deref().as_slice())?;
-    args.pictures.apply(&mut staging)?;
+    painter.draw(&mut staging);
     let file = read_path(args.path.as_deref(), args.unit.as_deref(), &Job::default())?;
     staging.clear()?;
     let shown = file.file.display().to_string();

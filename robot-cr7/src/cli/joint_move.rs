@@ -79,9 +79,10 @@ enum Mode {
 }
 
 pub fn run(args: &Args) -> Result<(), Failure> {
+    let painter = args.pictures.painter()?;
     let mut staging = Staging::new(&args.out, &FILES, args.job.as_deref().as_slice())?;
     staging.reads(args.robot.robot.as_ref())?;
-    args.pictures.apply(&mut staging)?;
+    painter.draw(&mut staging);
     let robot = args.robot.load()?;
     for_joints!(robot, run_with(args, &robot, staging))
 }

@@ -57,9 +57,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         say_as_is!("{}", ToolScenario::EXAMPLE);
         return Ok(());
     }
+    let painter = args.pictures.painter()?;
     let mut staging = Staging::new(&args.out, &FILES, args.scenario.as_deref().as_slice())?;
     staging.reads(args.robot.robot.as_ref())?;
-    args.pictures.apply(&mut staging)?;
+    painter.draw(&mut staging);
     let robot = args.robot.load()?;
     let file = match &args.scenario {
         Some(file) => OnlineFile::read(file)?,

@@ -5,7 +5,7 @@ use crate::Staging;
 use crate::plot::PngPainter;
 
 use crate::cli::Failure;
-use crate::cli::formats;
+use crate::cli::formats::{self, Format};
 
 /// Arguments of commands that draw.
 #[derive(Debug, clap::Args)]
@@ -22,21 +22,40 @@ enum PictureFormat {
 }
 
 impl PictureArgs {
-    /// Has the command write what was asked for.
-    pub fn apply(&self, staging: &mut Staging) -> Result<(), Failure> {
-        match self.format {
-            Some(PictureFormat::Png) => draw_png(staging),
-            None => Ok(()),
-        }
+    /// What draws what was asked for. To be called before anything of an earlier run is touched.
+    pub fn painter(&self) -> Result<Painter, Failure> {
+        Painter::new(self.format.is_some())
     }
 }
 
-/// Has a command write each picture as PNG, too. Fonts are looked for at once, so that their lack is known before the work.
-pub fn draw_png(staging: &mut Staging) -> Result<(), Failure> {
-    formats::check(&[formats::Format::Png])?;
+/// Draws the pictures of a command as PNG, too, where that is asked for.
+pub struct Painter {
     #[cfg(feature = "png")]
-    staging.draw_png(PngPainter::new().map_err(|error| Failure::Undoable(format!("--format png: {error}")))?);
-    #[cfg(not(feature = "png"))]
-    let _ = staging;
-    Ok(())
+    png: Option<PngPainter>,
+}
+
+impl Painter {
+    /// Looks for the fonts at once, so that their lack is known before the work.
+    pub fn new(png: bool) -> Result<Self, Failure> {
+        if png {
+            formats::check(&[Format::Png])?;
+        }
+        #[cfg(feature = "png")]
+        {
+            let painter = png.then(PngPainter::new).transpose();
+            Ok(Self { png: painter.map_err(|error| Failure::Undoable(format!("--format png: {error}")))? })
+        }
+        #[cfg(not(feature = "png"))]
+        Ok(Self {})
+    }
+
+    /// Has the files of a command drawn.
+    pub fn draw(self, staging: &mut Staging) {
+        #[cfg(feature = "png")]
+        if let Some(painter) = self.png {
+            staging.draw_png(painter);
+        }
+        #[cfg(not(feature = "png"))]
+        let _ = staging;
+    }
 }

@@ -15,7 +15,7 @@ use crate::cli::formats::{self, Format};
 use crate::cli::output::conclude;
 use crate::cli::page_file::{Meshes, PageFile};
 use crate::cli::path_places::{distance_of_places, places_of_path};
-use crate::cli::picture_files::draw_png;
+use crate::cli::picture_files::Painter;
 use crate::cli::plan_args::Args;
 use crate::cli::plan_files::{
     COMPILED, Drawn, FILES, LEVERS, LINES, Picture, limit_at, pictures, stream_figure, write_lines,
@@ -31,12 +31,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     formats::check(&args.format)?;
     let meshes = Meshes::read(args)?;
+    let painter = Painter::new(args.format.contains(&Format::Png))?;
     let inputs: Vec<&Path> = [&args.path, &args.job].into_iter().filter_map(|file| file.as_deref()).collect();
     let mut staging = Staging::new(&args.out, &FILES, &inputs)?;
     staging.reads(args.robot.robot.as_ref())?;
-    if args.format.contains(&Format::Png) {
-        draw_png(&mut staging)?;
-    }
+    painter.draw(&mut staging);
     let job = read_job(args.job.as_deref())?;
     if args.stream.is_some() && job.whole_cycles {
         let words = "--stream: a motion whose segments arrive on the way does not know its duration: remove sampling.whole_cycles";

@@ -53,9 +53,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         say_as_is!("{text}");
         return Ok(());
     }
+    let painter = args.pictures.painter()?;
     let mut staging = Staging::new(&args.out, &FILES, args.scenario.as_deref().as_slice())?;
     staging.reads(args.robot.robot.as_ref())?;
-    args.pictures.apply(&mut staging)?;
+    painter.draw(&mut staging);
     let scenario = match &args.scenario {
         Some(file) => Scenario::read(file)?,
         None => Scenario::parse(Scenario::EXAMPLE, "event.toml".as_ref())?,

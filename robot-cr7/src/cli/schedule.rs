@@ -88,9 +88,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         (Some(Example::Waypoints), _) => say_as_is!("{}", ScheduleFile::WAYPOINTS),
         (Some(Example::Poses), _) | (None, None) => say_as_is!("{}", ScheduleFile::EXAMPLE),
         (None, Some(file)) => {
+            let painter = args.pictures.painter()?;
             let mut staging = Staging::new(&args.out, &FILES, &[file])?;
             staging.reads(args.robot.robot.as_ref())?;
-            args.pictures.apply(&mut staging)?;
+            painter.draw(&mut staging);
             let file = ScheduleFile::read(file)?;
             let robot = args.robot.load()?;
             return match (&file.way, robot.joints()) {

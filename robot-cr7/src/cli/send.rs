@@ -57,9 +57,10 @@ pub fn run(args: &Args, stoppable: bool) -> Result<(), Failure> {
     }
     let inputs: Vec<&Path> =
         [&args.motion, &args.job, &args.scenario].into_iter().filter_map(|file| file.as_deref()).collect();
+    let painter = args.pictures.painter()?;
     let mut staging = Staging::new(&args.out, &FILES, &inputs)?;
     staging.reads(args.robot.robot.as_ref())?;
-    args.pictures.apply(&mut staging)?;
+    painter.draw(&mut staging);
     let robot = args.robot.load()?;
     let settings = args.settings(models(args, &robot)?)?;
     if let Some(scenario) = &args.scenario {
@@ -85,7 +86,7 @@ pub fn run(args: &Args, stoppable: bool) -> Result<(), Failure> {
             if args.really {
                 let mut log = SendLog::new(motion.trajectory().duration());
                 let led = lead(&motion, &settings, &mut link, &mut log).outcome().clone();
-                write_log(&led, &log, &mut staging)?;
+                planned.warnings.extend(write_log(&led, &log, &mut staging)?);
                 planned.warnings.extend(log.bound());
                 outcome = Some(led);
             } else {

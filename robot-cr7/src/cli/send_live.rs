@@ -89,7 +89,7 @@ impl Live<'_> {
         if let Some(led) = led {
             tell(&led.outcome, &mut fact);
             events = led.happenings;
-            warnings.extend(led.bound);
+            warnings.extend(led.warnings);
             outcome = Some(led.outcome);
         }
         write_setpoints(&places, settings, robot.any().joint_names(), &mut staging)?;
@@ -132,8 +132,8 @@ impl Live<'_> {
         let source = source.with_way(&way).with_operator(move |_| orders.take());
         let session = lead(source, settings, &mut link, &mut log);
         let (outcome, happenings) = (session.outcome().clone(), session.source().happenings());
-        write_log(&outcome, &log, staging)?;
-        Ok(Some(Led { outcome, happenings, bound: log.bound() }))
+        let warnings = write_log(&outcome, &log, staging)?.into_iter().chain(log.bound()).collect();
+        Ok(Some(Led { outcome, happenings, warnings }))
     }
 }
 
@@ -141,8 +141,8 @@ impl Live<'_> {
 struct Led {
     outcome: Outcome,
     happenings: Vec<Happening>,
-    /// What the log does not hold.
-    bound: Option<String>,
+    /// What could not be drawn, and what the log does not hold.
+    warnings: Vec<String>,
 }
 
 /// A warning where planning a setpoint took `seconds` in the rehearsal, which is more than a setpoint may be late.

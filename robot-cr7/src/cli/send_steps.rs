@@ -94,12 +94,13 @@ pub fn lead<M: SetpointSource>(
     session
 }
 
-/// Writes what came back.
-pub fn write_log(outcome: &Outcome, log: &SendLog, staging: &mut Staging) -> Result<(), Failure> {
+/// Writes what came back. Returns why it could not be drawn, if so: what was moved stays on record.
+pub fn write_log(outcome: &Outcome, log: &SendLog, staging: &mut Staging) -> Result<Option<String>, Failure> {
     let file = staging.create(SENT)?;
     log.write_csv(file).map_err(|source| staging.failed(SENT, source))?;
     let facts = format!("{} setpoints; {}", outcome.sent, outcome.deadlines);
-    Ok(staging.write_picture(PICTURE, sent_picture("sent and actual joints", &facts, log.rows()))?)
+    let drawn = staging.write_picture(PICTURE, sent_picture("sent and actual joints", &facts, log.rows()));
+    Ok(drawn.err().map(|error| error.to_string()))
 }
 
 /// Says what is sent.

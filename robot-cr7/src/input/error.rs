@@ -6,10 +6,7 @@ use arcfeed_geometry::GeometryError;
 use thiserror::Error;
 
 use super::gcode::fault::GcodeFault;
-use crate::text::clip;
-
-/// Characters of a text from a file that a message repeats.
-const LONGEST: usize = 400;
+use crate::text::shortened;
 
 /// Everything that can be wrong with an input file (path, job or trajectory), or with writing an output file.
 ///
@@ -72,7 +69,7 @@ pub enum InputError {
         extension: String,
     },
     /// The text breaks the grammar of JSON or TOML, has an unknown or a missing key, or a value of the wrong kind.
-    #[error("{}:{line}:{column}: {}{hint}", file.display(), clip(message, LONGEST))]
+    #[error("{}:{line}:{column}: {}{hint}", file.display(), shortened(message))]
     Syntax {
         /// The file.
         file: PathBuf,
@@ -86,7 +83,7 @@ pub enum InputError {
         hint: String,
     },
     /// No unit of length is given.
-    #[error("{}: {} names no unit of length: {remedy}", file.display(), clip(place, LONGEST))]
+    #[error("{}: {} names no unit of length: {remedy}", file.display(), shortened(place))]
     MissingUnit {
         /// The file.
         file: PathBuf,
@@ -96,7 +93,7 @@ pub enum InputError {
         remedy: &'static str,
     },
     /// The unit of length is not a known one.
-    #[error("{}: {} is \"{}\", which is not a known unit of length: use \"mm\", \"cm\", \"m\" or \"in\"", file.display(), clip(place, LONGEST), clip(unit, LONGEST))]
+    #[error("{}: {} is \"{}\", which is not a known unit of length: use \"mm\", \"cm\", \"m\" or \"in\"", file.display(), shortened(place), shortened(unit))]
     UnknownUnit {
         /// The file.
         file: PathBuf,
@@ -106,7 +103,7 @@ pub enum InputError {
         unit: String,
     },
     /// The file says one unit and the caller another.
-    #[error("{}: {} says \"{found}\", but \"{asked}\" was asked for: remove one of the two, or make them agree", file.display(), clip(place, LONGEST))]
+    #[error("{}: {} says \"{found}\", but \"{asked}\" was asked for: remove one of the two, or make them agree", file.display(), shortened(place))]
     UnitConflict {
         /// The file.
         file: PathBuf,
@@ -118,7 +115,7 @@ pub enum InputError {
         asked: &'static str,
     },
     /// A column of a CSV header has a name nobody knows.
-    #[error("{}:{line}: column {column} is named \"{}\": {rule}", file.display(), clip(name, LONGEST))]
+    #[error("{}:{line}: column {column} is named \"{}\": {rule}", file.display(), shortened(name))]
     Column {
         /// The file.
         file: PathBuf,
@@ -132,7 +129,7 @@ pub enum InputError {
         rule: &'static str,
     },
     /// A cell of a CSV file is not a finite number.
-    #[error("{}:{line}: column {column} is \"{}\", which is not a finite number: {remedy}", file.display(), clip(cell, LONGEST))]
+    #[error("{}:{line}: column {column} is \"{}\", which is not a finite number: {remedy}", file.display(), shortened(cell))]
     Cell {
         /// The file.
         file: PathBuf,
@@ -188,7 +185,7 @@ pub enum InputError {
     },
     /// A mesh of an arm cannot be drawn.
     #[cfg(feature = "html")]
-    #[error("{}: {fault}", clip(&file.to_string_lossy(), 200))]
+    #[error("{}: {fault}", shortened(&file.to_string_lossy()))]
     Mesh {
         /// The mesh as the URDF names it, or the URDF.
         file: PathBuf,
@@ -196,7 +193,7 @@ pub enum InputError {
         fault: super::meshes::MeshFault,
     },
     /// A value breaks a rule.
-    #[error("{}: {} is {}: {rule}; {remedy}", Place(file, *line), clip(key, LONGEST), clip(value, LONGEST))]
+    #[error("{}: {} is {}: {rule}; {remedy}", Place(file, *line), shortened(key), shortened(value))]
     Value {
         /// The file.
         file: PathBuf,
@@ -212,7 +209,7 @@ pub enum InputError {
         remedy: &'static str,
     },
     /// The numbers of a path file do not make a curve.
-    #[error("{}: {}: {source}", file.display(), clip(key, LONGEST))]
+    #[error("{}: {}: {source}", file.display(), shortened(key))]
     Curve {
         /// The file.
         file: PathBuf,
@@ -222,7 +219,7 @@ pub enum InputError {
         source: GeometryError,
     },
     /// A word of a G-code program cannot be executed.
-    #[error("{}:{line}:{column}: {}: {fault}", file.display(), clip(word, LONGEST))]
+    #[error("{}:{line}:{column}: {}: {fault}", file.display(), shortened(word))]
     Gcode {
         /// The file.
         file: PathBuf,

@@ -180,6 +180,9 @@ fn notes<const N: usize>(trajectory: &Trajectory<'_, N>) -> Vec<String> {
         if info.refined > 1 {
             words += &format!("; intervals raised to {}", info.intervals);
         }
+        if info.slower < 1.0 {
+            words += &format!("; slowed down as a whole by {} %", number(100.0 * (1.0 - info.slower)));
+        }
         if info.slowed < 1.0 {
             words += &format!("; all limits lowered by {} %", number(100.0 * (1.0 - info.slowed)));
         }

@@ -23,7 +23,8 @@ const COMPLETE: &str = "report.json";
 /// that every limit holds. A command that ends without it, for whatever reason, leaves none of the files behind. From
 /// [`Staging::clear`] on no other run writes into the folder.
 ///
-/// A picture `NAME.svg` can have a `NAME.png` beside it, which is handled as if it were one of the names.
+/// A picture `NAME.svg` can have a `NAME.png` beside it, which is handled as if it were one of the names: it is removed where it is not
+/// written anew.
 ///
 /// ```
 /// use robot_cr7::Staging;
@@ -120,7 +121,7 @@ impl Staging {
     }
 
     /// From now on each picture is written as PNG, too.
-    #[cfg(feature = "png")]
+    #[cfg(all(feature = "cli", feature = "png"))]
     pub(crate) fn draw_png(&mut self, painter: PngPainter) {
         self.png = Some(painter);
     }
@@ -160,6 +161,7 @@ impl Staging {
     ///
     /// # Errors
     /// [`InputError::Write`] with its final name, also where it could not be drawn.
+    #[cfg(feature = "cli")]
     pub(crate) fn write_picture(&mut self, name: &str, svg: io::Result<String>) -> Result<(), InputError> {
         let svg = svg.map_err(|source| self.failed(name, source))?;
         self.write(name, &svg)
