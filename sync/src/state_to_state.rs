@@ -1,6 +1,6 @@
 //! Several axes from state to state in a common time.
 
-use arcfeed_feedrate::{AxisLimits, AxisProblem, AxisState, FeedError, MotionLaw, StateToState};
+use arcfeed_feedrate::{AxisLimits, AxisProblem, AxisState, Durations, FeedError, MotionLaw, StateToState};
 
 use nalgebra::SVector;
 
@@ -184,10 +184,11 @@ impl<const N: usize> Trajectory<N> {
         }
         let mut all =
             Self { axes: [StateToState::default(); N], duration: options.round_up(shortest), straight: false };
-        // Every axis has a few blocked intervals at most, and every round passes one.
-        let mut last = 0;
+        // Every axis has a few blocked intervals at most, and every round passes one. The axis that had one comes first the next time: what
+        // was made for the others is made anew.
+        let (mut last, mut known) = (0, [None; N]);
         for _ in 0..ROUNDS * (N + 1) {
-            match all.fill(&problems) {
+            match all.fill(&problems, last, &mut known) {
                 Ok(()) => return Ok(all),
                 Err(SyncError::State { axis, source: FeedError::DurationImpossible { above, .. } })
                     if above > all.duration =>
@@ -201,12 +202,17 @@ impl<const N: usize> Trajectory<N> {
         Err(SyncError::State { axis: last, source: FeedError::OutOfRange { what: "duration of the motion" } })
     }
 
-    /// Every axis in the common duration.
-    fn fill(&mut self, problems: &[Result<AxisProblem, FeedError>; N]) -> Result<(), SyncError> {
-        for (axis, (motion, problem)) in self.axes.iter_mut().zip(problems).enumerate() {
-            if let Ok(problem) = problem {
+    /// Every axis in the common duration, from one of them on; `known` are possible durations that were needed before.
+    fn fill(
+        &mut self,
+        problems: &[Result<AxisProblem, FeedError>; N],
+        first: usize,
+        known: &mut [Option<Durations>; N],
+    ) -> Result<(), SyncError> {
+        for axis in (first..N).chain(0..first) {
+            if let Ok(problem) = &problems[axis] {
                 problem
-                    .with_duration_into(self.duration, motion)
+                    .with_duration_knowing(self.duration, &mut known[axis], &mut self.axes[axis])
                     .map_err(|source| SyncError::State { axis, source })?;
             }
         }

@@ -150,6 +150,20 @@ impl AxisProblem {
     /// # Errors
     /// As [`AxisProblem::with_duration`].
     pub fn with_duration_into(&self, duration: f64, out: &mut StateToState) -> Result<(), FeedError> {
+        self.with_duration_knowing(duration, &mut None, out)
+    }
+
+    /// As [`AxisProblem::with_duration_into`]. The possible durations of the same problem are kept in `known` once they are needed: they take
+    /// several times as long as a motion, and another attempt needs them again.
+    ///
+    /// # Errors
+    /// As [`AxisProblem::with_duration`].
+    pub fn with_duration_knowing(
+        &self,
+        duration: f64,
+        known: &mut Option<Durations>,
+        out: &mut StateToState,
+    ) -> Result<(), FeedError> {
         if duration == self.duration {
             self.write_shortest(out);
             return Ok(());
@@ -158,7 +172,7 @@ impl AxisProblem {
         let inside = self.units.map_or(duration, |u| u.time_into(duration));
         // One cruise velocity proves the duration possible by itself.
         if !(duration > self.duration && self.entry.cruising(inside, out)) {
-            let durations = self.durations();
+            let durations = known.get_or_insert_with(|| self.durations());
             if !durations.contains(duration) {
                 let (below, above) = (durations.at_most(duration), durations.at_least(duration));
                 return Err(FeedError::DurationImpossible { duration, below, above });
