@@ -259,6 +259,7 @@ impl<'a> Inside<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::constraint::{JointJerk, PathDerivatives};
 
     #[test]
     fn extremes_of_what_is_no_polynomial() {
@@ -268,6 +269,21 @@ mod tests {
             let most = (0..=1_000_000).map(|i| value(f64::from(i) * 1e-6)).fold(f64::MIN, f64::max);
             let found = extremes(&samples, value, |_| true)[1];
             assert!((found - most).abs() < 1e-9 * most, "{shift}: {found} instead of {most}");
+        }
+    }
+
+    /// At a constant speed `v` a step takes `step v^2` of the jerk, in its interval alone.
+    #[test]
+    fn what_a_step_takes_of_the_jerk_is_seen() {
+        let (grid, first, none) = ([0.0, 0.1, 0.2, 0.3], [1.0; 4], [0.0; 4]);
+        let path = PathDerivatives::new(1, &first, &none).and_then(|path| path.with_third(&none)).expect("finite");
+        let path = path.with_steps(&[0.0, 50.0, 0.0]).expect("one for each interval");
+        let jerk = JointJerk::new(path, &[10.0]).expect("above 0");
+        let problem = FeedProblem::between_points(&grid, &[&jerk]).expect("a grid");
+        let plan = SpeedLaw::from_knots(&grid, &[0.5; 4]).expect("a law");
+        for (intervals, scale) in [(0..1, 1.0), (1..2, 10.0 / (50.0 * 0.25)), (2..3, 1.0)] {
+            let found = largest_scale(&problem, &plan, intervals.clone());
+            assert!((found - scale).abs() < 1e-9, "{found} in {intervals:?}");
         }
     }
 }

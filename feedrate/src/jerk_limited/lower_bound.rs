@@ -223,13 +223,28 @@ fn straighten(barrier_problem: &mut BarrierProblem, solver: &Solver, ranges: &[[
 mod tests {
     use super::*;
     use crate::FeedPlanner;
-    use crate::constraint::{JointAcceleration, JointJerk, PathDerivatives, TangentialAcceleration};
+    use crate::constraint::{
+        JointAcceleration, JointJerk, JointTorque, PathConstraint, PathDerivatives, TangentialAcceleration,
+    };
     use crate::jerk_limited::JerkLimited;
 
     /// Where jerk makes the speed dip at one place, its multiplier there is large and the problem is not convex. The sum with
     /// straight bounds is: at random motions, faster and slower ones, it is never less than the bound.
     #[test]
     fn the_sum_is_nowhere_less_than_the_bound() {
+        assert!(of_a_dip(None) > 0, "all of it is convex");
+    }
+
+    /// Friction in both directions: its row is convex on one side alone.
+    #[test]
+    fn the_sum_is_nowhere_less_than_the_bound_with_friction() {
+        for friction in [1.0, -1.0] {
+            of_a_dip(Some(friction));
+        }
+    }
+
+    /// Holds random motions against the bound of one with a dip. Returns the number of intervals that are not convex.
+    fn of_a_dip(friction: Option<f64>) -> usize {
         let n = 200;
         let grid: Vec<f64> = (0..=n).map(|i| f64::from(i) / f64::from(n)).collect();
         let first: Vec<f64> = grid.iter().map(|s| 2.0 * (s - 0.5)).collect();
@@ -239,13 +254,17 @@ mod tests {
         let (acceleration, jerk) = (JointAcceleration::new(path, &[1.0]), JointJerk::new(path, &[50.0]));
         let tool = TangentialAcceleration::new(5.0).expect("positive");
         let (acceleration, jerk) = (acceleration.expect("positive"), jerk.expect("positive"));
-        let problem = FeedProblem::between_points(&grid, &[&acceleration, &jerk, &tool]).expect("finite");
+        let (ones, none, c) = (vec![1.0; grid.len()], vec![0.0; grid.len()], vec![friction.unwrap_or(0.0); grid.len()]);
+        let torque = JointTorque::new(&ones, &none, &c, &none, &[0.6]).expect("above 0");
+        let mut limits: Vec<&dyn PathConstraint> = vec![&acceleration, &jerk, &tool];
+        limits.extend(friction.map(|_| &torque as &dyn PathConstraint));
+        let problem = FeedProblem::between_points(&grid, &limits).expect("finite");
         let law = JerkLimited::default().plan(&problem).expect("a law");
         let prepared = prepare(&problem).expect("moves");
         let mut solver = Solver::default();
         let mut part = Problem::new(&prepared, &prepared.parts[0], &law);
         let (bound, conditional) = part.solve(&mut solver, &law).expect("a bound");
-        assert!(conditional > 0 && bound < law.duration(), "{conditional} {bound}");
+        assert!(bound < law.duration(), "{conditional} {bound}");
         // The multipliers are those of the bound: no other start was tried.
         assert!(bound > (1.0 - LEVEL) * solver.with_rows(&part.barrier_problem), "{bound}");
         let best = solver.c.clone();
@@ -269,5 +288,6 @@ mod tests {
             least = least.min(sum);
         }
         assert!(least < bound * 1.001, "{least} {bound}");
+        conditional
     }
 }
