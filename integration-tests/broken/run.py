@@ -45,13 +45,10 @@ EXCEPTIONS = {
 
 # Guarantees whose patch is still to be written.
 PENDING = [
-    "a plan that is returned keeps",
     "a motion inside a range of",
     "a higher limit never makes a",
     "scans keep every segment's bounds inside",
     "asking for the same target every",
-    "no exceeded limit is a success:",
-    "no `unsafe` but at the borders;",
     "near-corners and tiny bends are planned",
     "no URDF text overflows the stack",
     "the motions of 28 jobs stay",
