@@ -45,12 +45,8 @@ EXCEPTIONS = {
 
 # Guarantees whose patch is still to be written.
 PENDING = [
-    "a motion inside a range of",
     "a higher limit never makes a",
-    "scans keep every segment's bounds inside",
-    "asking for the same target every",
     "near-corners and tiny bends are planned",
-    "no URDF text overflows the stack",
     "the motions of 28 jobs stay",
 ]
 
