@@ -89,6 +89,18 @@ fn a_move_with_5163_percent_of_its_jerk_is_no_success() {
     holds_or_is_refused(&desk, &run, &limits::<2>(180.0, 573.0, 5730.0), ([0.0; 2], [0.0; 2]));
 }
 
+/// The joint turns 0.05 deg beyond the end of its range, by three parts in ten thousand.
+#[test]
+fn a_small_excess_is_no_success() {
+    let desk = Desk::new("small_excess");
+    let from = ["move", "--robot", "planar_2r", "--from-deg", "179", "0", "--to-deg", "170", "0", "--from-deg-s"];
+    desk.run(&[&from[..], &["18", "0"]].concat()).done();
+    assert!(left(&desk, "out").contains(&"trajectory.csv".to_owned()));
+    let run = desk.run(&[&from[..], &["19.2", "0"]].concat());
+    assert!(run.code == 1 && run.stderr.contains("joint 1 reaches 100.03 % of its limit"), "{run:?}");
+    assert!(left(&desk, "out").is_empty(), "{:?}", left(&desk, "out"));
+}
+
 #[test]
 fn schedules_on_coarse_grids_that_exceeded_a_tool_speed_keep_it() {
     const RAISED: &str = "intervals raised";
