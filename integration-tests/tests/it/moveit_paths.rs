@@ -147,8 +147,8 @@ fn corner(points: &[Vec<f64>], tolerance: f64) -> f64 {
     tolerance.min(norm(&bend) * d.min(e) / 8.0)
 }
 
-/// Where way-points lie nearer to one another than the tolerance, the lines leave less of it to the corner
-/// (`testLargeAccel`): that much is asked for.
+/// Where way-points lie near to one another or on a line, a corner needs less than the tolerance: no more is allowed.
+/// Those of `testLargeAccel` lie on one line, and each is passed.
 #[test]
 fn corners_keep_their_tolerance_and_the_limits() {
     for case in cases().corners {
