@@ -7,8 +7,10 @@ The programs are at https://github.com/LinuxCNC/linuxcnc, tests/trajectory-plann
 
 Each program is read as it is. Lines that only the machine can follow (`MACHINE`) are left out where they
 are refused, one by one, and counted. The frame of the workpiece is the first of those found so far in which
-the whole program is in reach, else the one that `cr7 place --turn` finds. A planned motion is verified by the
-program itself, and judged here by differences of its joint positions alone. Exit code 1: a program failed.
+the whole program is in reach, else the one that `cr7 place --turn` finds. Only a message that the arm cannot
+stand somewhere, or not go on from there (`OUT_OF_REACH`), leads to the next frame; any other is the verdict.
+A planned motion is verified by the program itself, and judged here by differences of its joint positions
+alone. Exit code 1: a program failed.
 """
 
 import argparse
@@ -34,6 +36,11 @@ rotation_rpy_deg = [0.0, 0.0, -45.0]
 [start]
 configuration = "front down flip"
 """
+# What the command says where the place of the workpiece is at fault: a distance, a joint's range, a singular pose.
+OUT_OF_REACH = re.compile(
+    r"out of reach|outside its range|inverse solutions break a joint limit|no solution at the start stands"
+    r"|changes its branch|singular"
+)
 EXTENSIONS = (".ngc", ".nc", ".gcode")
 
 
@@ -96,8 +103,9 @@ def planned(cr7, program, frames, folder):
     for text in frames:
         try:
             return plan(text)
-        except Unplanned:
-            continue
+        except Unplanned as error:
+            if not OUT_OF_REACH.search(str(error)):
+                raise
     frames.append(frame(cr7, program))
     return plan(frames[-1])
 

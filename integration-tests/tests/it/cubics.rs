@@ -1,12 +1,14 @@
-//! Piecewise cubic curves of several axes, planned from rest to rest, and their motions judged by differences of positions alone.
+//! Piecewise cubic curves of several axes, planned from rest to rest, and their motions judged by differences of
+//! positions alone.
 
 use arcfeed_feedrate::constraint::{JointAcceleration, JointVelocity, PathDerivatives, SpeedCap};
-use arcfeed_feedrate::{FeedPlanner, FeedProblem, InterpolatedReachability, MotionLaw, Quantity, SpeedLaw};
+use arcfeed_feedrate::{FeedError, FeedPlanner, FeedProblem, InterpolatedReachability, MotionLaw, Quantity, SpeedLaw};
 
 /// What rounding of positions adds to the second difference over a step of 1/4000 of the motion.
 pub const ROUNDING: f64 = 1e-6;
 
-/// A piecewise cubic curve; a piece holds, for each axis, the coefficients from the third power down, in `s` from its first knot on.
+/// A piecewise cubic curve; a piece holds, for each axis, the coefficients from the third power down, in `s` from its
+/// first knot on.
 pub struct Cubics {
     knots: Vec<f64>,
     pieces: Vec<Vec<[f64; 4]>>,
@@ -27,8 +29,9 @@ impl Cubics {
         Self { pieces: (0..points.len() - 1).map(piece).collect(), knots }
     }
 
-    /// Straight lines through `points`, the parameter by their length. In place of a corner stands a parabola, within `tolerance` of it and
-    /// of half of both lines at most: the direction passes from one to the other in proportion to the parameter.
+    /// Straight lines through `points`, the parameter by their length. In place of a corner stands a parabola, within
+    /// `tolerance` of it and of half of both lines at most: the direction passes from one to the other in proportion to
+    /// the parameter.
     pub fn blended(points: &[Vec<f64>], tolerance: f64) -> Self {
         let minus = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
         let norm = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -132,15 +135,26 @@ impl Cubics {
         grid.iter().flat_map(at).collect()
     }
 
-    /// The certified plan from rest to rest.
+    /// The certified plan from rest to rest, which there must be.
     pub fn planned(&self, grid: &[f64], v: &[f64], a: &[f64], caps: Option<(&[f64], &[f64])>, name: &str) -> SpeedLaw {
+        self.plan(grid, v, a, caps).unwrap_or_else(|error| panic!("{name}: {error}"))
+    }
+
+    /// The certified plan from rest to rest.
+    pub fn plan(
+        &self,
+        grid: &[f64],
+        v: &[f64],
+        a: &[f64],
+        caps: Option<(&[f64], &[f64])>,
+    ) -> Result<SpeedLaw, FeedError> {
         let [first, second] = [1, 2].map(|derivative| self.values(grid, true, derivative));
         let before = self.values(grid, false, 2);
         let path = PathDerivatives::new(self.axes(), &first, &second)
             .and_then(|path| path.with_values_before(&[], &before, &[]))
             .expect("arrays of equal length");
-        let velocity = JointVelocity::new(path, v).expect("above 0");
-        let acceleration = JointAcceleration::new(path, a).expect("above 0");
+        let velocity = JointVelocity::new(path, v)?;
+        let acceleration = JointAcceleration::new(path, a)?;
         let problem = match caps {
             None => FeedProblem::between_points(grid, &[&velocity, &acceleration]),
             Some((points, intervals)) => {
@@ -148,17 +162,19 @@ impl Cubics {
                 FeedProblem::between_points(grid, &[&velocity, &acceleration, &cap.expect("above 0")])
             }
         };
-        InterpolatedReachability.plan(&problem.expect("rows")).unwrap_or_else(|error| panic!("{name}: {error}"))
+        InterpolatedReachability.plan(&problem?)
     }
 
-    /// Position of axis `j` at time `t`.
+    /// Position of axis `j` at time `t`. The law must not leave the path.
     pub fn position(&self, law: &SpeedLaw, t: f64, j: usize) -> f64 {
-        let s = law.at(t).p.clamp(0.0, self.end());
+        let (p, end) = (law.at(t).p, self.end());
+        assert!((0.0..=end * (1.0 + 1e-12)).contains(&p), "at {t} s the law is at {p} of {end}");
+        let s = p.min(end);
         self.jet(self.piece(s, true), s, j)[0]
     }
 
-    /// The largest ratio of velocities and accelerations to their limits, by differences of positions alone: a mean velocity over some
-    /// time, and the change of two of them, are within the limits where these are kept at all times.
+    /// The largest ratio of velocities and accelerations to their limits, by differences of positions alone: a mean
+    /// velocity over some time, and the change of two of them, are within the limits where these are kept at all times.
     pub fn worst(&self, law: &SpeedLaw, v: impl Fn(f64, usize) -> f64, a: &[f64]) -> [f64; 2] {
         const STEPS: usize = 4000;
         let step = law.duration() / STEPS as f64;

@@ -1,7 +1,9 @@
-//! Way-points from the tests and the reports of toppra's users: each is planned, keeps its limits, and is as fast as its closed form.
+//! Way-points from the tests and the reports of toppra's users: each is planned, keeps its limits, and is as fast as
+//! its closed form.
 //!
-//! Origin: hungpham2511/toppra (MIT), `tests/tests/retime/robustness/problem_suite_1.yaml`, `cpp/tests/test_issue_198.cpp`, and the
-//! numbers of its issues 15, 22 and 51. Only numbers are taken; the curve through the points is a natural cubic spline.
+//! Origin: hungpham2511/toppra (MIT), `tests/tests/retime/robustness/problem_suite_1.yaml`,
+//! `cpp/tests/test_issue_198.cpp`, and the numbers of its issues 15, 22 and 51. Only numbers are taken; the curve
+//! through the points is a natural cubic spline.
 
 use serde::Deserialize;
 
@@ -78,7 +80,8 @@ fn lines_of_any_size_take_their_shortest_time() {
     }
 }
 
-/// Ten joints, cubics with jumps of the second derivative at every point: toppra exceeded an acceleration limit between its grid points.
+/// Ten joints, cubics with jumps of the second derivative at every point: toppra exceeded an acceleration limit between
+/// its grid points.
 #[test]
 fn ten_joints_keep_their_acceleration_limits() {
     let case = cases().issue_198;
@@ -127,7 +130,8 @@ fn velocity_limits_of_a_section_are_kept_to_its_ends() {
     }
 }
 
-/// The duration hardly depends on the grid, and goes with the square root of the size: toppra had a floor of 0.2 s (issues 15 and 51).
+/// The duration hardly depends on the grid, and goes with the square root of the size: toppra had a floor of 0.2 s
+/// (issues 15 and 51).
 #[test]
 fn small_motions_scale_as_large_ones() {
     for power in [0, 10, 20, 30] {

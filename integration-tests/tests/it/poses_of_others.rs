@@ -1,4 +1,5 @@
-//! Poses of another inverse solver's tests: the forward solution is theirs, and their joint values are among all inverse solutions.
+//! Poses of another inverse solver's tests: the forward solution is theirs, and their joint values are among all
+//! inverse solutions.
 //!
 //! Origin: rpiRobotics/ik-geo (BSD-3-Clause), `test_cases`. Only numbers are taken.
 
