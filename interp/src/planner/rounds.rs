@@ -42,7 +42,7 @@ struct Slowing {
     margin: f64,
     /// The part of its speed that the motion has.
     part: f64,
-    /// The motion before, and by what it exceeded a limit.
+    /// The motion before the first time, and by what it exceeded a limit.
     before: Option<(SpeedLaw, f64)>,
 }
 
@@ -102,7 +102,7 @@ impl<'a, const N: usize> Planner<'a, N> {
                 (chosen.law, last_excess) = (slower, excess);
                 continue;
             }
-            slowing.part = 1.0;
+            (slowing.part, slowing.before) = (1.0, None);
             let local = rounds <= LOCAL_ROUNDS && self.method == Method::JerkLimited;
             // What a lower limit does not mend may be seen by a finer grid; what that does not mend either, less of all limits does.
             let stuck = excess > STUCK * last_excess && finer_for_stuck < FINER_ROUNDS;
@@ -178,22 +178,23 @@ impl<'a, const N: usize> Planner<'a, N> {
         (excess, rounds): (f64, usize),
         slowing: &mut Slowing,
     ) -> Result<Option<SpeedLaw>, PlanError> {
-        if let Some((before, _)) = slowing.before.take_if(|(_, least)| excess >= *least) {
-            *slowing = Slowing { margin: MOST_MARGIN, part: 1.0, before: None };
-            return Ok(Some(before));
+        if slowing.margin >= MOST_MARGIN {
+            // A slower motion has its samples elsewhere: only the last one tells.
+            let before = slowing.before.take_if(|(_, first)| excess >= *first);
+            slowing.part = if before.is_some() { 1.0 } else { slowing.part };
+            return Ok(before.map(|(law, _)| law));
         }
-        slowing.before = None;
         let most = if rounds > LOCAL_ROUNDS { SLIGHT_AT_LAST } else { SLIGHT };
         let is_late = rounds > LOCAL_ROUNDS || problem.intervals() > LARGE;
-        let slight = excess <= most && is_late && slowing.margin < MOST_MARGIN;
+        let slight = excess <= most && is_late;
         if !slight || self.settings.ends != [0.0; 2] || self.method != Method::JerkLimited {
             return Ok(None);
         }
         // Accelerations and jerks fall by more. The margin is for the setpoints of the slower motion, which lie elsewhere.
         let part = 1.0 - excess - slowing.margin;
         let slower = law.scaled(part).map_err(|error| problem.explained(error))?;
-        *slowing =
-            Slowing { margin: 2.0 * slowing.margin, part: part * slowing.part, before: Some((law.clone(), excess)) };
+        slowing.before.get_or_insert_with(|| (law.clone(), excess));
+        (slowing.margin, slowing.part) = (2.0 * slowing.margin, part * slowing.part);
         Ok(Some(slower))
     }
 
