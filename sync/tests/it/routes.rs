@@ -303,7 +303,8 @@ fn a_refused_route_changes_nothing() {
     assert!(matches!(e, SyncError::LeavesRange { axis: 0, limit: 1.0, .. }), "{e}");
     // The free sections are planned before the line is found to be off.
     let route = g.route().clone();
-    let half = Route::new(&points, [AxisState::new(0.9, 0.1, 0.0), AxisState::rest(0.2)], limits).with_straight_section();
+    let half =
+        Route::new(&points, [AxisState::new(0.9, 0.1, 0.0), AxisState::rest(0.2)], limits).with_straight_section();
     let e = g.set_route(&half, &mut planner).unwrap_err();
     assert!(matches!(e, SyncError::NotStraight { .. }), "{e}");
     assert_eq!(*g.route(), route);
