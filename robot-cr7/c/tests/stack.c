@@ -143,9 +143,10 @@ static bool measure(size_t count, long reserving, long setting, long cycle) {
 }
 
 int main(void) {
-    bool good = measure(1, 160000, 130000, 20000);
-    good &= measure(6, 600000, 600000, 80000);
-    good &= measure(8, 800000, 800000, 100000);
+    /* Half as much again as measured, since compilers inline differently; to reserve copies the memory itself, which has its size. */
+    bool good = measure(1, 160000, 100000, 25000);
+    good &= measure(6, 600000, 410000, 120000);
+    good &= measure(8, 800000, 540000, 150000);
     if (!good) {
         fprintf(stderr, "that is more than docs/controller_in_c.md says\n");
     }
