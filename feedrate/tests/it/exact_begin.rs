@@ -38,16 +38,20 @@ fn a_motion_at_full_acceleration_throughout_begins_in_its_start() {
 #[test]
 fn random_motions_begin_in_their_start() {
     let mut rng = Random::new(42);
+    let (mut shortest, mut longer) = (0, 0);
     for number in 0..100_000 {
         let case = random_case(&mut rng, false);
         let limits = case.limits();
         let Ok(problem) = AxisProblem::new(&case.start, &case.target, &limits) else { continue };
         if problem.shortest_duration() > 0.0 {
             assert_eq!(begin(&problem.shortest()), case.start, "case {number}: {case:?}");
+            shortest += 1;
         }
         let t = problem.shortest_duration() * rng.between(1.0, 3.0);
         if let Ok(motion) = problem.with_duration(t) {
             assert_eq!(begin(&motion), case.start, "case {number} in {t}: {case:?}");
+            longer += 1;
         }
     }
+    assert!(shortest > 99_000 && longer > 90_000, "{shortest} {longer}");
 }

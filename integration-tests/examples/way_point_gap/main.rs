@@ -47,7 +47,9 @@ fn gap<const N: usize>(planner: &mut WayPointPlanner<N>, count: usize, pieces: u
 }
 
 fn table<const N: usize>(way_points: usize, pieces: usize, (count, rounds): (u64, usize)) {
-    let mut planner = Box::new(WayPointPlanner::<N>::with_rounds(rounds));
+    let default = rounds == WayPointPlanner::<N>::DEFAULT_ROUNDS;
+    let mut planner =
+        Box::new(if default { WayPointPlanner::<N>::new() } else { WayPointPlanner::with_rounds(rounds) });
     let mut gaps: Vec<f64> = (0..count).filter_map(|seed| gap(&mut planner, way_points, pieces, seed)).collect();
     gaps.sort_by(f64::total_cmp);
     let Some(worst) = gaps.last() else { return };

@@ -445,8 +445,8 @@ enum ArcfeedStatus arcfeed_generator_scale(const struct ArcfeedGenerator *genera
 enum ArcfeedStatus arcfeed_generator_reserve_way_points(struct ArcfeedGenerator *generator);
 
 // Goes along a route from the present state of motion on, whatever the axes do. Plans it, in a time bounded by the number of
-// its points and with up to 0.8 MB of stack. The limits of the route take the place of those of the generator. A call that is
-// refused changes nothing.
+// its points and with up to 0.54 MB of stack for eight axes. The limits of the route take the place of those of the generator.
+// A call that is refused changes nothing.
 //
 // Pointers, those of the route, too, are NULL or point to what their names say.
 enum ArcfeedStatus arcfeed_generator_set_route(struct ArcfeedGenerator *generator,

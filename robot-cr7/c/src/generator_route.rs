@@ -21,8 +21,8 @@ pub unsafe extern "C" fn arcfeed_generator_reserve_way_points(generator: *mut Ar
 }
 
 /// Goes along a route from the present state of motion on, whatever the axes do. Plans it, in a time bounded by the number of
-/// its points and with up to 0.8 MB of stack. The limits of the route take the place of those of the generator. A call that is
-/// refused changes nothing.
+/// its points and with up to 0.54 MB of stack for eight axes. The limits of the route take the place of those of the generator.
+/// A call that is refused changes nothing.
 ///
 /// # Safety
 /// Pointers, those of the route, too, are NULL or point to what their names say.

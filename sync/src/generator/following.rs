@@ -161,7 +161,8 @@ impl<const N: usize> Following<N> {
     }
 
     /// Axis `k`, which has arrived, goes on from `state`. Where that is not the state of its `plan`, as time was scaled, it goes back
-    /// to the velocity it goes on with; so it does where it is on the way back already, or brakes because its range ended before.
+    /// to the velocity it goes on with; so it does where it is on the way back already, was slower within its limits, or brakes
+    /// because its range ended before. Limits below that velocity do not change what it is.
     pub fn coast(
         &mut self,
         k: usize,
@@ -172,9 +173,9 @@ impl<const N: usize> Following<N> {
         let axis = &self.axes[k];
         let returns = state != plan || axis.after.deviates_at(axis.steps * cycle);
         let velocity = if returns { axis.after.velocity } else { l.velocity_after(state) };
-        let coast = Coast::to_velocity(state, velocity.clamp(l.v_min(), l.v_max()), l, range);
-        let after = checked(k, "present state", coast, range)?;
-        self.go_on(k, &Coast { returns, ..after });
+        let permitted = velocity.clamp(l.v_min(), l.v_max());
+        let after = checked(k, "present state", Coast::to_velocity(state, permitted, l, range), range)?;
+        self.go_on(k, &Coast { velocity, returns, limited: velocity != permitted, ..after });
         Ok(())
     }
 

@@ -84,6 +84,48 @@ fn a_motion_that_leaves_the_range_between_is_refused_and_the_old_one_goes_on() {
     }
 }
 
+/// An axis that becomes faster again so near to its end that it has no time at constant velocity was said to brake from the first cycle
+/// on, while it still accelerated.
+#[test]
+fn the_range_ends_for_an_axis_when_it_begins_to_brake() {
+    let mut rng = Random::new(43);
+    let (mut accelerating, mut anew) = (0, 0);
+    for case in 0..300 {
+        let l = AxisLimits::symmetric(1.0, rng.log(1.0, 10.0), rng.log(5.0, 100.0)).unwrap();
+        let low = AxisLimits::symmetric(0.1, l.a_max(), l.j_max()).unwrap();
+        let g = OnlineGenerator::new([AxisState::rest(0.0)], [l], CYCLE, Synchronisation::Time).unwrap();
+        let sign = rng.one_of(&[1.0, -1.0]);
+        let mut g = g.with_ranges([(-1.0, 1.0)]).unwrap();
+        g.set_target([AxisState::new(sign * 0.2, sign * 0.4, 0.0)]).unwrap();
+        while !g.step().events.arrived[0] {}
+        g.set_limits([low]).unwrap();
+        // Sometimes it brakes already.
+        let left = rng.log(1e-4, 0.2);
+        while 1.0 - sign * g.state()[0].p > left {
+            g.step();
+        }
+        anew += usize::from(sign * g.state()[0].a < 0.0);
+        g.set_limits([l]).unwrap();
+        let mut cycles = vec![];
+        while g.state()[0] != AxisState::rest(sign) && cycles.len() < 5000 {
+            let brakes = g.step().events.range_ends[0];
+            cycles.push((brakes, sign * g.state()[0].a));
+        }
+        assert_eq!(g.state()[0], AxisState::rest(sign), "case {case}");
+        let begin = cycles.iter().position(|(brakes, _)| *brakes).unwrap();
+        let accelerates = cycles.iter().rposition(|(_, a)| *a > 1e-9).map_or(0, |last| last + 1);
+        accelerating += usize::from(accelerates > 0);
+        for (cycle, (brakes, a)) in cycles.iter().enumerate() {
+            assert_eq!(*brakes, cycle >= begin, "case {case}, {cycle}: {begin}");
+            assert!(!brakes || *a < 1e-9, "case {case}, {cycle}: accelerates by {a} from {accelerates} on");
+            // Else it releases the brake, to less than the jerk of a cycle.
+            let releases = cycles[cycle..=begin.max(cycle)].iter().any(|(_, later)| later > a);
+            assert!(*brakes || releases || *a > -l.j_max() * CYCLE, "case {case}, {cycle}: brakes by {a}");
+        }
+    }
+    assert!(accelerating > 100 && anew > 10, "{accelerating} {anew}");
+}
+
 #[test]
 fn an_axis_that_goes_on_brakes_before_its_range_ends() {
     for mode in MODES {

@@ -301,6 +301,13 @@ fn a_refused_route_changes_nothing() {
     // Passed at this velocity, the axis cannot turn before its range ends.
     let e = refuse(&[WayPoint::new([0.99, 0.1]).with_velocity(0, 0.9)], [0.2, 0.2].map(AxisState::rest));
     assert!(matches!(e, SyncError::LeavesRange { axis: 0, limit: 1.0, .. }), "{e}");
+    // The free sections are planned before the line is found to be off.
+    let route = g.route().clone();
+    let half =
+        Route::new(&points, [AxisState::new(0.9, 0.1, 0.0), AxisState::rest(0.2)], limits).with_straight_section();
+    let e = g.set_route(&half, &mut planner).unwrap_err();
+    assert!(matches!(e, SyncError::NotStraight { .. }), "{e}");
+    assert_eq!(*g.route(), route);
     let e = g.set_axis_limits(1, limits[0]).unwrap_err();
     assert!(matches!(e, SyncError::LimitsOfRoute), "{e}");
     let narrow = (*g).clone().with_ranges([(-1.0, 0.7), (-1.0, 1.0)]).unwrap_err();
