@@ -47,6 +47,9 @@ EXCEPTIONS = {
 PENDING = {
     "a higher limit never makes a motion longer": "a feed out of reach that is taken as it is: eight random paths do not notice it",
     "near-corners and tiny bends are planned": "a grid that looks at the middle of an interval alone: the test did not end in minutes",
+    "a motion of one axis between states begins in its start": "its tests failed with the code before it; no patch was written",
+    "way-points, states and commands of other suites": "its tests failed with spoilt inputs and spoilt motions; no patch was written",
+    "poses of another inverse solver": "its test failed with a spoilt pose; no patch was written",
     "the motions of 28 jobs stay": "a velocity limit that is left a thousandth unused: 28 jobs did not end in minutes",
 }
 
