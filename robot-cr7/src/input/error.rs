@@ -185,7 +185,7 @@ pub enum InputError {
     },
     /// A mesh of an arm cannot be drawn.
     #[cfg(feature = "html")]
-    #[error("{}: {fault}", shortened(&file.to_string_lossy()))]
+    #[error("{}: {fault}", crate::text::clip(&file.to_string_lossy(), 200))]
     Mesh {
         /// The mesh as the URDF names it, or the URDF.
         file: PathBuf,

@@ -172,8 +172,11 @@ impl Play {
             if !undisturbed || self.due[k].is_some() {
                 self.due[k] = Some(self.generator.target()[k]);
             } else if limits[k] != self.limits[k] || !alone && limits != self.limits {
-                // It goes on from where it is.
-                self.cruise[k] = cruise_after(&self.now[k], &self.scene, &limits, k);
+                // It goes on from where it is. What limits held down goes back to the velocity of its target once they allow that: from
+                // then on its velocity cannot be told until it arrives anew.
+                if !self.cruise[k].is_nan() {
+                    self.cruise[k] = cruise_after(&self.now[k], &self.scene, &limits, k);
+                }
             }
         }
         self.limits = limits;
