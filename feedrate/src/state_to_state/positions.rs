@@ -158,11 +158,18 @@ pub(super) fn hardest_turn(s: &AxisState, l: &AxisLimits) -> Turn {
     if -square.sqrt() >= lowest {
         return at_once(l.j_min());
     }
-    // The acceleration has to rise from now on for the velocity to keep its limit.
-    if s.a <= lowest && s.a * s.a - 2.0 * l.j_max() * s.v >= lowest * lowest * (1.0 - 1e-9) {
-        return at_once(l.j_max());
-    }
     let target = AxisState::new(s.p, 0.0, lowest);
+    let rising = s.a * s.a - 2.0 * l.j_max() * s.v;
+    // The acceleration has to rise from now on for the velocity to keep its limit. Within round-off it may be either.
+    if s.a <= lowest && rising >= lowest * lowest * (1.0 - 1e-9) {
+        let at_once = at_once(l.j_max());
+        if rising >= lowest * lowest {
+            return at_once;
+        }
+        let farthest = |m: StateToState| m.position_range().max;
+        let later = AxisProblem::direct(s, &target, l).map_or(f64::INFINITY, farthest);
+        return if later < at_once.p { Turn { p: later.max(s.p), a: lowest } } else { at_once };
+    }
     let p = AxisProblem::direct(s, &target, l).map_or(f64::INFINITY, |m| m.at(m.duration()).p);
     Turn { p: p.max(s.p), a: lowest }
 }

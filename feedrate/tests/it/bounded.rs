@@ -110,6 +110,32 @@ fn refusals_name_what_cannot_be_avoided() {
 }
 
 /// A start outside comes back, no farther out than it must.
+/// Where a stop and a way on from rest stay inside, the problem has a solution.
+#[test]
+fn a_start_beside_the_hardest_braking_that_the_velocity_allows_is_not_refused() {
+    let (mut rng, mut inside) = (Random::new(70_184_201), 0);
+    for _ in 0..20_000 {
+        let (j, v_max) = (rng.log(0.1, 100.0), rng.log(0.1, 10.0));
+        // The acceleration has to rise at once, or nearly so, for the velocity not to go below its limit.
+        let v = v_max * (1.0 - rng.log(1e-16, 0.5));
+        let a = -(2.0 * j * (v_max * (1.0 - rng.log(1e-12, 1e-8)) + v)).sqrt();
+        let limits = AxisLimits::symmetric(v_max, -a * (1.0 + rng.log(1e-16, 1e-6)), j).unwrap();
+        let start = AxisState::new(0.0, v, a);
+        let farthest = StateToState::stop(&start, &limits).unwrap().position_range().max;
+        let upper = farthest * (1.0 - rng.log(1e-13, 1e-8));
+        let positions = PositionLimits::new(farthest - 10.0 * v_max * (v_max / j).sqrt(), upper).unwrap();
+        let stop = StateToState::stop_within(&start, &limits, (positions.lower(), positions.upper()));
+        if !stop.is_ok_and(|stop| stop.position_range().max <= upper) {
+            continue;
+        }
+        inside += 1;
+        let target = AxisState::rest(positions.lower() + rng.unit() * (upper - positions.lower()));
+        let problem = BoundedProblem::new(&start, &target, &limits, &positions);
+        assert!(problem.is_ok(), "{start:?} to {target:?}, {limits:?}, {positions:?}: {:?}", problem.err());
+    }
+    assert!(inside > 1000, "{inside}");
+}
+
 #[test]
 fn a_start_outside_comes_back() {
     let limits = AxisLimits::symmetric(1.0, 5.0, 50.0).unwrap();
