@@ -48,9 +48,23 @@ struct Tally {
     time: Duration,
 }
 
+const HELP: &str = "soak: plays random families in turn and counts what must not be
+
+  --minutes N     for so long, each family the same part of it (0.2)
+  --count N       so many cases of each family instead
+  --seed S        from this seed on (1)
+  --family NAME   this one alone
+  --threads N     so many seeds at a time (1)
+
+The exit code is 1 if something failed or a family played nothing.";
+
 fn main() -> ExitCode {
     let options = match options() {
-        Ok(options) => options,
+        Ok(Some(options)) => options,
+        Ok(None) => {
+            println!("{HELP}\n\nfamilies: {}", names().join(", "));
+            return ExitCode::SUCCESS;
+        }
         Err(what) => {
             eprintln!("soak: {what}");
             return ExitCode::from(2);
@@ -66,7 +80,7 @@ fn main() -> ExitCode {
     });
     let totals = totals.into_inner().unwrap_or_default();
     if totals.is_empty() {
-        eprintln!("soak: no such family");
+        eprintln!("soak: no such family; choose one of {}", names().join(", "));
         return ExitCode::from(2);
     }
     println!(
@@ -84,6 +98,11 @@ fn main() -> ExitCode {
     println!("{played} cases, {failed} failed, {:.0} s, {} threads", begin.elapsed().as_secs_f64(), options.threads);
     let idle = totals.iter().any(|(_, t)| t.played == 0);
     ExitCode::from(u8::from(failed > 0 || idle))
+}
+
+/// All families.
+fn names() -> Vec<&'static str> {
+    families::all(&arms(), &models::ur5e()).iter().map(|family| family.name).collect()
 }
 
 /// Every family in turn, with every so many seeds from the first one of this thread on.
@@ -117,6 +136,7 @@ fn play(options: &Options, thread: u64, totals: &Mutex<Vec<(&'static str, Tally)
             tally.played += 1;
         }
         tally.time = begin.elapsed();
+        eprintln!("{}, thread {thread}: {} cases, {} failed", family.name, tally.played, tally.failed);
     }
     let Ok(mut totals) = totals.lock() else { return };
     if totals.is_empty() {
@@ -134,10 +154,14 @@ fn play(options: &Options, thread: u64, totals: &Mutex<Vec<(&'static str, Tally)
     }
 }
 
-fn options() -> Result<Options, String> {
+/// The options; none where help is asked for.
+fn options() -> Result<Option<Options>, String> {
     let mut options = Options { seed: 1, count: None, minutes: 0.2, family: None, threads: 1 };
     let mut arguments = std::env::args().skip(1);
     while let Some(flag) = arguments.next() {
+        if flag == "--help" || flag == "-h" {
+            return Ok(None);
+        }
         let value = arguments.next().ok_or_else(|| format!("{flag} needs a value"))?;
         let wrong = || format!("{flag} {value}: give a number");
         match flag.as_str() {
@@ -149,5 +173,5 @@ fn options() -> Result<Options, String> {
             _ => return Err(format!("no option {flag}: --minutes, --count, --seed, --family, --threads")),
         }
     }
-    Ok(options)
+    Ok(Some(options))
 }

@@ -79,6 +79,21 @@ fn a_motion_that_is_too_long_names_the_key() {
     }
 }
 
+/// Four knots within 1e-12 of the length: a step of the acceleration kept its part of the jerk over the whole interval that follows the
+/// last one, 1 % of the path, and the motion took 290 s where the feed asks for 7.1 s.
+#[test]
+fn knots_that_nearly_coincide_make_a_motion_slow_beside_them_alone() {
+    assert_eq!(TightBend::random(40).play(), Ok(Outcome::Planned));
+}
+
+/// Intervals between knots that are one rounding apart were divided: "drop duplicate points".
+#[test]
+fn knots_one_rounding_apart_can_be_planned() {
+    for seed in [61, 122] {
+        assert_eq!(TightBend::random(seed).play(), Ok(Outcome::Planned), "{seed}");
+    }
+}
+
 #[test]
 fn random_paths_are_planned_or_refused_with_a_reason() {
     let mut planned = 0;

@@ -16,6 +16,10 @@ const ROUNDING: f64 = 1e-12;
 const NEAR: f64 = 0.25;
 /// Ratio of neighbouring intervals that are inserted.
 const GROWTH: f64 = 2.0;
+/// Inserted points closer than this part of the interval that they begin are one.
+const SAME: f64 = 0.1;
+/// No interval that is inserted is shorter than this part of the path, so that it can be divided.
+const SHORTEST: f64 = 1e-11;
 
 /// Joint values and derivatives at every point of a grid, on one branch of the inverse.
 #[derive(Debug, Clone)]
@@ -196,25 +200,33 @@ impl<const N: usize> JointPath<N> {
     }
 
     /// Puts grid points beside some of them, as many units of the parameter before and after as `beside` says for each, and more at
-    /// growing distances from there to the next grid point; none where that is about as near.
+    /// growing distances from there to the next grid point that is farther away; none where that is about as near.
     pub(crate) fn insert_beside(&mut self, path: &dyn MotionPath<N>, beside: &[(usize, f64)]) -> Result<(), PathError> {
         let mut new = Vec::new();
+        let least = SHORTEST * self.after.last().map_or(0.0, |end| end.s);
         for &(i, distance) in beside {
-            let s = self.after[i].s;
-            for (next, sign) in [(i.checked_sub(1), -1.0), (Some(i + 1), 1.0)] {
-                let Some(next) = next.and_then(|next| self.after.get(next)) else { continue };
+            let (s, distance) = (self.after[i].s, distance.max(least));
+            let is_beyond = |jet: &&JointJet<N>| (jet.s - s).abs() > distance;
+            let before = self.after[..i].iter().rev().find(is_beyond);
+            let after = self.after[i + 1..].iter().find(is_beyond);
+            for (next, sign) in [(before, -1.0), (after, 1.0)] {
+                let Some(next) = next else { continue };
                 let (mut away, mut step) = (distance, distance);
                 while away + 0.5 * step < (next.s - s).abs() {
-                    new.push(s + sign * away);
+                    new.push((s + sign * away, step));
                     step *= GROWTH;
                     away += step;
                 }
             }
         }
-        new.sort_by(f64::total_cmp);
-        for s in new {
+        new.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (s, step) in new {
             let i = self.after.partition_point(|jet| jet.s <= s).max(1);
             let last = &self.after[i - 1];
+            // Of knots that nearly coincide each asks for much the same points.
+            if s - last.s < SAME * step || self.after.get(i).is_some_and(|next| next.s - s < SAME * step) {
+                continue;
+            }
             let jet = path.jet(s, &last.ahead(s - last.s))?;
             self.after.insert(i, jet);
             self.before.insert(i, jet);

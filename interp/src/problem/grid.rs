@@ -65,6 +65,8 @@ pub(crate) fn refined(grid: &[f64], parts: impl Fn(usize) -> usize) -> Vec<f64> 
         fine.extend((0..parts).map(|i| pair[0] + (pair[1] - pair[0]) * (i as f64 / parts as f64)));
     }
     fine.extend(grid.last());
+    // Between knots that are a few roundings apart there are not so many places.
+    fine.dedup();
     fine
 }
 
