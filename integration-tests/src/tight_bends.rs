@@ -16,10 +16,10 @@ use crate::hybrid_scenario::vector;
 const TOLERANCE: f64 = 1e-6;
 
 /// What became of a path.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Outcome {
-    /// Planned and verified.
-    Planned,
+    /// Planned and verified: the duration, by that which the feed asks for.
+    Planned(f64),
     /// Refused with the place and the reason.
     Refused,
     /// The arm cannot follow the path, however slowly.
@@ -118,7 +118,7 @@ impl TightBend {
                 } else if plan.duration() > 30.0 + 5.0 * least {
                     Err(format!("takes {} s, of which the feed asks for {least}", plan.duration()))
                 } else {
-                    Ok(Outcome::Planned)
+                    Ok(Outcome::Planned(plan.duration() / least))
                 }
             }
             Err(PlanError::Path(

@@ -160,7 +160,8 @@ pub(super) fn hardest_turn(s: &AxisState, l: &AxisLimits) -> Turn {
     }
     let target = AxisState::new(s.p, 0.0, lowest);
     let rising = s.a * s.a - 2.0 * l.j_max() * s.v;
-    // The acceleration has to rise from now on for the velocity to keep its limit. Within round-off it may be either.
+    // The acceleration has to rise from now on for the velocity to keep its limit. Within round-off of that it may rise at once or
+    // later: the turn that is nearer counts.
     if s.a <= lowest && rising >= lowest * lowest * (1.0 - 1e-9) {
         let at_once = at_once(l.j_max());
         if rising >= lowest * lowest {

@@ -109,7 +109,6 @@ fn refusals_name_what_cannot_be_avoided() {
     assert!(matches!(nan, Err(FeedError::NotFinite { .. })));
 }
 
-/// A start outside comes back, no farther out than it must.
 /// Where a stop and a way on from rest stay inside, the problem has a solution.
 #[test]
 fn a_start_beside_the_hardest_braking_that_the_velocity_allows_is_not_refused() {
@@ -130,12 +129,24 @@ fn a_start_beside_the_hardest_braking_that_the_velocity_allows_is_not_refused() 
         }
         inside += 1;
         let target = AxisState::rest(positions.lower() + rng.unit() * (upper - positions.lower()));
-        let problem = BoundedProblem::new(&start, &target, &limits, &positions);
-        assert!(problem.is_ok(), "{start:?} to {target:?}, {limits:?}, {positions:?}: {:?}", problem.err());
+        let mirrored = |s: &AxisState| AxisState::new(-s.p, -s.v, -s.a);
+        let below = PositionLimits::new(-upper, -positions.lower()).unwrap();
+        // The limits are the same for the mirrored motion, and for the one that is played backwards.
+        for (start, target, positions) in [
+            (start, target, positions),
+            (mirrored(&start), mirrored(&target), below),
+            (target, AxisState::new(start.p, -start.v, start.a), positions),
+        ] {
+            let problem = BoundedProblem::new(&start, &target, &limits, &positions);
+            let what = format!("{start:?} to {target:?}, {limits:?}, {positions:?}");
+            let motion = problem.unwrap_or_else(|error| panic!("{what}: {error}")).shortest();
+            assert!(samples_inside(&motion, &positions), "{what}");
+        }
     }
     assert!(inside > 1000, "{inside}");
 }
 
+/// A start outside comes back, no farther out than it must.
 #[test]
 fn a_start_outside_comes_back() {
     let limits = AxisLimits::symmetric(1.0, 5.0, 50.0).unwrap();

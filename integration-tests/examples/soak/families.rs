@@ -50,7 +50,7 @@ fn polyline(seed: u64) -> Outcome {
 fn tight_bend(seed: u64) -> Outcome {
     let path = TightBend::random(seed);
     match path.play() {
-        Ok(tight_bends::Outcome::Planned) => Outcome::Done,
+        Ok(tight_bends::Outcome::Planned(_)) => Outcome::Done,
         Ok(_) => Outcome::Refused,
         Err(what) => Outcome::Failed(format!("{what}\n{path:?}\n{}", path.path_file())),
     }

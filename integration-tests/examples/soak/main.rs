@@ -48,15 +48,16 @@ struct Tally {
     time: Duration,
 }
 
-const HELP: &str = "soak: plays random families in turn and counts what must not be
+const HELP: &str = "soak: plays families of random cases in turn and reports every failure
 
-  --minutes N     for so long, each family the same part of it (0.2)
-  --count N       so many cases of each family instead
-  --seed S        from this seed on (1)
-  --family NAME   this one alone
-  --threads N     so many seeds at a time (1)
+  --minutes N     minutes in all, the same part for each family (default 0.2)
+  --count N       number of cases of each family, in place of a time
+  --seed S        the first seed (default 1)
+  --family NAME   only this family
+  --threads N     number of cases at a time (default 1)
 
-The exit code is 1 if something failed or a family played nothing.";
+Progress goes to standard error, the report to standard output. The exit code is 1 if a case
+failed or a family played none, and 2 for a wrong option.";
 
 fn main() -> ExitCode {
     let options = match options() {
@@ -100,7 +101,7 @@ fn main() -> ExitCode {
     ExitCode::from(u8::from(failed > 0 || idle))
 }
 
-/// All families.
+/// The names of all families.
 fn names() -> Vec<&'static str> {
     families::all(&arms(), &models::ur5e()).iter().map(|family| family.name).collect()
 }

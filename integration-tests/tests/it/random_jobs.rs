@@ -22,5 +22,6 @@ fn random_jobs_are_planned_and_certified_or_refused_for_their_path() {
 /// jerk of joint 1 would be 2.0e7".
 #[test]
 fn a_piece_beside_the_plan_may_end_where_a_step_begins() {
-    assert!(matches!(random_job(451, false), Outcome::Done(_)));
+    let outcome = random_job(451, false);
+    assert!(matches!(outcome, Outcome::Done(_)), "{outcome:?}");
 }

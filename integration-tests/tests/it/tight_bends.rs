@@ -83,14 +83,16 @@ fn a_motion_that_is_too_long_names_the_key() {
 /// last one, 1 % of the path, and the motion took 290 s where the feed asks for 7.1 s.
 #[test]
 fn knots_that_nearly_coincide_make_a_motion_slow_beside_them_alone() {
-    assert_eq!(TightBend::random(40).play(), Ok(Outcome::Planned));
+    let outcome = TightBend::random(40).play();
+    assert!(matches!(outcome, Ok(Outcome::Planned(slower)) if slower < 1.1), "{outcome:?}");
 }
 
 /// Intervals between knots that are one rounding apart were divided: "drop duplicate points".
 #[test]
 fn knots_one_rounding_apart_can_be_planned() {
     for seed in [61, 122] {
-        assert_eq!(TightBend::random(seed).play(), Ok(Outcome::Planned), "{seed}");
+        let outcome = TightBend::random(seed).play();
+        assert!(matches!(outcome, Ok(Outcome::Planned(_))), "seed {seed}: {outcome:?}");
     }
 }
 
@@ -99,7 +101,7 @@ fn random_paths_are_planned_or_refused_with_a_reason() {
     let mut planned = 0;
     for seed in 0..8 {
         match TightBend::random(seed).play() {
-            Ok(outcome) => planned += usize::from(outcome == Outcome::Planned),
+            Ok(outcome) => planned += usize::from(matches!(outcome, Outcome::Planned(_))),
             Err(what) => panic!("`soak --family tight-bends --count 1 --seed {seed}`: {what}"),
         }
     }

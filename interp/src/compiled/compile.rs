@@ -226,13 +226,19 @@ impl<const N: usize> Compiler<'_, '_, N> {
         fit
     }
 
-    /// A short piece that does not end in the planned state: the next one makes up for it.
+    /// A short piece that does not end in the planned state: a later one makes up for it.
     fn partial(&mut self, begin: usize, last: usize, from: &State<N>) -> Result<Fit<N>, Misfit> {
-        // The piece that spreads a step may begin beside the plan.
-        let before_step = matches!(self.kind(last), Ok(Some(Kind::StepBegins)));
+        let shapes = [(Shape::WithoutPosition, 2), (Shape::ConstantJerk, 1), (Shape::ConstantJerk, 2)];
         let mut result = self.attempt(begin, begin + 1, from, Shape::WithoutPosition);
-        for (shape, n) in [(Shape::WithoutPosition, 2), (Shape::ConstantJerk, 1), (Shape::ConstantJerk, 2)] {
-            if result.is_err() && begin + n < last + usize::from(before_step) {
+        for (shape, n) in shapes {
+            if result.is_err() && begin + n < last {
+                result = self.attempt(begin, begin + n, from, shape);
+            }
+        }
+        // The piece that spreads a step may begin beside the plan, too.
+        let is_step_next = matches!(self.kind(last), Ok(Some(Kind::StepBegins)));
+        for (shape, n) in shapes {
+            if result.is_err() && is_step_next && begin + n == last {
                 result = self.attempt(begin, begin + n, from, shape);
             }
         }

@@ -16,9 +16,9 @@ const ROUNDING: f64 = 1e-12;
 const NEAR: f64 = 0.25;
 /// Ratio of neighbouring intervals that are inserted.
 const GROWTH: f64 = 2.0;
-/// Inserted points closer than this part of the interval that they begin are one.
+/// A point is not inserted where a grid point is nearer to it than this part of the way to the inserted point before it.
 const SAME: f64 = 0.1;
-/// No interval that is inserted is shorter than this part of the path, so that it can be divided.
+/// No point is inserted nearer to its jump than this part of the path, so that the interval between them can be divided.
 const SHORTEST: f64 = 1e-11;
 
 /// Joint values and derivatives at every point of a grid, on one branch of the inverse.
@@ -199,8 +199,9 @@ impl<const N: usize> JointPath<N> {
         Ok(())
     }
 
-    /// Puts grid points beside some of them, as many units of the parameter before and after as `beside` says for each, and more at
-    /// growing distances from there to the next grid point that is farther away; none where that is about as near.
+    /// Puts grid points beside some of them. `beside` has grid points and distances, in units of the parameter. A point is put at that
+    /// distance before and after the grid point, and more at growing distances up to the next grid point beyond. None is put where a
+    /// grid point is about as near.
     pub(crate) fn insert_beside(&mut self, path: &dyn MotionPath<N>, beside: &[(usize, f64)]) -> Result<(), PathError> {
         let mut new = Vec::new();
         let least = SHORTEST * self.after.last().map_or(0.0, |end| end.s);

@@ -54,6 +54,8 @@ pub(crate) fn equal_steps(length: f64, places: &[f64], corners: &[f64], interval
         (from, from_stop) = (to, is_stop);
     }
     grid.push(length);
+    // Between places that are a few roundings apart there are not so many others.
+    grid.dedup();
     grid
 }
 
@@ -234,6 +236,22 @@ impl Refinement<'_> {
             self.refine(&m, b, halvings - 1);
         } else {
             self.out.push(b.s);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_place_is_twice_in_a_grid_between_places_one_rounding_apart() {
+        let (knot, next) = (0.5, 0.5_f64.next_up());
+        let grid = equal_steps(1.0, &[knot, next], &[], 10);
+        let finer = refined(&grid, |_| 3);
+        for grid in [grid, finer] {
+            assert!(grid.windows(2).all(|pair| pair[0] < pair[1]), "{grid:?}");
+            assert!(grid.contains(&knot) && grid.contains(&next));
         }
     }
 }
