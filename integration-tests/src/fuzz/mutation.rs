@@ -90,7 +90,11 @@ const LONGEST: usize = 100_000;
 /// A change of one of `seeds`, one to six steps away from it.
 pub(super) fn mutated(seeds: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
     let Some(seed) = seeds.get(random.below(seeds.len().max(1))) else { return Vec::new() };
-    let mut text = seed.clone();
+    changed(seed.clone(), seeds, random)
+}
+
+/// A change of `text`, one to six steps away from it, some with pieces of `seeds`, of which there is one at least.
+pub(super) fn changed(mut text: Vec<u8>, seeds: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
     for _ in 0..1 + random.below(6) {
         change(&mut text, seeds, random);
         text.truncate(LONGEST);

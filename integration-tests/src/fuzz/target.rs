@@ -135,14 +135,25 @@ impl Target {
     }
 }
 
+/// Seeds that follow each other give numbers that have nothing in common.
+fn random(seed: u64) -> Random {
+    Random::new(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15))
+}
+
 impl Found {
     /// The input that belongs to a seed.
     pub fn input(&self, seed: u64) -> Vec<u8> {
-        let random = &mut Random::new(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15));
+        let random = &mut random(seed);
         match self.target.inputs {
             Inputs::Mutated(_) => mutation::mutated(&self.seeds, random),
             Inputs::Bytes(most) => (0..1 + random.below(most)).map(|_| random.bits() as u8).collect(),
         }
+    }
+
+    /// A change of an input with regard to the structure of texts; none where inputs are bytes without one.
+    pub fn changed(&self, input: &[u8], seed: u64) -> Option<Vec<u8>> {
+        let texts = matches!(self.target.inputs, Inputs::Mutated(_)) && !self.seeds.is_empty();
+        texts.then(|| mutation::changed(input.to_vec(), &self.seeds, &mut random(seed)))
     }
 
     /// Feeds the input that belongs to a seed.

@@ -16,6 +16,7 @@ mod fuzz;
 mod hybrid;
 #[cfg(feature = "oracle")]
 mod large_fits;
+mod motion_bench_maker;
 mod moveit_paths;
 mod paths_of_others;
 mod pilz;

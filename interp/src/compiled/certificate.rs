@@ -18,7 +18,7 @@ const JUMP_ROUNDINGS: f64 = 256.0;
 const CLOCK_ROUNDINGS: f64 = 4.0;
 
 /// The quantities, by the order of the derivative.
-const QUANTITIES: [Quantity; 4] =
+pub(super) const QUANTITIES: [Quantity; 4] =
     [Quantity::JointPosition, Quantity::JointVelocity, Quantity::JointAcceleration, Quantity::JointJerk];
 
 /// The largest size of one quantity of one joint over a whole motion.

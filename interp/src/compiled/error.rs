@@ -105,6 +105,18 @@ pub enum JointTrajectoryError {
         /// The value.
         value: f64,
     },
+    /// A piece leaves the numbers before its end.
+    #[error("piece {piece} lasts {seconds} s, within which the {quantity} of joint {} overflows", joint + 1)]
+    Overflow {
+        /// Which piece, from 0.
+        piece: usize,
+        /// Which joint, from 0.
+        joint: usize,
+        /// Position, velocity, acceleration or jerk of a joint.
+        quantity: Quantity,
+        /// How long the piece lasts, s.
+        seconds: f64,
+    },
     /// A quantity jumps from one piece to the next.
     #[error("{quantity} of joint {} jumps by {jump:.3e} at t = {t:.6} s, rounding explains {rounding:.3e}", joint + 1)]
     Jump {

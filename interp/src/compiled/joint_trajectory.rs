@@ -3,7 +3,7 @@
 use arcfeed_feedrate::Quantity;
 use arcfeed_kinematics::{JointRange, Joints};
 
-use super::certificate::{Certificate, certify, rounding, unexplained_jump};
+use super::certificate::{Certificate, QUANTITIES, certify, rounding, unexplained_jump};
 use super::error::JointTrajectoryError;
 use super::piece::{Coefficients, State, evaluate, reversed, state};
 use crate::verify::JointRates;
@@ -90,13 +90,24 @@ pub struct JointTrajectory<const N: usize = 6> {
     buckets_per_second: f64,
 }
 
+/// Piece, joint and quantity that could leave the numbers on the way: the sizes of all terms at the end of a piece, and so at any
+/// time of it, have no finite sum.
+fn overflow<const N: usize>(times: &[f64], pieces: &[Coefficients<N>]) -> Option<(usize, usize, Quantity)> {
+    pieces.iter().zip(times.windows(2)).enumerate().find_map(|(piece, (coefficients, ends))| {
+        let most = evaluate(&coefficients.map(|c| c.abs()), ends[1] - ends[0]);
+        QUANTITIES.iter().zip(&most).find_map(|(quantity, most)| {
+            (0..N).find(|joint| !most[*joint].is_finite()).map(|joint| (piece, joint, *quantity))
+        })
+    })
+}
+
 impl<const N: usize> JointTrajectory<N> {
     /// The motion `q(t) = sum c[k] (t - times[i])^k` for `t` between `times[i]` and `times[i + 1]`, with `c` the coefficients of piece
     /// `i` in rad/s^k.
     ///
     /// # Errors
-    /// [`JointTrajectoryError::Count`], [`JointTrajectoryError::Time`], [`JointTrajectoryError::NotFinite`], and
-    /// [`JointTrajectoryError::Jump`] where a quantity that has to be continuous jumps by more than rounding explains.
+    /// [`JointTrajectoryError::Count`], [`JointTrajectoryError::Time`], [`JointTrajectoryError::NotFinite`],
+    /// [`JointTrajectoryError::Overflow`], and [`JointTrajectoryError::Jump`] where a quantity that has to be continuous jumps by more than rounding explains.
     pub fn from_pieces(
         times: Vec<f64>,
         pieces: Vec<[Joints<N>; 6]>,
@@ -118,6 +129,10 @@ impl<const N: usize> JointTrajectory<N> {
                     return Err(JointTrajectoryError::NotFinite { piece, joint, power, value: values[joint] });
                 }
             }
+        }
+        if let Some((piece, joint, quantity)) = overflow(&times, &pieces) {
+            let seconds = times[piece + 1] - times[piece];
+            return Err(JointTrajectoryError::Overflow { piece, joint, quantity, seconds });
         }
         if let Some(jump) = unexplained_jump(&times, &pieces, interpolation.continuous()) {
             return Err(JointTrajectoryError::Jump {

@@ -146,6 +146,31 @@ fn reversed_runs_the_same_way_back() {
     }
 }
 
+/// A piece of 1e300 s was accepted, and its motion ended at no number.
+#[test]
+fn a_piece_that_overflows_on_its_way_is_refused() {
+    let rest = [Joints::zeros(); 6];
+    let with = |power: usize, coefficient: f64| {
+        let mut piece = rest;
+        piece[power] = Joints::from([0.0, coefficient]);
+        piece
+    };
+    let plan = |piece, seconds| {
+        JointTrajectory::from_pieces(vec![0.0, 1.0, 1.0 + seconds], vec![rest, piece], Interpolation::Cubic)
+    };
+    let error = plan(with(3, 1.0), 1e103).expect_err("1e309 rad");
+    let JointTrajectoryError::Overflow { piece: 1, joint: 1, quantity: Quantity::JointPosition, .. } = error else {
+        panic!("{error}");
+    };
+    // Within a short time the jerk alone is too large.
+    let error = plan(with(5, 8e306), 1.0).expect_err("4.8e308 rad/s^3");
+    let JointTrajectoryError::Overflow { piece: 1, joint: 1, quantity: Quantity::JointJerk, .. } = error else {
+        panic!("{error}");
+    };
+    let last = plan(with(3, 1.0), 1e102).expect("1e306 rad").at(f64::MAX);
+    assert!(last.q[1] > 9e305 && [last.q, last.qd, last.qdd].iter().flatten().all(|v| v.is_finite()), "{last:?}");
+}
+
 #[test]
 fn motions_join_at_rest_and_nowhere_else() {
     let (_, trajectory) = &plans()[0];
