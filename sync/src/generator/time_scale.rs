@@ -168,15 +168,31 @@ impl TimeScale {
         let Some(ramp) = &mut self.ramp else {
             return Pace { elapsed: self.scale * cycle, scale: self.scale, rate: 0.0, jerk: 0.0 };
         };
-        let was = ramp.motion.at(ramp.t).p;
+        let elapsed = passed(&ramp.motion, ramp.t, cycle);
         ramp.t += cycle;
         let s = ramp.motion.at_or_after(ramp.t);
-        let pace = Pace { elapsed: (s.p - was).max(0.0), scale: s.v, rate: s.a, jerk: s.j };
+        let pace = Pace { elapsed: elapsed.max(0.0), scale: s.v, rate: s.a, jerk: s.j };
         if ramp.t >= ramp.motion.duration() {
             self.jump(s.v);
         }
         pace
     }
+}
+
+/// Time of the plan that passes from `t` of a ramp on in one cycle (s), phase by phase from the scale there. A difference of two
+/// positions of the ramp would carry the round-off of all the time that passes on it.
+fn passed(ramp: &StateToState, t: f64, cycle: f64) -> f64 {
+    let (mut t, mut left, mut passed) = (t, cycle, 0.0);
+    for (phase, dt) in ramp.phases() {
+        let since = t - phase.t;
+        let part = left.min(dt - since);
+        if part > 0.0 {
+            let s = phase.after(since);
+            passed += part * (s.v + part * (0.5 * s.a + part * s.j / 6.0));
+            (t, left) = (t + part, left - part);
+        }
+    }
+    passed + left * ramp.at(ramp.duration()).v
 }
 
 /// The shortest change of the scale within bounds on its first two derivatives; `None` where it

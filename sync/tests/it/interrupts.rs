@@ -327,3 +327,23 @@ fn a_stop_is_not_slowed_down_by_the_scale() {
     steps(&mut g, 1);
     assert_eq!(g.scale(), 0.3);
 }
+
+/// Round-off of all the time that a hold takes, here seven days, was in its first cycles: 4 nm on an axis that is fast and brakes slowly.
+#[test]
+fn a_hold_that_takes_days_begins_without_a_jump() {
+    let limits = [AxisLimits::symmetric(60.27226252079074, 0.0015222917785348295, 1.8901378405430034).unwrap()];
+    // The acceleration is beyond its limit: the hold begins within the second cycle.
+    let start = [AxisState::new(15.031580741987103, -57.4296724592512, 0.0020047136083094284)];
+    let mut g = OnlineGenerator::new(start, limits, CYCLE, Synchronisation::Time).unwrap();
+    g.hold();
+    let mut before = start[0];
+    for n in 0..2000 {
+        g.step();
+        let now = g.state()[0];
+        let off = (now.p - before.p) - 0.5 * CYCLE * (now.v + before.v);
+        // What the acceleration can do in a cycle, and round-off.
+        assert!(off.abs() < 0.5 * 0.0021 * CYCLE * CYCLE, "cycle {n}: {off:e}");
+        before = now;
+    }
+    assert!(g.scale() < 1.0);
+}
