@@ -27,10 +27,11 @@ import json
 import os
 import re
 import resource
+import signal
 import subprocess
 import sys
 import tempfile
-import time
+import threading
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path
@@ -152,21 +153,17 @@ def run_test(package: str, program: str, name: str, limit: float, more: dict) ->
         streams = {"stdin": subprocess.DEVNULL, "stdout": output, "stderr": output}
         child = subprocess.Popen(command, cwd=folder, env=environment, preexec_fn=bound, start_new_session=True, **streams)
         # A mutant may also wait for ever, which takes no processor time.
-        last, ended = time.monotonic() + 60.0 + 20.0 * limit, (0, 0, None)
-        while ended[0] == 0:
-            ended = os.wait4(child.pid, os.WNOHANG)
-            if ended[0] == 0 and time.monotonic() > last:
-                os.killpg(child.pid, 9)
-                last = float("inf")
-            if ended[0] == 0:
-                time.sleep(0.002)
-        child.returncode = os.waitstatus_to_exitcode(ended[1])
-        spent = ended[2].ru_utime + ended[2].ru_stime
+        timer = threading.Timer(60.0 + 20.0 * limit, os.killpg, (child.pid, signal.SIGKILL))
+        timer.start()
+        _, status, usage = os.wait4(child.pid, 0)
+        timer.cancel()
+        child.returncode = os.waitstatus_to_exitcode(status)
+        spent = usage.ru_utime + usage.ru_stime
         output.seek(0)
         text = output.read().decode(errors="replace")
     if child.returncode == 0:
         return "passes", spent, text
-    return ("no end" if child.returncode in (-24, -9) or spent > limit else "fails"), spent, text
+    return ("no end" if child.returncode in (-signal.SIGXCPU, -signal.SIGKILL) or spent > limit else "fails"), spent, text
 
 
 def names_of(package: str, program: str) -> list:
