@@ -126,3 +126,55 @@ impl BarrierProblem {
         falls
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::barrier_problem::PointRow;
+    use super::super::parts::prepare;
+    use super::*;
+    use crate::constraint::{JointTorque, PathConstraint, TangentialJerk};
+
+    fn holds(rows: &[PointRow], u: f64, x: f64) -> bool {
+        rows.iter().all(|row| {
+            let value = row.a * u + row.b * x + row.c * x.sqrt();
+            row.lo - 1e-12 <= value && value <= row.hi + 1e-12
+        })
+    }
+
+    /// What takes the place of rows with friction holds wherever they hold, and it is convex: between two points where it holds, it
+    /// holds as well.
+    #[test]
+    fn friction_is_relaxed_to_rows_that_are_convex() {
+        let grid: Vec<f64> = (0..=20).map(|i| 0.05 * f64::from(i)).collect();
+        let (ones, none) = (vec![1.0; grid.len()], vec![0.0; grid.len()]);
+        for friction in [0.7, -0.7] {
+            let friction = vec![friction; grid.len()];
+            let torque = JointTorque::new(&ones, &none, &friction, &none, &[0.6]).expect("finite");
+            let jerk = TangentialJerk::new(20.0).expect("positive");
+            let limits: [&dyn PathConstraint; 2] = [&torque, &jerk];
+            let problem = FeedProblem::between_points(&grid, &limits).expect("finite");
+            let prepared = prepare(&problem).expect("moves");
+            let part = &prepared.parts[0];
+            let ends = [part.grid.start, part.grid.end];
+            let before = BarrierProblem::new(&prepared.problem, ends, part.speeds, &prepared.fastest);
+            let mut after = before.clone();
+            let most = 0.8;
+            after.relax_friction(&vec![most; before.first.len() - 1]);
+            assert!(before.points.iter().any(|row| row.c != 0.0), "no friction");
+            for k in 0..before.first.len() - 1 {
+                let rows = &before.points[before.first[k]..before.first[k + 1]];
+                let relaxed = &after.points[after.first[k]..after.first[k + 1]];
+                let places = |i: u32| (f64::from(i % 31) / 10.0 - 1.5, most * f64::from(i / 31) / 30.0);
+                let inside: Vec<_> = (0..31 * 31).map(places).filter(|&(u, x)| holds(relaxed, u, x)).collect();
+                assert!((0..31 * 31).map(places).all(|(u, x)| !holds(rows, u, x) || holds(relaxed, u, x)), "point {k}");
+                assert!(inside.len() > 100, "point {k}");
+                for (i, &(u, x)) in inside.iter().enumerate().step_by(7) {
+                    for &(other_u, other_x) in inside[i..].iter().step_by(5) {
+                        let (u, x) = (0.5 * (u + other_u), 0.5 * (x + other_x));
+                        assert!(holds(relaxed, u, x), "point {k}: {u} {x}");
+                    }
+                }
+            }
+        }
+    }
+}

@@ -235,3 +235,33 @@ fn wrong_numbers_change_nothing_and_nothing_allocates() {
         }
     }
 }
+
+/// The square of its velocity overflows in one cycle. From the cycle after on, the tracker does what one does that begins there.
+#[test]
+fn a_target_that_overflows_is_not_remembered() {
+    let mut rng = Random::new(111);
+    for case in 0..10 {
+        let l = limits(&mut rng);
+        let w = rng.log(2.0, 15.0);
+        let least = |lo: f64, hi: f64| hi.min(-lo);
+        let size = (least(l.v_min(), l.v_max()) / w)
+            .min(least(l.a_min(), l.a_max()) / w.powi(2))
+            .min(least(l.j_min(), l.j_max()) / w.powi(3));
+        let (size, middle) = (0.6 * size, rng.between(-1.0, 1.0));
+        let target = |t: f64| {
+            let x = w * t;
+            AxisState::new(middle + size * x.sin(), size * w * x.cos(), -size * w * w * x.sin())
+        };
+        let mut watch = Watch::new(AxisState::rest(0.0), l);
+        watch.step(target);
+        watch.step(|t| AxisState { v: 1e200, ..target(t) });
+        let mut other = Watch { tracker: TargetTracker::new(watch.tracker.state(), &l, CYCLE).unwrap(), ..watch };
+        let mut follows = false;
+        for cycle in 0..2000 {
+            let step = watch.step(target);
+            assert_eq!(step, other.step(target), "case {case}, cycle {cycle}");
+            follows |= step.status == TrackStatus::Following;
+        }
+        assert!(follows, "case {case}");
+    }
+}

@@ -57,6 +57,17 @@ fn built_in_arms_move_and_weigh_as_pinocchio_says() {
     assert_eq!(seen, 5 * 40 + 5 * 16);
 }
 
+#[test]
+fn an_arm_of_any_number_of_joints_has_the_range_of_its_joints() {
+    for name in models::NAMES {
+        let described = models::description(name).unwrap();
+        let arm = described.build_any().unwrap();
+        let (lower, upper) = arm.range();
+        let ranges: Vec<_> = lower.iter().zip(upper).map(|(lower, upper)| Some([*lower, *upper])).collect();
+        assert_eq!(ranges, described.joints.iter().map(|joint| joint.range).collect::<Vec<_>>(), "{name}");
+    }
+}
+
 fn bare_torque<const N: usize>(arm: &Arm<N>, sample: &Sample) -> Vec<f64> {
     let vector = |values: &[f64]| Joints::<N>::from_column_slice(values);
     let (q, qd, qdd) = (vector(&sample.q), vector(&sample.qd), vector(&sample.qdd));

@@ -205,3 +205,16 @@ fn a_generator_stays_on_the_lines() {
         assert!(passed == 2 && *through.state() == [1.0, 0.5].map(AxisState::rest), "{passed}");
     }
 }
+
+/// A way-point on the line, just after a start or before a target that moves along it, costs next to nothing.
+#[test]
+fn ends_that_move_along_their_lines_keep_their_speed() {
+    let moving = |p: f64| [AxisState::new(p, 0.9, 0.0), AxisState::rest(0.0)];
+    let still = |p: f64| [p, 0.0].map(AxisState::rest);
+    for (start, place, target) in [(moving(0.0), 0.03, still(1.0)), (still(0.0), 0.97, moving(1.0))] {
+        let motion = plan(start, &[blended([place, 0.0], 1e-3)], target);
+        let direct = Trajectory::new(&start, &target, &usual::<2>(), &MotionOptions::default()).unwrap();
+        let (ours, shortest) = (motion.duration(), direct.duration());
+        assert!(ours < 1.005 * shortest, "{ours} s, without the point {shortest} s");
+    }
+}

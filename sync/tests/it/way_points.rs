@@ -369,3 +369,31 @@ fn planning_allocates_nothing() {
     });
     assert!(count == 0 && duration > 5.0, "{count} allocations, {duration} s");
 }
+
+/// In another unit of time the same motion is found. The unit is a power of two, so that the problem has the same digits.
+#[test]
+fn the_unit_of_time_changes_no_motion() {
+    let mut planner = WayPointPlanner::new();
+    for seed in 0..60 {
+        let mut rng = Random::new(Random::new(seed).bits());
+        let limits = random_limits::<2>(&mut rng);
+        let count = 2 + rng.below(8);
+        let places = random_points::<2>(&mut rng, count + 2);
+        let points: Vec<_> = places[1..=count].iter().map(|place| WayPoint::new(*place)).collect();
+        let (start, target) = (places[0].map(AxisState::rest), places[count + 1].map(AxisState::rest));
+        let mut duration = |unit: f64| {
+            let in_unit = |l: AxisLimits| {
+                let pair = |(lo, hi): (f64, f64), power: i32| (lo * unit.powi(power), hi * unit.powi(power));
+                let (v, a, j) = ((l.v_min(), l.v_max()), (l.a_min(), l.a_max()), (l.j_min(), l.j_max()));
+                AxisLimits::new(pair(v, 1), pair(a, 2), pair(j, 3)).unwrap()
+            };
+            let route = Route::new(&points, target, limits.map(in_unit));
+            planner.plan(&start, &route).unwrap().duration() * unit
+        };
+        let usual = duration(1.0);
+        for unit in [64.0, 1.0 / 64.0] {
+            let other = duration(unit);
+            assert!((other - usual).abs() < 1e-9 * usual, "seed {seed}: {usual} s, {other} s with a unit of {unit} s");
+        }
+    }
+}
