@@ -144,7 +144,7 @@ pub(super) fn solve(p: &Problem, t: f64) -> Option<Shape> {
     let mean = p.d / t;
     let scale = mean.abs() + p.v0.abs() + p.vf.abs();
     let mut v = mean.clamp(lo, hi);
-    let mut before = hi - lo;
+    let mut before = f64::INFINITY;
     for _ in 0..MAX_STEPS {
         let pair = changes.at(v);
         let cruise = t - pair.duration;
@@ -161,13 +161,16 @@ pub(super) fn solve(p: &Problem, t: f64) -> Option<Shape> {
         let step = (next - v).abs();
         if f == 0.0 || step <= f64::EPSILON * (v.abs() + scale) || hi <= lo {
             let exact = f.abs() <= 16.0 * f64::EPSILON * (scale + v.abs()) * t;
-            return (exact && cruise >= -8.0 * f64::EPSILON * t).then(|| pair.shape(cruise.max(0.0)));
+            // The last step is round-off of the velocities at the ends, but a long cruise goes far with it.
+            let v = if inside { newton } else { v };
+            return (exact && cruise >= -8.0 * f64::EPSILON * t).then(|| Pair { v, ..pair }.shape(cruise.max(0.0)));
         }
-        before = step;
+        // Newton's steps have to become smaller. The one after a bisection may lead anywhere in the bracket.
+        before = if inside { step } else { f64::INFINITY };
         v = next;
     }
     None
 }
 
-/// Bisection alone needs this many steps to exhaust `f64` within a bracket of moderate ratio.
-const MAX_STEPS: usize = 100;
+/// Bisection in every second step exhausts `f64` within a bracket of moderate ratio.
+const MAX_STEPS: usize = 120;

@@ -17,6 +17,8 @@ pub(super) struct Extremals {
     one_sided: Option<OneSided>,
     beyond: Beyond,
     v_max: f64,
+    /// Round-off of durations, which are differences of times from and to zero acceleration.
+    round_off: f64,
 }
 
 /// The extremals after those on one side of zero.
@@ -28,7 +30,7 @@ enum Beyond {
     Settled { shape: Shape, duration: f64, excess: f64 },
 }
 
-/// Largest distance of a duration from the range of an extremal that counts as round-off.
+/// Largest distance of a duration from the range of an extremal that counts as round-off, relative to the duration.
 const SLACK: f64 = 1e-12;
 
 impl Extremals {
@@ -42,13 +44,20 @@ impl Extremals {
             let start = start_of_peaked(p, &function);
             Beyond::Peaked { function, start, top: function.at_velocity(p.v_max).max(start) }
         };
-        Self { one_sided: OneSided::new(p, direct_rises), beyond, v_max: p.v_max }
+        let leads = (p.a0.abs() + p.af.abs()) * p.j.inv_up.max(p.j.inv_down);
+        Self {
+            one_sided: OneSided::new(p, direct_rises),
+            beyond,
+            v_max: p.v_max,
+            round_off: 2.0 * f64::EPSILON * leads,
+        }
     }
 
     /// The extremal that lasts `t`, and how much farther than wanted it goes; `None` where there is
     /// none.
     pub fn at(&self, t: f64) -> Option<(f64, Shape)> {
-        let (late, early) = (t * (1.0 + SLACK), t * (1.0 - SLACK));
+        let slack = SLACK * t + self.round_off;
+        let (late, early) = (t + slack, t - slack);
         if let Some(OneSided { function, from, to, .. }) = &self.one_sided
             && function.duration(*from) <= late
             && early <= function.duration(*to)

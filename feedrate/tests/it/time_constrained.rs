@@ -178,3 +178,50 @@ fn a_mean_jerk_beside_one_thousands_of_times_larger_keeps_its_limit() {
         }
     }
 }
+
+/// The shortest duration and the first impossible one are 1e-16 s apart, which is the round-off of acceleration over jerk. The farthest
+/// motion did not count as lasting one in between.
+#[test]
+fn durations_closer_than_the_round_off_of_their_phases() {
+    let case = Case {
+        start: AxisState::new(-0.67109721177482, 0.0, 2.0),
+        target: AxisState::new(-0.67109721177482, 2.686852531859186e-8, 1.9999999592090087),
+        v: (-0.5, 0.5),
+        a: (-2.0, 2.0),
+        j: (-4.0, 4.0),
+    };
+    for case in [case, case.mirrored(), case.reversed()] {
+        let problem = AxisProblem::new(&case.start, &case.target, &case.limits()).unwrap();
+        let durations = problem.durations();
+        let (shortest, end) = (durations.shortest(), durations.blocked()[0].0);
+        assert!(shortest < end && end - shortest < 1.2e-16, "{durations:?}");
+        for i in 0..=20 {
+            meets(case, (shortest + (end - shortest) * f64::from(i) / 20.0).clamp(shortest, end));
+        }
+    }
+}
+
+/// Braking from 5000 km/s and going back for 100 000 years: the speed of the way back had the round-off of that of the braking, which was
+/// 6 km in the end, and was sought by bisection.
+#[test]
+fn a_cruise_of_years_is_as_exact_as_its_way() {
+    let case = Case {
+        start: AxisState::new(-0.018419397036586682, 0.04457538200992197, -2424.6551281618677),
+        target: AxisState::new(2.779529602892227, 0.13297941182209874, 0.0),
+        v: (-0.021608800084235387, 0.13299193960706374),
+        a: (-855.6128217375118, 28.994454565743993),
+        j: (-0.5741915548765064, 0.5741915548765064),
+    };
+    let t = 3507592856221.0176;
+    for case in [case, case.mirrored()] {
+        let problem = AxisProblem::new(&case.start, &case.target, &case.limits()).unwrap();
+        let phases: Vec<_> = problem.with_duration(t).unwrap().phases().collect();
+        for pair in phases.windows(2) {
+            let ((before, dt), (after, _)) = (pair[0], pair[1]);
+            // Round-off of a way of 5e11 m and of a speed of 5e6 m/s.
+            let end = before.after(dt);
+            let (position, velocity) = ((end.p - after.s).abs(), (end.v - after.v).abs());
+            assert!(position <= 1e-3 && velocity <= 2e-9, "{position} m, {velocity} m/s at {} s", after.t);
+        }
+    }
+}
