@@ -6,13 +6,14 @@
 //! shortest motion again, so that one number is left, the acceleration at the touch; or two, where
 //! both ends are touched ([`Frame::search`]). The number of motions computed is bounded.
 //!
-//! The result is the shortest motion with one touch, or one at each end, that the search finds.
-//! Beside 17 accelerations of each end with 44 golden sections after them, it was longer in 6 of
-//! 6000 random cases, by 20 % at the worst, and shorter in 82, by 78 % at the best. Where it finds
-//! none, the axis rests on the way.
+//! The result is the shortest motion with one touch, or one at each end, that the search finds, or
+//! one with two rests on the way where that is shorter. The search does not promise the shortest
+//! one of all. Backwards in time a problem has the same shortest duration, and the search takes
+//! other ways: in 8316 random cases the two differed by more than 0.01 % in 25 and by more than 1 %
+//! in 8, by 30 % at the worst.
 
+use super::leg::Leg;
 use super::positions::{PositionLimits, hardest_turn, mirrored, mirrored_limits};
-use super::problem::AxisProblem;
 use super::profile::StateToState;
 use super::touches::{Frame, Touched};
 use crate::error::FeedError;
@@ -59,7 +60,7 @@ impl BoundedProblem {
         positions: &PositionLimits,
     ) -> Result<Self, FeedError> {
         let plain = StateToState::new(start, target, limits)?;
-        let mut frame = Frame { start: *start, target: *target, limits: *limits, positions: *positions };
+        let mut frame = Frame::new(*start, *target, *limits, *positions);
         if !positions.contain(target.p) {
             let limit = if target.p > positions.upper() { positions.upper() } else { positions.lower() };
             return Err(FeedError::LeavesPositions { position: target.p, time: plain.duration(), limit });
@@ -70,9 +71,11 @@ impl BoundedProblem {
         }
         frame.check_ends()?;
         let touched = frame.search();
-        let shortest = touched
-            .and_then(|touched| frame.motion(&touched))
-            .or_else(|| frame.with_rests())
+        let found = [touched.and_then(|touched| frame.motion(&touched)), frame.with_rests()];
+        let shortest = found
+            .into_iter()
+            .flatten()
+            .min_by(|x, y| x.duration().total_cmp(&y.duration()))
             .ok_or(FeedError::NoMotionInside { lower: frame.positions.lower(), upper: frame.positions.upper() })?;
         Ok(Self { frame, shortest, touched })
     }
@@ -100,7 +103,7 @@ impl BoundedProblem {
         if duration == self.shortest.duration() {
             return Ok(self.shortest);
         }
-        let Frame { start, target, limits, positions } = &self.frame;
+        let Frame { start, target, limits, positions, .. } = &self.frame;
         let plain = StateToState::with_duration(start, target, limits, duration);
         match plain {
             Ok(motion) if positions.contain_all_of(&motion) => return Ok(motion),
@@ -121,7 +124,7 @@ impl BoundedProblem {
         let stop =
             StateToState::stop_within(start, limits, (positions.lower(), positions.upper())).map_err(|_| none)?;
         let rest = AxisState::rest(stop.at(stop.duration()).p);
-        let onward = Frame { start: rest, ..self.frame };
+        let onward = Frame::new(rest, self.frame.target, self.frame.limits, self.frame.positions);
         let go = onward.shortest().or_else(|| onward.with_rests()).ok_or(none)?;
         let least = stop.duration() + go.duration();
         if duration < least {
@@ -198,8 +201,9 @@ impl Frame {
         }
         let slow = |i: usize| {
             let time = legs[i].duration() + duration - total;
-            let leg = AxisProblem::new(&states[i], &states[i + 1], &self.limits).ok()?.with_duration(time).ok()?;
-            self.permits(&states[i], &leg).then_some(leg)
+            let leg = Leg::new(&states[i], &states[i + 1], &self.limits)?;
+            let motion = leg.with_duration(time)?;
+            self.permits(&leg, &motion).then_some(motion)
         };
         (0..count).rev().find_map(|slower| {
             let leg = slow(slower)?;

@@ -45,6 +45,7 @@ mod displacement_function;
 mod durations;
 mod entry;
 mod extremal;
+mod leg;
 mod mean;
 mod phase_writer;
 mod positions;

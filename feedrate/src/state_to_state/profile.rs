@@ -86,6 +86,20 @@ impl StateToState {
         Some(all)
     }
 
+    /// The motion backwards in time, from `start` to `target`, which are its target and its start then; the jerk limits are those of the
+    /// way on.
+    pub(super) fn backwards(&self, start: &AxisState, target: &AxisState, jerk: (f64, f64)) -> Self {
+        let mut motion = Self::default();
+        for (phase, dt) in self.phases.iter().rev() {
+            let end = phase.after(dt);
+            motion.phases.push(Phase { t: 0.0, s: end.p, v: -end.v, a: end.a, j: -phase.j }, dt);
+        }
+        motion.phases.begin_at([start.p, start.v, start.a]);
+        motion.phases.duration = self.phases.duration;
+        motion.set_target(target, jerk);
+        motion
+    }
+
     /// The same motion, whose duration is this but for round-off.
     pub(super) const fn lasting(mut self, duration: f64) -> Self {
         self.phases.duration = duration;

@@ -7,8 +7,8 @@
 //! back first. These touches are roots of a function of one variable. The others minimise the sum of
 //! two durations, found by parabolas. The number of legs computed is bounded.
 
+use super::leg::{Leg, backwards, backwards_limits};
 use super::positions::{PositionLimits, hardest_turn, lowest_at_turn, mirrored, mirrored_limits};
-use super::problem::AxisProblem;
 use super::profile::StateToState;
 use super::search::{MOST_ROOTS, Value, beyond, boundary, minimise, roots};
 use crate::limits::AxisLimits;
@@ -19,9 +19,6 @@ use num_traits::Float;
 /// The touches of one end that are tried.
 const GRID: usize = 8;
 const TOUCHES: usize = 2 * (1 + MOST_ROOTS) + GRID;
-
-/// Factor of round-off of a velocity at its limit.
-const ROUND_OFF: f64 = 1.0 + 1e-14;
 
 /// Relative distance of a place beside another one.
 const BESIDE: f64 = 1e-9;
@@ -46,6 +43,8 @@ pub(super) struct Frame {
     pub target: AxisState,
     pub limits: AxisLimits,
     pub positions: PositionLimits,
+    /// The lowest acceleration at a touch of the upper end that can be reached.
+    lowest: f64,
 }
 
 /// A sequence of touches and the duration of its motion (s). A touch is given by the square root of
@@ -69,33 +68,31 @@ impl Touched {
 }
 
 impl Frame {
+    pub fn new(start: AxisState, target: AxisState, limits: AxisLimits, positions: PositionLimits) -> Self {
+        let mut frame = Self { start, target, limits, positions, lowest: 0.0 };
+        // From a state inside the limits the velocity keeps its limit before the touch. A start that brakes already may be one whose
+        // past does not.
+        let inside = lowest_at_turn(&frame.backwards().1);
+        let brakes = start.v > 0.0 && start.a < 0.0;
+        frame.lowest = if brakes { inside.min(hardest_turn(&start, &limits).a) } else { inside };
+        frame
+    }
+
     /// The same problem upside down.
     pub fn mirrored(&self) -> Self {
         let positions = PositionLimits::new(-self.positions.upper(), -self.positions.lower());
-        Self {
-            start: mirrored(&self.start),
-            target: mirrored(&self.target),
-            limits: mirrored_limits(&self.limits),
-            positions: positions.unwrap_or(self.positions),
-        }
+        let (start, target) = (mirrored(&self.start), mirrored(&self.target));
+        Self::new(start, target, mirrored_limits(&self.limits), positions.unwrap_or(self.positions))
     }
 
     /// The target backwards in time, and the limits that hold then.
     pub const fn backwards(&self) -> (AxisState, AxisLimits) {
-        let Self { target, limits: l, .. } = self;
-        let limits = AxisLimits { v: (-l.v.1, -l.v.0), a: l.a, j: (-l.j.1, -l.j.0) };
-        (AxisState::new(target.p, -target.v, target.a), limits)
-    }
-
-    /// The lowest acceleration at a touch of the upper end with which the velocity keeps its limit
-    /// before it.
-    fn lowest(&self) -> f64 {
-        lowest_at_turn(&self.backwards().1)
+        (backwards(&self.target), backwards_limits(&self.limits))
     }
 
     /// The state at the upper end.
     fn touch(&self, root: f64) -> AxisState {
-        AxisState::new(self.positions.upper(), 0.0, root * root * self.lowest())
+        AxisState::new(self.positions.upper(), 0.0, root * root * self.lowest)
     }
 
     /// A grid of touches, finer below the strongest with which jerk alone turns the axis at the other
@@ -103,7 +100,7 @@ impl Frame {
     fn grid(&self) -> [f64; GRID] {
         let width = self.positions.upper() - self.positions.lower();
         let jerk = self.limits.j_max().min(-self.limits.j_min());
-        let lowest = self.lowest();
+        let lowest = self.lowest;
         let last = (lowest_at_turn(&self.limits) / lowest).sqrt().min(1.0);
         let middle = ((1.5 * width * jerk * jerk).cbrt() / -lowest).sqrt().min(0.5 * last);
         std::array::from_fn(|i| match i as f64 {
@@ -120,7 +117,7 @@ impl Frame {
         let (s, l) = if start { (&self.start, &self.limits) } else { (&back, &reversed) };
         // One phase of rising acceleration.
         let softest = if s.a < 0.0 { -(s.a * s.a - 2.0 * l.j_max() * s.v).max(0.0).sqrt() } else { 0.0 };
-        [hardest_turn(s, l).a, softest].map(|a| (a / self.lowest()).max(0.0).min(1.0).sqrt())
+        [hardest_turn(s, l).a, softest].map(|a| (a / self.lowest).max(0.0).min(1.0).sqrt())
     }
 
     /// The grid with two places beside the turns, in order.
@@ -133,32 +130,27 @@ impl Frame {
 
     /// The shortest motion between two states, if it stays inside.
     pub fn leg(&self, from: &AxisState, to: &AxisState) -> Option<StateToState> {
-        let leg = StateToState::new(from, to, &self.limits).ok()?;
-        self.permits(from, &leg).then_some(leg)
+        let leg = Leg::new(from, to, &self.limits)?;
+        let motion = leg.shortest();
+        self.permits(&leg, &motion).then_some(motion)
     }
 
-    /// Returns true if a leg stays inside, and inside the velocity limits unless it is the first.
-    pub(super) fn permits(&self, from: &AxisState, leg: &StateToState) -> bool {
-        self.positions.contain_all_of(leg) && (*from == self.start || self.keeps_velocity(from, leg))
-    }
-
-    fn keeps_velocity(&self, from: &AxisState, leg: &StateToState) -> bool {
-        let (l, after) = (&self.limits, self.limits.velocity_after(from));
-        let inside = |v: f64| v >= l.v_min() * ROUND_OFF && v <= l.v_max() * ROUND_OFF;
-        inside(after) || leg.phases().all(|(phase, dt)| inside(phase.after(phase.turn(dt).unwrap_or(dt)).v))
+    /// Returns true if the motion of a leg stays inside, and inside the velocity limits unless it comes back into them after the start.
+    pub(super) fn permits(&self, leg: &Leg, motion: &StateToState) -> bool {
+        let free = *leg.start() == self.start && !leg.is_backwards();
+        self.positions.contain_all_of(motion) && (free || leg.keeps_velocity(motion))
     }
 
     /// The duration of [`Frame::leg`], infinite if there is none below `most`.
     fn leg_time(&self, from: &AxisState, to: &AxisState, most: f64) -> f64 {
-        let Ok(problem) = AxisProblem::new(from, to, &self.limits) else { return f64::INFINITY };
-        let time = problem.shortest_duration();
-        if time < most && self.permits(from, &problem.shortest()) { time } else { f64::INFINITY }
+        let Some(leg) = Leg::new(from, to, &self.limits) else { return f64::INFINITY };
+        let time = leg.shortest_duration();
+        if time < most && self.permits(&leg, &leg.shortest()) { time } else { f64::INFINITY }
     }
 
     /// How far a leg leaves the range; infinite if there is none.
     fn overshoot(&self, from: &AxisState, to: &AxisState) -> f64 {
-        let leg = StateToState::new(from, to, &self.limits);
-        leg.map_or(f64::INFINITY, |leg| self.positions.overshoot(&leg))
+        Leg::new(from, to, &self.limits).map_or(f64::INFINITY, |leg| self.positions.overshoot(&leg.shortest()))
     }
 
     fn lead_overshoot(&self, root: f64) -> f64 {
@@ -184,7 +176,7 @@ impl Frame {
 
     /// How much farther than its way the direct change between two states goes.
     fn excess(&self, from: &AxisState, to: &AxisState) -> f64 {
-        AxisProblem::direct_displacement(from, to, &self.limits).map_or(f64::NAN, |d| d - (to.p - from.p))
+        Leg::direct_displacement(from, to, &self.limits).map_or(f64::NAN, |d| d - (to.p - from.p))
     }
 
     /// The touches to which the way from the start is a direct change, or those from which the way to

@@ -245,6 +245,67 @@ fn a_dense_search_over_one_touch_finds_nothing_shorter() {
     }
 }
 
+/// The durations of a problem and of the same problem backwards in time, if both start and target can be either.
+fn both_ways(case: &Case, positions: &PositionLimits) -> Option<(f64, f64)> {
+    let duration = |c: &Case, positions: &PositionLimits| {
+        BoundedProblem::new(&c.start, &c.target, &c.limits(), positions).ok().map(|p| p.shortest_duration())
+    };
+    let back = PositionLimits::new(-positions.upper(), -positions.lower()).unwrap();
+    Some((duration(case, positions)?, duration(&case.reversed(), &back)?))
+}
+
+/// The start brakes harder than a motion could that has come from inside the limits, and so does the axis at the end of the range. Such a
+/// touch was refused as a target: 0.441 s and 18.2 s.
+#[test]
+fn a_start_that_brakes_harder_than_its_past_allows_touches_as_hard() {
+    let slow = Case {
+        start: AxisState::new(0.0, -0.18999465972725704, 9.474540626797403),
+        target: AxisState::rest(0.00332860794586988),
+        v: (-0.18999465972725704, 0.18999465972725704),
+        a: (-10.85414473526508, 10.85414473526508),
+        j: (-284.6557231180524, 13.228006774187941),
+    };
+    let far = Case {
+        start: AxisState::new(0.0, 0.0365222158229728, -0.03670210242699801),
+        target: AxisState::rest(-0.016728668858644435),
+        v: (-0.2775512474134202, 0.07372305116745498),
+        a: (-1.066208653894169, 15.55773730616318),
+        j: (-0.0012857461439647847, 0.023832936638276486),
+    };
+    let ranges = [(-0.0019115815349226104, f64::INFINITY), (f64::NEG_INFINITY, 0.018303739337009396)];
+    for (case, (lower, upper), known) in [(slow, ranges[0], 0.188989), (far, ranges[1], 7.008068)] {
+        let positions = PositionLimits::new(lower, upper).unwrap();
+        let (there, back) = both_ways(&case, &positions).unwrap();
+        assert!((there - known).abs() <= 1e-6 * known && (back - known).abs() <= 1e-6 * known, "{there} s, {back} s");
+        let problem = BoundedProblem::new(&case.start, &case.target, &case.limits(), &positions).unwrap();
+        for factor in [1.0, 1.001, 1.3, 2.0] {
+            let Ok(motion) = problem.with_duration(factor * problem.shortest_duration()) else { continue };
+            assert_eq!(fault(&case, &motion), None, "{factor}");
+            assert!(positions.contain_all_of(&motion) && motion.at(0.0).p == case.start.p);
+        }
+    }
+}
+
+#[test]
+fn backwards_in_time_it_takes_as_long() {
+    const CASES: usize = 1500;
+    let mut rng = Random::new(92);
+    let (mut off, mut count) = (Vec::new(), 0);
+    for _ in 0..CASES {
+        let (mut case, positions) = ranged_case(&mut rng);
+        // A jerk that is weak against the acceleration of the start, upwards or downwards.
+        if rng.chance(0.5) {
+            case.j.0 *= rng.log(1e-2, 1.0);
+        }
+        let Some((there, back)) = both_ways(&case, &positions) else { continue };
+        count += 1;
+        if (there - back).abs() > 1e-2 * there.min(back) {
+            off.push((there, back, case, positions));
+        }
+    }
+    assert!(count > CASES / 2 && off.len() <= CASES / 1000, "{} of {count} differ: {off:?}", off.len());
+}
+
 #[test]
 fn nothing_allocates() {
     let mut rng = Random::new(83);
