@@ -23,7 +23,9 @@ impl RowTable {
     /// A table for so many places with about as many rows each as this one.
     pub fn emptied(&self, places: usize) -> Self {
         let mut new = Self::with_capacity(places);
-        new.rows.reserve((places * self.rows.len()).div_ceil(self.x_max.len().max(1)));
+        // The product of two counts can be beyond a number of 32 bits.
+        let rows = (places as u64 * self.rows.len() as u64).div_ceil(self.x_max.len().max(1) as u64);
+        new.rows.reserve(usize::try_from(rows).unwrap_or(0));
         new
     }
 

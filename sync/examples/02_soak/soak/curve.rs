@@ -62,25 +62,23 @@ impl Curve {
             let s = self.at(t);
             now.iter().zip(s.q.iter()).map(|(s, q): (&AxisState, &f64)| (q - s.p).abs()).fold(0.0, f64::max)
         };
-        // Golden section in every minimum of some places: axes that turn have more than one.
-        let wide = 1.6 * cycle / 64.0;
-        let place = |i: i32| (start + wide * f64::from(i)).max(0.0);
-        let offs: Vec<f64> = (-65..=65).map(|i| off_at(place(i))).collect();
-        // The last of equal ones: before the begin all are.
-        let least = (1..offs.len() - 1).rev().min_by(|&i, &k| offs[i].total_cmp(&offs[k]));
-        let turns = (1..offs.len() - 1).filter(|&i| offs[i] < offs[i - 1] && offs[i] <= offs[i + 1]);
         let faster_at = |t: f64| {
             let s = self.at(t);
             now.iter().zip(s.qd.iter()).map(|(s, v): (&AxisState, &f64)| (scale * v - s.v).abs()).fold(0.0, f64::max)
         };
         let mut best = start;
-        for i in least.into_iter().chain(turns) {
-            let near = i as i32 - 65;
-            let found = nearest(&off_at, place(near - 1), place(near + 1));
-            let (off, was) = (off_at(found), off_at(best));
-            let better = if off.max(was) < near_enough { faster_at(found) < faster_at(best) } else { off < was };
-            if better {
-                best = found;
+        // An axis that turns back and forth within a hundredth of a cycle needs more places.
+        for places in [65, 65 * 32] {
+            let wide = 1.6 * cycle * 65.0 / 64.0 / f64::from(places);
+            for found in minima(&off_at, |i| (start + wide * f64::from(i)).max(0.0), places) {
+                let (off, was) = (off_at(found), off_at(best));
+                let better = if off.max(was) < near_enough { faster_at(found) < faster_at(best) } else { off < was };
+                if better {
+                    best = found;
+                }
+            }
+            if off_at(best) < near_enough {
+                break;
             }
         }
         let off = off_at(best);
@@ -89,6 +87,19 @@ impl Curve {
         self.latest = self.latest.max(best);
         off
     }
+}
+
+/// The minima of a function, by golden section beside every place that is lower than those around it: axes that turn have more than one.
+fn minima(off_at: &impl Fn(f64) -> f64, place: impl Fn(i32) -> f64, most: i32) -> Vec<f64> {
+    let offs: Vec<f64> = (-most..=most).map(|i| off_at(place(i))).collect();
+    // The last of equal ones: before the begin all are.
+    let least = (1..offs.len() - 1).rev().min_by(|&i, &k| offs[i].total_cmp(&offs[k]));
+    let turns = (1..offs.len() - 1).filter(|&i| offs[i] < offs[i - 1] && offs[i] <= offs[i + 1]);
+    let beside = |i: usize| {
+        let near = i as i32 - most;
+        nearest(off_at, place(near - 1), place(near + 1))
+    };
+    least.into_iter().chain(turns).map(beside).collect()
 }
 
 /// The least of a function between two places, where it has one minimum.
