@@ -27,7 +27,7 @@ impl Leg {
     /// `None` if no motion inside the limits connects the two.
     pub fn new(from: &AxisState, to: &AxisState, limits: &AxisLimits) -> Option<Self> {
         let (problem, is_backwards) = match AxisProblem::new(from, to, limits) {
-            Err(FeedError::TargetUnreachable { .. }) => {
+            Err(FeedError::TargetUnreachable { .. }) if brakes(from) => {
                 (AxisProblem::new(&backwards(to), &backwards(from), &backwards_limits(limits)).ok()?, true)
             }
             other => (other.ok()?, false),
@@ -75,13 +75,18 @@ impl Leg {
     /// How far the shortest change of velocity and acceleration goes, if there is one inside the limits.
     pub fn direct_displacement(from: &AxisState, to: &AxisState, limits: &AxisLimits) -> Option<f64> {
         match AxisProblem::direct_displacement(from, to, limits) {
-            Err(FeedError::TargetUnreachable { .. }) => {
+            Err(FeedError::TargetUnreachable { .. }) if brakes(from) => {
                 let (start, end) = (backwards(to), backwards(from));
                 AxisProblem::direct_displacement(&start, &end, &backwards_limits(limits)).ok().map(|d| -d)
             }
             other => other.ok(),
         }
     }
+}
+
+/// Returns true if a state loses speed: from others a target that cannot be entered from inside is out of reach.
+fn brakes(s: &AxisState) -> bool {
+    s.v * s.a < 0.0
 }
 
 /// A state as it is when time runs backwards.

@@ -123,6 +123,10 @@ fn root_one_sided(function: &DisplacementFunction, from: f64, to: f64) -> Option
     if f_from >= 0.0 {
         return Some(function.at(from));
     }
+    if function.gap() == 0.0 {
+        // Rise and fall cancel: all of them are the direct change, one phase, and differ by round-off.
+        return (function.eval(to).0 >= 0.0).then(|| function.at(from));
+    }
     if let Some(top) = function.summit(from, to) {
         let f_top = function.eval(top).0;
         if f_top >= 0.0 {

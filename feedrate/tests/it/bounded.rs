@@ -286,6 +286,24 @@ fn a_start_that_brakes_harder_than_its_past_allows_touches_as_hard() {
     }
 }
 
+/// A stop of the target played backwards stays inside by round-off. The shortest way between its ends is another one, which leaves the range,
+/// and the problem was refused.
+#[test]
+fn a_target_that_is_entered_beside_the_end_of_the_range_is_not_refused() {
+    let case = Case {
+        start: AxisState::rest(0.0),
+        target: AxisState::new(-2.6642239810669125e-5, -0.34784697414794563, -8.244502967254896),
+        v: (-0.3481901658742939, 3.9380944662053103),
+        a: (-9.056379811221227, 2.11781994696779),
+        j: (-29.055753594440564, 2.769364418251624),
+    };
+    let positions = PositionLimits::new(f64::NEG_INFINITY, 0.007723027682798751).unwrap();
+    let problem = BoundedProblem::new(&case.start, &case.target, &case.limits(), &positions).unwrap();
+    let motion = problem.shortest();
+    assert_eq!(fault(&case, &motion), None);
+    assert!(positions.contain_all_of(&motion) && motion.duration() < 2.512, "{}", motion.duration());
+}
+
 #[test]
 fn backwards_in_time_it_takes_as_long() {
     const CASES: usize = 1500;

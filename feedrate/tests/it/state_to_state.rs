@@ -458,3 +458,41 @@ fn a_moment_at_full_acceleration_had_a_jump_of_the_position() {
     assert!((end.0 - target.p).abs() <= 1e-17 && (end.1 - target.v).abs() <= 1e-14, "{end:?}");
     assert!((end.2 - target.a).abs() <= 1e-14, "{end:?}");
 }
+
+/// One phase of the hardest braking leads from a start that is bound to exceed its velocity limit to a target at that limit. Rise and fall of
+/// its extremals cancel, and round-off of 1e-17 m decided whether the motion ended 0.15 m beside its target.
+#[test]
+fn one_phase_that_ends_at_the_velocity_limit_ends_in_its_target() {
+    let mut rng = Random::new(93);
+    for i in 0..20_000 {
+        let (v, a, j) = (rng.log(1e-3, 10.0), rng.log(1e-3, 10.0), rng.log(1e-2, 100.0));
+        // From rest with the acceleration `b`, which falls to `a` while the velocity rises to `v`.
+        let b = (a * a + 2.0 * j * v).sqrt();
+        let t = (b - a) / j;
+        let d = 0.5 * t * t * (b - j * t / 3.0);
+        let from = rng.between(-1.0, 1.0);
+        let side = rng.sign();
+        let pair = |least: f64, most: f64| if side > 0.0 { (-least, most) } else { (-most, least) };
+        let case = Case {
+            start: AxisState::new(side * from, 0.0, side * b),
+            target: AxisState::new(side * (from + d), side * v, side * a),
+            v: pair((v + 0.5 * a * a / j) * rng.log(1.0, 10.0), v),
+            a: pair(2.0 * b, 2.0 * b),
+            j: pair(j, j),
+        };
+        let motion = case.solve().unwrap();
+        let mut end = (case.start.p, case.start.v, case.start.a);
+        for (phase, dt) in motion.phases() {
+            let gap = ((phase.s - end.0).abs(), (phase.v - end.1).abs(), (phase.a - end.2).abs());
+            let way = 1.0 + d + v * motion.duration();
+            assert!(gap.0 <= 1e-8 * way && gap.1 <= 1e-8 * v && gap.2 <= 1e-8 * b, "case {i}: {gap:?}: {case:?}");
+            let s = phase.after(dt);
+            end = (s.p, s.v, s.a);
+        }
+        let miss = ((end.0 - case.target.p).abs(), (end.1 - case.target.v).abs());
+        assert!(
+            miss.0 <= 1e-8 * (1.0 + d + v * motion.duration()) && miss.1 <= 1e-8 * v,
+            "case {i}: {miss:?}: {case:?}"
+        );
+    }
+}
