@@ -51,7 +51,7 @@ TESTED_BY = {
     "interp": ["interp", "integration-tests", "robot-cr7"],
 }
 # Features without which some of their tests are left out.
-FEATURES = {"kinematics": ["json", "urdf"], "interp": ["json"]}
+FEATURES = {"feedrate": ["clarabel"], "kinematics": ["json", "urdf"], "interp": ["json"]}
 LEFT_OUT = r"allocat|stack"
 UNPLAYED = ("no switch", "does not compile")
 
