@@ -246,8 +246,8 @@ fn a_dense_search_over_one_touch_finds_nothing_shorter() {
     }
 }
 
-/// From the touch with the direct change to the target the axis would leave the range, from a stronger one it does not. One case in 200
-/// is such; without that stronger touch these take twice as long.
+/// From the touch with the direct change to the target the axis would leave the range, from a stronger one it does not. 13 of 3000 random
+/// motions were such; without that stronger touch they took up to 2.3 times as long.
 #[test]
 fn a_touch_from_which_the_way_to_the_target_leaves_the_range_is_made_stronger() {
     let rest = AxisState::rest;
