@@ -12,9 +12,9 @@ A mutant is the code with one small mistake, as cargo-mutants lists it (`cargo i
 The lists are shuffled with the same seed each time. A copy of the checkout, in target/mutants/sources, holds all mutants that are
 asked for, each behind a switch: a function becomes `if mutant(N) { changed body } else { body }`, and an environment variable says
 which N runs. One build serves them all. First every test runs on the code as it is, each in a process of its own, which gives the
-time it takes and the mutants whose function it runs. A mutant then meets the tests that run its function, the quick ones first:
-those of its own crate, and if none fails those of the crates above. It ends at the first that fails. A test may take four times
-the processor time of the code as it is, and two seconds more.
+time it takes and the mutants whose function it runs. A mutant then meets the tests that run its function, the quick ones first,
+and ends at the first that fails: those of its own crate, and, when all mutants have met theirs, those of the crates above. A test
+may take four times the processor time of the code as it is, and two seconds more.
 
 A result is a line of target/mutants/results.jsonl, so that a run which was stopped goes on where it was. Tests that count
 allocations or measure the stack are left out: a switch changes both. The exit code is 1 if a mutant was missed.
@@ -24,6 +24,7 @@ import argparse
 import collections
 import concurrent.futures
 import json
+import math
 import os
 import re
 import resource
@@ -51,9 +52,11 @@ TESTED_BY = {
     "interp": ["interp", "integration-tests", "robot-cr7"],
 }
 # Features without which some of their tests are left out.
-FEATURES = {"kinematics": ["json", "urdf"], "interp": ["json"]}
+FEATURES = {"feedrate": ["clarabel"], "kinematics": ["json", "urdf"], "interp": ["json"]}
 LEFT_OUT = r"allocat|stack"
 UNPLAYED = ("no switch", "does not compile")
+# Of a mutant that has met the tests of its own crate alone so far.
+HALF = "missed by its crate"
 
 
 @dataclass(frozen=True)
@@ -196,14 +199,16 @@ def tests_of(programs: list, left_out: str, jobs: int) -> list:
     tests, failed = [], []
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
         for package, program in programs:
-            stamp = f"{program} {os.stat(program).st_mtime_ns} {left_out}"
-            if stamp not in known:
-                names = [name for name in names_of(package, program) if not re.search(left_out, name)]
-                print(f"{len(names)} tests of {package}, {Path(program).name}", file=sys.stderr, flush=True)
-                known[stamp] = list(pool.map(lambda name: clean_run(package, program, name), names))
-                if all(test["passes"] for test in known[stamp]):
-                    CLEAN.write_text(json.dumps(known), encoding="utf-8")
-            for test in known[stamp]:
+            names = [name for name in names_of(package, program) if not re.search(left_out, name)]
+            found = known.setdefault(f"{program} {os.stat(program).st_mtime_ns}", {})
+            new = [name for name in names if name not in found]
+            if new:
+                print(f"{len(new)} tests of {package}, {Path(program).name}", file=sys.stderr, flush=True)
+            for name, run in zip(new, pool.map(lambda name: clean_run(package, program, name), new)):
+                found[name] = run
+            if new and all(test["passes"] for test in found.values()):
+                CLEAN.write_text(json.dumps(known), encoding="utf-8")
+            for test in map(found.get, names):
                 tests.append(Test(package, program, test["name"], test["seconds"], frozenset(test["reaches"])))
                 if not test["passes"]:
                     failed.append(f"{package} {test['name']}\n{test['text']}")
@@ -212,20 +217,34 @@ def tests_of(programs: list, left_out: str, jobs: int) -> list:
     return tests
 
 
-def play(mutant: switch.Mutant, tests: list) -> dict:
-    """Plays a mutant against the tests that run its function."""
-    order = {package: int(at > 0) for at, package in enumerate(TESTED_BY[mutant.crate])}
-    met = [test for test in tests if test.package in order and mutant.number in test.reaches]
-    met.sort(key=lambda test: (order[test.package], test.seconds))
+def play(mutant: switch.Mutant, tests: list, above: bool) -> dict:
+    """Plays a mutant against the tests of its own crate that run its function, or against those of the crates above."""
+    packages = TESTED_BY[mutant.crate][1:] if above else [mutant.crate]
+    met = [test for test in tests if test.package in packages and mutant.number in test.reaches]
+    met.sort(key=lambda test: test.seconds)
     spent = 0.0
     for count, test in enumerate(met):
         limit = 4.0 * test.seconds + 2.0
         result, seconds, _ = run_test(test.package, test.program, test.name, limit, {"ARCFEED_MUTANT": str(mutant.number)})
         spent += seconds
         if result != "passes":
-            outcome = result if result == "no end" else ("caught above" if order[test.package] else "caught")
+            outcome = result if result == "no end" else ("caught above" if above else "caught")
             return {"outcome": outcome, "by": test.title(), "tests": count + 1, "seconds": round(spent, 1)}
-    return {"outcome": "missed", "tests": len(met), "seconds": round(spent, 1)}
+    return {"outcome": "missed" if above else HALF, "tests": len(met), "seconds": round(spent, 1)}
+
+
+def play_all(mutants: list, results: dict, tests: list, above: bool, jobs: int) -> None:
+    """Plays mutants, and notes what became of each as soon as it is known."""
+    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
+        plays = {pool.submit(play, mutant, tests, above): mutant for mutant in mutants}
+        for count, done in enumerate(concurrent.futures.as_completed(plays), 1):
+            mutant, line = plays[done], done.result()
+            before = results.get(mutant.name, {}) if above else {}
+            for sum_of in ("tests", "seconds"):
+                line[sum_of] = round(line[sum_of] + before.get(sum_of, 0), 1)
+            settle(results, mutant, **line)
+            by = line.get("by", f"{line['tests']} tests passed")
+            print(f"{count}/{len(mutants)} {line['outcome']} ({by}): {mutant.name}", file=sys.stderr, flush=True)
 
 
 def settle(results: dict, mutant: switch.Mutant, **found: object) -> None:
@@ -235,21 +254,33 @@ def settle(results: dict, mutant: switch.Mutant, **found: object) -> None:
         file.write(json.dumps(results[mutant.name]) + "\n")
 
 
+def share(caught: int, played: int) -> str:
+    """The part that was caught, and Wilson's interval in which that of all mutants is with a probability of 95 %."""
+    if played == 0:
+        return ""
+    z, part = 1.96, caught / played
+    middle = (part + z * z / (2 * played)) / (1 + z * z / played)
+    half = z / (1 + z * z / played) * math.sqrt(part * (1 - part) / played + z * z / (4 * played * played))
+    return f"{part:.0%}, {middle - half:.0%} to {middle + half:.0%}"
+
+
 def table(mutants: list, results: dict) -> bool:
     """Prints what became of the mutants. Says whether one was missed."""
-    kinds = ["caught", "caught above", "no end", "missed", *UNPLAYED]
-    print(f"| crate | {' | '.join(kinds)} | not played yet |\n|---|{'---|' * (len(kinds) + 1)}")
+    kinds = ["caught", "caught above", "no end", "missed", HALF, *UNPLAYED]
+    print(f"| crate | {' | '.join(kinds)} | not played yet | caught of those played |\n|---|{'---|' * (len(kinds) + 2)}")
     for crate in dict.fromkeys(mutant.crate for mutant in mutants):
         outcomes = [results.get(mutant.name, {}).get("outcome", "") for mutant in mutants if mutant.crate == crate]
         counts = collections.Counter(outcomes)
-        print(f"| {crate} | {' | '.join(str(counts[kind]) for kind in [*kinds, ''])} |")
-    for kind in ("no end", "missed"):
+        caught = counts["caught"] + counts["caught above"]
+        part = share(caught, caught + counts["no end"] + counts["missed"] + counts[HALF])
+        print(f"| {crate} | {' | '.join(str(counts[kind]) for kind in [*kinds, ''])} | {part} |")
+    for kind in ("no end", "missed", HALF):
         for mutant in mutants:
             result = results.get(mutant.name, {})
             if result.get("outcome") == kind:
                 by = f" by {result['by']}" if "by" in result else f", {result['tests']} tests"
                 print(f"\n{kind}{by}: {mutant.name}\n    in {mutant.function} {mutant.returns}")
-    return any(results.get(mutant.name, {}).get("outcome") == "missed" for mutant in mutants)
+    return any(results.get(mutant.name, {}).get("outcome") in ("missed", HALF) for mutant in mutants)
 
 
 def asked_for(arguments: argparse.Namespace) -> list:
@@ -293,15 +324,10 @@ def main() -> int:
         programs = build_all(mutants, results, arguments.libraries, arguments.jobs)
         left_out = "|".join(filter(None, [LEFT_OUT, arguments.leave_out]))
         tests = tests_of(programs, left_out, arguments.jobs)
-        due = ["", "missed"] if arguments.again else [""]
-        rest = [mutant for mutant in mutants if results.get(mutant.name, {}).get("outcome", "") in due]
-        with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
-            plays = {pool.submit(play, mutant, tests): mutant for mutant in rest}
-            for count, done in enumerate(concurrent.futures.as_completed(plays), 1):
-                settle(results, plays[done], **done.result())
-                line = results[plays[done].name]
-                by = line.get("by", f"{line['tests']} tests passed")
-                print(f"{count}/{len(rest)} {line['outcome']} ({by}): {plays[done].name}", file=sys.stderr, flush=True)
+        again = ["missed"] if arguments.again else []
+        for above, due in ((False, ["", *again]), (True, [HALF])):
+            rest = [mutant for mutant in mutants if results.get(mutant.name, {}).get("outcome", "") in due]
+            play_all(rest, results, tests, above, arguments.jobs)
     return 1 if table(mutants, results) else 0
 
 

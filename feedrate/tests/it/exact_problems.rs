@@ -90,6 +90,24 @@ fn the_scan_says_where_it_cannot_stand() {
     );
 }
 
+/// A joint that must not move begins to after the first grid point: the plan rests over a whole interval. The error names the point
+/// where that limit holds and the limit, not a row of the interval.
+#[test]
+fn a_limit_of_no_speed_is_named_where_it_begins() {
+    let grid = uniform(10, 1.0);
+    let first: Vec<f64> = (0..=10).flat_map(|i| [1.0, f64::from(u8::from(i > 0))]).collect();
+    let path = PathDerivatives::new(2, &first, &[0.0; 22]).unwrap();
+    let velocity = JointVelocity::new(path, &[1.0, 0.0]).unwrap();
+    let acceleration = JointAcceleration::new(path, &[1.0, 1.0]).unwrap();
+    let problem = FeedProblem::at_points(&grid, &[&velocity, &acceleration]).unwrap();
+    let planners: [&dyn FeedPlanner; 2] = [&ForwardBackwardScan, &Reachability];
+    for planner in planners {
+        let error = planner.plan(&problem).unwrap_err();
+        let FeedError::Standstill { index, row, .. } = error else { panic!("{error:?}") };
+        assert_eq!((index, row.quantity, row.joint), (1, Quantity::JointVelocity, Some(1)));
+    }
+}
+
 #[test]
 fn the_unit_of_s_does_not_matter() {
     let path = &paths()[0];

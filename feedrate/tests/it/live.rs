@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use arcfeed_feedrate::{FeedOverride, LiveSection, LiveStatus, LiveStep, MotionState, VelocityLimitCurve};
+use arcfeed_testing::Random;
 use proptest::prelude::*;
 
 /// What an operator does in a cycle.
@@ -227,4 +228,48 @@ fn at_full_feed_the_way_takes_as_long_as_the_fastest_law() {
     let closed_form = 0.5 / 0.0997 + 0.0997 / 0.99 + 1.0 / 20.0;
     assert!((curve.duration() / closed_form - 1.0).abs() < 1e-3, "{} s, {closed_form} s", curve.duration());
     assert!((f64::from(cycles) * 1e-3 / closed_form - 1.0).abs() < 0.01, "{cycles} cycles, {closed_form} s");
+}
+
+/// A narrow place between the samples of two cycles. Where one jerk acts over the whole cycle its speed is known at all times, and it is
+/// under the curve at the quarters, at which the motion looks for such places.
+#[test]
+fn a_cycle_does_not_jump_over_a_narrow_place() {
+    let mut rng = Random::new(121);
+    let mut near = 0;
+    for case in 0..60 {
+        let waves = [0; 3].map(|_| (rng.unit(), rng.between(0.5, 40.0), rng.between(0.0, TAU)));
+        let scenario = Scenario {
+            length: rng.log(0.02, 0.3),
+            waves: waves[..1 + rng.below(3)].to_vec(),
+            stops: Vec::new(),
+            acceleration: rng.log(0.5, 8.0),
+            build_up: rng.log(0.005, 0.05),
+            period: rng.log(2e-3, 2e-2),
+            acts: Vec::new(),
+        };
+        let (curve, caps, period) = (scenario.curve(), scenario.caps(), scenario.period);
+        let mut feed = FeedOverride::new(&curve, period, 1.0).expect("valid");
+        let mut before = MotionState::default();
+        for cycle in 0..20_000 {
+            if cycle % 17 == 0 {
+                feed.set_override(if rng.chance(0.5) { 1.0 } else { rng.between(0.05, 1.2) }).expect("valid");
+            }
+            let LiveStep { state: now, status, .. } = feed.step();
+            let jerk = (now.a - before.a) / period;
+            let v = |t: f64| before.v + t * (before.a + 0.5 * t * jerk);
+            let p = |t: f64| before.p + t * (before.v + t * (0.5 * before.a + t * jerk / 6.0));
+            if (v(period) - now.v).abs() < 1e-12 && (p(period) - now.p).abs() < 1e-12 {
+                for t in [0.25, 0.5, 0.75, 1.0].map(|part| part * period) {
+                    let cap = scenario.cap_at(&caps, p(t));
+                    assert!(v(t) <= cap, "case {case}: speed {} over the curve {cap} at {}", v(t), p(t));
+                    near += usize::from(v(t) > 0.99 * cap);
+                }
+            }
+            before = now;
+            if status == LiveStatus::Finished {
+                break;
+            }
+        }
+    }
+    assert!(near > 1000, "{near}");
 }

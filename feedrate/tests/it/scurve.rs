@@ -178,6 +178,25 @@ fn invalid_input_is_named() {
     assert_eq!(kept.adjusted(), Adjusted::End { asked: 0.0, reached: 0.5 });
 }
 
+/// The closed forms are those of bounds that are the same in both directions. Others are refused, and not taken by one of their sides.
+#[test]
+fn bounds_that_differ_by_direction_are_refused() {
+    for (name, a, j) in [("a", (-2.0, 1.0), (-20.0, 20.0)), ("j", (-1.0, 1.0), (-20.0, 10.0))] {
+        let limits = AxisLimits::forward(1.0, a, j).unwrap();
+        let results = [
+            distance_for_change(0.2, 0.5, &limits).map(|_| ()),
+            highest_speed_over(0.2, 1.0, &limits).map(|_| ()),
+            lowest_speed_over(0.2, 1.0, &limits).map(|_| ()),
+            SProfile::new(2.0, 0.2, 0.5, &limits).map(|_| ()),
+            SProfile::adaptive(2.0, 0.2, 0.5, &limits, Adjust::End).map(|_| ()),
+        ];
+        for (i, result) in results.into_iter().enumerate() {
+            let refused = matches!(result, Err(FeedError::NotSymmetric { what, .. }) if what == name);
+            assert!(refused, "{name}, call {i}: {result:?}");
+        }
+    }
+}
+
 #[test]
 fn extreme_numbers_never_panic_and_never_yield_nan() {
     let odd = [0.0, 5e-324, 1e-300, 1e-150, 1e-9, 1.0, 1e9, 1e150, 1e300, f64::MAX];

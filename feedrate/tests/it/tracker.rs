@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use arcfeed_feedrate::{
-    AxisLimits, AxisState, FeedError, MotionLaw, StateToState, TargetTracker, TrackStatus, TrackStep,
+    AxisLimits, AxisProblem, AxisState, FeedError, MotionLaw, StateToState, TargetTracker, TrackStatus, TrackStep,
 };
 use arcfeed_testing::{Random, allocations_in};
 
@@ -119,7 +119,7 @@ fn a_sinusoid_is_met_and_followed_without_error() {
         watch.stays(2000, target);
         // The least time with hindsight: the first meeting that is possible.
         let meets = |t: f64| {
-            let problem = arcfeed_feedrate::AxisProblem::new(&AxisState::rest(0.0), &target(t), &l).unwrap();
+            let problem = AxisProblem::new(&AxisState::rest(0.0), &target(t), &l).unwrap();
             problem.shortest_duration() <= t
         };
         let best = (1..).map(|n| 1e-2 * f64::from(n)).find(|&t| meets(t)).unwrap();
@@ -264,4 +264,45 @@ fn a_target_that_overflows_is_not_remembered() {
         }
         assert!(follows, "case {case}");
     }
+}
+
+/// Three equal parts of a cycle with constant jerk lead to the target: the axis is in its state one cycle later. It never is where no
+/// motion within the limits takes one cycle.
+#[test]
+fn a_target_within_one_cycle_is_landed_on() {
+    let mut rng = Random::new(112);
+    let (mut landed, mut refused) = (0, 0);
+    for case in 0..3000 {
+        let l = limits(&mut rng);
+        let part = |rng: &mut Random, (lo, hi): (f64, f64)| 0.5 * rng.between(lo, hi);
+        let (v, a) = (part(&mut rng, (l.v_min(), l.v_max())), part(&mut rng, (l.a_min(), l.a_max())));
+        let start = AxisState::new(rng.between(-1.0, 1.0), v, a);
+        if !l.contain(&AxisState::new(0.0, 1.5 * v, 1.5 * a)) {
+            continue;
+        }
+        let (h, wide) = (CYCLE / 3.0, rng.one_of(&[0.999, 1.5, 3.0]));
+        let jerks = [0; 3].map(|_| wide * rng.between(l.j_min(), l.j_max()));
+        let after = |s: AxisState, j: &f64| {
+            let (v, a) = (s.v + h * (s.a + 0.5 * h * j), s.a + h * j);
+            AxisState::new(s.p + h * (s.v + h * (0.5 * s.a + h * j / 6.0)), v, a)
+        };
+        let target = jerks.iter().fold(start, after);
+        let step = TargetTracker::new(&start, &l, CYCLE).unwrap().step(&target).unwrap();
+        let (there, what) = (step.status == TrackStatus::Following, format!("case {case}: {jerks:?} within {l:?}"));
+        if jerks.iter().all(|j| l.j_min() <= *j && *j <= l.j_max()) {
+            assert!(there, "{what}: {step:?}");
+            assert_eq!(AxisState::new(step.state.p, step.state.v, step.state.a), target, "{what}");
+            assert!((step.state.j - jerks[2]).abs() < 1e-4 * (l.j_max() - l.j_min()), "{what}: {step:?}");
+            landed += 1;
+        } else {
+            let wider = |(lo, hi): (f64, f64)| (1.001 * lo, 1.001 * hi);
+            let all = [(l.v_min(), l.v_max()), (l.a_min(), l.a_max()), (l.j_min(), l.j_max())].map(wider);
+            let all = AxisLimits::new(all[0], all[1], all[2]).unwrap();
+            let possible =
+                AxisProblem::new(&start, &target, &all).is_ok_and(|p| p.durations().at_least(CYCLE) <= CYCLE);
+            assert!(possible || !there, "{what}: {step:?}");
+            refused += usize::from(!there);
+        }
+    }
+    assert!(landed > 500 && refused > 500, "{landed} {refused}");
 }

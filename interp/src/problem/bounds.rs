@@ -207,3 +207,31 @@ impl BendLimits {
             .min(by(self.normal_jerk, caps::normal_jerk_speed))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Isometry3;
+
+    /// A tool of which one component has the second derivative `x^power` and its derivative, over a length of 2.
+    fn tool(power: i32, component: usize) -> [PoseJet; 3] {
+        [0.0, 1.0, 2.0].map(|x: f64| {
+            let of = |value: f64| Twist::from_fn(|k, _| if k == component { value } else { 0.0 });
+            let (d2, d3) = (of(x.powi(power)), of(f64::from(power) * x.powi(power - 1)));
+            PoseJet { pose: Isometry3::identity(), d1: Twist::zeros(), d2, d3 }
+        })
+    }
+
+    /// Of a cubic second derivative both ends say all; of `x^4` it is 1 in the middle of 0 and 16, where they say 0, and of its
+    /// derivative 4 in the middle of 0 and 32, where they say 16.
+    #[test]
+    fn the_error_is_what_the_middle_differs_from_the_ends_by() {
+        for component in [1, 4] {
+            let cubic = InterpolationError::of(&tool(3, component), 2.0);
+            assert!(cubic.second < 1e-12, "{}", cubic.second);
+            let quartic = InterpolationError::of(&tool(4, component), 2.0);
+            assert!((quartic.second - PEAK / 16.0).abs() < 1e-12, "{}", quartic.second);
+            assert!((quartic.third - PEAK * 12.0 / 32.0).abs() < 1e-12, "{}", quartic.third);
+        }
+    }
+}

@@ -277,7 +277,13 @@ fn a_jump_counts_where_its_derivative_is_limited() {
     assert!(!limited.holds(1e-6));
     let jump = limited.worst_jump().expect("limited");
     assert_eq!((jump.id.quantity, jump.jump, jump.t), (Quantity::JointAcceleration, 2.0, 1.0));
-    assert!(certify(&times, &pieces, &range(2.0), &rates(1.0, 1.0, f64::INFINITY)).holds(1e-6));
+    let unlimited_jerk = certify(&times, &pieces, &range(2.0), &rates(1.0, 1.0, f64::INFINITY));
+    assert!(unlimited_jerk.holds(1e-6));
+    for (certificate, of_acceleration) in [(&limited, true), (&unlimited_jerk, false)] {
+        let all = certificate.jumps().iter().map(|jump| (jump.id.quantity, jump.jump, jump.limited));
+        let wanted = [(QUANTITIES[0], 0.0, true), (QUANTITIES[1], 0.0, true), (QUANTITIES[2], 2.0, of_acceleration)];
+        assert_eq!(all.collect::<Vec<_>>(), wanted);
+    }
 }
 
 #[test]

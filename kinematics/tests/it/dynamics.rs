@@ -312,3 +312,18 @@ fn an_arm_without_mass_has_no_forward_dynamics() {
     let heavy = Inertial::new(1e308, Vector3::repeat(1e10), Matrix3::zeros()).unwrap();
     assert!(ArmDynamics::new(&models::planar_2r(), [heavy; 2]).is_err());
 }
+
+/// No moment of it overflows, nor does their sum, though the product of any two would.
+#[test]
+fn an_arm_whose_moments_are_near_the_end_of_all_numbers_is_taken() {
+    let arm = |unit: f64| {
+        let body = Inertial::new(unit, Vector3::new(0.1, 0.2, 0.3), Matrix3::identity() * (0.02 * unit)).unwrap();
+        ArmDynamics::new(&models::planar_2r(), [body; 2]).unwrap().with_gravity(Vector3::new(0.0, -9.81, 0.0)).unwrap()
+    };
+    let unit = 2.0_f64.powi(530);
+    let (light, heavy) = (arm(1.0), arm(unit));
+    let q = Joints::<2>::new(0.4, -0.7);
+    assert!(light.gravity_torque(&q).amax() > 1.0);
+    assert_eq!(heavy.gravity_torque(&q), light.gravity_torque(&q) * unit);
+    assert_eq!(heavy.mass_matrix(&q), light.mass_matrix(&q) * unit);
+}

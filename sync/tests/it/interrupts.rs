@@ -118,6 +118,40 @@ fn stops_on_the_path_are_short() {
     assert!(ratios[150] < 2.0);
 }
 
+/// The distance of a point from a curve that is given by points.
+fn distance_from(curve: &[[f64; 2]], [x, y]: [f64; 2]) -> f64 {
+    let distance = |from: &[f64; 2], to: &[f64; 2]| {
+        let (along, off) = ([to[0] - from[0], to[1] - from[1]], [x - from[0], y - from[1]]);
+        let length = along[0] * along[0] + along[1] * along[1];
+        let part = ((off[0] * along[0] + off[1] * along[1]) / length).clamp(0.0, 1.0);
+        (off[0] - part * along[0]).hypot(off[1] - part * along[1])
+    };
+    curve.windows(2).map(|pair| distance(&pair[0], &pair[1])).fold(f64::INFINITY, f64::min)
+}
+
+/// Both axes move straight towards their targets when they are to stop, but their plan leaves that line.
+#[test]
+fn a_stop_on_the_path_of_axes_that_begin_along_a_line_stays_on_their_curve() {
+    let limits = [AxisLimits::symmetric(1.0, 2.0, 20.0).unwrap(), AxisLimits::symmetric(1.0, 8.0, 200.0).unwrap()];
+    let start = [AxisState::new(0.0, 0.4, 0.0), AxisState::new(0.0, 0.2, 0.0)];
+    let mut g = OnlineGenerator::new(start, limits, CYCLE, Synchronisation::Time).unwrap();
+    g.set_target([AxisState::rest(0.2), AxisState::rest(0.1)]).unwrap();
+    let mut going = g.clone();
+    let mut curve = vec![[0.0; 2]];
+    while !going.step().events.reached {
+        curve.push(going.state().each_ref().map(|s| s.p));
+    }
+    g.stop_on_path();
+    let mut off_line = 0.0_f64;
+    while !g.step().events.reached {
+        let p = g.state().each_ref().map(|s| s.p);
+        let off = distance_from(&curve, p);
+        assert!(off < 1e-6, "{off} from the curve at {p:?}");
+        off_line = off_line.max((p[0] - 2.0 * p[1]).abs());
+    }
+    assert!(off_line > 1e-3, "{off_line}");
+}
+
 /// Limits that are raised during a stop on the path change nothing of it.
 #[test]
 fn a_stop_on_the_path_keeps_the_limits_that_it_began_with() {
