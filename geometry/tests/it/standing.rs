@@ -257,7 +257,7 @@ fn farthest_of(points: &[Point], others: &[Point]) -> f64 {
 /// curvature has a bound in any case.
 #[test]
 fn cusps_are_found_as_near_to_an_end_as_they_may_be() {
-    let (mut turned, mut specks, seeds) = (0, 0, cases(100));
+    let (mut turned, mut specks, seeds) = (0, 0, cases(50));
     for seed in seeds.clone() {
         let r = &mut Random::new(seed);
         let mut cusps: Vec<f64> = (0..1 + r.below(2)).map(|_| any_place(r)).collect();

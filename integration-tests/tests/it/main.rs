@@ -14,8 +14,6 @@ mod controller_live;
 mod cubics;
 mod fuzz;
 mod hybrid;
-#[cfg(feature = "oracle")]
-mod large_fits;
 mod motion_bench_maker;
 mod moveit_paths;
 mod paths_of_others;

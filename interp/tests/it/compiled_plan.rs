@@ -30,23 +30,28 @@ fn sampled(arm: &Arm<6>, told: &Told, kind: Kind, motion: &JointTrajectory<6>) -
     let mut most = 0.0f64;
     for i in 0..=30_000 {
         let p = motion.at(motion.duration() * f64::from(i) / 30_000.0);
-        let configuration = arcfeed_kinematics::ForwardKinematics::configuration(arm, &p.q);
+        let configuration = || arcfeed_kinematics::ForwardKinematics::configuration(arm, &p.q);
         let point = |twist: nalgebra::Vector6<f64>| twist.fixed_rows::<3>(0).norm();
         let ratio = match kind {
             Kind::ToolAcceleration => {
+                let configuration = configuration();
                 let change = configuration.jacobian() * p.qdd + configuration.acceleration_bias(&p.qd);
                 point(change) / told.tool.acceleration().expect("limited")
             }
             Kind::ToolJerk => {
+                let configuration = configuration();
                 let third = configuration.jacobian() * p.jerk + configuration.jerk_bias(&p.qd, &p.qdd);
                 point(third) / told.tool.jerk().expect("limited")
             }
             _ => {
-                let torque = arcfeed_kinematics::Dynamics::torque(dynamics, &p.q, &p.qd, &p.qdd);
+                let by_torque = kind.quantity() == Quantity::JointTorque;
+                let torque = by_torque.then(|| arcfeed_kinematics::Dynamics::torque(dynamics, &p.q, &p.qd, &p.qdd));
                 let one = |j: usize| {
                     let (q, qd) = (p.q[j], p.qd[j]);
                     match kind.quantity() {
-                        Quantity::JointTorque => torque[j].abs() / tables(j, q, qd, &[TorqueBySpeed]),
+                        Quantity::JointTorque => {
+                            torque.expect("computed")[j].abs() / tables(j, q, qd, &[TorqueBySpeed])
+                        }
                         Quantity::JointJerk => {
                             p.jerk[j].abs() / tables(j, q, qd, &[TableKind::JerkBySpeed, TableKind::JerkByPosition])
                         }

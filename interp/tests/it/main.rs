@@ -1,5 +1,6 @@
 //! Tests of paths, plans, verification and live motion, in one binary.
 
+mod ahead;
 mod allocation;
 mod certificate;
 mod common;

@@ -109,8 +109,9 @@ fn a_circle_with_the_fourth_joint_constant_passes_the_straight_wrist() {
 fn random_motions_with_smooth_joints_pass_the_straight_wrist() {
     let (kr6, ur5e, cr7) = (models::kr6_r700(), models::ur5e(), models::cr7());
     let (mut planned, mut passed) = (0, 0);
-    let seeds = cases(3);
-    for seed in seeds.clone() {
+    let seeds = cases(1);
+    // The seed says which arm: the first is the CR7. `ARCFEED_CASES=12` plays each arm four times.
+    for seed in seeds.clone().map(|i| i + 2) {
         let mut random = Random::new(seed);
         let mut vector = |size: f64| Joints::<6>::from_fn(|_, _| random.between(-size, size));
         let (first, second, third) = (vector(0.5), vector(0.3), vector(0.2));

@@ -16,13 +16,13 @@ use crate::limit_tables::Kind;
 use crate::qb;
 
 /// Way-points all over a part of the range.
-fn route(seed: u64, points: usize) -> JointSpline<6> {
+pub(crate) fn route(seed: u64, points: usize) -> JointSpline<6> {
     let mut rng = Random::new(seed);
     let points: Vec<Joints<6>> = (0..points).map(|_| Joints::from_fn(|_, _| rng.between(-1.2, 1.2))).collect();
     JointSpline::through(&points).expect("way-points that differ")
 }
 
-fn limits() -> Limits<'static, 6> {
+pub(crate) fn limits() -> Limits<'static, 6> {
     let rates = [2.5, 8.0, 80.0].map(Joints::repeat);
     Limits::new(models::ur5e().range().with_rates(rates[0], rates[1], rates[2]).expect("above 0"))
 }
@@ -67,19 +67,6 @@ fn curves_of_the_tool_are_planned_in_windows() {
         // Some are hardly longer than the way to brake.
         assert!(windows.duration() < 1.02 * whole.duration(), "{what}");
     }
-}
-
-/// Without being asked for: what would take half a gigabyte at once.
-#[test]
-fn very_long_paths_are_planned_in_windows_by_themselves() {
-    let arm = models::ur5e();
-    let path = route(4, 60);
-    let planner = Planner::new(&arm, limits());
-    let plan = planner.clone().with_intervals(60_000).expect("allowed").plan(&path).expect("is planned");
-    let info = plan.info().windows.as_ref().expect("a long path");
-    assert!(info.count > 5 && info.stops.is_empty() && plan.info().to_string().contains("windows"), "{info:?}");
-    let coarse = planner.with_intervals(6000).expect("allowed").plan(&path).expect("is planned");
-    assert!(plan.duration() < 1.005 * coarse.duration(), "{} and {}", plan.duration(), coarse.duration());
 }
 
 #[test]
