@@ -181,7 +181,8 @@ impl Frame {
         let rest = |m: &StateToState| AxisState::rest(m.at(m.duration()).p);
         let (from, to) = (rest(&stop), rest(&entry));
         let motion = StateToState::joined(&stop, 0.0, &self.leg(&from, &to)?)?;
-        // That stop itself, not the shortest way between its ends: at round-off of the range another way may be the shortest.
+        // That stop itself, not the shortest way between its ends: at round-off of the range
+        // another way may be the shortest.
         StateToState::joined(&motion, 0.0, &entry.backwards(&to, &self.target, self.limits.j))
     }
 

@@ -161,11 +161,13 @@ pub(super) fn solve(p: &Problem, t: f64) -> Option<Shape> {
         let step = (next - v).abs();
         if f == 0.0 || step <= f64::EPSILON * (v.abs() + scale) || hi <= lo {
             let exact = f.abs() <= 16.0 * f64::EPSILON * (scale + v.abs()) * t;
-            // The last step is round-off of the velocities at the ends, but a long cruise goes far with it.
+            // The last step is round-off of the velocities at the ends, but a long cruise goes far
+            // with it.
             let v = if inside { newton } else { v };
             return (exact && cruise >= -8.0 * f64::EPSILON * t).then(|| Pair { v, ..pair }.shape(cruise.max(0.0)));
         }
-        // Newton's steps have to become smaller. The one after a bisection may lead anywhere in the bracket.
+        // Newton's steps have to become smaller. The one after a bisection may lead anywhere in the
+        // bracket.
         before = if inside { step } else { f64::INFINITY };
         v = next;
     }

@@ -30,7 +30,8 @@ enum Beyond {
     Settled { shape: Shape, duration: f64, excess: f64 },
 }
 
-/// Largest distance of a duration from the range of an extremal that counts as round-off, relative to the duration.
+/// Largest distance of a duration from the range of an extremal that counts as round-off, relative
+/// to the duration.
 const SLACK: f64 = 1e-12;
 
 impl Extremals {

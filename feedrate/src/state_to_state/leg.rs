@@ -1,8 +1,9 @@
 //! The shortest motion between two states, also where only its start makes the target possible.
 //!
-//! A target that brakes harder than a motion inside the limits can is refused by [`AxisProblem`]: its velocity would have been outside
-//! before. Right after a start that brakes as hard it can be reached all the same. Backwards in time it is the start, which may be any
-//! state, so that the motion is computed that way.
+//! A target that brakes harder than a motion inside the limits can is refused by [`AxisProblem`]:
+//! its velocity would have been outside before. Right after a start that brakes as hard it can be
+//! reached all the same. Backwards in time it is the start, which may be any state, so that the
+//! motion is computed that way.
 
 use super::problem::AxisProblem;
 use super::profile::StateToState;
@@ -72,7 +73,8 @@ impl Leg {
         from_inside() || motion.phases().all(|(phase, dt)| inside(phase.after(phase.turn(dt).unwrap_or(dt)).v))
     }
 
-    /// How far the shortest change of velocity and acceleration goes, if there is one inside the limits.
+    /// How far the shortest change of velocity and acceleration goes, if there is one inside the
+    /// limits.
     pub fn direct_displacement(from: &AxisState, to: &AxisState, limits: &AxisLimits) -> Option<f64> {
         match AxisProblem::direct_displacement(from, to, limits) {
             Err(FeedError::TargetUnreachable { .. }) if brakes(from) => {
@@ -84,7 +86,8 @@ impl Leg {
     }
 }
 
-/// Returns true if a state loses speed: from others a target that cannot be entered from inside is out of reach.
+/// Returns true if a state loses speed: from others a target that cannot be entered from inside is
+/// out of reach.
 fn brakes(s: &AxisState) -> bool {
     s.v * s.a < 0.0
 }

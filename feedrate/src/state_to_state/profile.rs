@@ -86,8 +86,8 @@ impl StateToState {
         Some(all)
     }
 
-    /// The motion backwards in time, from `start` to `target`, which are its target and its start then; the jerk limits are those of the
-    /// way on.
+    /// The motion backwards in time, from `start` to `target`, which are its target and its start
+    /// then; the jerk limits are those of the way on.
     pub(super) fn backwards(&self, start: &AxisState, target: &AxisState, jerk: (f64, f64)) -> Self {
         let mut motion = Self::default();
         for (phase, dt) in self.phases.iter().rev() {

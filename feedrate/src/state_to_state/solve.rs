@@ -124,7 +124,8 @@ fn root_one_sided(function: &DisplacementFunction, from: f64, to: f64) -> Option
         return Some(function.at(from));
     }
     if function.gap() == 0.0 {
-        // Rise and fall cancel: all of them are the direct change, one phase, and differ by round-off.
+        // Rise and fall cancel: all of them are the direct change, one phase, and differ by
+        // round-off.
         return (function.eval(to).0 >= 0.0).then(|| function.at(from));
     }
     if let Some(top) = function.summit(from, to) {

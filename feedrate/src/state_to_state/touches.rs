@@ -70,8 +70,8 @@ impl Touched {
 impl Frame {
     pub fn new(start: AxisState, target: AxisState, limits: AxisLimits, positions: PositionLimits) -> Self {
         let mut frame = Self { start, target, limits, positions, lowest: 0.0 };
-        // From a state inside the limits the velocity keeps its limit before the touch. A start that brakes already may be one whose
-        // past does not.
+        // From a state inside the limits the velocity keeps its limit before the touch. A start
+        // that brakes already may be one whose past does not.
         let inside = lowest_at_turn(&frame.backwards().1);
         let brakes = start.v > 0.0 && start.a < 0.0;
         frame.lowest = if brakes { inside.min(hardest_turn(&start, &limits).a) } else { inside };
@@ -135,7 +135,8 @@ impl Frame {
         self.permits(&leg, &motion).then_some(motion)
     }
 
-    /// Returns true if the motion of a leg stays inside, and inside the velocity limits unless it comes back into them after the start.
+    /// Returns true if the motion of a leg stays inside, and inside the velocity limits unless it
+    /// comes back into them after the start.
     pub(super) fn permits(&self, leg: &Leg, motion: &StateToState) -> bool {
         let free = *leg.start() == self.start && !leg.is_backwards();
         self.positions.contain_all_of(motion) && (free || leg.keeps_velocity(motion))
