@@ -88,8 +88,9 @@ impl Leg {
 
 /// Returns true if a state loses speed: from others a target that cannot be entered from inside is
 /// out of reach.
-fn brakes(s: &AxisState) -> bool {
-    s.v * s.a < 0.0
+pub(super) fn brakes(s: &AxisState) -> bool {
+    // Not by the product, which can be zero for small numbers.
+    s.v > 0.0 && s.a < 0.0 || s.v < 0.0 && s.a > 0.0
 }
 
 /// A state as it is when time runs backwards.

@@ -7,7 +7,7 @@
 //! back first. These touches are roots of a function of one variable. The others minimise the sum of
 //! two durations, found by parabolas. The number of legs computed is bounded.
 
-use super::leg::{Leg, backwards, backwards_limits};
+use super::leg::{Leg, backwards, backwards_limits, brakes};
 use super::positions::{PositionLimits, hardest_turn, lowest_at_turn, mirrored, mirrored_limits};
 use super::profile::StateToState;
 use super::search::{MOST_ROOTS, Value, beyond, boundary, minimise, roots};
@@ -73,8 +73,8 @@ impl Frame {
         // From a state inside the limits the velocity keeps its limit before the touch. A start
         // that brakes already may be one whose past does not.
         let inside = lowest_at_turn(&frame.backwards().1);
-        let brakes = start.v > 0.0 && start.a < 0.0;
-        frame.lowest = if brakes { inside.min(hardest_turn(&start, &limits).a) } else { inside };
+        frame.lowest =
+            if start.v > 0.0 && brakes(&start) { inside.min(hardest_turn(&start, &limits).a) } else { inside };
         frame
     }
 
