@@ -94,3 +94,30 @@ pub(crate) fn lower_where_exceeded(
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A lower limit helps against what grows with the speed, and against nothing else.
+    #[test]
+    fn what_no_speed_mends_lowers_no_limit() {
+        let of = |quantity| lowered_for(LimitId::joint(quantity, 2), true).map(|id| (id.quantity, id.joint));
+        for quantity in [Quantity::JointVelocity, Quantity::JointTorque, Quantity::JointJerk] {
+            assert_eq!(of(quantity), Some((quantity, Some(2))));
+        }
+        assert_eq!(of(Quantity::Continuity), Some((Quantity::JointJerk, Some(2))));
+        for quantity in [
+            Quantity::JointPosition,
+            Quantity::PathDeviation,
+            Quantity::OrientationDeviation,
+            Quantity::Ends,
+            Quantity::SetpointAgreement,
+            Quantity::EndPosition,
+            Quantity::EndVelocity,
+            Quantity::EndAcceleration,
+        ] {
+            assert_eq!(of(quantity), None, "{quantity:?}");
+        }
+    }
+}

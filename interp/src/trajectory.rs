@@ -442,3 +442,28 @@ impl<const N: usize> Iterator for Setpoints<'_, '_, N> {
         self.times.size_hint()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// b v^2 + c v + d is at a limit at the speed, and inside below it.
+    #[test]
+    fn the_greatest_constant_speed_is_where_a_row_meets_its_limit() {
+        let row =
+            |b: f64, c: f64, d: f64| Row { a: 1.0, b, c, d, lo: -2.0, hi: 3.0, source: LimitId::path(Quantity::Other) };
+        for (b, c, d, expected) in [
+            (0.0, 4.0, 1.0, 0.5),
+            (0.0, -5.0, 1.0, 0.6),
+            (2.0, 0.0, 1.0, 1.0),
+            (-3.0, 0.0, 1.0, 1.0),
+            (1.0, 1.0, 1.0, 1.0),
+            (1.0, -1.0, 1.0, 2.0),
+            (0.0, 0.0, 1.0, f64::INFINITY),
+            (1.0, 1.0, 3.5, 0.0),
+        ] {
+            let got = greatest_constant(&row(b, c, d));
+            assert!(got == expected || (got - expected).abs() < 1e-15, "{b} {c} {d}: {got}");
+        }
+    }
+}

@@ -364,6 +364,15 @@ mod tests {
     use nalgebra::Isometry3;
 
     #[test]
+    fn the_least_value_is_found_wherever_in_the_interval_it_is() {
+        for i in 0..=100 {
+            let least = -1.0 + 0.03 * f64::from(i);
+            let found = least_of(|x| (x - least).abs() * (1.0 + 0.3 * (x - least).sin()), -1.0, 2.0);
+            assert!((found - least).abs() < 1e-9, "{found} instead of {least}");
+        }
+    }
+
+    #[test]
     fn gradients_are_difference_quotients() {
         let joint = |i: usize| {
             let k = i as f64;

@@ -252,3 +252,24 @@ impl<'a> PathDerivatives<'a> {
         [0.5 * (p0 + p1) + 0.125 * h * (s0 - s1), second, third]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The cubic through values and slopes at both ends of an interval is enclosed by its Bernstein coefficients, and by nothing wider.
+    #[test]
+    fn an_interval_is_enclosed_by_the_coefficients_of_its_cubics() {
+        for (second, coefficient) in [([0.0, -1.0], 1.0 / 3.0), ([1.0, 0.0], 1.0 / 3.0), ([-0.6, 0.9], 0.3)] {
+            let path = PathDerivatives::new(1, &[0.0, 0.0], &second).expect("two points");
+            for h in [1.0, 2.0] {
+                let [first, second_most, third] = path.interval(0, h, 0);
+                assert!((first - h * coefficient).abs() < 1e-15, "{first}");
+                assert_eq!(
+                    (second_most, third),
+                    (second[0].abs().max(second[1].abs()), (second[1] - second[0]).abs() / h)
+                );
+            }
+        }
+    }
+}

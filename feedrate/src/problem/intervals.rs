@@ -266,6 +266,11 @@ mod tests {
                 })
             };
             assert!(caps(v) <= 1.0 + 1e-12, "{bounds:?}: {}", caps(v));
+            // The greatest speed for this acceleration and jerk: what they use may be all that there is.
+            let live = live_speed(&bounds, a, j);
+            assert!(live >= v * (1.0 - 1e-9), "{bounds:?}: {live} for {v}");
+            let (kept, beyond) = (caps(live), caps(live * (1.0 + 1e-6) + 1e-12));
+            assert!(kept <= 1.0 + 1e-9 && beyond > 1.0, "{bounds:?}: {kept}, {beyond}");
         }
     }
 }

@@ -1,12 +1,12 @@
 //! Whatever comes in, planners answer with a sound plan or an error that names a place or a value.
 #![allow(clippy::unwrap_used, clippy::neg_cmp_op_on_partial_ord)]
 use arcfeed_feedrate::constraint::{
-    Feed, JointAcceleration, JointJerk, JointTorque, JointVelocity, PathConstraint, PathDerivatives, SpeedCap, Stop,
-    TangentialAcceleration, TangentialJerk,
+    Feed, JointAcceleration, JointJerk, JointTorque, JointVelocity, PathConstraint, PathDerivatives, Place, RowSink,
+    SpeedCap, Stop, TangentialAcceleration, TangentialJerk, Within,
 };
 use arcfeed_feedrate::{
-    FeedError, FeedPlanner, FeedProblem, ForwardBackwardScan, InterpolatedReachability, JerkLimited, MotionLaw,
-    PathEnd, Quantity, Reachability, SpeedLaw,
+    FeedError, FeedPlanner, FeedProblem, ForwardBackwardScan, InterpolatedReachability, JerkLimited, JerkRow, LimitId,
+    MotionLaw, PathEnd, Quantity, Reachability, SpeedLaw,
 };
 use proptest::prelude::*;
 
@@ -353,6 +353,14 @@ fn end_speeds_out_of_reach_are_named() {
             assert!(named.contains(&row.quantity), "{error}");
         }
     }
+    // The scan tells a limit at the end itself from those on the way there.
+    for (v0, v1, named) in
+        [(2.5, 0.0, Quantity::Feed), (1.5, 0.0, Quantity::ControllableSet), (0.0, 2.5, Quantity::Feed)]
+    {
+        let error = ForwardBackwardScan.plan(&problem(v0, v1)).unwrap_err();
+        let FeedError::SpeedOutOfReach { row, .. } = error else { panic!("{error:?}") };
+        assert_eq!(row.quantity, named, "{error}");
+    }
     // Less acceleration is needed than there is, but it cannot be taken off and on in time.
     let error = JerkLimited::default().plan(&problem(1.41, 0.0)).unwrap_err();
     let FeedError::SpeedOutOfReach { end: PathEnd::Start, highest, row, .. } = error else { panic!("{error:?}") };
@@ -449,4 +457,27 @@ fn too_many_rows_are_refused() {
     let error = JerkLimited::default().plan(&problem).unwrap_err();
     let FeedError::TooMany { got, most, .. } = error else { panic!("{error}") };
     assert!(got > most);
+}
+
+/// Terms of a jerk row that overflow only together.
+struct LargeJerk;
+
+impl PathConstraint for LargeJerk {
+    fn points(&self) -> Option<usize> {
+        None
+    }
+
+    fn rows(&self, _: Place, _: &mut RowSink<'_>) {}
+
+    fn jerk_rows(&self, k: usize, _: f64, _: Within, out: &mut Vec<JerkRow>) {
+        let gamma = if k == 3 { 1e308 } else { 0.0 };
+        let source = LimitId::path(Quantity::Other);
+        out.push(JerkRow { alpha: 0.0, beta: 1e308, gamma, step: 0.0, limit: 1.0, source });
+    }
+}
+
+#[test]
+fn a_jerk_row_whose_terms_overflow_together_is_named() {
+    let error = FeedProblem::at_points(&grid(10), &[&LargeJerk]).unwrap_err();
+    assert!(matches!(error, FeedError::BadRow { index: 3, .. }), "{error:?}");
 }

@@ -1,6 +1,6 @@
 //! Second-order planners against durations made with other programs.
 #![allow(clippy::unwrap_used, clippy::neg_cmp_op_on_partial_ord)]
-use arcfeed_feedrate::constraint::{JointAcceleration, JointTorque, JointVelocity};
+use arcfeed_feedrate::constraint::{JointAcceleration, JointTorque, JointVelocity, PathDerivatives};
 use arcfeed_feedrate::{
     FeedPlanner, FeedProblem, ForwardBackwardScan, InterpolatedReachability, Reachability, SpeedLaw,
 };
@@ -150,4 +150,23 @@ fn certified_torque_between_the_points() {
     }
     // 50 intervals for 20 way-points are far too few; still most of the excess goes.
     assert!(worst[0] > 1.2 && worst[1] < 1.1, "{worst:?}");
+}
+
+/// The bend of a path jumps at a grid point: the limit holds on both sides of it.
+#[test]
+fn an_acceleration_limit_holds_before_a_jump_of_the_second_derivative() {
+    let grid = [0.0, 0.5, 1.0, 1.5];
+    // The sharp bend ends where the second interval begins.
+    let (first, second, before) = ([1.0; 4], [8.0, 0.5, 0.5, 0.5], [8.0, 8.0, 0.5, 0.5]);
+    let path = PathDerivatives::new(1, &first, &second).unwrap().with_values_before(&[], &before, &[]).unwrap();
+    let acceleration = JointAcceleration::new(path, &[2.0]).unwrap();
+    let problem = FeedProblem::at_points(&grid, &[&acceleration]).unwrap();
+    let factors: Vec<f64> = problem.rows(1).iter().map(|row| row.b).collect();
+    assert_eq!(factors, [0.5, 8.0]);
+    assert_eq!(problem.rows(2).len(), 1);
+    for planner in [&Reachability as &dyn FeedPlanner, &ForwardBackwardScan] {
+        // 8 v^2 - a = 2 at least, with the hardest braking of 2.
+        let v = planner.plan(&problem).unwrap().at_position(0.5).v;
+        assert!(v <= 0.5_f64.sqrt() + 1e-9, "{v}");
+    }
 }

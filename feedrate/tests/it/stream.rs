@@ -1,6 +1,10 @@
 //! Segments that arrive at random moments of the motion: judged by differences of the positions alone.
 #![allow(clippy::unwrap_used, clippy::neg_cmp_op_on_partial_ord)]
-use arcfeed_feedrate::{FeedError, Segment, SegmentStream, StreamStatus, boundaries, plan_per_segment, plan_windowed};
+use arcfeed_feedrate::constraint::{Feed, TangentialAcceleration, TangentialJerk};
+use arcfeed_feedrate::{
+    FeedError, FeedPlanner, FeedProblem, MotionLaw, PerSegmentScan, Segment, SegmentStream, StreamStatus, StreamedScan,
+    boundaries, plan_per_segment, plan_windowed,
+};
 
 use crate::common::curve_like;
 use arcfeed_testing::Random;
@@ -274,6 +278,38 @@ fn a_window_that_is_always_full_is_as_fast_as_the_windowed_scan() {
         slower += usize::from(run.held_back > 0);
     }
     assert!(slower > 20 && worst < 1.01, "{slower} {worst}");
+}
+
+/// A problem as a stream: with all of it known at once the motion is that of the scan; with little of it known it is slower, and says
+/// where it was held back.
+#[test]
+fn a_problem_is_run_as_a_stream() {
+    let grid: Vec<f64> = (0..=200).map(|i| f64::from(i) * 5e-3).collect();
+    let feeds: Vec<f64> = (0..200).map(|i| if i % 80 < 50 { 0.5 } else { 0.1 }).collect();
+    let (feed, acceleration) = (Feed::new(&feeds).unwrap(), TangentialAcceleration::new(1.0).unwrap());
+    let jerk = TangentialJerk::new(30.0).unwrap();
+    let problem = FeedProblem::between_points(&grid, &[&feed, &acceleration, &jerk]).unwrap();
+    let best = PerSegmentScan::default().plan(&problem).unwrap().duration();
+    let run = |look_ahead: usize, gap: f64| StreamedScan { look_ahead, gap, period: 1e-3 }.run(&problem).unwrap();
+    let all = run(200, 0.0);
+    assert!((all.law.duration() / best - 1.0).abs() < 1e-9 && all.waits.is_empty(), "{} {best}", all.law.duration());
+    assert!((all.law.end().p - 1.0).abs() < 1e-12);
+    let few = run(3, 0.0);
+    assert!(few.law.duration() > 1.1 * best && !few.held_back.is_empty() && few.waits.is_empty());
+    // A segment of 5 mm each half second: the motion waits for them.
+    let late = run(3, 0.5);
+    let waits: f64 = late.waits.iter().map(|(_, dt)| dt).sum();
+    assert!(waits > 30.0 && late.law.duration() > 95.0, "{waits} {}", late.law.duration());
+    for streamed in [all, few, late] {
+        let law = streamed.law;
+        let mut before = law.at(0.0);
+        for i in 1..=2000 {
+            let now = law.at(law.duration() * f64::from(i) / 2000.0);
+            let limit = feeds[((before.p / 5e-3) as usize).min(199)].max(feeds[((now.p / 5e-3) as usize).min(199)]);
+            assert!(now.p >= before.p && now.v <= limit + 1e-9 && now.a.abs() <= 1.0 + 1e-9, "{now:?}");
+            before = now;
+        }
+    }
 }
 
 #[test]

@@ -170,3 +170,47 @@ fn distance_of_line([a, b]: [Vector3<f64>; 2]) -> f64 {
     let part = if length > 0.0 { (-a.dot(&along) / length).max(0.0).min(1.0) } else { 0.0 };
     (a + along * part).norm()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Points that move along cubics of the time: what is sampled between two moments is within the bounds, also where the tool nearly
+    /// stops and turns between them.
+    #[test]
+    fn feeds_and_accelerations_between_two_moments_are_within_their_bounds() {
+        let mut seed = 3_u64;
+        let mut random = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        };
+        let mut closest = [0.0_f64; 4];
+        for case in 0..3000 {
+            let mut vector = |size: f64| Vector3::from_fn(|_, _| size * random());
+            // Slow in the middle, with every kind of change of the acceleration.
+            let third = [0.0, 1e-3, 1.0, 10.0][case % 4];
+            let (v, a, j) = (vector([0.01, 0.1, 1.0][case % 3]), vector(1.0), vector(third));
+            let (w, spin) = (vector(1.0), vector(0.5));
+            let moment = |tau: f64| {
+                let twist = |linear: Vector3<f64>, angular: Vector3<f64>| {
+                    Twist::from_iterator(linear.iter().chain(angular.iter()).copied())
+                };
+                let velocity = v + a * tau + j * (tau * tau / 2.0);
+                let (sizes, data) =
+                    sizes_of(twist(velocity, w + spin * (tau * tau / 2.0)), twist(a + j * tau, spin * tau));
+                Moment { tau, sizes, data }
+            };
+            let width = [0.01, 0.1, 0.5][case / 7 % 3];
+            let (first, last) = (moment(-width), moment(width));
+            let bounds = bounds_between(&first, &last, [j.norm(), 0.0, spin.norm()]);
+            for i in 0..=40 {
+                let sizes = moment(width * (f64::from(i) / 20.0 - 1.0)).sizes;
+                for (k, (size, bound)) in sizes.iter().zip(bounds).enumerate() {
+                    assert!(*size <= bound * (1.0 + 1e-12), "case {case}, {}: {size} {bound}", QUANTITIES[k]);
+                    closest[k] = closest[k].max(size / bound);
+                }
+            }
+        }
+        assert!(closest.iter().all(|part| *part > 0.99), "{closest:?}");
+    }
+}

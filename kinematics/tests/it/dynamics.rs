@@ -4,7 +4,8 @@
 use crate::common;
 
 use arcfeed_kinematics::{
-    ArmDynamics, Chain, Dynamics, ForwardKinematics, Friction, Inertial, Joint, Joints, KinematicsError, models,
+    ArmDynamics, Chain, Dynamics, ForwardKinematics, Friction, Inertial, Joint, JointKind, Joints, KinematicsError,
+    models,
 };
 use common::{ArmState, chain, inertials, records};
 use nalgebra::{Cholesky, Isometry3, Matrix3, SMatrix, Vector3};
@@ -67,12 +68,16 @@ fn five_arms_agree_with_pinocchio() {
 
 /// An arm with turning and sliding joints in no particular direction.
 fn mixed_arm() -> (Chain<4>, ArmDynamics<4>) {
+    arm_of([JointKind::Revolute, JointKind::Prismatic, JointKind::Revolute, JointKind::Prismatic])
+}
+
+fn arm_of(kinds: [JointKind; 4]) -> (Chain<4>, ArmDynamics<4>) {
     let pose = |x: f64, y: f64, z: f64| Isometry3::new(Vector3::new(x, y, z), Vector3::new(y, -z, x) * 3.0);
     let chain = Chain::new([
-        Joint::revolute(pose(0.1, 0.2, 0.3), Vector3::new(1.0, 2.0, -0.5)).unwrap(),
-        Joint::prismatic(pose(0.2, -0.1, 0.4), Vector3::new(0.3, -1.0, 0.7)).unwrap(),
-        Joint::revolute(pose(-0.3, 0.1, 0.2), Vector3::new(-1.0, 0.2, 0.9)).unwrap(),
-        Joint::prismatic(pose(0.0, 0.25, -0.1), Vector3::new(0.0, 0.5, 1.0)).unwrap(),
+        Joint::new(pose(0.1, 0.2, 0.3), Vector3::new(1.0, 2.0, -0.5), kinds[0]).unwrap(),
+        Joint::new(pose(0.2, -0.1, 0.4), Vector3::new(0.3, -1.0, 0.7), kinds[1]).unwrap(),
+        Joint::new(pose(-0.3, 0.1, 0.2), Vector3::new(-1.0, 0.2, 0.9), kinds[2]).unwrap(),
+        Joint::new(pose(0.0, 0.25, -0.1), Vector3::new(0.0, 0.5, 1.0), kinds[3]).unwrap(),
     ])
     .unwrap()
     .with_base(pose(0.5, 0.1, -0.2))
@@ -208,7 +213,7 @@ fn a_payload_is_a_part_of_the_last_link() {
     assert!((carried.gravity_torque(&q) - bare.gravity_torque(&q) - weight).amax() < 1e-12);
 }
 
-/// Arms in space, one with joints that slide and one whose identified bodies cannot exist: the second derivative of the torque of random
+/// Arms in space, two with joints that slide, of which one stands on a rail, and one whose identified bodies cannot exist: the second derivative of the torque of random
 /// motions, by differences, within the bounds.
 #[test]
 fn torques_of_random_motions_keep_their_bounds() {
@@ -245,11 +250,13 @@ fn torques_of_random_motions_keep_their_bounds() {
     }
     let friction = |n: f64| Friction::new(Joints::repeat(n), Joints::repeat(2.0 * n), Joints::repeat(n)).unwrap();
     let (_, mixed) = mixed_arm();
+    let (_, on_rail) = arm_of([JointKind::Prismatic, JointKind::Revolute, JointKind::Prismatic, JointKind::Revolute]);
     let ur5e = ArmDynamics::new(&chain::<6>("ur5e"), inertials("ur5e")).unwrap();
     let puma = ArmDynamics::new(&chain::<6>("puma560"), inertials("puma560")).unwrap();
     let rotors = Joints::repeat(0.4);
     for most in [
         holds(&mixed.with_rotor_inertia(Joints::repeat(0.4)).unwrap(), 1),
+        holds(&on_rail, 5),
         holds(&ur5e.with_friction(friction(3.0)), 2),
         holds(&puma.with_rotor_inertia(rotors).unwrap(), 3),
         holds(&ArmDynamics::new(&chain::<7>("panda"), inertials("panda")).unwrap(), 4),

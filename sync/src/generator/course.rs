@@ -237,3 +237,84 @@ fn within(x: &(f64, f64), bound: &(f64, f64), part: f64) -> bool {
     let slack = part * (bound.1 - bound.0);
     x.0 >= bound.0 - slack && x.1 <= bound.1 + slack
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use arcfeed_feedrate::AxisState;
+    use arcfeed_testing::Random;
+
+    /// By how much the motion takes more than its limits at most, in parts of them, at 400 moments of a ramp.
+    fn worst(motions: Motions<'_>, until: f64, ramp: &StateToState) -> f64 {
+        let mut worst = 0.0_f64;
+        for i in 0..=400 {
+            let scale = ramp.at(ramp.duration() * f64::from(i) / 400.0);
+            let (motion, limits, t) = if scale.p < until {
+                (motions[0].0, motions[0].1, scale.p)
+            } else {
+                (motions[1].0, motions[1].1, scale.p - until)
+            };
+            let (plan, s) = (motion.at_or_after(t), scale.v);
+            let jerk = plan.j * s.powi(3) + 3.0 * plan.a * s * scale.a + plan.v * scale.j;
+            let rates = [plan.v * s, plan.a * s * s + plan.v * scale.a, jerk];
+            for (x, limit) in rates.into_iter().zip([limits.v_max(), limits.a_max(), limits.j_max()]) {
+                worst = worst.max(x.abs() / limit);
+            }
+        }
+        worst
+    }
+
+    /// Ramps of the scale along random plans that leave something of their limits. None that counts as safe breaks a limit, and of those
+    /// that keep them with a tenth to spare none is refused.
+    #[test]
+    fn what_counts_as_safe_keeps_the_limits_and_nothing_with_room_is_refused() {
+        let mut rng = Random::new(5);
+        let (mut safe, mut refused, mut above) = (0, 0, 0);
+        for case in 0..4000 {
+            let limits =
+                AxisLimits::symmetric(rng.log(0.3, 3.0), rng.log(1.0, 10.0), rng.log(5.0, 200.0)).expect("limits");
+            let part = [1.0, 0.8, 0.5, 0.3][case % 4];
+            let [v, a, j] = [limits.v_max() * part, limits.a_max() * part * part, limits.j_max() * part.powi(3)];
+            let planned = AxisLimits::symmetric(v, a, j).expect("limits");
+            let states = [0.0, rng.sign() * rng.log(0.01, 2.0), rng.unit()].map(|p| AxisState::new(p, 0.0, 0.0));
+            let plans =
+                [0, 1].map(|i| StateToState::new(&states[i], &states[i + 1], &planned).expect("from rest to rest"));
+            let motions = [(&plans[0], &limits), (&plans[1], &limits)];
+            let until = if rng.unit() < 0.5 { plans[0].duration() } else { f64::INFINITY };
+            let course = Course::new(motions, (0.0, until), false);
+            let rates = course.scale_rates();
+            let level = rng.log(1e-2, 1.0);
+            let rates = AxisLimits::symmetric(100.0, rates.0 * level, rates.1 * level).expect("limits");
+            let (from, to) = (1.2 * rng.unit(), (1.5 * rng.unit()).min(course.highest_scale()));
+            let begin = AxisState::new(0.0, from.min(course.highest_scale()), 0.0);
+            let ramp = StateToState::to_velocity(&begin, to, 0.0, &rates).expect("a ramp");
+            let worst = worst(motions, until, &ramp);
+            if course.keeps(&ramp, 0.0) {
+                safe += 1;
+                above += usize::from(to > 1.0 || from > 1.0);
+                assert!(worst <= 1.0 + 1e-9, "case {case}: {worst}");
+            } else {
+                refused += usize::from(worst < 0.9);
+            }
+        }
+        assert!(safe > 2000 && above > 500 && refused == 0, "{safe} {above} {refused}");
+    }
+
+    /// A plan that leaves nothing of its limits, slowed down: it is known to keep them after five parts.
+    #[test]
+    fn no_more_parts_are_looked_at_than_the_budget_has() {
+        let limits = AxisLimits::symmetric(1.0, 4.0, 40.0).expect("limits");
+        let [begin, end] = [0.0, 2.0].map(|p| AxisState::new(p, 0.0, 0.0));
+        let plan = StateToState::new(&begin, &end, &limits).expect("from rest to rest");
+        let course = Course::new([(&plan, &limits); 2], (0.0, f64::INFINITY), false);
+        // The scale falls from 1 to a half in 1 s.
+        let phase = Phase { v: 1.0, a: -0.5, ..Phase::default() };
+        for most in [1, 2, 4] {
+            let mut budget = most;
+            assert!(!course.keeps_part(&phase, (0.0, 1.0), DEPTH, &mut budget) && budget == 0, "{budget} of {most}");
+        }
+        let mut budget = BUDGET;
+        assert!(course.keeps_part(&phase, (0.0, 1.0), DEPTH, &mut budget));
+        assert_eq!(budget, BUDGET - 5);
+    }
+}
