@@ -76,6 +76,15 @@ fn the_network_is_behind_a_feature_that_is_off() {
     assert!(library.contains("#[cfg(feature = \"controller\")]\npub mod controller;"), "the module has its feature");
 }
 
+/// The clock of the system can be set, and then it jumps. Time is measured by the clock that only goes on.
+#[test]
+fn no_source_reads_the_clock_of_the_system() {
+    for (file, text) in sources().iter().filter(|(file, _)| !file.ends_with("tests/it/security.rs")) {
+        let found: Vec<&str> = ["SystemTime", "UNIX_EPOCH"].iter().flat_map(|word| lines_with(text, word)).collect();
+        assert!(found.is_empty(), "{file}: {found:?}");
+    }
+}
+
 const ARM: &str = r#"<link name="base"/><link name="arm"><visual><geometry>MESH</geometry></visual></link>
 <joint name="swing" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/>
 <limit lower="-1" upper="1" effort="1" velocity="1"/></joint>"#;
