@@ -1,6 +1,9 @@
 //! Second-order planners against durations made with other programs.
 #![allow(clippy::unwrap_used, clippy::neg_cmp_op_on_partial_ord)]
-use arcfeed_feedrate::constraint::{JointAcceleration, JointTorque, JointVelocity, PathDerivatives};
+use arcfeed_feedrate::constraint::{
+    JointAcceleration, JointJerk, JointTorque, JointVelocity, PathConstraint, PathDerivatives, TangentialAcceleration,
+    TangentialJerk,
+};
 use arcfeed_feedrate::{
     FeedPlanner, FeedProblem, ForwardBackwardScan, InterpolatedReachability, Reachability, SpeedLaw,
 };
@@ -168,5 +171,27 @@ fn an_acceleration_limit_holds_before_a_jump_of_the_second_derivative() {
         // 8 v^2 - a = 2 at least, with the hardest braking of 2.
         let v = planner.plan(&problem).unwrap().at_position(0.5).v;
         assert!(v <= 0.5_f64.sqrt() + 1e-9, "{v}");
+    }
+}
+
+/// Two joints, of which the second moves twice as fast as the path: the acceleration and the jerk that a standstill leaves along it.
+#[test]
+fn a_standstill_leaves_what_the_strictest_limit_leaves() {
+    let grid = [0.0, 0.5, 1.0];
+    let (first, zeros) = ([1.0, 2.0, 1.0, 2.0, 1.0, 2.0], [0.0; 6]);
+    let path = PathDerivatives::new(2, &first, &zeros).and_then(|path| path.with_third(&zeros)).unwrap();
+    let tangential = (TangentialAcceleration::new(3.0).unwrap(), TangentialJerk::new(7.0).unwrap());
+    for ([a1, a2], [j1, j2], expected) in [
+        ([9.0, 5.0], [90.0, 10.0], (2.5, 5.0)),
+        ([2.0, 5.0], [6.0, 90.0], (2.0, 6.0)),
+        ([9.0, 9.0], [90.0, 90.0], (3.0, 7.0)),
+    ] {
+        let (accelerations, jerks) = ([a1, a2], [j1, j2]);
+        let velocity = JointVelocity::new(path, &[1.0, 1.0]).unwrap();
+        let acceleration = JointAcceleration::new(path, &accelerations).unwrap();
+        let jerk = JointJerk::new(path, &jerks).unwrap();
+        let all: [&dyn PathConstraint; 5] = [&velocity, &acceleration, &jerk, &tangential.0, &tangential.1];
+        let got = FeedProblem::between_points(&grid, &all).unwrap().rest_limits().unwrap();
+        assert!((got.0 - expected.0).abs() < 1e-12 && (got.1 - expected.1).abs() < 1e-12, "{got:?} {expected:?}");
     }
 }

@@ -76,3 +76,18 @@ fn separate<const N: usize>(steps: &mut [Step<N>], duration: f64) {
         step.window = [step.window[0].max(last), step.window[1].min(next)];
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use arcfeed_kinematics::Joints;
+
+    #[test]
+    fn windows_end_in_the_middle_between_two_steps_and_at_the_ends_of_the_motion() {
+        let still = State { q: Joints::<2>::zeros(), qd: Joints::zeros(), qdd: Joints::zeros() };
+        let step = |t: f64| Step { t, window: [t - 0.5, t + 0.5], before: still, after: still };
+        let mut steps = [0.25, 2.0, 2.5, 4.0].map(step);
+        separate(&mut steps, 4.25);
+        assert_eq!(steps.map(|step| step.window), [[0.0, 0.75], [1.5, 2.25], [2.25, 3.0], [3.5, 4.25]]);
+    }
+}

@@ -6,7 +6,7 @@ use arcfeed_kinematics::{
     SingularityKind, ToolDerivatives, Twist, WeakestMotion, condition_number, least_norm_derivatives, models,
     smallest_singular_value, weakest_motion,
 };
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -248,4 +248,31 @@ fn a_search_that_goes_to_and_fro_still_ends_at_the_nearest_pose() {
     let q = Joints::from([0.0, -1.0138197271408822, -1.8558650417727838, -1.9371951499069515, 1.5625207084097277, 0.0]);
     agrees_with_closed_form(&models::cr7(), &q).unwrap();
     agrees_with_closed_form(&models::ur5e(), &q).unwrap();
+}
+
+/// Shoulder and wrist with three axes through one point each, whose joints stand beside those points.
+#[test]
+fn the_stretched_elbow_of_seven_joints_is_told_wherever_the_joints_stand_on_their_axes() {
+    for beside in [0.0, 0.1, -0.3] {
+        // Along an axis that is not at right angles to its neighbours.
+        let (turn, bend, tilted) = (Vector3::z(), Vector3::y(), Vector3::new(0.0, 0.8, 0.6));
+        let joint = |along: f64, z: f64, axis| {
+            Joint::revolute(Isometry3::from_parts((tilted * along + turn * z).into(), UnitQuaternion::identity()), axis)
+                .unwrap()
+        };
+        let chain = Chain::new([
+            joint(0.0, 0.1, turn),
+            joint(beside, 0.3, tilted),
+            joint(-beside, 0.2, turn),
+            joint(0.0, 0.2, bend),
+            joint(0.0, 0.2, turn),
+            joint(-0.7 * beside, 0.2, tilted),
+            joint(0.7 * beside, 0.1, turn),
+        ]);
+        let arm = Arm::new(chain.unwrap(), JointRange::new(Joints::repeat(-PI), Joints::repeat(PI)).unwrap());
+        let q = Joints::<7>::from([0.3, 0.6, -0.4, 0.05, 0.7, 0.8, 0.2]);
+        let found = arm.nearest_singular_pose(&q).unwrap();
+        assert!(found.q[3].abs() < 1e-7 && found.distance < 0.1, "{found:?}");
+        assert_eq!(found.kind, Some(SingularityKind::Elbow), "{beside}");
+    }
 }
