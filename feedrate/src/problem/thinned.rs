@@ -62,7 +62,7 @@ impl FeedProblem {
             let mut i = last_stop;
             while i < stop {
                 let apart = (i - last_stop).min(stop - i) / 2;
-                i += apart.max(1).min(every).min(stop - i);
+                i += apart.max(1).min(every);
                 kept.push(i);
             }
             last_stop = stop;
