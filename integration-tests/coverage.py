@@ -48,7 +48,8 @@ def main():
         print(__doc__)
         return
     REPORT.parent.mkdir(exist_ok=True)
-    command = ["cargo", "llvm-cov", "--lcov", "--output-path", str(REPORT), *arguments]
+    # Some tests kill a program or fill its disk: its profile is cut off.
+    command = ["cargo", "llvm-cov", "--failure-mode", "all", "--lcov", "--output-path", str(REPORT), *arguments]
     code = subprocess.run(command, cwd=ROOT).returncode
     if code != 0:
         sys.exit(code)
