@@ -84,7 +84,9 @@ def compare(file, robot, generator, count):
         of_base = data.oMf[base]
         pose = (of_base.inverse() * data.oMf[tip]).homogeneous
         columns = [place.idx_v for place in places]
-        jacobian = pinocchio.getFrameJacobian(model, data, tip, pinocchio.LOCAL_WORLD_ALIGNED)[:, columns]
+        jacobian = pinocchio.getFrameJacobian(model, data, tip, pinocchio.LOCAL_WORLD_ALIGNED)
+        # Of one joint it is a vector.
+        jacobian = jacobian.reshape(6, model.nv)[:, columns]
         turn = np.kron(np.eye(2), of_base.rotation.T)
         worst = np.maximum(
             worst, [np.abs(robot.forward(q) - pose).max(), np.abs(robot.jacobian(q) - turn @ jacobian).max()]

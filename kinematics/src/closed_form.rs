@@ -8,12 +8,17 @@ use crate::{
     jacobian::{Configuration, Target},
     joint::{JointRange, Joints, check_finite},
     lu::Lu6,
+    numeric::{NumericArm, NumericSettings},
     posture::Posture,
     singularity::SingularityDistances,
     singularity_kind::SingularityKind,
     traits::{AnalyticInverse, ForwardKinematics, InverseKinematics, PoseResidual},
 };
 use nalgebra::Isometry3;
+
+/// How far out of reach of the ideal geometry a target may be that the real chain is tried at, m: ten times the largest
+/// deviation that is accepted.
+const BESIDE: f64 = 1e-3;
 
 /// A six-joint arm whose axes 2, 3 and 4 are parallel (Universal Robots, Dobot CR and their kin), with its joint range.
 ///
@@ -170,6 +175,34 @@ impl<S: ClosedForm> ClosedFormArm<S> {
     }
 }
 
+impl<S: ClosedForm> ClosedFormArm<S> {
+    /// The solution nearest to `seed` inside the range.
+    fn nearest(&self, target: &Isometry3<f64>, seed: &Joints<6>) -> Result<Joints<6>, KinematicsError> {
+        // What a singular pose leaves free takes its value from the seed, so that must be a possible one.
+        let possible = |seed: &Joints<6>| seed.zip_zip_map(self.range.lower(), self.range.upper(), f64::clamp);
+        let solutions = self.solve_near(target, &possible(seed), seed)?;
+        let found = nearest_solution(&solutions, seed, &self.range);
+        match found {
+            Err(KinematicsError::OutsideLimits { excess, .. }) if solutions.wrist_singular() => {
+                // One of a family was tried; the one that moves the free joint by the excess may be inside.
+                let other = |shift: f64| {
+                    let mut moved = *seed;
+                    moved[S::FREE_JOINT] += shift;
+                    nearest_solution(&self.solve(target, &possible(&moved))?, seed, &self.range)
+                };
+                other(excess).or_else(|_| other(-excess)).or(found)
+            }
+            found => found,
+        }
+    }
+
+    /// A solution of the real chain that a search from `seed` finds.
+    fn searched(&self, target: &Isometry3<f64>, seed: &Joints<6>) -> Result<Joints<6>, KinematicsError> {
+        let settings = NumericSettings { restarts: 10, ..NumericSettings::default() };
+        NumericArm::new(self.chain, self.range).with_settings(settings)?.inverse(target, seed)
+    }
+}
+
 impl<S: ClosedForm> ForwardKinematics<6> for ClosedFormArm<S> {
     #[inline]
     fn configuration(&self, q: &Joints<6>) -> Configuration<6> {
@@ -198,19 +231,11 @@ impl<S: ClosedForm> AnalyticInverse<6> for ClosedFormArm<S> {
 
 impl<S: ClosedForm> InverseKinematics<6> for ClosedFormArm<S> {
     fn inverse(&self, target: &Isometry3<f64>, seed: &Joints<6>) -> Result<Joints<6>, KinematicsError> {
-        // What a singular pose leaves free takes its value from the seed, so that must be a possible one.
-        let possible = |seed: &Joints<6>| seed.zip_zip_map(self.range.lower(), self.range.upper(), f64::clamp);
-        let solutions = self.solve_near(target, &possible(seed), seed)?;
-        let found = nearest_solution(&solutions, seed, &self.range);
+        let found = self.nearest(target, seed);
         match found {
-            Err(KinematicsError::OutsideLimits { excess, .. }) if solutions.wrist_singular() => {
-                // One of a family was tried; the one that moves the free joint by the excess may be inside.
-                let other = |shift: f64| {
-                    let mut moved = *seed;
-                    moved[S::FREE_JOINT] += shift;
-                    nearest_solution(&self.solve(target, &possible(&moved))?, seed, &self.range)
-                };
-                other(excess).or_else(|_| other(-excess)).or(found)
+            // The real chain may reach what the ideal geometry misses by a hair: beside a singular pose.
+            Err(KinematicsError::Unreachable { distance, .. }) if distance < BESIDE && !self.solver.is_exact() => {
+                self.searched(target, seed).or(found)
             }
             found => found,
         }

@@ -22,6 +22,7 @@ mod poses_of_others;
 mod raised_limits;
 mod random_jobs;
 mod regressions;
+mod robots_of_others;
 mod security;
 mod states_of_users;
 mod tight_bends;

@@ -25,7 +25,8 @@ impl ArmDescription {
     /// Reads the chain from link `base` to link `tip` of a URDF text. Without a base the root is
     /// taken; without a tip, the end of the one chain of moving joints: its only last link, or `tool0`. Four joints or more
     /// that are followed by fingers alone end at the link that carries these, which a note says: joints that slide, follow
-    /// others or are called fingers, at most three in a row. A link `world` that joints start from need not be in the file.
+    /// others or are called fingers, at most three in a row. Where only one of several joints follows no other and leads to `tool0`
+    /// or `flange`, the chain goes on with it: rods and cylinders of a linkage are left out, which a note says. A link `world` that joints start from need not be in the file.
     ///
     /// An inertia that no body can have (a negative mass, moments that break the triangle inequality) is taken as unknown, which a note says
     /// with the link: the arm has no dynamics then. Numbers that are not finite are refused.
@@ -43,11 +44,16 @@ impl ArmDescription {
         let tree = Tree::new(&robot)?;
         let base = base.map_or_else(|| tree.root(), |name| tree.link(name))?;
         let tip = match tip {
-            Some(name) => Tip { link: tree.link(name)?, fingers: Vec::new() },
+            Some(name) => Tip { link: tree.link(name)?, fingers: Vec::new(), rods: Vec::new() },
             None => tree.tip(base)?,
         };
+        let names = |joints: &[usize]| listed(joints.iter().map(|number| tree.joint(*number).name.as_str()));
+        let rods = (!tip.rods.is_empty()).then(|| {
+            let rods = names(&tip.rods);
+            format!("beside the arm, the joints {rods} follow others: they and what they carry are left out, with their mass")
+        });
         let hand = tip.fingers.first().map(|_| {
-            let fingers = listed(tip.fingers.iter().map(|number| tree.joint(*number).name.as_str()));
+            let fingers = names(&tip.fingers);
             let hand = tree.name(tip.link);
             format!("the arm ends at the hand '{hand}': the joints {fingers} and what they carry are left out, with their mass")
         });
@@ -66,7 +72,7 @@ impl ArmDescription {
             name: robot.name.clone(),
             source: format!("URDF, link '{}' to link '{}'", tree.name(base), tree.name(tip)),
             licence: String::new(),
-            notes: hand.into_iter().chain(notes).collect(),
+            notes: rods.into_iter().chain(hand).chain(notes).collect(),
             base: Isometry3::identity(),
             joints,
             flange,

@@ -52,11 +52,22 @@ struct Body {
     leaving: Vec<usize>,
 }
 
+/// The joints of an arm, one after the other.
+struct Trunk {
+    joints: usize,
+    /// What the last of them moves.
+    last: Body,
+    /// The joints beside them that follow others.
+    rods: Vec<usize>,
+}
+
 /// Where an arm ends.
 pub(super) struct Tip {
     pub(super) link: usize,
     /// The joints of a hand that go on from there.
     pub(super) fingers: Vec<usize>,
+    /// The joints beside the arm that follow its own: rods and cylinders of a linkage.
+    pub(super) rods: Vec<usize>,
 }
 
 pub(super) fn broken(rule: &'static str, found: impl Into<String>) -> KinematicsError {
@@ -174,12 +185,12 @@ impl<'a> Tree<'a> {
 
     /// The link at which the arm ends that begins at `base`: the only end of its one chain of moving joints, whatever is
     /// fixed to the links before, or else `tool0`, the customary name of the mounting face. Where fingers go on, the arm
-    /// ends at the hand.
+    /// ends at the hand. Where joints that follow others branch off, the arm goes on with the one that leads to a mounting face.
     ///
     /// # Errors
     /// Lists the links at which an arm may end, in the order of the file.
     pub(super) fn tip(&self, base: usize) -> Result<Tip, KinematicsError> {
-        let (joints, last) = self.trunk(base);
+        let Trunk { joints, last, rods } = self.trunk(base);
         if joints == 0 && last.leaving.is_empty() {
             return Err(broken("there must be a moving joint below the base link", self.name(base)));
         }
@@ -199,19 +210,47 @@ impl<'a> Tree<'a> {
             None
         };
         match chosen {
-            Some(link) => Ok(Tip { link: *link, fingers: last.leaving }),
+            Some(link) => Ok(Tip { link: *link, fingers: last.leaving, rods }),
             None => Err(self.choices(base)),
         }
     }
 
-    /// The number of moving joints from `base` on as long as one follows another, and what the last of them moves.
-    fn trunk(&self, base: usize) -> (usize, Body) {
-        let (mut joints, mut body) = (0, self.body(base));
-        while let [next] = body.leaving[..] {
-            joints += 1;
-            body = self.body(self.child(next));
+    /// The moving joints from `base` on as long as it is clear which one follows.
+    fn trunk(&self, base: usize) -> Trunk {
+        let carries = self.carry_mounts();
+        let mut trunk = Trunk { joints: 0, last: self.body(base), rods: Vec::new() };
+        while let Some(next) = self.goes_on(&trunk.last, &carries) {
+            trunk.joints += 1;
+            trunk.rods.extend(trunk.last.leaving.iter().filter(|joint| **joint != next));
+            trunk.last = self.body(self.child(next));
         }
-        (joints, body)
+        trunk
+    }
+
+    /// The joint with which an arm goes on: the only one, or the only one that follows no other if it carries a mounting
+    /// face.
+    fn goes_on(&self, body: &Body, carries: &[bool]) -> Option<usize> {
+        if let [next] = body.leaving[..] {
+            return Some(next);
+        }
+        let mut free = body.leaving.iter().copied().filter(|joint| self.joint(*joint).mimic.is_none());
+        match (free.next(), free.next()) {
+            (Some(next), None) if carries[self.child(next)] => Some(next),
+            _ => None,
+        }
+    }
+
+    /// Of each link whether it is a mounting face or has one below.
+    fn carry_mounts(&self) -> Vec<bool> {
+        let mut carries = vec![false; self.above.len()];
+        for mount in MOUNTS.iter().filter_map(|name| self.links.get(name)) {
+            let mut at = Some(*mount);
+            while let Some(link) = at.filter(|link| !carries[*link]) {
+                carries[link] = true;
+                at = self.above[link].map(|joint| self.ends[joint].parent);
+            }
+        }
+        carries
     }
 
     /// What moves with `link`, above it left out.

@@ -200,6 +200,50 @@ fn an_arm_with_fingers_ends_at_the_hand() {
     }
 }
 
+/// An arm with a rod beside joint 2 and one behind joint 3, as those of palletisers and of large arms, which follow these; `mount` is its
+/// last link.
+fn with_rods(mount: &str) -> String {
+    let mut text = String::from("<robot name=\"x\"><link name=\"l0\"/>");
+    let mut link = |name: &str, parent: &str, follows: &str| {
+        text +=
+            &format!("<link name=\"{name}\"/><joint name=\"to {name}\" type=\"revolute\"><origin xyz=\"0.1 0 0.1\"/>");
+        text += &format!("<parent link=\"{parent}\"/><child link=\"{name}\"/><axis xyz=\"0 1 0\"/>");
+        text += &format!("{follows}<limit lower=\"-1\" upper=\"1\" velocity=\"1\" effort=\"1\"/></joint>");
+    };
+    for k in 1..=6 {
+        link(&format!("l{k}"), &format!("l{}", k - 1), "");
+    }
+    link("rod", "l1", "<mimic joint=\"to l2\" multiplier=\"-1\"/>");
+    link("end of rod", "rod", "<mimic joint=\"to l2\"/>");
+    link("cylinder", "l3", "<mimic joint=\"to l3\"/>");
+    text += &format!(
+        "<link name=\"{mount}\"/><joint name=\"to face\" type=\"fixed\"><parent link=\"l6\"/><child link=\"{mount}\"/></joint>"
+    );
+    text + "</robot>"
+}
+
+/// The IRB 6640 and the M-900iA of ROS-Industrial were refused until the tip was named.
+#[test]
+fn rods_beside_an_arm_are_left_out() {
+    for mount in ["tool0", "flange"] {
+        let text = with_rods(mount);
+        let arm = ArmDescription::from_urdf(&text, None, None).unwrap();
+        let named = ArmDescription::from_urdf(&text, None, Some(mount)).unwrap();
+        assert_eq!((&arm.joints, arm.flange, arm.joints.len()), (&named.joints, named.flange, 6));
+        assert!(
+            arm.notes[0].contains("to rod, to cylinder follow others") && named.notes.is_empty(),
+            "{:?}",
+            arm.notes
+        );
+    }
+    // Without a mounting face, or with a second joint of its own, it is not clear which is the arm.
+    let driven = with_rods("tool0").replacen("<mimic joint=\"to l2\" multiplier=\"-1\"/>", "", 1);
+    for text in [with_rods("l7"), driven] {
+        let error = ArmDescription::from_urdf(&text, None, None).unwrap_err().to_string();
+        assert!(error.contains("the tip link must be named"), "{error}");
+    }
+}
+
 #[test]
 fn hostile_files_are_refused_by_name() {
     let refused = |from: &str, to: &str| {
