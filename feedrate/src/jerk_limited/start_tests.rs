@@ -71,7 +71,7 @@ fn a_plan_is_a_start_for_limits_that_are_about_the_same() {
         let found = near(&prepared.problem, &mut barrier_problem, &law);
         assert_eq!(found.is_some(), is_near, "{part}");
         let mut values = Values::default();
-        for near in found {
+        if let Some(near) = found {
             barrier_problem.knots.evaluate(&near.start, &mut values);
             assert!(barrier_problem.is_inside(&values), "{part}");
         }

@@ -26,7 +26,8 @@ impl ArmDescription {
     /// taken; without a tip, the end of the one chain of moving joints: its only last link, or `tool0`. Four joints or more
     /// that are followed by fingers alone end at the link that carries these, which a note says: joints that slide, follow
     /// others or are called fingers, at most three in a row. Where only one of several joints follows no other and leads to `tool0`
-    /// or `flange`, the chain goes on with it: rods and cylinders of a linkage are left out, which a note says. A link `world` that joints start from need not be in the file.
+    /// or `flange`, the chain goes on with it: rods and cylinders of a linkage are left out, which a note says. A link `world` that joints
+    /// start from need not be in the file.
     ///
     /// An inertia that no body can have (a negative mass, moments that break the triangle inequality) is taken as unknown, which a note says
     /// with the link: the arm has no dynamics then. Numbers that are not finite are refused.
