@@ -7,7 +7,7 @@ use arcfeed_kinematics::{
     AnalyticInverse, BranchTracker, Candidate, Chain, ForwardKinematics, InverseKinematics, Joint, JointRange, Joints,
     KinematicsError, ParallelAxisArm, ReachSide, largest_step, models, nearest_turns, smallest_singular_value,
 };
-use arcfeed_testing::Random;
+use arcfeed_testing::{Counting, Random};
 use common::closed_forms::{
     WRIST_SINGULAR, joints, manufacturing_errors, nearest, nothing_is_lost_at, poses, solutions_are_polished,
     solutions_at, solutions_reproduce_the_pose, special_joints, tracks_through_the_wrist, with_errors,
@@ -340,7 +340,10 @@ fn poses_that_only_the_real_chain_reaches_are_reached() {
         }
         let target = arm.forward(&q);
         let start = q.map(|value| value + 0.2 * random.sign());
-        let found = arm.inverse(&target, &start).unwrap_or_else(|error| panic!("{k}: {error} at {q}"));
+        let before = Counting::count();
+        let found = arm.inverse(&target, &start);
+        assert_eq!(Counting::count(), before, "{k}: allocates");
+        let found = found.unwrap_or_else(|error| panic!("{k}: {error} at {q}"));
         let off = pose_distance(&arm.forward(&found), &target);
         assert!(off < 1e-9, "{k}: {off:e} at {q}");
         beside += usize::from(arm.inverse_all(&target).is_err());
