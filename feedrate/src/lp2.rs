@@ -174,16 +174,12 @@ mod tests {
 
     #[test]
     fn without_a_highest_value_the_flattest_and_the_steepest_band_bound_it() {
-        let mut state = 11_u64;
-        let mut random = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1_u64 << 53) as f64 * 2.0 - 1.0
-        };
+        let mut random = arcfeed_testing::Random::new(11);
         for case in 0..5000 {
             // Slopes that differ by less than 1 meet far away.
             let bands: Vec<Band> = (0..2 + case % 4)
                 .map(|id| {
-                    let (p, middle, half) = (0.3 * random(), 0.2 * random(), 0.5 + 0.2 * random());
+                    let (p, middle, half) = (0.3 * random.signed(), 0.2 * random.signed(), 0.5 + 0.2 * random.signed());
                     Band { p, lo: middle - half, hi: middle + half, id }
                 })
                 .collect();

@@ -179,14 +179,10 @@ mod tests {
     /// stops and turns between them.
     #[test]
     fn feeds_and_accelerations_between_two_moments_are_within_their_bounds() {
-        let mut seed = 3_u64;
-        let mut random = || {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-        };
+        let mut random = arcfeed_testing::Random::new(3);
         let mut closest = [0.0_f64; 4];
         for case in 0..3000 {
-            let mut vector = |size: f64| Vector3::from_fn(|_, _| size * random());
+            let mut vector = |size: f64| Vector3::from_fn(|_, _| size * random.signed());
             // Slow in the middle, with every kind of change of the acceleration.
             let third = [0.0, 1e-3, 1.0, 10.0][case % 4];
             let (v, a, j) = (vector([0.01, 0.1, 1.0][case % 3]), vector(1.0), vector(third));

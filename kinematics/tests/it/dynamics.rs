@@ -213,8 +213,8 @@ fn a_payload_is_a_part_of_the_last_link() {
     assert!((carried.gravity_torque(&q) - bare.gravity_torque(&q) - weight).amax() < 1e-12);
 }
 
-/// Arms in space, two with joints that slide, of which one stands on a rail, and one whose identified bodies cannot exist: the second derivative of the torque of random
-/// motions, by differences, within the bounds.
+/// Arms in space, two with joints that slide, of which one stands on a rail, and one whose identified bodies cannot exist: the second
+/// derivative of the torque of random motions, by differences, within the bounds.
 #[test]
 fn torques_of_random_motions_keep_their_bounds() {
     fn holds<const N: usize>(arm: &ArmDynamics<N>, seed: u64) -> [f64; 2] {
